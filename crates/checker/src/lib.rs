@@ -1,0 +1,1 @@
+//! State space of a PRISM model, value of a property, and the guarantee of that value.

@@ -1,0 +1,2 @@
+//! The corroborate command: the only place where techniques meet evidence.
+fn main() {}

@@ -1,0 +1,1 @@
+//! What was asked of which asset by which technique, what it showed, and whether it agrees.

@@ -1,0 +1,1 @@
+//! The PRISM language: text to typed models and properties, with spans.

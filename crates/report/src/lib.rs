@@ -1,0 +1,1 @@
+//! Evidence as pages and tables; computes nothing.

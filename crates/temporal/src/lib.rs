@@ -1,0 +1,1 @@
+//! Temporal logic: LTL to automata, and monitors that judge signals.

@@ -1,0 +1,1 @@
+//! One scenario and one seed give one trace, bit for bit.

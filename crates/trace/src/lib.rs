@@ -1,0 +1,1 @@
+//! Timed signals: read, write, resample, evaluate predicates.
