@@ -1,1 +1,29 @@
-//! What was asked of which asset by which technique, what it showed, and whether it agrees.
+//! What was asked of which asset by which technique, what it showed, and
+//! whether the answers agree.
+//!
+//! The nouns follow *corroborative verification and validation* (Webster et
+//! al. 2020, section 2): a [`Requirement`] is checked by a [`Technique`] on
+//! [`Asset`]s (a system model and a requirement model); the result is
+//! [`Evidence`], a list of [`Finding`]s with their uncertainty. Pairs of
+//! evidence are [`Comparison`]s with one of four [`Outcome`]s, and a
+//! disagreement is explained by [`Discrepancy`]s. A [`StudyResult`] holds all
+//! of it and is what a report shows; everything here serialises, and
+//! [`StudyResult::json_schema`] describes the form.
+//!
+//! Nothing in this crate runs a technique, reads a file or prints.
+
+mod asset;
+mod finding;
+mod interval;
+mod ledger;
+mod requirement;
+mod verdict;
+
+pub use asset::{Asset, AssetRole, Technique, Tool};
+pub use finding::{CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Spread, Subject};
+pub use interval::Interval;
+pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};
+pub use requirement::{Direction, FailureMode, Requirement, Threshold};
+pub use verdict::{
+    Comparison, Conclusion, CoverageGap, Discrepancy, FurtherTrials, Inaccuracy, Outcome, Verdict,
+};

@@ -1,0 +1,180 @@
+//! Findings: one number about one subject, never without its uncertainty.
+
+use crate::Interval;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What a finding speaks about.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind", content = "id")]
+pub enum Subject {
+    /// The share of runs that satisfy the requirement with this identifier.
+    Requirement(String),
+    /// The share of opportunities at which the failure mode with this
+    /// identifier occurs.
+    FailureMode(String),
+}
+
+impl Subject {
+    /// The identifier of the requirement or failure mode.
+    pub fn id(&self) -> &str {
+        match self {
+            Subject::Requirement(id) | Subject::FailureMode(id) => id,
+        }
+    }
+}
+
+/// How far a computed number can be trusted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Guarantee {
+    /// Computed without rounding; `rational` is the exact value as `p/q` if
+    /// it is short enough to show.
+    Exact {
+        /// The value as a fraction.
+        rational: Option<String>,
+    },
+    /// The true value lies between these bounds.
+    Bounded {
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+    /// An iteration stopped; the error is unknown.
+    Estimated {
+        /// Why there is no bound, for example the stopping rule.
+        reason: String,
+    },
+}
+
+/// The answer of one method of model checking.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MethodAnswer {
+    /// `sound`, `exact` or `prism-default`.
+    pub method: String,
+    /// The probability.
+    pub value: f64,
+    /// One minus the probability, computed directly and hence accurate even
+    /// when it is far below the precision of `value`.
+    pub complement: Option<f64>,
+    /// What is known of the error.
+    pub guarantee: Guarantee,
+    /// Iterations of the numerical method, where it iterates.
+    pub iterations: Option<u64>,
+}
+
+/// One constant's share in the variance of a computed probability.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Spread {
+    /// The model's constant.
+    pub constant: String,
+    /// Share of the variance, 0 to 1.
+    pub share: f64,
+}
+
+/// A probability whose model has constants estimated from counts: the
+/// constants' Jeffreys posteriors pushed through the model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CredibleInterval {
+    /// Mean of the distribution.
+    pub mean: f64,
+    /// Its central interval at the study's confidence level.
+    pub interval: Interval,
+    /// How many times the model was solved.
+    pub solves: u64,
+    /// Which constant contributes how much, largest first.
+    pub spread: Vec<Spread>,
+    /// Evenly spaced quantiles (0.5 % to 99.5 %) for drawing and comparing;
+    /// equal weight each, ascending.
+    pub quantiles: Vec<f64>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Measure {
+    /// Counts over runs or attempts.
+    Counts {
+        /// Requirement: runs that passed. Failure mode: occurrences.
+        count: u64,
+        /// Requirement: runs that were covered. Failure mode: opportunities.
+        trials: u64,
+        /// Trials worth of information once clustering is allowed for;
+        /// `None` if runs are independent by construction.
+        effective_trials: Option<f64>,
+        /// Interval of the rate at the study's level, at the effective
+        /// number of trials.
+        interval: Interval,
+    },
+    /// A computed probability.
+    Probability {
+        /// The answer that counts: of the sound method.
+        answer: MethodAnswer,
+        /// Answers of other methods to the same question.
+        others: Vec<MethodAnswer>,
+        /// The distribution, if constants were estimated from counts.
+        credible: Option<CredibleInterval>,
+    },
+    /// The asset cannot express the subject.
+    NotExpressible {
+        /// What is missing.
+        reason: String,
+    },
+    /// The subject could have been observed but never was.
+    NotCovered {
+        /// Why, as far as known.
+        reason: String,
+    },
+}
+
+/// One piece of evidence about one subject.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Finding {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// The number with its uncertainty.
+    pub measure: Measure,
+    /// Runs that ended before a verdict (inconclusive), if counted.
+    pub undecided: u64,
+    /// Runs that show it, for replay: episode seeds or file names, few.
+    pub witnesses: Vec<String>,
+}
+
+impl Measure {
+    /// The point estimate: rate or probability; `None` where nothing was
+    /// observed.
+    pub fn estimate(&self) -> Option<f64> {
+        match self {
+            Measure::Counts { count, trials, .. } if *trials > 0 => {
+                Some(*count as f64 / *trials as f64)
+            }
+            Measure::Probability { answer, .. } => Some(answer.value),
+            _ => None,
+        }
+    }
+
+    /// The interval to draw: of the counts, or the credible interval, or the
+    /// bounds of the computation.
+    pub fn interval(&self) -> Option<Interval> {
+        match self {
+            Measure::Counts {
+                interval, trials, ..
+            } if *trials > 0 => Some(*interval),
+            Measure::Probability {
+                answer, credible, ..
+            } => Some(match (credible, &answer.guarantee) {
+                (Some(credible), _) => credible.interval,
+                (None, Guarantee::Bounded { low, high }) => Interval {
+                    low: *low,
+                    high: *high,
+                },
+                (None, _) => Interval {
+                    low: answer.value,
+                    high: answer.value,
+                },
+            }),
+            _ => None,
+        }
+    }
+}

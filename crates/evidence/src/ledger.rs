@@ -1,0 +1,148 @@
+//! The ledger: evidence with its history, and the whole of a study.
+
+use crate::{
+    Asset, Comparison, Conclusion, CoverageGap, Discrepancy, FailureMode, Finding, Requirement,
+    Subject, Technique, Tool,
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A number of this evidence's assets that was set to another evidence's
+/// count: agreement on it is a fit, not corroboration.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Calibration {
+    /// The constant or parameter that was set.
+    pub parameter: String,
+    /// The evidence whose finding it was set to.
+    pub from: String,
+    /// The failure mode or requirement that supplied the number.
+    pub subject: Subject,
+}
+
+/// What producing the evidence took. Varies from run to run, so it is kept
+/// apart from everything that must be reproducible.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cost {
+    /// The evidence.
+    pub evidence: String,
+    /// Elapsed time in seconds.
+    pub wall_secs: f64,
+    /// Seconds of simulated time, for simulations.
+    pub simulated_secs: Option<f64>,
+    /// Processor seconds spent simulating, over all threads.
+    pub cpu_secs: Option<f64>,
+    /// States of the model.
+    pub states: Option<u64>,
+    /// Transitions of the model.
+    pub transitions: Option<u64>,
+    /// What the source publication needed, in words.
+    pub published: Option<String>,
+}
+
+/// A figure that the source publication prints, beside ours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PublishedFigure {
+    /// The evidence to which it belongs.
+    pub evidence: String,
+    /// What it is, for example `states` or `success rate (prism-default)`.
+    pub quantity: String,
+    /// As printed.
+    pub published: String,
+    /// As computed here.
+    pub ours: String,
+    /// Whether they are the same to the tolerance, or statistically
+    /// consistent.
+    pub agrees: bool,
+    /// How that was judged, for example `within 1e-12` or `Fisher p = 0.41`.
+    pub judged: String,
+}
+
+/// Statistics of trials grouped by subject or session.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ClusterTests {
+    /// Intraclass correlation of success within a group.
+    pub intraclass_correlation: f64,
+    /// Trials worth of information.
+    pub effective_trials: f64,
+    /// Tests in words with their figures, one a line.
+    pub tests: Vec<String>,
+}
+
+/// A piece of evidence: what one technique found on one set of assets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Evidence {
+    /// Identifier in the ledger, for example `E4`.
+    pub id: String,
+    /// A short title.
+    pub title: String,
+    /// How it was obtained.
+    pub technique: Technique,
+    /// With which tool.
+    pub tool: Tool,
+    /// On which assets.
+    pub assets: Vec<Asset>,
+    /// Under which conditions it holds; evidence under other conditions is
+    /// not comparable.
+    pub conditions: String,
+    /// What was changed since the evidence before it.
+    pub changed: String,
+    /// Whose counts its assets were set to.
+    pub calibrated: Vec<Calibration>,
+    /// `true` if the counts were published by others and only read here.
+    pub published: bool,
+    /// The evidence of ours that reproduces this published evidence.
+    pub reproduced_by: Option<String>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// Clustering of trials, for experiments by subject.
+    pub clusters: Option<ClusterTests>,
+    /// Hash of everything that the findings depend on, in hexadecimal.
+    pub inputs: String,
+}
+
+impl Evidence {
+    /// The finding about a subject.
+    pub fn finding(&self, subject: &Subject) -> Option<&Finding> {
+        self.findings.iter().find(|f| &f.subject == subject)
+    }
+}
+
+/// Everything a study found: what the report shows and the JSON holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudyResult {
+    /// Version of this form; a reader refuses another major number.
+    pub format: String,
+    /// The study's title.
+    pub title: String,
+    /// What the study is about, one paragraph for a reader new to it.
+    pub summary: String,
+    /// Level of all intervals, for example 0.95.
+    pub confidence: f64,
+    /// What was required.
+    pub requirements: Vec<Requirement>,
+    /// What can go wrong.
+    pub failure_modes: Vec<FailureMode>,
+    /// The ledger, oldest first.
+    pub evidence: Vec<Evidence>,
+    /// Every pair on every subject.
+    pub comparisons: Vec<Comparison>,
+    /// One for each requirement.
+    pub conclusions: Vec<Conclusion>,
+    /// Disagreements explained, most important first.
+    pub discrepancies: Vec<Discrepancy>,
+    /// What nothing or too little covers.
+    pub gaps: Vec<CoverageGap>,
+    /// Figures of the source publication beside ours.
+    pub published: Vec<PublishedFigure>,
+    /// What it took.
+    pub costs: Vec<Cost>,
+    /// The program and version that produced this.
+    pub produced_by: String,
+}
+
+impl StudyResult {
+    /// The JSON schema of a serialised study result.
+    pub fn json_schema() -> serde_json::Value {
+        schemars::schema_for!(StudyResult).into()
+    }
+}
