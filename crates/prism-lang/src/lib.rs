@@ -1,1 +1,15 @@
 //! The PRISM language: text to typed models and properties, with spans.
+
+mod arithmetic;
+pub mod ast;
+mod diagnostic;
+pub mod expr;
+mod number;
+pub mod property;
+pub mod resolved;
+
+pub use arithmetic::Arithmetic;
+pub use diagnostic::{Diagnostic, Parsed, Severity, Span, line_and_column};
+pub use expr::{Expr, ExprKind, Function, VarIndex};
+pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
+pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
