@@ -1,1 +1,3 @@
 //! Temporal logic: LTL to automata, and monitors that judge signals.
+
+pub mod monitor;

@@ -1,0 +1,415 @@
+//! The state machine that carries out a monitor; its semantics are defined in [`super`].
+
+use std::fmt;
+
+use super::report::{Failure, FailureReason, MonitorReport, Verdict};
+use super::spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};
+
+/// A proposition of one monitor: its position in [`Monitor::propositions`].
+pub type PropId = usize;
+
+/// The resolution of recorded times, in seconds.
+const RESOLUTION_SECS: f64 = 1e-9;
+
+/// A monitor that is ready to judge traces; it can be shared by threads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Monitor {
+    propositions: Vec<String>,
+    when: PropId,
+    trigger: Trigger,
+    stages: Vec<Step>,
+    repeat: Repeat,
+    at_end: AtEnd,
+}
+
+/// A stage over proposition numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Step {
+    Assert(PropId),
+    WaitFor {
+        proposition: PropId,
+        within_secs: f64,
+    },
+    Hold {
+        proposition: PropId,
+        until: PropId,
+        within_secs: f64,
+    },
+}
+
+impl Step {
+    fn proposition(self) -> PropId {
+        match self {
+            Step::Assert(proposition)
+            | Step::WaitFor { proposition, .. }
+            | Step::Hold { proposition, .. } => proposition,
+        }
+    }
+}
+
+impl Monitor {
+    /// Checks `spec` and numbers its propositions.
+    ///
+    /// # Errors
+    /// [`SpecError`] if there is no stage, a proposition is empty or a deadline is not a duration.
+    pub fn compile(spec: &MonitorSpec) -> Result<Self, SpecError> {
+        let names = spec.propositions();
+        if names.iter().any(|name| name.trim().is_empty()) {
+            return Err(SpecError::EmptyProposition);
+        }
+        if spec.then.is_empty() {
+            return Err(SpecError::NoStages);
+        }
+        let number = |name: &str| names.iter().position(|other| *other == name).unwrap_or(0);
+        let mut stages = Vec::with_capacity(spec.then.len());
+        for stage in &spec.then {
+            stages.push(match stage {
+                Stage::Assert { proposition } => Step::Assert(number(proposition)),
+                Stage::WaitFor {
+                    proposition,
+                    within_secs,
+                } => Step::WaitFor {
+                    proposition: number(proposition),
+                    within_secs: duration(*within_secs)?,
+                },
+                Stage::Hold {
+                    proposition,
+                    until,
+                    within_secs,
+                } => Step::Hold {
+                    proposition: number(proposition),
+                    until: number(until),
+                    within_secs: duration(*within_secs)?,
+                },
+            });
+        }
+        Ok(Monitor {
+            when: number(&spec.when),
+            trigger: spec.trigger,
+            stages,
+            repeat: spec.repeat,
+            at_end: spec.at_end,
+            propositions: names.into_iter().map(str::to_owned).collect(),
+        })
+    }
+
+    /// The propositions; a [`PropId`] is a position in this list.
+    #[must_use]
+    pub fn propositions(&self) -> &[String] {
+        &self.propositions
+    }
+
+    /// Begins to judge a trace.
+    #[must_use]
+    pub fn start(&self) -> Judge<'_> {
+        Judge {
+            monitor: self,
+            instance: None,
+            when_before: None,
+            last_secs: f64::NEG_INFINITY,
+            report: MonitorReport {
+                triggered: 0,
+                passed: 0,
+                failed: 0,
+                pending: 0,
+                inconclusive: 0,
+                overlapping: 0,
+                when_unknown: 0,
+                first_failure: None,
+                verdict: Verdict::NotCovered,
+            },
+        }
+    }
+
+    /// Judges a whole trace, given as times in seconds with a valuation each. `complete` is false
+    /// if the recording was cut short.
+    ///
+    /// # Errors
+    /// [`StepError`] if the times are not finite or go back.
+    pub fn judge<V: Fn(PropId) -> Option<bool>>(
+        &self,
+        samples: impl IntoIterator<Item = (f64, V)>,
+        complete: bool,
+    ) -> Result<MonitorReport, StepError> {
+        let mut judge = self.start();
+        for (time_secs, valuation) in samples {
+            judge.step(time_secs, &valuation)?;
+        }
+        Ok(judge.finish(complete))
+    }
+}
+
+/// A duration of at least 0 seconds, infinite if there is none.
+fn duration(within_secs: Option<f64>) -> Result<f64, SpecError> {
+    match within_secs {
+        None => Ok(f64::INFINITY),
+        Some(secs) if secs >= 0.0 && secs.is_finite() => Ok(secs),
+        Some(within_secs) => Err(SpecError::BadWithin { within_secs }),
+    }
+}
+
+/// A monitor at work on one trace.
+#[derive(Debug, Clone)]
+pub struct Judge<'m> {
+    monitor: &'m Monitor,
+    instance: Option<Instance>,
+    /// The last known value of the precondition.
+    when_before: Option<bool>,
+    last_secs: f64,
+    report: MonitorReport,
+}
+
+/// One pass through the stages.
+#[derive(Debug, Clone, Copy)]
+struct Instance {
+    triggered_at_secs: f64,
+    stage: usize,
+    /// Time at which the stage was entered, in seconds.
+    entered_secs: f64,
+    /// Something asserted or held was unknown, so that this instance can no longer pass.
+    doubtful: bool,
+    /// What ends the current stage was unknown, so that this stage can no longer fail.
+    end_unseen: bool,
+}
+
+/// What a stage does at a sample.
+enum Move {
+    Stay,
+    Next,
+    Fail(FailureReason),
+    Unclear,
+}
+
+/// Where a time lies in relation to a deadline.
+#[derive(PartialEq)]
+enum Deadline {
+    Ahead,
+    Now,
+    Passed,
+}
+
+impl Judge<'_> {
+    /// Takes the next sample: its time on the trace's clock, and the value of each proposition
+    /// there, `None` where it is unknown.
+    ///
+    /// # Errors
+    /// [`StepError`] if the time is not finite or lies before the last one; the sample is not
+    /// taken then.
+    pub fn step(
+        &mut self,
+        time_secs: f64,
+        valuation: &dyn Fn(PropId) -> Option<bool>,
+    ) -> Result<(), StepError> {
+        if !time_secs.is_finite() || time_secs < self.last_secs {
+            return Err(StepError {
+                last_secs: self.last_secs,
+                time_secs,
+            });
+        }
+        self.last_secs = time_secs;
+        self.advance(time_secs, valuation);
+        if self.triggers(valuation(self.monitor.when)) {
+            if self.instance.is_some() {
+                self.report.overlapping += 1;
+            } else if self.monitor.repeat == Repeat::EveryTrigger || self.report.triggered == 0 {
+                self.report.triggered += 1;
+                self.instance = Some(Instance {
+                    triggered_at_secs: time_secs,
+                    stage: 0,
+                    entered_secs: time_secs,
+                    doubtful: false,
+                    end_unseen: false,
+                });
+                self.advance(time_secs, valuation);
+            }
+        }
+        Ok(())
+    }
+
+    fn triggers(&mut self, when: Option<bool>) -> bool {
+        let Some(now) = when else {
+            self.report.when_unknown += 1;
+            return false;
+        };
+        let before = self.when_before.replace(now);
+        match self.monitor.trigger {
+            Trigger::EachSample => now,
+            Trigger::BecomesTrue => now && before != Some(true),
+        }
+    }
+
+    /// Takes the instance under way, if any, through as many stages as this sample ends.
+    fn advance(&mut self, time_secs: f64, valuation: &dyn Fn(PropId) -> Option<bool>) {
+        let Some(mut instance) = self.instance.take() else {
+            return;
+        };
+        while let Some(&step) = self.monitor.stages.get(instance.stage) {
+            match instance.judge(step, time_secs, valuation) {
+                Move::Stay => {
+                    self.instance = Some(instance);
+                    return;
+                }
+                Move::Next => {
+                    instance.stage += 1;
+                    instance.entered_secs = time_secs;
+                    instance.end_unseen = false;
+                }
+                Move::Fail(reason) => {
+                    self.fail(&instance, time_secs, reason);
+                    return;
+                }
+                Move::Unclear => {
+                    self.report.inconclusive += 1;
+                    return;
+                }
+            }
+        }
+        if instance.doubtful {
+            self.report.inconclusive += 1;
+        } else {
+            self.report.passed += 1;
+        }
+    }
+
+    fn fail(&mut self, instance: &Instance, time_secs: f64, reason: FailureReason) {
+        self.report.failed += 1;
+        if self.report.first_failure.is_none() {
+            let step = self.monitor.stages[instance.stage];
+            // By a deadline, what is missing is the end of the stage.
+            let proposition = match (step, reason) {
+                (Step::Hold { until, .. }, FailureReason::Deadline | FailureReason::EndOfTrace) => {
+                    until
+                }
+                _ => step.proposition(),
+            };
+            self.report.first_failure = Some(Failure {
+                time_secs,
+                stage: instance.stage,
+                proposition: self.monitor.propositions[proposition].clone(),
+                triggered_at_secs: instance.triggered_at_secs,
+                reason,
+            });
+        }
+    }
+
+    /// Ends the trace. `complete` is false if the recording was cut short: then nothing fails for
+    /// being under way, and the verdict is [`Verdict::Satisfied`] only if nothing can follow.
+    #[must_use]
+    pub fn finish(mut self, complete: bool) -> MonitorReport {
+        if let Some(instance) = self.instance.take() {
+            let fails = self.monitor.at_end == AtEnd::FailPending && !instance.end_unseen;
+            if complete && fails {
+                self.fail(&instance, self.last_secs, FailureReason::EndOfTrace);
+            } else {
+                self.report.pending += 1;
+            }
+        }
+        let report = &self.report;
+        let over = complete || self.monitor.repeat == Repeat::Once;
+        self.report.verdict = if report.failed > 0 {
+            Verdict::Violated
+        } else if report.triggered == 0 {
+            Verdict::NotCovered
+        } else if report.passed == report.triggered && over {
+            Verdict::Satisfied
+        } else {
+            Verdict::Inconclusive
+        };
+        self.report
+    }
+}
+
+impl Instance {
+    fn judge(
+        &mut self,
+        step: Step,
+        time_secs: f64,
+        valuation: &dyn Fn(PropId) -> Option<bool>,
+    ) -> Move {
+        match step {
+            Step::Assert(proposition) => match valuation(proposition) {
+                Some(true) => Move::Next,
+                Some(false) => Move::Fail(FailureReason::AssertedFalse),
+                None => {
+                    self.doubtful = true;
+                    Move::Next
+                }
+            },
+            Step::WaitFor {
+                proposition,
+                within_secs,
+            } => self.wait(valuation(proposition), time_secs, within_secs),
+            Step::Hold {
+                proposition,
+                until,
+                within_secs,
+            } => {
+                let end = self.wait(valuation(until), time_secs, within_secs);
+                if self.deadline(time_secs, within_secs) == Deadline::Passed
+                    || matches!(end, Move::Next)
+                {
+                    return end;
+                }
+                match valuation(proposition) {
+                    Some(true) => end,
+                    Some(false) if self.end_unseen => Move::Unclear,
+                    Some(false) => Move::Fail(FailureReason::HoldBroken),
+                    None => {
+                        self.doubtful = true;
+                        end
+                    }
+                }
+            }
+        }
+    }
+
+    /// Waits for the end of a stage, which is now seen to be there, not there, or not seen.
+    fn wait(&mut self, end: Option<bool>, time_secs: f64, within_secs: f64) -> Move {
+        let deadline = self.deadline(time_secs, within_secs);
+        if deadline != Deadline::Passed {
+            match end {
+                Some(true) => return Move::Next,
+                Some(false) => {}
+                None => self.end_unseen = true,
+            }
+        }
+        match deadline {
+            Deadline::Ahead => Move::Stay,
+            _ if self.end_unseen => Move::Unclear,
+            _ => Move::Fail(FailureReason::Deadline),
+        }
+    }
+
+    fn deadline(&self, time_secs: f64, within_secs: f64) -> Deadline {
+        let left_secs = within_secs - (time_secs - self.entered_secs);
+        let tolerance_secs = RESOLUTION_SECS.max(4.0 * f64::EPSILON * time_secs.abs());
+        if left_secs > tolerance_secs {
+            Deadline::Ahead
+        } else if left_secs >= -tolerance_secs {
+            Deadline::Now
+        } else {
+            Deadline::Passed
+        }
+    }
+}
+
+/// A sample came with a time that is not finite, or that lies before the last one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepError {
+    /// Time of the sample before, in seconds; minus infinity if there was none.
+    pub last_secs: f64,
+    /// The time that was given, in seconds.
+    pub time_secs: f64,
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "a monitor was given a sample at {} s after one at {} s; give it finite times in order",
+            self.time_secs, self.last_secs
+        )
+    }
+}
+
+impl std::error::Error for StepError {}
