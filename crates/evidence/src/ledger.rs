@@ -88,6 +88,9 @@ pub struct Evidence {
     pub changed: String,
     /// Whose counts its assets were set to.
     pub calibrated: Vec<Calibration>,
+    /// `true` for a step on the way to later evidence: shown in the ledger,
+    /// but not compared and not concluded from.
+    pub intermediate: bool,
     /// `true` if the counts were published by others and only read here.
     pub published: bool,
     /// The evidence of ours that reproduces this published evidence.
