@@ -128,6 +128,23 @@ pub enum Measure {
     },
 }
 
+/// The same traces judged by another reading of the requirement's text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Reading {
+    /// Short name of the reading, for example `human`.
+    pub name: String,
+    /// How it differs from the main reading, in one sentence.
+    pub meaning: String,
+    /// Runs that passed under this reading.
+    pub count: u64,
+    /// Runs that were covered under this reading.
+    pub trials: u64,
+    /// Runs with another verdict than under the main reading.
+    pub differing: u64,
+    /// Some of the differing runs, for replay.
+    pub witnesses: Vec<String>,
+}
+
 /// One piece of evidence about one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Finding {
@@ -139,6 +156,8 @@ pub struct Finding {
     pub undecided: u64,
     /// Runs that show it, for replay: episode seeds or file names, few.
     pub witnesses: Vec<String>,
+    /// The verdicts under other readings of the requirement, if it has any.
+    pub readings: Vec<Reading>,
 }
 
 impl Measure {

@@ -20,7 +20,9 @@ mod requirement;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
-pub use finding::{CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Spread, Subject};
+pub use finding::{
+    CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Reading, Spread, Subject,
+};
 pub use interval::Interval;
 pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
