@@ -3,6 +3,7 @@
 mod arithmetic;
 pub mod ast;
 mod diagnostic;
+mod eval;
 pub mod expr;
 mod number;
 pub mod property;
@@ -10,6 +11,7 @@ pub mod resolved;
 
 pub use arithmetic::Arithmetic;
 pub use diagnostic::{Diagnostic, Parsed, Severity, Span, line_and_column};
+pub use eval::{EvalError, EvalErrorKind};
 pub use expr::{Expr, ExprKind, Function, VarIndex};
 pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
 pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
