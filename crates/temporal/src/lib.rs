@@ -1,3 +1,9 @@
 //! Temporal logic: LTL to automata, and monitors that judge signals.
+//!
+//! * [`ltl`]: formulas of linear temporal logic over infinite words, and what they mean;
+//! * [`automaton`]: deterministic automata that accept the words on which a formula holds;
+//! * [`monitor`]: staged assertions that judge one finite trace while time passes.
 
+pub mod automaton;
+pub mod ltl;
 pub mod monitor;
