@@ -1,7 +1,11 @@
 //! From counts to intervals, tests and sample sizes.
+pub mod binomial;
 pub mod counts;
+pub mod fisher;
 pub mod interval;
 pub mod special;
 
+pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
+pub use fisher::fisher_exact;
 pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wilson};

@@ -7,7 +7,7 @@
 //!
 //! Source: Abramowitz and Stegun 26.7.1 and 26.6.2. Guarantee: that of the beta tails.
 
-use super::beta::{beta_quantile, beta_tails};
+use super::beta::{beta_quantile, beta_quantile_upper, beta_tails};
 
 /// Upper tail `P(T > t)` of Student's t with `degrees > 0` degrees of freedom.
 #[must_use]
@@ -33,7 +33,7 @@ pub fn student_t_quantile(p: f64, degrees: f64) -> f64 {
         };
     }
     // 1 - x = t^2/(n + t^2) follows Beta(1/2, n/2): its quantile keeps small t accurate.
-    let y = beta_quantile(0.5, 0.5 * degrees, 1.0 - 2.0 * tail);
+    let y = beta_quantile_upper(0.5, 0.5 * degrees, 2.0 * tail);
     let x = beta_quantile(0.5 * degrees, 0.5, 2.0 * tail);
     let magnitude = (degrees
         * if y < 0.5 {
