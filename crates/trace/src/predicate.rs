@@ -1,0 +1,193 @@
+//! Predicates and quantities over signals, in text: `/robot.state = 'release' & /robot.hand_speed < 0.25`.
+//!
+//! # Language
+//! | form | meaning |
+//! |---|---|
+//! | `0.25`, `1e-3` | number |
+//! | `true`, `false` | truth value |
+//! | `'release'`, `"release"` | name of a value of an enumeration |
+//! | `/robot.hand_speed` | signal: topic, dot, field; in backquotes if it has odd letters |
+//! | `grasped` | another entry of the [`Vocabulary`](crate::Vocabulary) |
+//! | `-a`, `a * b`, `a / b`, `a + b`, `a - b` | arithmetic |
+//! | `abs(a)`, `min(a, ...)`, `max(a, ...)`, `norm(a, ...)` | absolute value, least, greatest, Euclidean norm |
+//! | `distance(/a, /b)` | `norm(/a.x - /b.x, /a.y - /b.y, /a.z - /b.z)`, where `/a.x` and so on are signals |
+//! | `=` or `==`, `!=`, `<`, `<=`, `>`, `>=` | comparison |
+//! | `!a` or `not a` | negation; weaker than comparison, so `!a = b` is `!(a = b)` |
+//! | `a & b`, `&&`, `and` | conjunction |
+//! | `a \| b`, `\|\|`, `or` | disjunction |
+//! | `a => b` | implication, to the right |
+//!
+//! Precedence falls down the table. Comparisons do not chain. Numbers are double precision and `=`
+//! compares them exactly.
+//!
+//! # Missing values
+//! A signal has no value before its first row and where its row holds NaN. A number computed from
+//! a missing one, or by a division by zero, is missing; a comparison with a missing one is unknown;
+//! and the connectives are those of Kleene's strong logic (S. C. Kleene, "Introduction to
+//! Metamathematics", 1952, section 64): an unknown that cannot change the result does not matter.
+
+mod bind;
+mod error;
+mod lexer;
+mod parser;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+pub use bind::{BoundPredicate, BoundQuantity};
+pub use error::{PredicateError, PredicateErrorKind};
+pub(crate) use parser::{Node, NodeKind, is_reserved, parse};
+
+use crate::signal::Trace;
+
+/// The parsed entries of a vocabulary, by name.
+pub(crate) type Definitions = BTreeMap<String, Expression>;
+
+/// A parsed text.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Expression {
+    pub(crate) text: String,
+    pub(crate) root: Node,
+}
+
+/// A statement about signals that is true or false, or unknown, at each time.
+///
+/// ```
+/// use trace::{Cursor, Field, Predicate, Trace};
+/// let mut trace = Trace::new();
+/// let robot = trace.add_channel("/robot", vec![
+///     Field::enumeration("state", ["sense", "release"]),
+///     Field::number("hand_speed", "m/s"),
+/// ])?;
+/// trace.channels[robot].push(1.0, &[1.0, 0.2])?;
+///
+/// let slow = Predicate::parse("/robot.state = 'release' => /robot.hand_speed < 0.25")?;
+/// let slow = slow.bind(&trace)?; // looks the signals up and checks types, once
+/// let mut cursor = Cursor::new(&trace);
+/// assert_eq!(slow.eval(&cursor), None);
+/// cursor.seek(1.0);
+/// assert_eq!(slow.eval(&cursor), Some(true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predicate(Source);
+
+/// A number computed from signals at each time, for example a distance.
+///
+/// ```
+/// use trace::{Cursor, Field, Quantity, Trace};
+/// let mut trace = Trace::new();
+/// let hand = trace.add_channel("/hand", vec![Field::number("x", "m"), Field::number("y", "m")])?;
+/// trace.channels[hand].push(0.0, &[3.0, -4.0])?;
+/// let reach = Quantity::parse("norm(/hand.x, /hand.y)")?.bind(&trace)?;
+/// let mut cursor = Cursor::new(&trace);
+/// cursor.seek(0.0);
+/// assert_eq!(reach.eval(&cursor), Some(5.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity(Source);
+
+/// A text and the vocabulary that its names refer to, where each name is known to be defined.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Source {
+    pub(crate) expression: Expression,
+    pub(crate) definitions: Arc<Definitions>,
+}
+
+impl Source {
+    fn parse(text: &str) -> Result<Self, PredicateError> {
+        crate::Vocabulary::default().source(text)
+    }
+
+    /// The signals that are read, directly or through the vocabulary.
+    fn signals(&self) -> BTreeSet<String> {
+        let mut signals = BTreeSet::new();
+        let mut done = BTreeSet::new();
+        let mut waiting = vec![&self.expression.root];
+        while let Some(node) = waiting.pop() {
+            if let NodeKind::Name(name) = &node.kind
+                && done.insert(name)
+                && let Some(definition) = self.definitions.get(name)
+            {
+                waiting.push(&definition.root);
+            }
+            signals.extend(node.own_signals());
+            waiting.extend(node.children());
+        }
+        signals
+    }
+}
+
+impl Predicate {
+    /// Parses a text without a vocabulary; with one, use
+    /// [`Vocabulary::predicate`](crate::Vocabulary::predicate).
+    ///
+    /// # Errors
+    /// [`PredicateError`] with the place in the text.
+    pub fn parse(text: &str) -> Result<Self, PredicateError> {
+        Source::parse(text).map(Predicate)
+    }
+
+    pub(crate) fn new(source: Source) -> Self {
+        Predicate(source)
+    }
+
+    /// The text as it was written.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0.expression.text
+    }
+
+    /// The signals that are read, as `/topic.field`, directly or through the vocabulary.
+    #[must_use]
+    pub fn signals(&self) -> BTreeSet<String> {
+        self.0.signals()
+    }
+
+    /// Looks the signals up in `trace`, which may still be empty but must have its channels, and
+    /// checks the types. The result is meant for this trace and for those with the same channels.
+    ///
+    /// # Errors
+    /// [`PredicateError`] if a signal or a value of an enumeration is not in the trace, or types
+    /// do not fit.
+    pub fn bind(&self, trace: &Trace) -> Result<BoundPredicate, PredicateError> {
+        bind::predicate(&self.0, trace)
+    }
+}
+
+impl Quantity {
+    /// Parses a text without a vocabulary; with one, use
+    /// [`Vocabulary::quantity`](crate::Vocabulary::quantity).
+    ///
+    /// # Errors
+    /// [`PredicateError`] with the place in the text.
+    pub fn parse(text: &str) -> Result<Self, PredicateError> {
+        Source::parse(text).map(Quantity)
+    }
+
+    pub(crate) fn new(source: Source) -> Self {
+        Quantity(source)
+    }
+
+    /// The text as it was written.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0.expression.text
+    }
+
+    /// The signals that are read, as `/topic.field`, directly or through the vocabulary.
+    #[must_use]
+    pub fn signals(&self) -> BTreeSet<String> {
+        self.0.signals()
+    }
+
+    /// Looks the signals up in `trace` and checks the types, as [`Predicate::bind`] does.
+    ///
+    /// # Errors
+    /// [`PredicateError`] if a signal or a value of an enumeration is not in the trace, or types
+    /// do not fit.
+    pub fn bind(&self, trace: &Trace) -> Result<BoundQuantity, PredicateError> {
+        bind::quantity(&self.0, trace)
+    }
+}
