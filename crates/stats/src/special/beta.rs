@@ -75,8 +75,8 @@ pub(super) fn beta_tails(a: f64, b: f64, x: f64, y: f64) -> (f64, f64) {
     }
 }
 
-/// `x^a y^b / B(a, b)`.
-fn power_over_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
+/// `x^a y^b / B(a, b)`, for `x, y > 0` with `x + y = 1`.
+pub(crate) fn power_over_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
     a * (b / (a + b)) * binomial_density(a, b, x, y)
 }
 

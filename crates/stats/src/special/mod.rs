@@ -11,6 +11,7 @@ mod gamma;
 mod normal;
 mod student;
 
+pub(crate) use beta::power_over_beta;
 pub use beta::{beta_cdf, beta_density, beta_quantile, beta_quantile_upper, beta_sf};
 pub use density::{binomial_pmf, deviance, hypergeometric_pmf, stirling_error};
 pub use gamma::{chi_squared_sf, gamma_p, gamma_q, ln_gamma};

@@ -1,0 +1,291 @@
+//! Beta posteriors of a proportion, and the probability that two differ by less than a margin.
+//!
+//! With Jeffreys' prior, `s` of `n` successes give `Beta(s + 1/2, n - s + 1/2)`. For independent
+//! posteriors with densities `f1`, `f2` and distribution function `F2`,
+//!
+//! ```text
+//! P(|p1 - p2| < m) = integral_0^1 f1(x) (F2(x + m) - F2(x - m)) dx
+//! ```
+//!
+//! Source: H. Jeffreys, "An invariant form for the prior probability in estimation problems"
+//! (1946); the Gauss-Kronrod pair G7K15 is that of QUADPACK (Piessens and others, 1983).
+//! Deviations: the integral is taken over `t` with `x = sin^2 t`, which removes the singular
+//! ends of the density; it is cut at the tails of 1e-17 and at the places where the integrand
+//! bends, then bisected adaptively. No random numbers: the same counts give the same bits.
+//! Cost: some hundreds of beta tails. Guarantee: absolute error below 1e-9, in practice 1e-12.
+
+use crate::counts::{Confidence, EffectiveSample, Interval, StatsError};
+use crate::quadrature::integrate_over_pieces;
+use crate::special::{beta_cdf, beta_quantile, beta_quantile_upper, beta_sf, power_over_beta};
+
+/// A beta distribution of a proportion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetaPosterior {
+    alpha: f64,
+    beta: f64,
+}
+
+impl BetaPosterior {
+    /// The distribution Beta(alpha, beta).
+    ///
+    /// # Errors
+    /// [`StatsError::OutOfRange`] unless both parameters are positive and finite.
+    pub fn new(alpha: f64, beta: f64) -> Result<Self, StatsError> {
+        for value in [alpha, beta] {
+            if !(value > 0.0 && value.is_finite()) {
+                let expected = "a positive number";
+                return Err(StatsError::OutOfRange {
+                    what: "beta parameter",
+                    value,
+                    expected,
+                });
+            }
+        }
+        Ok(Self { alpha, beta })
+    }
+
+    /// The posterior under Jeffreys' prior Beta(1/2, 1/2); the prior itself when the sample
+    /// carries no information.
+    #[must_use]
+    pub fn jeffreys(sample: impl Into<EffectiveSample>) -> Self {
+        Self::with_prior(sample.into(), 0.5)
+    }
+
+    /// The posterior under the uniform prior Beta(1, 1); the prior itself when the sample carries
+    /// no information.
+    #[must_use]
+    pub fn uniform(sample: impl Into<EffectiveSample>) -> Self {
+        Self::with_prior(sample.into(), 1.0)
+    }
+
+    fn with_prior(sample: EffectiveSample, prior: f64) -> Self {
+        if !sample.is_informative() {
+            return Self {
+                alpha: prior,
+                beta: prior,
+            };
+        }
+        Self {
+            alpha: sample.successes + prior,
+            beta: sample.failures() + prior,
+        }
+    }
+
+    /// The parameters `(alpha, beta)`.
+    #[must_use]
+    pub fn parameters(&self) -> (f64, f64) {
+        (self.alpha, self.beta)
+    }
+
+    /// The mean.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.alpha / (self.alpha + self.beta)
+    }
+
+    /// The variance.
+    #[must_use]
+    pub fn variance(&self) -> f64 {
+        let total = self.alpha + self.beta;
+        self.alpha / total * (self.beta / total) / (total + 1.0)
+    }
+
+    /// `P(p <= x)`.
+    #[must_use]
+    pub fn cdf(&self, x: f64) -> f64 {
+        beta_cdf(self.alpha, self.beta, x.clamp(0.0, 1.0))
+    }
+
+    /// `P(p > x)`.
+    #[must_use]
+    pub fn sf(&self, x: f64) -> f64 {
+        beta_sf(self.alpha, self.beta, x.clamp(0.0, 1.0))
+    }
+
+    /// `P(low < p <= high)`, from whichever tail keeps more digits.
+    #[must_use]
+    pub fn probability_between(&self, low: f64, high: f64) -> f64 {
+        if high <= low {
+            return 0.0;
+        }
+        if low > self.mean() {
+            self.sf(low) - self.sf(high)
+        } else {
+            self.cdf(high) - self.cdf(low)
+        }
+    }
+
+    /// The proportion with `P(p <= quantile) = probability`; `NaN` outside `[0, 1]`.
+    #[must_use]
+    pub fn quantile(&self, probability: f64) -> f64 {
+        beta_quantile(self.alpha, self.beta, probability)
+    }
+
+    /// The proportion with `P(p > quantile) = probability`, accurate for tiny probabilities.
+    #[must_use]
+    pub fn quantile_upper(&self, probability: f64) -> f64 {
+        beta_quantile_upper(self.alpha, self.beta, probability)
+    }
+
+    /// The equal-tailed credible interval.
+    #[must_use]
+    pub fn credible_interval(&self, confidence: Confidence) -> Interval {
+        let tail = 0.5 * confidence.alpha();
+        Interval {
+            low: self.quantile(tail),
+            high: self.quantile_upper(tail),
+        }
+    }
+}
+
+/// `P(|p1 - p2| < margin)` for independent posteriors.
+#[must_use]
+pub fn probability_within(first: &BetaPosterior, second: &BetaPosterior, margin: f64) -> f64 {
+    if margin.is_nan() || margin <= 0.0 {
+        return 0.0;
+    }
+    if margin >= 1.0 {
+        return 1.0;
+    }
+    // Against the wider density the other's distribution function is the rougher factor, and
+    // its bends are given to the integrator; either order gives the same probability.
+    let value = average(first, second, margin, |x| {
+        second.probability_between(x - margin, x + margin)
+    });
+    value.clamp(0.0, 1.0)
+}
+
+/// `P(p1 > p2)` for independent posteriors.
+#[must_use]
+pub fn probability_greater(first: &BetaPosterior, second: &BetaPosterior) -> f64 {
+    average(first, second, 0.0, |x| second.cdf(x)).clamp(0.0, 1.0)
+}
+
+/// The mean of `function` under `first`, where `function` bends where `second` has its mass,
+/// shifted by `margin` to either side.
+fn average(
+    first: &BetaPosterior,
+    second: &BetaPosterior,
+    margin: f64,
+    function: impl Fn(f64) -> f64,
+) -> f64 {
+    let ends = (first.quantile(TAIL), first.quantile_upper(TAIL));
+    let mut cuts: Vec<f64> = [ends.0, ends.1].to_vec();
+    for probability in [1e-9, 1e-3, 0.1, 0.5, 0.9] {
+        cuts.push(first.quantile(probability));
+        for level in [
+            second.quantile(probability),
+            second.quantile_upper(probability),
+        ] {
+            cuts.extend([level - margin, level + margin]);
+        }
+    }
+    cuts.extend([
+        first.quantile_upper(1e-3),
+        first.quantile_upper(1e-9),
+        margin,
+        1.0 - margin,
+    ]);
+    cuts.retain(|cut| ends.0 <= *cut && *cut <= ends.1);
+    let mut angles: Vec<f64> = cuts.iter().map(|x| x.sqrt().asin()).collect();
+    angles.sort_by(f64::total_cmp);
+    let integrand = |angle: f64| {
+        let (sine, cosine) = angle.sin_cos();
+        first.density_over_angle(sine, cosine) * function(sine * sine)
+    };
+    integrate_over_pieces(&integrand, &angles, 1e-13)
+}
+
+/// Tails that are cut off an integral: far below its tolerance.
+const TAIL: f64 = 1e-17;
+
+impl BetaPosterior {
+    /// The density of the angle `t` with `x = sin^2 t`.
+    fn density_over_angle(&self, sine: f64, cosine: f64) -> f64 {
+        let product = sine * cosine;
+        if product <= 0.0 {
+            return 0.0;
+        }
+        let (x, y) = (sine * sine, cosine * cosine);
+        2.0 * power_over_beta(self.alpha, self.beta, x, y) / product
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::counts::Sample;
+
+    fn posterior(successes: u64, trials: u64) -> BetaPosterior {
+        BetaPosterior::jeffreys(Sample { successes, trials })
+    }
+
+    /// `(successes, trials, successes, trials, margin, P(|p1 - p2| < margin))`, by mpmath's quad
+    /// of the definition in 30 digits.
+    const WITHIN: [(u64, u64, u64, u64, f64, f64); 7] = [
+        (88, 100, 439, 500, 0.05, 0.8423304064439447),
+        (88, 100, 439, 500, 0.1, 0.9931127057845642),
+        (0, 5, 0, 5, 0.1, 0.6327454907349793),
+        (0, 10, 3, 8, 0.3, 0.41252325256656397),
+        (5, 5, 9, 9, 0.05, 0.4937841609324131),
+        (80, 100, 88, 100, 0.02, 0.09697022053582721),
+        (1, 2, 700, 1000, 0.25, 0.5444187303540222),
+    ];
+
+    #[test]
+    fn reference_values_either_way_round() {
+        for (a, n, b, m, margin, expected) in WITHIN {
+            let (first, second) = (posterior(a, n), posterior(b, m));
+            let forth = probability_within(&first, &second, margin);
+            let back = probability_within(&second, &first, margin);
+            assert!(
+                (forth - expected).abs() < 1e-11,
+                "{a}/{n} {b}/{m}: {}",
+                forth - expected
+            );
+            assert!(
+                (back - expected).abs() < 1e-11,
+                "{b}/{m} {a}/{n}: {}",
+                back - expected
+            );
+        }
+        let greater = probability_greater(&posterior(88, 100), &posterior(80, 100));
+        assert!((greater - 0.9390582585967248).abs() < 1e-11);
+        let greater = probability_greater(&posterior(0, 5), &posterior(3, 9));
+        assert!((greater - 0.06435742975173486).abs() < 1e-11);
+    }
+
+    #[test]
+    fn large_counts_approach_the_normal_limit() {
+        let first = posterior(88_000_000, 100_000_000);
+        let second = posterior(87_995_000, 100_000_000);
+        let deviation = (2.0 * 0.88 * 0.12 / 1e8_f64).sqrt();
+        let normal = crate::special::normal_cdf((1e-4 - 5e-5) / deviation)
+            - crate::special::normal_cdf((-1e-4 - 5e-5) / deviation);
+        let found = probability_within(&first, &second, 1e-4);
+        assert!((found - normal).abs() < 1e-3, "{found} against {normal}");
+    }
+
+    #[test]
+    fn a_large_sample_against_a_small_one() {
+        // Against a practically known rate, only the small sample's posterior is left.
+        let (small, large) = (posterior(3, 7), posterior(40_000_000, 100_000_000));
+        let limit = small.probability_between(0.3, 0.5);
+        for found in [
+            probability_within(&small, &large, 0.1),
+            probability_within(&large, &small, 0.1),
+        ] {
+            assert!((found - limit).abs() < 1e-6, "{found} against {limit}");
+        }
+    }
+
+    #[test]
+    fn the_margins_zero_and_one() {
+        let (first, second) = (posterior(0, 5), posterior(5, 5));
+        assert_eq!(probability_within(&first, &second, 0.0), 0.0);
+        assert_eq!(probability_within(&first, &second, 1.0), 1.0);
+        let nothing = posterior(0, 0);
+        assert_eq!(nothing.parameters(), (0.5, 0.5));
+        assert!((probability_greater(&nothing, &nothing) - 0.5).abs() < 1e-12);
+    }
+}
