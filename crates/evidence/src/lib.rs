@@ -13,6 +13,7 @@
 //! Nothing in this crate runs a technique, reads a file or prints.
 
 mod asset;
+mod diagnose;
 mod finding;
 mod interval;
 mod ledger;
@@ -20,6 +21,7 @@ mod requirement;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
+pub use diagnose::diagnose;
 pub use finding::{
     CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Reading, Spread, Subject,
 };

@@ -110,6 +110,8 @@ pub enum Inaccuracy {
     RequirementModel,
     /// The formal model or the simulation.
     SystemModel,
+    /// The evidence at hand does not separate the three.
+    Undetermined,
 }
 
 /// A disagreement and its reason.
