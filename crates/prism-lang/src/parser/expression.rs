@@ -1,0 +1,553 @@
+//! Expressions: precedence climbing over the levels of [`super::operator`].
+
+use super::operator::{
+    binary_of, comparison_of, level, level_of, operand_levels, temporal_infix, temporal_prefix,
+};
+use super::{MAX_DEPTH, Parse, Parser, Reported, describe, name_of};
+use crate::ast::{BinaryOp, Expr, ExprKind, Name, StepBound, TemporalOp, UnaryOp};
+use crate::diagnostic::{Diagnostic, Span};
+use crate::lexer::{Token, TokenKind};
+use crate::number::Number;
+
+/// Which constructs an expression may contain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Context {
+    /// What a model may contain.
+    Model,
+    /// Also labels and `P`.
+    State,
+    /// Also temporal operators.
+    Path,
+}
+
+/// Chains of `&` and `|` longer than this are balanced, so that long generated ones are not deep.
+const LONGEST_UNBALANCED_CHAIN: usize = 64;
+
+/// An expression and the height of its tree.
+struct Node {
+    expr: Expr,
+    height: usize,
+}
+
+impl Node {
+    fn leaf(kind: ExprKind, span: Span) -> Self {
+        Self {
+            expr: Expr { kind, span },
+            height: 1,
+        }
+    }
+}
+
+impl Parser<'_> {
+    /// Reads an expression.
+    pub(super) fn expression(&mut self, context: Context) -> Parse<Expr> {
+        Ok(self.temporal_binary(context)?.expr)
+    }
+
+    /// Reads a property: no temporal operator may stand outside of `P`.
+    pub(super) fn property_formula(&mut self) -> Parse<Expr> {
+        Ok(self.temporal_binary(Context::State)?.expr)
+    }
+
+    fn temporal_binary(&mut self, context: Context) -> Parse<Node> {
+        let mut left = self.temporal_unary(context)?;
+        while let Some(operator) = self.temporal_operator(temporal_infix) {
+            let token = self.advance();
+            self.require_path(context, &token);
+            let chained = matches!(&left.expr.kind, ExprKind::Temporal { left: Some(_), .. });
+            if chained && left.expr.span.end == self.tokens[self.at - 2].span.end {
+                self.report_parentheses(&token);
+            }
+            let bound = self.step_bound()?;
+            let right = self.temporal_unary(Context::Path)?;
+            left = self.temporal_node(operator, bound, Some(left), right, Span::default());
+        }
+        Ok(left)
+    }
+
+    fn temporal_unary(&mut self, context: Context) -> Parse<Node> {
+        let Some(operator) = self.temporal_operator(temporal_prefix) else {
+            return self.if_then_else(context);
+        };
+        let token = self.advance();
+        self.require_path(context, &token);
+        self.nested(|p| {
+            let bound = p.step_bound()?;
+            let operand = p.temporal_unary(Context::Path)?;
+            Ok(p.temporal_node(operator, bound, None, operand, token.span))
+        })
+    }
+
+    fn temporal_operator(&self, find: fn(&str) -> Option<TemporalOp>) -> Option<TemporalOp> {
+        let token = self.peek();
+        (token.kind == TokenKind::Keyword)
+            .then(|| find(token.text))
+            .flatten()
+    }
+
+    fn temporal_node(
+        &mut self,
+        operator: TemporalOp,
+        bound: Option<StepBound>,
+        left: Option<Node>,
+        right: Node,
+        start: Span,
+    ) -> Node {
+        let first = left.as_ref().map_or(start, |l| l.expr.span);
+        let span = Span::new(first.start, self.previous_span().end);
+        let height = 1 + right.height.max(left.as_ref().map_or(0, |l| l.height));
+        let kind = ExprKind::Temporal {
+            operator,
+            bound: bound.map(Box::new),
+            left: left.map(|l| Box::new(l.expr)),
+            right: Box::new(right.expr),
+        };
+        self.node(kind, span, height)
+    }
+
+    /// Reports a temporal operator where none may stand.
+    fn require_path(&mut self, context: Context, operator: &Token<'_>) {
+        if context != Context::Path {
+            let message = format!(
+                "the temporal operator `{}` may stand only inside `P`.",
+                operator.text
+            );
+            let remedy =
+                "Ask for the probability of the path formula: `P=? [ ... ]` or `P>=1 [ ... ]`.";
+            self.report(
+                Diagnostic::error("temporal-outside-p", operator.span, message).remedy(remedy),
+            );
+        }
+    }
+
+    fn report_parentheses(&mut self, token: &Token<'_>) {
+        let message = format!("`{}` needs parentheses here.", token.text);
+        let remedy = format!("Write `(... {} ...)` around the inner formula.", token.text);
+        self.report(Diagnostic::error("needs-parentheses", token.span, message).remedy(remedy));
+    }
+
+    fn if_then_else(&mut self, context: Context) -> Parse<Node> {
+        let condition = self.binary(context, level::IMPLIES)?;
+        if !self.accept("?") {
+            return Ok(condition);
+        }
+        let then = self.binary(context, level::IMPLIES)?;
+        self.expect(":")?;
+        let otherwise = self.nested(|p| p.if_then_else(context))?;
+        let span = condition.expr.span.to(self.previous_span());
+        let height = 1 + condition.height.max(then.height).max(otherwise.height);
+        let kind = ExprKind::IfThenElse(
+            Box::new(condition.expr),
+            Box::new(then.expr),
+            Box::new(otherwise.expr),
+        );
+        Ok(self.node(kind, span, height))
+    }
+
+    /// Reads operators of at least this level.
+    fn binary(&mut self, context: Context, least: u8) -> Parse<Node> {
+        let start = self.peek().span.start;
+        let mut left = self.prefix(context, least)?;
+        while let Some(operator) = self.binary_operator(least) {
+            let mut operands = vec![left];
+            let associative = matches!(operator, BinaryOp::And | BinaryOp::Or);
+            let (_, right_level) = operand_levels(operator);
+            loop {
+                self.advance();
+                operands.push(self.nested(|p| p.binary(context, right_level))?);
+                if !associative || self.binary_operator(least) != Some(operator) {
+                    break;
+                }
+            }
+            left = self.chain(operator, operands, start);
+        }
+        Ok(left)
+    }
+
+    fn binary_operator(&self, least: u8) -> Option<BinaryOp> {
+        let token = self.peek();
+        if token.kind != TokenKind::Symbol {
+            return None;
+        }
+        binary_of(token.text).filter(|op| level_of(*op) >= least)
+    }
+
+    /// Joins operands from the left; a long chain of an associative operator as a balanced tree.
+    fn chain(&mut self, operator: BinaryOp, operands: Vec<Node>, start: usize) -> Node {
+        let mut operands = operands;
+        while operands.len() > LONGEST_UNBALANCED_CHAIN {
+            let mut halved = Vec::with_capacity(operands.len() / 2 + 1);
+            let mut rest = operands.into_iter();
+            while let Some(a) = rest.next() {
+                halved.push(match rest.next() {
+                    Some(b) => self.join(operator, a, b, None),
+                    None => a,
+                });
+            }
+            operands = halved;
+        }
+        let mut rest = operands.into_iter();
+        let mut left = rest
+            .next()
+            .unwrap_or_else(|| Node::leaf(ExprKind::Error, Span::default()));
+        for right in rest {
+            left = self.join(operator, left, right, Some(start));
+        }
+        left
+    }
+
+    fn join(&mut self, operator: BinaryOp, a: Node, b: Node, start: Option<usize>) -> Node {
+        // With the start of the left operand's parenthesis, if it has one.
+        let start = start.unwrap_or(a.expr.span.start).min(a.expr.span.start);
+        let span = Span::new(start, b.expr.span.end);
+        let height = 1 + a.height.max(b.height);
+        let kind = ExprKind::Binary(operator, Box::new(a.expr), Box::new(b.expr));
+        self.node(kind, span, height)
+    }
+
+    fn prefix(&mut self, context: Context, least: u8) -> Parse<Node> {
+        let token = self.peek();
+        let (operator, own) = match (token.kind, token.text) {
+            (TokenKind::Symbol, "!") => (UnaryOp::Not, level::NOT),
+            (TokenKind::Symbol, "-") => (UnaryOp::Minus, level::MINUS),
+            _ => return self.basic(context),
+        };
+        self.advance();
+        if own < least {
+            self.report_parentheses(&token);
+        }
+        let operand = self.nested(|p| p.binary(context, own))?;
+        let span = token.span.to(self.previous_span());
+        let height = operand.height + 1;
+        Ok(self.node(
+            ExprKind::Unary(operator, Box::new(operand.expr)),
+            span,
+            height,
+        ))
+    }
+
+    fn basic(&mut self, context: Context) -> Parse<Node> {
+        let token = self.peek();
+        match token.kind {
+            TokenKind::Integer | TokenKind::Real => Ok(self.literal()),
+            TokenKind::Name if self.is_symbol_ahead(1, "(") => {
+                let function = name_of(&self.advance());
+                self.call(function, token.span, context)
+            }
+            TokenKind::Name => {
+                self.advance();
+                Ok(Node::leaf(
+                    ExprKind::Name(token.text.to_owned()),
+                    token.span,
+                ))
+            }
+            TokenKind::Quoted => {
+                self.advance();
+                self.require_property(context, &token, "labels");
+                Ok(Node::leaf(
+                    ExprKind::Label(token.text.to_owned()),
+                    token.span,
+                ))
+            }
+            TokenKind::Symbol if token.text == "(" => self.parenthesised(context),
+            TokenKind::Keyword => self.keyword_expression(context, &token),
+            TokenKind::Primed => {
+                let message = format!(
+                    "`{}'` is a next value, which no expression can read.",
+                    token.text
+                );
+                let error = Diagnostic::error("primed-in-expression", token.span, message);
+                self.report(error.remedy(format!(
+                    "Remove the prime to read the present value, or write an assignment in parentheses: `({}'=...)`.",
+                    token.text
+                )));
+                Err(Reported)
+            }
+            _ => Err(self.expected("an expression")),
+        }
+    }
+
+    fn parenthesised(&mut self, context: Context) -> Parse<Node> {
+        let open = self.advance();
+        let inside = self.nested(|p| p.temporal_binary(context))?;
+        if self.is_symbol(")") {
+            self.advance();
+            return Ok(inside);
+        }
+        let found = describe(&self.peek());
+        let message = format!("expected `)`, found {found}.");
+        let error = Diagnostic::error("syntax", self.peek().span, message);
+        self.report(
+            error
+                .related(open.span, "this parenthesis is not closed")
+                .remedy("Close the parenthesis, or write an operator."),
+        );
+        Err(Reported)
+    }
+
+    fn literal(&mut self) -> Node {
+        let token = self.advance();
+        if token.kind == TokenKind::Integer {
+            if let Ok(value) = token.text.parse() {
+                return Node::leaf(ExprKind::Int(value), token.span);
+            }
+            let message = format!("the integer `{}` does not fit into 64 bits.", token.text);
+            let error = Diagnostic::error("literal-too-large", token.span, message);
+            self.report(error.remedy("Write it as a double, with a decimal point."));
+            return Node::leaf(ExprKind::Error, token.span);
+        }
+        if Number::parse(token.text).is_none_or(|n| !n.to_f64().is_finite()) {
+            let message = format!("the number `{}` is out of range.", token.text);
+            let error = Diagnostic::error("literal-too-large", token.span, message);
+            self.report(error.remedy("Use a number whose exponent is between -5000 and 308."));
+            return Node::leaf(ExprKind::Error, token.span);
+        }
+        Node::leaf(ExprKind::Double(token.text.to_owned()), token.span)
+    }
+
+    /// Reads the arguments of a call, from the opening parenthesis on.
+    fn call(&mut self, function: Name, start: Span, context: Context) -> Parse<Node> {
+        self.expect("(")?;
+        self.arguments(function, start, context)
+    }
+
+    fn arguments(&mut self, function: Name, start: Span, context: Context) -> Parse<Node> {
+        let (mut arguments, mut height) = (Vec::new(), 0);
+        loop {
+            let argument = self.nested(|p| p.temporal_binary(context))?;
+            height = height.max(argument.height);
+            arguments.push(argument.expr);
+            if !self.accept(",") {
+                break;
+            }
+        }
+        let close = self.expect(")")?;
+        let kind = ExprKind::Call(function, arguments);
+        Ok(self.node(kind, start.to(close), height + 1))
+    }
+
+    fn keyword_expression(&mut self, context: Context, token: &Token<'_>) -> Parse<Node> {
+        match token.text {
+            "true" | "false" => {
+                self.advance();
+                Ok(Node::leaf(ExprKind::Bool(token.text == "true"), token.span))
+            }
+            "min" | "max" => {
+                let function = name_of(&self.advance());
+                self.call(function, token.span, context)
+            }
+            "func" => {
+                self.advance();
+                self.expect("(")?;
+                let function = self.expect_name_or_function("the name of a function")?;
+                self.expect(",")?;
+                self.arguments(function, token.span, context)
+            }
+            "P" => self.probability(context),
+            "X" | "F" | "G" => {
+                if context == Context::Path {
+                    self.report_parentheses(token);
+                }
+                self.temporal_unary(context)
+            }
+            _ => self.unsupported_operator(token),
+        }
+    }
+
+    /// Reads `P=? [ ... ]` or `P>=p [ ... ]`.
+    fn probability(&mut self, context: Context) -> Parse<Node> {
+        let operator = self.advance();
+        self.require_property(context, &operator, "the operator `P`");
+        if self.is_symbol("(") || self.is_keyword("min") || self.is_keyword("max") {
+            return self.unsupported_operator(&operator);
+        }
+        let bound = self.probability_bound()?;
+        self.expect("[")?;
+        let path = self.nested(|p| p.temporal_binary(Context::Path))?;
+        if self.is_symbol("{") {
+            let brace = self.peek();
+            self.skip_braces();
+            self.report_unsupported(
+                "filters in braces (`{...}`)",
+                brace.span,
+                "Remove the filter.",
+            );
+        }
+        let close = self.expect("]")?;
+        let kind = ExprKind::Probability {
+            bound,
+            path: Box::new(path.expr),
+        };
+        Ok(self.node(kind, operator.span.to(close), path.height + 1))
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn probability_bound(&mut self) -> Parse<Option<(crate::ast::Comparison, Box<Expr>)>> {
+        if self.is_symbol("=") && self.is_symbol_ahead(1, "?") {
+            self.advance();
+            self.advance();
+            return Ok(None);
+        }
+        let token = self.peek();
+        if let Some(comparison) = comparison_of(token.text) {
+            self.advance();
+            let bound = self.nested(|p| p.temporal_binary(Context::Model))?;
+            return Ok(Some((comparison, Box::new(bound.expr))));
+        }
+        if self.is_symbol("=") {
+            let message = "`P` cannot be compared with `=`.";
+            let error = Diagnostic::error("syntax", token.span, message);
+            self.report(error.remedy("Write `P=?` for the value, or compare with <, <=, > or >=."));
+            return Err(Reported);
+        }
+        Err(self.expected("`=?` or a bound such as `>=0.9`"))
+    }
+
+    /// Reads the step bound of a temporal operator, if there is one.
+    fn step_bound(&mut self) -> Parse<Option<StepBound>> {
+        if self.accept("[") {
+            let low = self.nested(|p| p.temporal_binary(Context::Model))?.expr;
+            self.expect(",")?;
+            let high = self.nested(|p| p.temporal_binary(Context::Model))?.expr;
+            self.expect("]")?;
+            return Ok(Some(StepBound::Between(low, high)));
+        }
+        if self.accept("=") {
+            return Ok(Some(StepBound::Exactly(self.step_count()?)));
+        }
+        let token = self.peek();
+        match comparison_of(token.text).filter(|_| token.kind == TokenKind::Symbol) {
+            Some(comparison) => {
+                self.advance();
+                Ok(Some(StepBound::Compare(comparison, self.step_count()?)))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// Reads a number of steps: in `F<=t (a)` that is `t`, not a call.
+    fn step_count(&mut self) -> Parse<Expr> {
+        if self.peek().kind == TokenKind::Name && self.is_symbol_ahead(1, "(") {
+            let token = self.advance();
+            return Ok(Node::leaf(ExprKind::Name(token.text.to_owned()), token.span).expr);
+        }
+        Ok(self.nested(|p| p.temporal_binary(Context::Model))?.expr)
+    }
+
+    fn require_property(&mut self, context: Context, token: &Token<'_>, what: &str) {
+        if context == Context::Model {
+            let message =
+                format!("{what} cannot be used here: this expression is about variables only.");
+            let error = Diagnostic::error("property-in-model", token.span, message);
+            self.report(
+                error
+                    .remedy("Write the condition itself, or define it with `formula name = ...;`."),
+            );
+        }
+    }
+
+    /// Names a construct of PRISM's property language that is not supported, and skips it.
+    fn unsupported_operator(&mut self, token: &Token<'_>) -> Parse<Node> {
+        let (what, remedy) = match token.text {
+            "P" | "Pmin" | "Pmax" | "Pminmin" | "Pminmax" | "Pmaxmin" | "Pmaxmax" => (
+                "minimal and maximal probabilities over schedulers",
+                "A dtmc has no choices: write `P=? [ ... ]`.",
+            ),
+            "R" | "Rmin" | "Rmax" | "Rminmin" | "Rminmax" | "Rmaxmin" | "Rmaxmax" => {
+                ("expected rewards (`R`)", "Ask for a probability with `P`.")
+            }
+            "S" => (
+                "long-run probabilities (`S`)",
+                "Ask for a probability with `P`.",
+            ),
+            "A" | "E" => (
+                "the path quantifiers `A` and `E`",
+                "Write `P>=1 [ ... ]` for almost all paths, `P>0 [ ... ]` for some.",
+            ),
+            "filter" => (
+                "filters (`filter(...)`)",
+                "Ask for the value in the initial state.",
+            ),
+            _ => {
+                return Err(self.expected("an expression"));
+            }
+        };
+        if self.peek().span == token.span {
+            self.advance();
+        }
+        self.report_unsupported(what, token.span, remedy);
+        self.skip_operator();
+        let span = token.span.to(self.previous_span());
+        Ok(Node::leaf(ExprKind::Error, span))
+    }
+
+    fn report_unsupported(&mut self, what: &str, span: Span, remedy: &str) {
+        let message = format!("{what} are not supported.");
+        self.report(Diagnostic::error("unsupported", span, message).remedy(remedy));
+    }
+
+    /// Skips the rest of an operator: up to and with its bracket, or up to the end of the property.
+    fn skip_operator(&mut self) {
+        let mut open = 0usize;
+        while !self.at_end() && !self.is_symbol(";") {
+            let token = self.peek();
+            match (token.kind, token.text) {
+                (TokenKind::Symbol, "[" | "(" | "{") => open += 1,
+                (TokenKind::Symbol, "]" | ")" | "}") if open == 0 => return,
+                (TokenKind::Symbol, closing @ ("]" | ")" | "}")) => {
+                    open -= 1;
+                    // Braces and `(modifier)` precede the bracket.
+                    let more = self.peek_ahead(1);
+                    let goes_on = closing != "]"
+                        && matches!(
+                            more.text,
+                            "[" | "=" | "<" | "<=" | ">" | ">=" | "/" | "{" | "min" | "max"
+                        );
+                    if open == 0 && !goes_on {
+                        self.advance();
+                        return;
+                    }
+                }
+                _ => {}
+            }
+            self.advance();
+        }
+    }
+
+    fn skip_braces(&mut self) {
+        while !self.at_end() && !self.is_symbol("]") && !self.is_symbol(";") {
+            self.advance();
+        }
+    }
+
+    /// Goes one level down, unless that is too deep.
+    fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> Parse<T>) -> Parse<T> {
+        if self.depth >= MAX_DEPTH {
+            let span = self.peek().span;
+            return Err(self.too_deep(span));
+        }
+        self.depth += 1;
+        let result = read(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// A node, unless its tree is too high.
+    fn node(&mut self, kind: ExprKind, span: Span, height: usize) -> Node {
+        if height > MAX_DEPTH {
+            self.too_deep(span);
+            return Node::leaf(ExprKind::Error, span);
+        }
+        Node {
+            expr: Expr { kind, span },
+            height,
+        }
+    }
+
+    fn too_deep(&mut self, span: Span) -> Reported {
+        let message = format!("this expression is nested more than {MAX_DEPTH} deep.");
+        let error = Diagnostic::error("too-deep", span, message);
+        self.report(error.remedy("Split it with `formula name = ...;`."));
+        Reported
+    }
+}

@@ -1,0 +1,591 @@
+//! Models: declarations, modules and commands.
+
+use super::expression::Context;
+use super::{Parse, Parser, Reported, suggest_keyword};
+use crate::ast::{
+    Assignment, BinaryOp, Command, Constant, Expr, ExprKind, Formula, Label, Model, ModelType,
+    Module, ModuleBody, Name, RewardItem, RewardKind, RewardStructure, Type, Update, Variable,
+    VariableRange,
+};
+use crate::diagnostic::{Diagnostic, Parsed, Span};
+use crate::lexer::{Token, TokenKind};
+
+/// Words at which a new part of a model starts.
+const PARTS: &[&str] = &[
+    "dtmc",
+    "probabilistic",
+    "mdp",
+    "nondeterministic",
+    "ctmc",
+    "stochastic",
+    "pta",
+    "pomdp",
+    "popta",
+    "const",
+    "rate",
+    "prob",
+    "formula",
+    "label",
+    "global",
+    "module",
+    "rewards",
+    "init",
+    "system",
+    "observables",
+    "observable",
+];
+
+/// Reads a model. Never fails: the tree holds what was understood, the diagnostics all mistakes.
+///
+/// ```
+/// let parsed = prism_lang::parse_model("dtmc module m x : [0..1]; [] x=0 -> (x'=1); endmodule");
+/// assert!(parsed.diagnostics.is_empty());
+/// assert_eq!(parsed.tree.modules[0].name.text, "m");
+/// ```
+pub fn parse_model(text: &str) -> Parsed<Model> {
+    let mut parser = Parser::new(text);
+    let mut tree = Model::default();
+    while !parser.at_end() {
+        if parser.model_part(&mut tree).is_err() {
+            parser.recover(PARTS);
+        }
+    }
+    Parsed {
+        tree,
+        diagnostics: parser.finish(),
+    }
+}
+
+impl Parser<'_> {
+    fn model_part(&mut self, model: &mut Model) -> Parse<()> {
+        let token = self.peek();
+        if let Some(model_type) = model_type_of(&token) {
+            self.advance();
+            self.model_type(model, model_type, token.span);
+            return Ok(());
+        }
+        let keyword = if token.kind == TokenKind::Keyword {
+            token.text
+        } else {
+            ""
+        };
+        match keyword {
+            "const" | "rate" | "prob" => model.constants.push(self.constant()?),
+            "formula" => model.formulas.push(self.formula()?),
+            "label" => model.labels.push(self.label()?),
+            "global" => {
+                self.advance();
+                model.globals.push(self.variable()?);
+            }
+            "module" => {
+                let module = self.module()?;
+                model.modules.push(module);
+            }
+            "rewards" => model.rewards.push(self.reward_structure()?),
+            "init" => self.init(model)?,
+            "system" | "observables" | "observable" => self.unsupported_part(&token),
+            _ => return Err(self.unknown_part(&token)),
+        }
+        Ok(())
+    }
+
+    fn unknown_part(&mut self, token: &Token<'_>) -> Reported {
+        let stray = match token.text {
+            ";" => Some("this `;` closes nothing."),
+            "endmodule" => Some("this `endmodule` closes no module."),
+            _ => None,
+        };
+        self.advance();
+        if let Some(message) = stray {
+            let error = Diagnostic::error("syntax", token.span, message);
+            self.report(error.remedy("Remove it."));
+            return Reported;
+        }
+        let message = format!(
+            "{} does not start a part of a model.",
+            super::describe(token)
+        );
+        let error = Diagnostic::error("syntax", token.span, message);
+        let remedy = match suggest_keyword(token.text, PARTS) {
+            Some(word) => format!("Did you mean `{word}`?"),
+            None => "A model consists of `dtmc`, `const`, `formula`, `label`, `global`, `module`, `rewards` and `init`.".to_owned(),
+        };
+        self.report(error.remedy(remedy));
+        Reported
+    }
+
+    fn model_type(&mut self, model: &mut Model, model_type: ModelType, span: Span) {
+        if let Some((_, first)) = model.model_type {
+            let error =
+                Diagnostic::error("two-model-types", span, "the model type is given twice.");
+            self.report(error.related(first, "first given here").remedy("Keep one."));
+        } else {
+            model.model_type = Some((model_type, span));
+        }
+    }
+
+    fn unsupported_part(&mut self, token: &Token<'_>) {
+        self.advance();
+        let (what, remedy) = match token.text {
+            "system" => {
+                self.skip_past("endsystem");
+                (
+                    "`system ... endsystem`",
+                    "Remove it: modules synchronise on all actions that they share.",
+                )
+            }
+            "observables" => {
+                self.skip_past("endobservables");
+                (
+                    "observables",
+                    "Remove them: they belong to partially observable models.",
+                )
+            }
+            _ => {
+                self.recover(PARTS);
+                (
+                    "observables",
+                    "Remove them: they belong to partially observable models.",
+                )
+            }
+        };
+        let message = format!("{what} is not supported.");
+        let span = token.span.to(self.previous_span());
+        self.report(Diagnostic::error("unsupported", span, message).remedy(remedy));
+    }
+
+    /// Reads `const double p = 0.5;`.
+    pub(super) fn constant(&mut self) -> Parse<Constant> {
+        let start = self.advance();
+        let declared = ["int", "double", "bool"]
+            .into_iter()
+            .find(|t| self.is_keyword(t));
+        if declared.is_some() {
+            self.advance();
+        }
+        let ty = match declared {
+            Some("bool") => Type::Bool,
+            Some("double") => Type::Double,
+            None if start.text != "const" => Type::Double,
+            _ => Type::Int,
+        };
+        let name = self.expect_name("the name of a constant")?;
+        let value = if self.accept("=") {
+            Some(self.expression(Context::Model)?)
+        } else {
+            None
+        };
+        let end = self.expect(";")?;
+        let span = start.span.to(end);
+        Ok(Constant {
+            name,
+            ty,
+            value,
+            span,
+        })
+    }
+
+    /// Reads `formula f = ...;`.
+    pub(super) fn formula(&mut self) -> Parse<Formula> {
+        let start = self.advance();
+        let name = self.expect_name("the name of a formula")?;
+        self.expect("=")?;
+        let body = self.expression(Context::Model)?;
+        let span = start.span.to(self.expect(";")?);
+        Ok(Formula { name, body, span })
+    }
+
+    /// Reads `label "l" = ...;`.
+    pub(super) fn label(&mut self) -> Parse<Label> {
+        let start = self.advance();
+        let token = self.peek();
+        if token.kind == TokenKind::Name {
+            let message = format!(
+                "the name of label `{}` must stand in double quotes.",
+                token.text
+            );
+            let error = Diagnostic::error("syntax", token.span, message);
+            self.report(error.remedy(format!("Write `label \"{}\" = ...;`.", token.text)));
+        } else if token.kind != TokenKind::Quoted {
+            return Err(self.expected("the name of a label in double quotes"));
+        }
+        let name = super::name_of(&self.advance());
+        self.expect("=")?;
+        let body = self.expression(Context::Model)?;
+        let span = start.span.to(self.expect(";")?);
+        Ok(Label { name, body, span })
+    }
+
+    /// Reads `x : [0..3] init 0;`.
+    fn variable(&mut self) -> Parse<Variable> {
+        let name = self.expect_name("the name of a variable")?;
+        self.expect(":")?;
+        let range = self.variable_range()?;
+        let init = if self.accept_keyword("init") {
+            Some(self.expression(Context::Model)?)
+        } else {
+            None
+        };
+        let span = name.span.to(self.expect(";")?);
+        Ok(Variable {
+            name,
+            range,
+            init,
+            span,
+        })
+    }
+
+    fn variable_range(&mut self) -> Parse<VariableRange> {
+        if self.accept("[") {
+            let low = Box::new(self.expression(Context::Model)?);
+            self.expect("..")?;
+            let high = Box::new(self.expression(Context::Model)?);
+            self.expect("]")?;
+            return Ok(VariableRange::Int { low, high });
+        }
+        for (keyword, range) in [
+            ("bool", VariableRange::Bool),
+            ("int", VariableRange::Unbounded),
+            ("clock", VariableRange::Clock),
+        ] {
+            if self.accept_keyword(keyword) {
+                return Ok(range);
+            }
+        }
+        if self.is_keyword("double") {
+            let error =
+                Diagnostic::error("type", self.peek().span, "a variable cannot be a double.");
+            self.report(error.remedy("Scale it to an integer range such as `[0..1000]`."));
+            return Err(Reported);
+        }
+        Err(self.expected("a range such as `[0..3]`, or `bool`"))
+    }
+
+    /// Reads a module; mistakes inside are recovered inside.
+    fn module(&mut self) -> Parse<Module> {
+        let start = self.advance();
+        let name = self.expect_name("the name of a module")?;
+        let body = if self.is_symbol("=") {
+            self.renamed_module()?
+        } else {
+            self.written_module(&name)?
+        };
+        let span = start.span.to(self.previous_span());
+        Ok(Module { name, body, span })
+    }
+
+    fn renamed_module(&mut self) -> Parse<ModuleBody> {
+        self.expect("=")?;
+        let base = self.expect_name("the name of the module to copy")?;
+        self.expect("[")?;
+        let mut renames = Vec::new();
+        loop {
+            let old = self.expect_name_or_function("a name to replace")?;
+            self.expect("=")?;
+            renames.push((old, self.expect_name_or_function("a new name")?));
+            if !self.accept(",") {
+                break;
+            }
+        }
+        self.expect("]")?;
+        self.expect_keyword("endmodule")?;
+        Ok(ModuleBody::Renamed { base, renames })
+    }
+
+    fn written_module(&mut self, name: &Name) -> Parse<ModuleBody> {
+        let (mut variables, mut commands, mut invariant) = (Vec::new(), Vec::new(), None);
+        while !self.accept_keyword("endmodule") {
+            if self.starts_part() {
+                self.unclosed(name, "module", "endmodule");
+                break;
+            }
+            let item = if self.is_symbol("[") {
+                self.command().map(|c| commands.push(c))
+            } else if self.accept_keyword("invariant") {
+                self.invariant().map(|i| invariant = Some(i))
+            } else if self.is_symbol_ahead(1, ":") {
+                self.variable().map(|v| variables.push(v))
+            } else {
+                Err(self.expected(
+                    "a variable (`x : [0..1];`), a command (`[] guard -> ...;`) or `endmodule`",
+                ))
+            };
+            if item.is_err() {
+                self.recover_in_module();
+            }
+        }
+        Ok(ModuleBody::Written {
+            variables,
+            invariant,
+            commands,
+        })
+    }
+
+    fn invariant(&mut self) -> Parse<Expr> {
+        let invariant = self.expression(Context::Model)?;
+        self.expect_keyword("endinvariant")?;
+        Ok(invariant)
+    }
+
+    /// Whether something starts here that cannot be inside a module (`init` can: in a declaration).
+    fn starts_part(&self) -> bool {
+        let token = self.peek();
+        self.at_end() || (token.kind == TokenKind::Keyword && PARTS.contains(&token.text))
+    }
+
+    fn recover_in_module(&mut self) {
+        let stops: Vec<&str> = PARTS
+            .iter()
+            .copied()
+            .filter(|p| *p != "init")
+            .chain(["endmodule"])
+            .collect();
+        self.recover(&stops);
+    }
+
+    fn unclosed(&mut self, name: &Name, what: &str, closing: &str) {
+        let message = format!("{what} `{}` is not closed.", name.text);
+        let error = Diagnostic::error("unclosed", name.span, message);
+        let found = self.peek().span;
+        self.report(
+            error
+                .related(found, "it should be closed before this")
+                .remedy(format!("Write `{closing}` behind its last line.")),
+        );
+    }
+
+    /// Reads `[act] guard -> updates;`.
+    fn command(&mut self) -> Parse<Command> {
+        let start = self.expect("[")?;
+        let action = if self.is_symbol("]") {
+            None
+        } else {
+            Some(self.expect_name("the name of an action")?)
+        };
+        self.expect("]")?;
+        let guard = self.expression(Context::Model)?;
+        self.expect("->")?;
+        let updates = self.updates()?;
+        let span = start.to(self.expect(";")?);
+        Ok(Command {
+            action,
+            guard,
+            updates,
+            span,
+        })
+    }
+
+    fn updates(&mut self) -> Parse<Vec<Update>> {
+        let mut updates = Vec::new();
+        loop {
+            let start = self.peek().span;
+            let probability = if self.starts_assignments() {
+                None
+            } else {
+                Some(self.probability_of_update()?)
+            };
+            let certain = probability.is_none();
+            let assignments = self.assignments()?;
+            let span = start.to(self.previous_span());
+            updates.push(Update {
+                probability,
+                assignments,
+                span,
+            });
+            if certain && updates.len() > 1 {
+                self.missing_probability(span);
+            }
+            if !self.is_symbol("+") {
+                return Ok(updates);
+            }
+            if certain && updates.len() == 1 {
+                self.missing_probability(span);
+            }
+            self.advance();
+        }
+    }
+
+    fn missing_probability(&mut self, span: Span) {
+        let message = "each of several updates needs a probability, and this one has none.";
+        let error = Diagnostic::error("missing-probability", span, message);
+        self.report(error.remedy("Write `p : (x'=...)`, with probabilities that sum to 1."));
+    }
+
+    fn starts_assignments(&self) -> bool {
+        (self.is_symbol("(") && self.peek_ahead(1).kind == TokenKind::Primed)
+            || (self.is_keyword("true") && !self.is_symbol_ahead(1, ":"))
+            || self.peek().kind == TokenKind::Primed
+    }
+
+    fn probability_of_update(&mut self) -> Parse<Expr> {
+        if self.is_symbol("[") {
+            let message = "intervals of probabilities are not supported.";
+            let error = Diagnostic::error("unsupported", self.peek().span, message);
+            self.report(error.remedy("Write one probability."));
+            return Err(Reported);
+        }
+        let probability = self.expression(Context::Model)?;
+        if self.is_symbol(":") {
+            self.advance();
+            return Ok(probability);
+        }
+        if let Some(target) = assigned_without_prime(&probability) {
+            let message = format!("the variable `{target}` needs a prime to be assigned.");
+            let error = Diagnostic::error("missing-prime", probability.span, message);
+            self.report(error.remedy(format!("Write `({target}'=...)`.")));
+            return Err(Reported);
+        }
+        let message = format!(
+            "expected `:` and an update behind this probability, found {}.",
+            super::describe(&self.peek())
+        );
+        let error = Diagnostic::error("syntax", probability.span, message);
+        self.report(error.remedy(
+            "Write updates as `0.5 : (x'=1)`, assignments in parentheses and with a prime.",
+        ));
+        Err(Reported)
+    }
+
+    fn assignments(&mut self) -> Parse<Vec<Assignment>> {
+        if self.accept_keyword("true") {
+            return Ok(Vec::new());
+        }
+        let mut assignments = vec![self.assignment()?];
+        while self.accept("&") {
+            assignments.push(self.assignment()?);
+        }
+        Ok(assignments)
+    }
+
+    /// Reads `(x'=x+1)`.
+    fn assignment(&mut self) -> Parse<Assignment> {
+        let token = self.peek();
+        if token.kind == TokenKind::Primed {
+            let message = format!(
+                "the assignment to `{}` must stand in parentheses.",
+                token.text
+            );
+            let error = Diagnostic::error("syntax", token.span, message);
+            self.report(error.remedy(format!("Write `({}'=...)`.", token.text)));
+            return Err(Reported);
+        }
+        let start = self.expect("(")?;
+        let target = self.peek();
+        if target.kind == TokenKind::Name && self.is_symbol_ahead(1, "=") {
+            let message = format!(
+                "the variable `{}` needs a prime to be assigned.",
+                target.text
+            );
+            let error = Diagnostic::error("missing-prime", target.span, message);
+            self.report(error.remedy(format!("Write `({}'=...)`.", target.text)));
+        } else if target.kind != TokenKind::Primed {
+            return Err(self.expected("a variable with a prime, such as `x'`"));
+        }
+        let variable = super::name_of(&self.advance());
+        self.expect("=")?;
+        let value = self.expression(Context::Model)?;
+        let span = start.to(self.expect(")")?);
+        Ok(Assignment {
+            variable,
+            value,
+            span,
+        })
+    }
+
+    /// Reads `rewards "name" ... endrewards`.
+    fn reward_structure(&mut self) -> Parse<RewardStructure> {
+        let start = self.advance();
+        let name = if self.peek().kind == TokenKind::Quoted {
+            Some(super::name_of(&self.advance()))
+        } else {
+            None
+        };
+        let mut items = Vec::new();
+        while !self.accept_keyword("endrewards") {
+            if self.starts_part() {
+                let place = name.clone().unwrap_or(Name {
+                    text: String::new(),
+                    span: start.span,
+                });
+                self.unclosed(&place, "reward structure", "endrewards");
+                break;
+            }
+            match self.reward_item() {
+                Ok(item) => items.push(item),
+                Err(Reported) => {
+                    self.recover(&["endrewards", "module", "label", "formula", "const"])
+                }
+            }
+        }
+        let span = start.span.to(self.previous_span());
+        Ok(RewardStructure { name, items, span })
+    }
+
+    fn reward_item(&mut self) -> Parse<RewardItem> {
+        let start = self.peek().span;
+        let kind = if self.accept("[") {
+            let action = if self.is_symbol("]") {
+                None
+            } else {
+                Some(self.expect_name("the name of an action")?)
+            };
+            self.expect("]")?;
+            RewardKind::Transition(action)
+        } else {
+            RewardKind::State
+        };
+        let guard = self.expression(Context::Model)?;
+        self.expect(":")?;
+        let value = self.expression(Context::Model)?;
+        let span = start.to(self.expect(";")?);
+        Ok(RewardItem {
+            kind,
+            guard,
+            value,
+            span,
+        })
+    }
+
+    fn init(&mut self, model: &mut Model) -> Parse<()> {
+        let start = self.advance();
+        let predicate = self.expression(Context::Model)?;
+        self.expect_keyword("endinit")?;
+        if model.init.is_some() {
+            let error = Diagnostic::error(
+                "two-inits",
+                start.span,
+                "`init ... endinit` is given twice.",
+            );
+            self.report(error.remedy("Join the two predicates with `|`."));
+        } else {
+            model.init = Some(predicate);
+        }
+        Ok(())
+    }
+}
+
+/// The variable of `x=1`, which stands where `(x'=1)` was meant.
+fn assigned_without_prime(expr: &Expr) -> Option<&str> {
+    let ExprKind::Binary(BinaryOp::Equal, target, _) = &expr.kind else {
+        return None;
+    };
+    match &target.kind {
+        ExprKind::Name(name) => Some(name),
+        _ => None,
+    }
+}
+
+fn model_type_of(token: &Token<'_>) -> Option<ModelType> {
+    if token.kind != TokenKind::Keyword {
+        return None;
+    }
+    Some(match token.text {
+        "dtmc" | "probabilistic" => ModelType::Dtmc,
+        "mdp" | "nondeterministic" => ModelType::Mdp,
+        "ctmc" | "stochastic" => ModelType::Ctmc,
+        "pta" => ModelType::Pta,
+        "pomdp" => ModelType::Pomdp,
+        "popta" => ModelType::Popta,
+        _ => return None,
+    })
+}

@@ -1,0 +1,182 @@
+//! Parsing accepts the language, finds every mistake, and printing is its inverse.
+
+use prism_lang::{parse_model, parse_properties};
+
+const MODEL: &str = r#"
+// a comment
+dtmc
+const int n = 3; const double p; const bool fast = true; const m = n+1;
+formula busy = x>0 & (y<n | !b);
+label "done" = x=n;
+global g : [0..1] init 0;
+module first
+  x : [0..n] init 0;
+  b : bool init false;
+  [] x<n & !b -> p:(x'=x+1) & (b'=true) + 1-p:true;
+  [go] busy ? x=1 : x=2 -> (x'=min(x+1, n)) & (b'=!b);
+  [go] x=n -> true;
+endmodule
+module second = first [x=y, b=c] endmodule
+init x=0 | x=n endinit
+rewards "steps" [] true : 1; [go] x=1 : 2.5; busy : x/2; endrewards
+"#;
+
+/// A tree without its places.
+fn shape(tree: &impl std::fmt::Debug) -> String {
+    let text = format!("{tree:?}");
+    let mut shape = String::new();
+    let mut rest = text.as_str();
+    while let Some(at) = rest.find("Span {") {
+        shape.push_str(&rest[..at]);
+        let end = rest[at..].find('}').map_or(rest.len(), |e| at + e + 1);
+        rest = &rest[end..];
+    }
+    shape + rest
+}
+
+#[test]
+fn a_model_with_every_construct_is_read_and_printed_back() {
+    let parsed = parse_model(MODEL);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+    let printed = parsed.tree.to_string();
+    let again = parse_model(&printed);
+    assert!(
+        again.diagnostics.is_empty(),
+        "{printed}\n{:?}",
+        again.diagnostics
+    );
+    assert_eq!(shape(&parsed.tree), shape(&again.tree), "{printed}");
+    assert_eq!(parsed.tree.modules.len(), 2);
+    assert_eq!(parsed.tree.rewards[0].items.len(), 3);
+}
+
+#[test]
+fn operators_bind_as_in_prism() {
+    for (text, meant) in [
+        ("!a = b", "!(a = b)"),
+        ("a => b => c", "a => (b => c)"),
+        ("a <=> b => c", "(a <=> b) => c"),
+        ("a | b & c", "a | (b & c)"),
+        ("a = b < c", "a = (b < c)"),
+        ("x - 1 - 2", "(x - 1) - 2"),
+        ("2 ^ 3 ^ 2", "2 ^ (3 ^ 2)"),
+        ("-2 ^ 2", "(-2) ^ 2"),
+        ("2 * -x", "2 * (-x)"),
+        ("a ? b : c ? d : e", "a ? b : (c ? d : e)"),
+        ("a => b ? c : d", "(a => b) ? c : d"),
+        ("func(min, 1, 2)", "min(1, 2)"),
+    ] {
+        let [bare, grouped] = [text, meant].map(|t| parse_model(&format!("formula f = {t};")));
+        assert!(
+            bare.diagnostics.is_empty(),
+            "{text}: {:?}",
+            bare.diagnostics
+        );
+        assert_eq!(
+            shape(&bare.tree.formulas),
+            shape(&grouped.tree.formulas),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn temporal_operators_bind_as_in_prism() {
+    for (text, meant) in [
+        ("F a & b", "F (a & b)"),
+        ("G F a | b", "G (F (a | b))"),
+        ("a & b U c => d", "(a & b) U (c => d)"),
+        ("F a U G b", "(F a) U (G b)"),
+        ("F<=t (a)", "F<=t a"),
+        ("F<=2+3 a", "F<=(2+3) a"),
+        ("a U[2,7] b", "a U[2,7] (b)"),
+        ("X X a", "X (X a)"),
+    ] {
+        let [bare, grouped] = [text, meant].map(|t| parse_properties(&format!("P=? [ {t} ]")));
+        assert!(
+            bare.diagnostics.is_empty(),
+            "{text}: {:?}",
+            bare.diagnostics
+        );
+        let [bare, grouped] = [bare, grouped].map(|p| shape(&p.tree.properties[0].formula));
+        assert_eq!(bare, grouped, "{text}");
+    }
+}
+
+#[test]
+fn properties_are_read_with_names_texts_and_places() {
+    let text = "const int k = 5;\nlabel \"far\" = x>k;\n\
+        // the first\n\"one\": P=? [ F<=k \"far\" ];\nP>=0.5 [ G !(x=1) ]\n\"two\": (x=0) & P<1/3 [ X x=1 ]";
+    let parsed = parse_properties(text);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
+    let texts: Vec<_> = parsed
+        .tree
+        .properties
+        .iter()
+        .map(|p| p.text.as_str())
+        .collect();
+    assert_eq!(
+        texts,
+        [
+            "P=? [ F<=k \"far\" ]",
+            "P>=0.5 [ G !(x=1) ]",
+            "(x=0) & P<1/3 [ X x=1 ]"
+        ]
+    );
+    for property in &parsed.tree.properties {
+        assert_eq!(property.span.of(text), property.text);
+    }
+    let names: Vec<_> = parsed
+        .tree
+        .properties
+        .iter()
+        .map(|p| p.name.as_ref().map(|n| n.text.as_str()))
+        .collect();
+    assert_eq!(names, [Some("one"), None, Some("two")]);
+}
+
+#[test]
+fn deep_texts_are_refused_and_long_ones_are_not() {
+    let deep = format!(
+        "formula f = {}x{};",
+        "(".repeat(100_000),
+        ")".repeat(100_000)
+    );
+    let codes: Vec<_> = parse_model(&deep)
+        .diagnostics
+        .iter()
+        .map(|d| d.code)
+        .collect();
+    assert_eq!(codes[0], "too-deep");
+    let bangs = format!("formula f = {}x;", "!".repeat(100_000));
+    assert_eq!(parse_model(&bangs).diagnostics[0].code, "too-deep");
+    let sum = format!("formula f = x{};", "+1".repeat(100_000));
+    assert_eq!(parse_model(&sum).diagnostics[0].code, "too-deep");
+    let long = format!("formula f = x=0{};", " | x=1".repeat(100_000));
+    let parsed = parse_model(&long);
+    assert!(parsed.diagnostics.is_empty());
+    assert_eq!(
+        shape(&parse_model(&parsed.tree.to_string()).tree),
+        shape(&parsed.tree)
+    );
+}
+
+#[test]
+fn every_mistake_of_a_text_is_found_in_one_run() {
+    let text = "dtmc\nconst int a = ;\nmodule m\n x : [0..1;\n [] x=0 -> (x=1);\n [] x=1 (x'=0);\nendmodule\nlabel done = x=1;";
+    let lines: Vec<_> = parse_model(text)
+        .diagnostics
+        .iter()
+        .map(|d| (prism_lang::line_and_column(text, d.span.start).0, d.code))
+        .collect();
+    assert_eq!(
+        lines,
+        [
+            (2, "syntax"),
+            (4, "syntax"),
+            (5, "missing-prime"),
+            (6, "syntax"),
+            (8, "syntax")
+        ]
+    );
+}
