@@ -1,0 +1,225 @@
+//! Writing; the layout is described in [`super`].
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write as _};
+use std::io::Cursor;
+use std::path::Path;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Compression, McapError, WriteOptions, Writer};
+
+use super::schema::{Shape, quoted, schema_text};
+use super::{FORMAT, METADATA_RECORD, TIME_ENTRY, TRACE_RECORD, nanos_of_secs, secs_of_nanos};
+use crate::channel::{Channel, FieldKind, TraceError};
+use crate::file::{FileError, write_file};
+use crate::signal::Trace;
+
+/// Size of a chunk before compression, in bytes; what a damaged place can cost.
+const CHUNK_BYTES: u64 = 256 * 1024;
+
+/// Why a trace could not be written.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The trace is not well-formed.
+    Trace(TraceError),
+    /// The trace has more topics, or more text, than the format can hold.
+    Format(String),
+    /// The file could not be written.
+    File(FileError),
+}
+
+impl fmt::Display for WriteError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WriteError::Trace(error) => write!(out, "the trace cannot be written: {error}"),
+            WriteError::Format(problem) => {
+                write!(
+                    out,
+                    "the trace does not fit into an MCAP file: {problem}; split it"
+                )
+            }
+            WriteError::File(error) => error.fmt(out),
+        }
+    }
+}
+
+impl std::error::Error for WriteError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            WriteError::Trace(error) => Some(error),
+            WriteError::Format(_) => None,
+            WriteError::File(error) => Some(error),
+        }
+    }
+}
+
+impl From<McapError> for WriteError {
+    fn from(error: McapError) -> Self {
+        WriteError::Format(error.to_string())
+    }
+}
+
+/// Writes `trace` to the file at `path`, which appears complete or not at all.
+///
+/// # Errors
+/// [`WriteError`] if the trace is not well-formed or the file cannot be written.
+pub fn write_mcap(path: &Path, trace: &Trace) -> Result<(), WriteError> {
+    write_file(path, &to_mcap(trace)?).map_err(WriteError::File)
+}
+
+/// The bytes of `trace` as an MCAP file; the same trace always gives the same bytes.
+///
+/// # Errors
+/// [`WriteError`] if the trace is not well-formed or has more than 65535 topics.
+pub fn to_mcap(trace: &Trace) -> Result<Vec<u8>, WriteError> {
+    trace.validate().map_err(WriteError::Trace)?;
+    if trace
+        .channels
+        .iter()
+        .any(|channel| channel.field_index(TIME_ENTRY).is_some())
+    {
+        return Err(WriteError::Trace(TraceError::BadName {
+            name: TIME_ENTRY.to_owned(),
+            problem: "is the name of a field, but stands for the exact time in files; rename it",
+        }));
+    }
+    let options = WriteOptions::new()
+        .library("corroborate")
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0)
+        .chunk_size(Some(CHUNK_BYTES));
+    let mut writer = options.create(Cursor::new(Vec::new()))?;
+    write_metadata(&mut writer, trace)?;
+    let ids = write_channels(&mut writer, trace)?;
+    write_messages(&mut writer, trace, &ids)?;
+    writer.finish()?;
+    Ok(writer.into_inner().into_inner())
+}
+
+type Output = Writer<Cursor<Vec<u8>>>;
+
+fn write_metadata(writer: &mut Output, trace: &Trace) -> Result<(), WriteError> {
+    let about = BTreeMap::from([
+        ("format".to_owned(), FORMAT.to_owned()),
+        ("complete".to_owned(), trace.complete.to_string()),
+    ]);
+    writer.write_metadata(&Metadata {
+        name: TRACE_RECORD.to_owned(),
+        metadata: about,
+    })?;
+    let metadata = trace.metadata.clone();
+    writer.write_metadata(&Metadata {
+        name: METADATA_RECORD.to_owned(),
+        metadata,
+    })?;
+    Ok(())
+}
+
+/// Writes the schemas and channels and returns the identifiers of the channels.
+fn write_channels(writer: &mut Output, trace: &Trace) -> Result<Vec<u16>, WriteError> {
+    let mut ids = Vec::with_capacity(trace.channels.len());
+    for channel in &trace.channels {
+        let text = schema_text(channel).map_err(|error| WriteError::Format(error.to_string()))?;
+        let schema = writer.add_schema(&channel.topic, "jsonschema", text.as_bytes())?;
+        ids.push(writer.add_channel(schema, &channel.topic, "json", &BTreeMap::new())?);
+    }
+    // Topics in a chunk of their own are there even if the first messages are lost.
+    writer.flush()?;
+    Ok(ids)
+}
+
+/// Writes all rows in order of time, and for equal times of channel.
+fn write_messages(writer: &mut Output, trace: &Trace, ids: &[u16]) -> Result<(), WriteError> {
+    let shapes: Vec<Shape> = trace
+        .channels
+        .iter()
+        .map(|channel| Shape::of(&channel.fields))
+        .collect();
+    let mut order: Vec<(f64, usize, usize)> = Vec::new();
+    for (index, channel) in trace.channels.iter().enumerate() {
+        let rows = channel.times_secs.iter().enumerate();
+        order.extend(rows.map(|(row, &time_secs)| (time_secs, index, row)));
+    }
+    // Equal times keep the order of channels and rows, as the sort is stable.
+    order.sort_by(|left, right| left.0.total_cmp(&right.0));
+    let mut text = String::new();
+    for (time_secs, index, row) in order {
+        text.clear();
+        push_message(&mut text, &trace.channels[index], &shapes[index], row);
+        let nanos = nanos_of_secs(time_secs);
+        let header = MessageHeader {
+            channel_id: ids[index],
+            sequence: u32::try_from(row).unwrap_or(u32::MAX),
+            log_time: nanos,
+            publish_time: nanos,
+        };
+        writer.write_to_known_channel(&header, text.as_bytes())?;
+    }
+    Ok(())
+}
+
+fn push_message(text: &mut String, channel: &Channel, shape: &Shape, row: usize) {
+    push_value(text, channel, shape, channel.row(row));
+    let time_secs = channel.times_secs[row];
+    let stored_secs = secs_of_nanos(nanos_of_secs(time_secs));
+    if stored_secs.to_bits() != time_secs.to_bits() {
+        text.pop();
+        let comma = if text.len() > 1 { "," } else { "" };
+        let _ = write!(text, "{comma}\"{TIME_ENTRY}\":{time_secs:?}}}");
+    }
+}
+
+/// Appends what `shape` holds of `row`.
+fn push_value(text: &mut String, channel: &Channel, shape: &Shape, row: &[f64]) {
+    match shape {
+        Shape::Leaf(index) => push_leaf(text, &channel.fields[*index].kind, row[*index]),
+        Shape::Object(entries) => {
+            text.push('{');
+            let start = text.len();
+            for (name, below) in entries {
+                if !has_value(below, row) {
+                    continue;
+                }
+                if text.len() > start {
+                    text.push(',');
+                }
+                push_name(text, name);
+                push_value(text, channel, below, row);
+            }
+            text.push('}');
+        }
+    }
+}
+
+fn push_name(text: &mut String, name: &str) {
+    if name
+        .bytes()
+        .all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    {
+        let _ = write!(text, "\"{name}\":");
+    } else {
+        let _ = write!(text, "{}:", quoted(name));
+    }
+}
+
+fn push_leaf(text: &mut String, kind: &FieldKind, value: f64) {
+    match kind {
+        // The debug form of a double is the shortest that reads back the same, and valid JSON.
+        FieldKind::Number => {
+            let _ = write!(text, "{value:?}");
+        }
+        FieldKind::Bool => text.push_str(if value == 0.0 { "false" } else { "true" }),
+        FieldKind::Enumeration(names) => {
+            // The trace was validated: the value is an index.
+            let name = names.get(value as usize).map_or("", String::as_str);
+            text.push_str(&quoted(name));
+        }
+    }
+}
+
+fn has_value(shape: &Shape, row: &[f64]) -> bool {
+    match shape {
+        Shape::Leaf(index) => !row[*index].is_nan(),
+        Shape::Object(entries) => entries.iter().any(|(_, below)| has_value(below, row)),
+    }
+}
