@@ -6,9 +6,12 @@ pub mod equivalence;
 pub mod fisher;
 pub mod heterogeneity;
 pub mod interval;
+pub mod kruskal_wallis;
 pub mod multiple;
 pub mod posterior;
 mod quadrature;
+mod ranks;
+pub mod spearman;
 pub mod special;
 
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
@@ -20,5 +23,7 @@ pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
 };
 pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wilson};
+pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
 pub use posterior::{BetaPosterior, probability_greater, probability_within};
+pub use spearman::{Spearman, spearman, spearman_exact};
