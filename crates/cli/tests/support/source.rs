@@ -1,0 +1,191 @@
+//! Rust source with all that is not code taken out, so that words in comments and texts do not count.
+
+/// The code that users run: comments, texts and `#[cfg(test)]` items are blanked; line breaks stay, so that line
+/// numbers hold.
+pub fn product_code(source: &str) -> String {
+    without_tests(&without_comments_and_texts(source))
+}
+
+/// Blanks comments, string literals and character literals.
+pub fn without_comments_and_texts(source: &str) -> String {
+    let bytes = source.as_bytes();
+    let mut out = String::with_capacity(source.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let end = skipped_until(bytes, at);
+        if end > at {
+            out.extend(
+                bytes[at..end]
+                    .iter()
+                    .map(|&b| if b == b'\n' { '\n' } else { ' ' }),
+            );
+            at = end;
+        } else {
+            out.push(if bytes[at].is_ascii() {
+                bytes[at] as char
+            } else {
+                ' '
+            });
+            at += 1;
+        }
+    }
+    out
+}
+
+/// The end of the comment or literal that begins at `at`, or `at` if none begins there.
+fn skipped_until(bytes: &[u8], at: usize) -> usize {
+    let rest = &bytes[at..];
+    if rest.starts_with(b"//") {
+        return at + rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+    }
+    if rest.starts_with(b"/*") {
+        return block_comment_end(bytes, at);
+    }
+    if rest.starts_with(b"\"") {
+        return text_end(bytes, at + 1);
+    }
+    let word_before = at > 0 && (bytes[at - 1].is_ascii_alphanumeric() || bytes[at - 1] == b'_');
+    if rest[0] == b'r' && (!word_before || bytes[at - 1] == b'b') {
+        let hashes = rest[1..].iter().take_while(|&&b| b == b'#').count();
+        if rest.get(1 + hashes) == Some(&b'"') {
+            return raw_text_end(bytes, at + 2 + hashes, hashes);
+        }
+    }
+    if rest[0] == b'\'' {
+        return at + character_length(rest);
+    }
+    at
+}
+
+fn block_comment_end(bytes: &[u8], at: usize) -> usize {
+    let (mut depth, mut end) = (0usize, at);
+    while end < bytes.len() {
+        if bytes[end..].starts_with(b"/*") {
+            depth += 1;
+            end += 2;
+        } else if bytes[end..].starts_with(b"*/") {
+            depth -= 1;
+            end += 2;
+            if depth == 0 {
+                return end;
+            }
+        } else {
+            end += 1;
+        }
+    }
+    end
+}
+
+fn text_end(bytes: &[u8], mut at: usize) -> usize {
+    while at < bytes.len() && bytes[at] != b'"' {
+        at += if bytes[at] == b'\\' { 2 } else { 1 };
+    }
+    (at + 1).min(bytes.len())
+}
+
+fn raw_text_end(bytes: &[u8], from: usize, hashes: usize) -> usize {
+    let mut closing = vec![b'"'];
+    closing.extend(std::iter::repeat_n(b'#', hashes));
+    let found = bytes[from..]
+        .windows(closing.len())
+        .position(|w| w == closing);
+    found.map_or(bytes.len(), |p| from + p + closing.len())
+}
+
+/// Bytes of the character literal at the start of `rest`; 0 if it is a lifetime.
+fn character_length(rest: &[u8]) -> usize {
+    if rest.get(1) == Some(&b'\\') {
+        let closing = rest.iter().skip(3).position(|&b| b == b'\'');
+        return closing.map_or(0, |p| p + 4);
+    }
+    // One character is at most four bytes; a lifetime has no closing quote so near.
+    let closing = rest.iter().skip(2).take(4).position(|&b| b == b'\'');
+    let length = closing.map_or(0, |p| p + 3);
+    let is_one_character = length > 0
+        && std::str::from_utf8(&rest[1..length - 1]).is_ok_and(|t| t.chars().count() == 1);
+    if is_one_character { length } else { 0 }
+}
+
+/// Blanks the items marked `#[cfg(test)]`.
+fn without_tests(code: &str) -> String {
+    let mut out = code.to_owned();
+    while let Some(start) = out.find("#[cfg(test)]") {
+        let end = item_end(&out, start);
+        let blank: String = out[start..end]
+            .chars()
+            .map(|c| if c == '\n' { '\n' } else { ' ' })
+            .collect();
+        out.replace_range(start..end, &blank);
+    }
+    out
+}
+
+/// The end of the item whose attribute begins at `start`: its closing brace, or its semicolon.
+fn item_end(code: &str, start: usize) -> usize {
+    let mut depth = 0usize;
+    for (offset, character) in code[start..].char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' if depth <= 1 => return start + offset + 1,
+            '}' => depth -= 1,
+            ';' if depth == 0 => return start + offset + 1,
+            _ => {}
+        }
+    }
+    code.len()
+}
+
+/// The one-based lines of `code` on which `wanted` stands as whole words (`std::fs`, `println!`).
+pub fn lines_with(code: &str, wanted: &str) -> Vec<usize> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let stands_alone = |line: &str, at: usize| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + wanted.len()..].chars().next();
+        !before.is_some_and(is_word) && !(after.is_some_and(is_word) && wanted.ends_with(is_word))
+    };
+    let has = |line: &str| {
+        line.match_indices(wanted)
+            .any(|(at, _)| stands_alone(line, at))
+    };
+    let numbered = code.lines().enumerate();
+    numbered
+        .filter(|(_, line)| has(line))
+        .map(|(index, _)| index + 1)
+        .collect()
+}
+
+/// Writes grouped imports out, one path each, on the line where the group begins: `use std::{fs, io}` also reads
+/// `std::fs std::io`. Only the first level of a group is written out.
+pub fn with_groups_written_out(code: &str) -> String {
+    let mut out = code.to_owned();
+    let mut from = 0;
+    while let Some(found) = out[from..].find("std::{") {
+        let open = from + found + "std::".len();
+        let close = item_end(&out, open);
+        let inner = out[open + 1..close.saturating_sub(1)].replace('\n', " ");
+        let paths: String = first_level(&inner)
+            .iter()
+            .map(|name| format!(" std::{} ", name.trim()))
+            .collect();
+        out.insert_str(open - "std::".len(), &paths);
+        from = open + paths.len() + 1;
+    }
+    out
+}
+
+fn first_level(group: &str) -> Vec<&str> {
+    let (mut parts, mut depth, mut start) = (Vec::new(), 0usize, 0);
+    for (at, character) in group.char_indices() {
+        match character {
+            '{' => depth += 1,
+            '}' => depth = depth.saturating_sub(1),
+            ',' if depth == 0 => {
+                parts.push(&group[start..at]);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&group[start..]);
+    parts
+}
