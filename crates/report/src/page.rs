@@ -1,0 +1,105 @@
+//! The page around the sections: head, navigation, style and script.
+
+use evidence::StudyResult;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::section;
+use crate::view::{View, prose};
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// SHA-256 of `script.js`, in base64: the only script that may run. A test
+/// says what it must be when the script changes.
+const SCRIPT_HASH: &str = "o9z/XFCVol9t7X9g8X6QKHHNikFJABg22tCuIu+hv9Y=";
+
+/// Anchor and name of each section, in order.
+pub const SECTIONS: [(&str, &str); 11] = [
+    ("verdict", "Verdict"),
+    ("matrix", "Matrix"),
+    ("forest", "Evidence"),
+    ("modes", "Failure modes"),
+    ("discrepancies", "Conflicts"),
+    ("comparisons", "Comparisons"),
+    ("ledger", "Ledger"),
+    ("coverage", "Coverage"),
+    ("published", "Published"),
+    ("cost", "Cost"),
+    ("provenance", "Provenance"),
+];
+
+/// The whole page.
+pub fn render(study: &StudyResult) -> String {
+    let view = View { study };
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (head(study))
+            body {
+                a class="skip" href="#verdict" { "Skip to the verdict" }
+                (masthead(study))
+                (navigation())
+                main { (sections(view)) }
+                footer { p { "Produced by " (study.produced_by) ". This file is complete in itself and loads nothing." } }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn head(study: &StudyResult) -> Markup {
+    let policy = format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
+    );
+    html! {
+        head {
+            meta charset="utf-8";
+            meta http-equiv="Content-Security-Policy" content=(policy);
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            meta name="color-scheme" content="light dark";
+            title { (study.title) }
+            link rel="icon" href="data:,";
+            style { (PreEscaped(STYLE)) }
+        }
+    }
+}
+
+fn masthead(study: &StudyResult) -> Markup {
+    html! {
+        header class="masthead" {
+            p class="kicker" { "Corroborative verification and validation" }
+            h1 { (study.title) }
+            div class="summary" { (prose(&study.summary)) }
+        }
+    }
+}
+
+fn navigation() -> Markup {
+    html! {
+        nav aria-label="Sections" {
+            ul {
+                @for (id, name) in SECTIONS { li { a href={ "#" (id) } { (name) } } }
+                li { a href="#reading" { "How to read" } }
+            }
+            button id="theme" type="button" hidden { "Dark" }
+        }
+    }
+}
+
+fn sections(view: View) -> Markup {
+    html! {
+        (section::verdict::render(view))
+        (section::matrix::render(view))
+        (section::forest::render(view))
+        (section::modes::render(view))
+        (section::discrepancies::render(view))
+        (section::comparisons::render(view))
+        (section::ledger::render(view))
+        (section::coverage::render(view))
+        (section::published::render(view))
+        (section::cost::render(view))
+        (section::provenance::render(view))
+        (section::glossary::render(view))
+    }
+}

@@ -1,0 +1,222 @@
+//! Comparisons: every pair of evidence on every subject, with its outcome.
+
+use evidence::{Comparison, FurtherTrials, Outcome, Subject};
+use maud::{Markup, html};
+
+use crate::number;
+use crate::plot::{Axis, difference_strip};
+use crate::view::{View, chip, section};
+use crate::words;
+
+/// The section.
+pub fn render(view: View) -> Markup {
+    let lead = html! {
+        "Every pair of evidence on every requirement and failure mode. Agreement is claimed only if the difference is "
+        "shown to be smaller than the declared margin; a conflict only if it is beyond chance, allowing for the number of comparisons."
+    };
+    let body = html! {
+        (totals(view))
+        @if view.study.comparisons.is_empty() {
+            p class="empty" { "Nothing to compare: that takes two pieces of evidence on the same subject." }
+        }
+        div class="subjects" {
+            @for subject in view.subjects() { (card(view, &subject)) }
+        }
+    };
+    section("comparisons", "Comparisons", lead, body)
+}
+
+fn totals(view: View) -> Markup {
+    html! {
+        ul class="key outcomes" aria-label="Outcomes, with the number of pairs" {
+            @for outcome in words::OUTCOMES {
+                @let pairs = view.study.comparisons.iter().filter(|c| c.outcome == outcome);
+                @let slug = slug(outcome);
+                li data-filter=(slug) { (chip(&words::outcome(outcome))) " " (number::count(pairs.count() as u64)) }
+            }
+            li { span class="swatch fit" {} " dashed: a fit, not independent" }
+        }
+    }
+}
+
+fn slug(outcome: Outcome) -> &'static str {
+    words_slug(words::outcome(outcome).tone)
+}
+
+/// The filter's name of a tone.
+fn words_slug(tone: &'static str) -> &'static str {
+    match tone {
+        "good" => "corroborates",
+        "bad" => "conflicts",
+        "open" => "inconclusive",
+        _ => "not-comparable",
+    }
+}
+
+fn card(view: View, subject: &Subject) -> Markup {
+    let pairs: Vec<&Comparison> = view
+        .study
+        .comparisons
+        .iter()
+        .filter(|c| &c.subject == subject)
+        .collect();
+    html! {
+        @if !pairs.is_empty() {
+            article class="subject" {
+                h3 { (view.title(subject)) }
+                @if let Subject::Requirement(id) = subject {
+                    @if let Some(requirement) = view.requirement(id) { p class="small" { (requirement.text) } }
+                }
+                (heat(view, subject, &pairs))
+                details {
+                    summary { "Figures of " (number::count(pairs.len() as u64)) @if pairs.len() == 1 { " pair" } @else { " pairs" } }
+                    (table(view, subject, &pairs))
+                }
+            }
+        }
+    }
+}
+
+/// Identifiers in the order of the ledger that occur in the pairs.
+fn members<'a>(view: View<'a>, pairs: &[&'a Comparison]) -> Vec<&'a str> {
+    let ledger = view.study.evidence.iter().map(|e| e.id.as_str());
+    ledger
+        .filter(|id| pairs.iter().any(|c| c.left == *id || c.right == *id))
+        .collect()
+}
+
+fn heat(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
+    let ids = members(view, pairs);
+    let (columns, lines) = match ids.len() {
+        0 => (&ids[..], &ids[..]),
+        n => (&ids[..n - 1], &ids[1..]),
+    };
+    html! {
+        table class="heat" {
+            caption class="visually-hidden" { "Pairs of evidence on " (view.short_title(subject)) }
+            thead {
+                tr { td {} @for id in columns { th scope="col" { span { (id) } } } }
+            }
+            tbody {
+                @for (i, line) in lines.iter().enumerate() {
+                    tr {
+                        th scope="row" { (line) }
+                        @for column in &columns[..=i.min(columns.len() - 1)] {
+                            (heat_cell(pairs, column, line))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn heat_cell(pairs: &[&Comparison], a: &str, b: &str) -> Markup {
+    let pair = pairs
+        .iter()
+        .find(|c| (c.left == a && c.right == b) || (c.left == b && c.right == a));
+    html! {
+        @match pair {
+            None => td {},
+            Some(pair) => {
+                @let mark = words::comparison(pair.outcome, pair.independent);
+                @let fit = if pair.independent { "" } else { " fit" };
+                td class={ (mark.tone) (fit) } title={ (pair.left) ", " (pair.right) ": " (pair.reason) } {
+                    span aria-hidden="true" { (mark.symbol) }
+                    span class="visually-hidden" { (mark.word) @if !pair.independent { " (not independent)" } }
+                }
+            },
+        }
+    }
+}
+
+fn table(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
+    let axis = Axis::of_differences(pairs.iter().flat_map(|c| {
+        let ends = c.difference_interval.map(|i| [i.low, i.high]);
+        c.difference
+            .into_iter()
+            .chain([c.margin])
+            .chain(ends.into_iter().flatten())
+    }));
+    let mut sorted = pairs.to_vec();
+    sorted.sort_by_key(|c| words::OUTCOMES.iter().position(|o| *o == c.outcome));
+    html! {
+        div class="scroll" tabindex="0" role="region" aria-label={ "Figures on " (view.short_title(subject)) } {
+            table class="figures" {
+                caption class="visually-hidden" { "Differences and tests on " (view.short_title(subject)) }
+                thead { tr {
+                    th scope="col" { "Pair" }
+                    th scope="col" { "Outcome" }
+                    th scope="col" class="wide" { "Difference, points" (axis.labels("")) }
+                    th scope="col" class="n" { "p, no difference" br; span class="small" { "corrected" } }
+                    th scope="col" class="n" { "p, beyond margin" }
+                    th scope="col" class="n" { "P(within margin)" }
+                    th scope="col" { "Why, and what would decide" }
+                } }
+                tbody { @for pair in &sorted { (pair_row(view, &axis, pair)) } }
+            }
+        }
+    }
+}
+
+fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
+    let optional = |p: Option<f64>| p.map_or(number::NONE.to_owned(), number::p_value);
+    html! {
+        tr data-outcome=(slug(pair.outcome)) {
+            th scope="row" { (view.link(&pair.left)) " → " (view.link(&pair.right)) }
+            td {
+                (chip(&words::comparison(pair.outcome, pair.independent)))
+                @if !pair.independent && pair.outcome != Outcome::Corroborates {
+                    span class="small" { "not independent" }
+                }
+            }
+            td { @if let Some(difference) = pair.difference { (difference_cell(axis, pair, difference)) } }
+            td class="n" {
+                (optional(pair.p_difference))
+                @if pair.p_difference_corrected.is_some() {
+                    br; span class="small" { (optional(pair.p_difference_corrected)) }
+                }
+            }
+            td class="n" { (optional(pair.p_equivalence)) }
+            td class="n" { (optional(pair.probability_within_margin)) }
+            td class="why" {
+                (pair.reason)
+                @for further in &pair.further_trials { " " (further_words(view, further)) }
+            }
+        }
+    }
+}
+
+fn difference_cell(axis: &Axis, pair: &Comparison, difference: f64) -> Markup {
+    let interval = pair.difference_interval;
+    let text = match interval {
+        Some(i) => format!(
+            "{} [{}, {}]",
+            number::points(difference),
+            number::points(i.low),
+            number::points(i.high)
+        ),
+        None => number::points(difference),
+    };
+    let label = format!(
+        "difference {text} points, margin {}",
+        number::level(pair.margin)
+    );
+    html! {
+        (difference_strip(axis, pair.margin, difference, interval, &label))
+        span class="difference-text" { (text) }
+    }
+}
+
+fn further_words(view: View, further: &FurtherTrials) -> Markup {
+    html! {
+        @match further.trials {
+            Some(trials) => {
+                span class="further" { "About " (number::count(trials)) " more trials of " (view.link(&further.evidence)) " would decide." }
+            },
+            None => {
+                span class="further" { "No number of trials of " (view.link(&further.evidence)) " alone would decide." }
+            },
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The ledger: every piece of evidence, how it came about, what it found.
+
+use evidence::{ClusterTests, Evidence, Finding, Measure, MethodAnswer, Reading};
+use maud::{Markup, html};
+
+use super::lineage;
+use crate::number;
+use crate::plot::glyph;
+use crate::view::{View, figures, section, short_hash};
+use crate::words;
+
+/// The section.
+pub fn render(view: View) -> Markup {
+    let lead = html! {
+        "How the evidence came about, step by step: what changed, what was tuned to what, on which files and with which tool."
+    };
+    let body = html! {
+        @if view.study.evidence.is_empty() {
+            p class="empty" { "The ledger is empty. Run the study to produce evidence." }
+        } @else {
+            (lineage::render(view))
+            ol class="ledger" { @for evidence in &view.study.evidence { (entry(view, evidence)) } }
+        }
+    };
+    section("ledger", "The ledger", lead, body)
+}
+
+fn entry(view: View, evidence: &Evidence) -> Markup {
+    html! {
+        li class="entry" id=[view.anchor(&evidence.id)] {
+            h3 {
+                (glyph(evidence.technique, evidence.reproduced_by.is_some()))
+                " " span class="id" { (evidence.id) } " " (evidence.title)
+            }
+            p class="small" {
+                (words::technique(evidence.technique)) ", " (evidence.tool.name) " " (evidence.tool.version)
+                @if !evidence.tool.settings.is_empty() { ", " (evidence.tool.settings) }
+                @if evidence.intermediate { ". A step on the way to later evidence, not compared" }
+                @if evidence.published { ". Counts published by others, read here" }
+                @if let Some(ours) = &evidence.reproduced_by { ". Reproduced by " (view.link(ours)) }
+                "."
+            }
+            @if !evidence.changed.is_empty() { p class="changed" { (evidence.changed) } }
+            dl class="inline" {
+                div { dt { "Holds for" } dd { (evidence.conditions) } }
+                (calibrations(view, evidence))
+                div { dt { "Files" } dd {
+                    @for (i, asset) in evidence.assets.iter().enumerate() {
+                        @if i > 0 { ", " }
+                        code { (asset.path) } " " (short_hash(&asset.hash))
+                    }
+                } }
+            }
+            @if let Some(clusters) = &evidence.clusters { (cluster_tests(clusters)) }
+            details {
+                summary { "All findings of " (evidence.id) }
+                (findings(view, evidence))
+            }
+        }
+    }
+}
+
+fn calibrations(view: View, evidence: &Evidence) -> Markup {
+    html! {
+        @if !evidence.calibrated.is_empty() {
+            div { dt { "Tuned to" } dd {
+                @for (i, calibration) in evidence.calibrated.iter().enumerate() {
+                    @if i > 0 { "; " }
+                    (view.link(&calibration.from)) ", " (view.short_title(&calibration.subject))
+                    ": " code { (calibration.parameter) }
+                }
+            } }
+        }
+    }
+}
+
+fn cluster_tests(clusters: &ClusterTests) -> Markup {
+    html! {
+        div class="note" {
+            p {
+                "Trials are grouped: intraclass correlation " (format!("{:.3}", clusters.intraclass_correlation))
+                ", worth " (format!("{:.1}", clusters.effective_trials)) " independent trials."
+            }
+            @if !clusters.tests.is_empty() {
+                ul class="lines" { @for test in &clusters.tests { li { (test) } } }
+            }
+        }
+    }
+}
+
+fn findings(view: View, evidence: &Evidence) -> Markup {
+    html! {
+        div class="scroll" tabindex="0" role="region" aria-label={ "All findings of " (evidence.id) } {
+            table class="findings" {
+                caption class="visually-hidden" { "All findings of " (evidence.id) }
+                thead { tr {
+                    th scope="col" { "Subject" } th scope="col" { "Found" } th scope="col" { "In detail" }
+                } }
+                tbody {
+                    @for finding in &evidence.findings {
+                        tr {
+                            th scope="row" { (view.title(&finding.subject)) }
+                            td { (figures(&finding.measure)) }
+                            td class="detail" { (detail(finding)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn detail(finding: &Finding) -> Markup {
+    html! {
+        (measure_detail(&finding.measure))
+        @if finding.undecided > 0 {
+            p { (number::count(finding.undecided)) " ended before a verdict." }
+        }
+        @for reading in &finding.readings { (other_reading(reading)) }
+        @if !finding.witnesses.is_empty() {
+            p { "Runs that show it: " span class="witnesses" { (finding.witnesses.join(", ")) } }
+        }
+    }
+}
+
+fn measure_detail(measure: &Measure) -> Markup {
+    html! {
+        @match measure {
+            Measure::Counts { effective_trials: Some(effective), .. } => {
+                p { "Worth " (format!("{effective:.1}")) " independent trials; the interval allows for that." }
+            },
+            Measure::Counts { .. } => {},
+            Measure::Probability { answer, others, credible } => {
+                (method_answer(answer))
+                @for other in others { (method_answer(other)) }
+                @if let Some(credible) = credible {
+                    p {
+                        "With the uncertainty of its constants: mean " (number::percent(credible.mean))
+                        ", from " (number::count(credible.solves)) " solutions of the model."
+                    }
+                    @if !credible.spread.is_empty() {
+                        p {
+                            "Shares in the variance: "
+                            @for (i, spread) in credible.spread.iter().enumerate() {
+                                @if i > 0 { ", " }
+                                code { (spread.constant) } " " (number::percent(spread.share))
+                            }
+                            "."
+                        }
+                    }
+                }
+            },
+            Measure::NotExpressible { reason } | Measure::NotCovered { reason } => p { (reason) },
+        }
+    }
+}
+
+fn method_answer(answer: &MethodAnswer) -> Markup {
+    html! {
+        p class="method" {
+            b { (answer.method) } " " span class="digits" { (number::full(answer.value)) }
+            @if let Some(rest) = answer.complement {
+                ", one minus it " span class="digits" { (number::full(rest)) }
+            }
+            ", " (number::guarantee(&answer.guarantee))
+            @if let evidence::Guarantee::Estimated { reason } = &answer.guarantee { " (" (reason) ")" }
+            @if let Some(iterations) = answer.iterations { ", " (number::count(iterations)) " iterations" }
+        }
+    }
+}
+
+fn other_reading(reading: &Reading) -> Markup {
+    html! {
+        p {
+            "Read otherwise (" b { (reading.name) } "): " (reading.meaning) " "
+            (number::count(reading.count)) " of " (number::count(reading.trials)) " pass; "
+            (number::count(reading.differing)) " runs have another verdict"
+            @if !reading.witnesses.is_empty() {
+                ", such as " span class="witnesses" { (reading.witnesses.join(", ")) }
+            }
+            "."
+        }
+    }
+}

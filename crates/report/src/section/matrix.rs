@@ -1,0 +1,108 @@
+//! Requirements by techniques: the whole study in one table.
+
+use evidence::{Evidence, Measure, Requirement};
+use maud::{Markup, html};
+
+use crate::number;
+use crate::view::{View, chip, range, section};
+use crate::words;
+
+/// The section.
+pub fn render(view: View) -> Markup {
+    let lead = html! {
+        "Each cell shows the current evidence of one technique: where its interval lies against what is required, "
+        "the rate with its " (number::level(view.study.confidence)) " interval, and how many runs were covered."
+    };
+    section("matrix", "Requirements by techniques", lead, table(view))
+}
+
+fn table(view: View) -> Markup {
+    html! {
+        table class="matrix cards" role="table" {
+            caption class="visually-hidden" { "Requirements by techniques, with the conclusion on each" }
+            thead role="rowgroup" {
+                tr role="row" {
+                    th scope="col" role="columnheader" { "Requirement" }
+                    @for technique in words::TECHNIQUES {
+                        th scope="col" role="columnheader" { (words::technique(technique)) }
+                    }
+                    th scope="col" role="columnheader" { "Conclusion" }
+                }
+            }
+            tbody role="rowgroup" {
+                @for requirement in &view.study.requirements { (row(view, requirement)) }
+            }
+        }
+    }
+}
+
+fn row(view: View, requirement: &Requirement) -> Markup {
+    let conclusion = view
+        .study
+        .conclusions
+        .iter()
+        .find(|c| c.requirement == requirement.id);
+    html! {
+        tr role="row" {
+            th scope="row" role="rowheader" {
+                span class="req" { (requirement.id) } " "
+                span class="asks" { (words::asked(requirement)) }
+                span class="text" { (requirement.text) }
+            }
+            @for technique in words::TECHNIQUES {
+                td role="cell" data-label=(words::technique(technique)) {
+                    (cell(view, requirement, &view.current(requirement, technique)))
+                }
+            }
+            td role="cell" data-label="Conclusion" class="concluded" {
+                @match conclusion {
+                    Some(conclusion) => (chip(&words::verdict(conclusion.verdict))),
+                    None => span class="absent" { "none" },
+                }
+            }
+        }
+    }
+}
+
+fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup {
+    let subject = view.quantity(requirement);
+    html! {
+        @if evidence.is_empty() { span class="absent" { "· not asked" } }
+        @for item in evidence {
+            div class="entry" {
+                @match item.finding(&subject) {
+                    Some(finding) => {
+                        (chip(&words::reading(requirement, &finding.measure)))
+                        (detail(&finding.measure))
+                    },
+                    None => span class="absent" { "· not asked" },
+                }
+                span class="source" { (view.link(&item.id)) }
+            }
+        }
+    }
+}
+
+fn detail(measure: &Measure) -> Markup {
+    html! {
+        @match measure {
+            Measure::Counts { trials: 0, .. } => {},
+            Measure::Counts { count, trials, interval, .. } => {
+                span class="rate" { (number::percent(*count as f64 / *trials as f64)) }
+                (range(*interval))
+                span class="counts" { (number::count(*count)) " of " (number::count(*trials)) " covered" }
+            },
+            Measure::Probability { answer, credible, .. } => {
+                span class="rate" { (number::answer(answer)) }
+                @if let Some(credible) = credible { (range(credible.interval)) }
+                span class="counts" {
+                    (number::guarantee(&answer.guarantee))
+                    @if credible.is_some() { "; interval: credible" }
+                }
+            },
+            Measure::NotExpressible { reason } | Measure::NotCovered { reason } => {
+                span class="reason" { (reason) }
+            },
+        }
+    }
+}

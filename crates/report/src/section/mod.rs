@@ -1,0 +1,15 @@
+//! The sections of the page, one file each, in the order of reading.
+
+pub mod comparisons;
+pub mod cost;
+pub mod coverage;
+pub mod discrepancies;
+pub mod forest;
+pub mod glossary;
+pub mod ledger;
+pub mod lineage;
+pub mod matrix;
+pub mod modes;
+pub mod provenance;
+pub mod published;
+pub mod verdict;

@@ -1,0 +1,141 @@
+//! The verdict: what the study concludes, before anything else.
+
+use evidence::{Conclusion, Discrepancy, StudyResult};
+use maud::{Markup, html};
+
+use crate::number;
+use crate::view::{View, chip, section};
+use crate::words;
+
+/// The section.
+pub fn render(view: View) -> Markup {
+    let study = view.study;
+    let body = html! {
+        (tally(study))
+        @if study.conclusions.is_empty() {
+            p class="empty" { "This study draws no conclusion yet: no requirement has evidence. Run it to produce some." }
+        }
+        ol class="conclusions" {
+            @for conclusion in &study.conclusions { (conclusion_item(view, conclusion)) }
+        }
+        (agreement(study))
+        (first_discrepancies(view, &study.discrepancies))
+    };
+    let lead = html! { "What the evidence amounts to, requirement by requirement. Everything below shows how it was reached." };
+    section("verdict", "Verdict", lead, body)
+}
+
+fn tally(study: &StudyResult) -> Markup {
+    html! {
+        ul class="tally" {
+            @for verdict in words::VERDICTS {
+                @let ids: Vec<&str> = study.conclusions.iter()
+                    .filter(|c| c.verdict == verdict)
+                    .map(|c| c.requirement.as_str())
+                    .collect();
+                @if !ids.is_empty() {
+                    li { (chip(&words::verdict(verdict))) " " span class="ids" { (ids.join(", ")) } }
+                }
+            }
+        }
+    }
+}
+
+fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
+    let mark = words::verdict(conclusion.verdict);
+    html! {
+        li class={ "conclusion " (mark.tone) } {
+            div class="badge" {
+                span class="symbol" aria-hidden="true" { (mark.symbol) }
+                b { (conclusion.requirement) }
+                span { (mark.word) }
+            }
+            div {
+                @if let Some(requirement) = view.requirement(&conclusion.requirement) {
+                    p class="asked" { (requirement.text) }
+                }
+                p class="statement" { (conclusion.statement) }
+                p class="small" {
+                    @if !conclusion.rests_on.is_empty() {
+                        "Rests on " (view.links(&conclusion.rests_on)) ". "
+                    }
+                    @if let Some(bound) = conclusion.common_lower_bound {
+                        "All of it together supports at least " (number::percent(bound)) "."
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Lines of all conclusions, each once, with the requirements that share it.
+fn merged<'a>(
+    conclusions: &'a [Conclusion],
+    lines: impl Fn(&'a Conclusion) -> &'a [String],
+) -> Vec<(&'a str, Vec<&'a str>)> {
+    let mut merged: Vec<(&str, Vec<&str>)> = Vec::new();
+    for conclusion in conclusions {
+        for line in lines(conclusion) {
+            match merged.iter_mut().find(|(text, _)| text == line) {
+                Some((_, ids)) => ids.push(&conclusion.requirement),
+                None => merged.push((line, vec![&conclusion.requirement])),
+            }
+        }
+    }
+    merged
+}
+
+fn agreement(study: &StudyResult) -> Markup {
+    let independent = merged(&study.conclusions, |c| &c.independent_agreement);
+    let fitted = merged(&study.conclusions, |c| &c.fitted_agreement);
+    if independent.is_empty() && fitted.is_empty() {
+        return html! {};
+    }
+    html! {
+        div class="pair" {
+            (agreement_list("Agreement that is independent",
+                "Neither side was set to the other: this agreement is confirmation.",
+                "No agreement between techniques is independent.", &independent))
+            (agreement_list("Agreement that is only a fit",
+                "One side was tuned to the other, so it had to agree: this is no confirmation.",
+                "No agreement is a fit.", &fitted))
+        }
+    }
+}
+
+fn agreement_list(heading: &str, meaning: &str, none: &str, lines: &[(&str, Vec<&str>)]) -> Markup {
+    html! {
+        div class="card" {
+            h3 { (heading) }
+            p class="small" { (meaning) }
+            @if lines.is_empty() { p { (none) } }
+            ul class="lines" {
+                @for (line, ids) in lines {
+                    li { b class="ids" { (ids.join(", ")) } " " (line) }
+                }
+            }
+        }
+    }
+}
+
+fn first_discrepancies(view: View, discrepancies: &[Discrepancy]) -> Markup {
+    html! {
+        @if !discrepancies.is_empty() {
+            h3 { "Where the evidence disagrees, and why" }
+            ol class="headlines" {
+                @for (i, discrepancy) in discrepancies.iter().enumerate() {
+                    li {
+                        a href={ "#discrepancy-" (i + 1) } { (discrepancy.title) }
+                        span class="small" {
+                            " " (words::inaccuracy(discrepancy.inaccuracy))
+                            @match &discrepancy.resolved_by {
+                                Some(id) => { ", mended in " (view.link(id)) },
+                                None => ", still open",
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

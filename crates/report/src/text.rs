@@ -1,0 +1,348 @@
+//! The summary for a terminal: verdict first, then the matrix, the main
+//! conflicts, and where to look.
+//!
+//! Text of the study is stripped of control characters before it is printed,
+//! so that no file can write escape sequences to the reader's terminal.
+
+use evidence::{Conclusion, Measure, Outcome, Requirement, StudyResult, Technique};
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+
+use crate::number;
+use crate::view::View;
+use crate::words::{self, Mark};
+
+/// Narrower than this nothing can be laid out.
+const LEAST_WIDTH: usize = 40;
+/// Discrepancies listed; the rest are counted.
+const DISCREPANCIES_SHOWN: usize = 6;
+
+/// The summary.
+pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
+    let mut page = Page {
+        width: width.max(LEAST_WIDTH),
+        colour,
+        text: String::new(),
+    };
+    let view = View { study };
+    page.heading(&study.title);
+    verdicts(&mut page, study);
+    matrix(&mut page, view);
+    outcomes(&mut page, study);
+    discrepancies(&mut page, study);
+    gaps(&mut page, view);
+    page.text
+}
+
+struct Page {
+    width: usize,
+    colour: bool,
+    text: String,
+}
+
+impl Page {
+    fn line(&mut self, text: &str) {
+        self.text.push_str(text.trim_end());
+        self.text.push('\n');
+    }
+
+    fn heading(&mut self, text: &str) {
+        if !self.text.is_empty() {
+            self.line("");
+        }
+        for line in wrap(text, self.width) {
+            let styled = self.styled(&line, "1");
+            self.line(&styled);
+        }
+    }
+
+    /// Wrapped text, its first line after `label`, the rest below its start.
+    fn item(&mut self, label: &str, style: &str, text: &str) {
+        let indent = label.width();
+        let lines = wrap(text, self.width.saturating_sub(indent).max(16));
+        for (i, line) in lines.iter().enumerate() {
+            let start = if i == 0 {
+                self.styled(label, style)
+            } else {
+                " ".repeat(indent)
+            };
+            self.line(&format!("{start}{line}"));
+        }
+    }
+
+    fn styled(&self, text: &str, style: &str) -> String {
+        if self.colour && !style.is_empty() {
+            format!("\x1b[{style}m{text}\x1b[0m")
+        } else {
+            text.to_owned()
+        }
+    }
+}
+
+/// The ANSI style of a tone: never the only sign, always beside a symbol.
+fn style(mark: &Mark) -> &'static str {
+    match mark.tone {
+        "good" => "36",
+        "bad" => "31;1",
+        "open" => "33",
+        _ => "2",
+    }
+}
+
+/// Words of the text in lines of at most `width` columns; a word that is
+/// longer is broken. Control characters become spaces.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    let clean = clean(text);
+    for word in clean.split(' ').filter(|word| !word.is_empty()) {
+        for piece in pieces(word, width) {
+            let line = lines.last_mut().map_or(0, |l| l.width());
+            if line > 0 && line + 1 + piece.width() > width {
+                lines.push(String::new());
+            }
+            if let Some(last) = lines.last_mut() {
+                if !last.is_empty() {
+                    last.push(' ');
+                }
+                last.push_str(&piece);
+            }
+        }
+    }
+    lines
+}
+
+/// Without control characters; a no-break space stays inside its word.
+fn clean(text: &str) -> String {
+    let harmful = |c: char| c.is_control() || ('\u{202a}'..='\u{202e}').contains(&c);
+    text.chars()
+        .map(|c| if harmful(c) { ' ' } else { c })
+        .collect()
+}
+
+fn pieces(word: &str, width: usize) -> Vec<String> {
+    let mut pieces = vec![String::new()];
+    let mut used = 0;
+    for c in word.chars() {
+        let wide = c.width().unwrap_or(0);
+        if used + wide > width {
+            pieces.push(String::new());
+            used = 0;
+        }
+        used += wide;
+        if let Some(last) = pieces.last_mut() {
+            last.push(c);
+        }
+    }
+    pieces
+}
+
+fn verdicts(page: &mut Page, study: &StudyResult) {
+    if study.conclusions.is_empty() {
+        page.item(
+            "",
+            "",
+            "This study draws no conclusion yet: no requirement has evidence.",
+        );
+        return;
+    }
+    for conclusion in &study.conclusions {
+        let mark = words::verdict(conclusion.verdict);
+        let label = format!(
+            "{} {} ",
+            mark.symbol,
+            pad(&clean(&conclusion.requirement), 3)
+        );
+        let sentence = format!("{}. {}", capital(&mark.word), conclusion.statement);
+        page.item(&label, style(&mark), &sentence);
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(chars).collect()
+    })
+}
+
+/// Padded on the right, or cut, to the width.
+fn pad(text: &str, width: usize) -> String {
+    let mut kept = String::new();
+    for c in text.chars() {
+        if kept.width() + c.width().unwrap_or(0) > width {
+            break;
+        }
+        kept.push(c);
+    }
+    let missing = width - kept.width();
+    kept + &" ".repeat(missing)
+}
+
+fn matrix(page: &mut Page, view: View) {
+    if view.study.requirements.is_empty() {
+        return;
+    }
+    page.heading("Requirements by techniques");
+    let column = page.width.saturating_sub(5) / words::TECHNIQUES.len();
+    let heads: String = words::TECHNIQUES
+        .iter()
+        .map(|t| pad(words::technique(*t), column))
+        .collect();
+    let heads = format!("     {}", heads.trim_end());
+    let styled = page.styled(&heads, "2");
+    page.line(&styled);
+    for requirement in &view.study.requirements {
+        let cells: String = words::TECHNIQUES
+            .iter()
+            .map(|t| cell(page, view, requirement, *t, column))
+            .collect();
+        let id = pad(&clean(&requirement.id), 5);
+        page.line(&format!("{id}{cells}"));
+    }
+}
+
+fn cell(
+    page: &Page,
+    view: View,
+    requirement: &Requirement,
+    technique: Technique,
+    column: usize,
+) -> String {
+    let current = view.current(requirement, technique);
+    let subject = view.quantity(requirement);
+    let Some(finding) = current.last().and_then(|e| e.finding(&subject)) else {
+        return pad("· not asked", column);
+    };
+    let mark = words::reading(requirement, &finding.measure);
+    let text = format!(
+        "{} {}",
+        mark.symbol,
+        figures(&finding.measure, &mark, column)
+    );
+    page.styled(&pad(&text, column), style(&mark))
+}
+
+/// As much of the finding as fits the column.
+fn figures(measure: &Measure, mark: &Mark, column: usize) -> String {
+    let room = column.saturating_sub(3);
+    let options = match measure {
+        Measure::Counts {
+            count,
+            trials,
+            interval,
+            ..
+        } if *trials > 0 => {
+            let rate = number::percent(*count as f64 / *trials as f64);
+            let counts = format!("{}/{}", number::count(*count), number::count(*trials));
+            let interval = number::interval(*interval);
+            vec![
+                format!("{rate} [{interval}] {counts}"),
+                format!("{rate} {counts}"),
+                rate,
+            ]
+        }
+        Measure::Probability {
+            answer, credible, ..
+        } => {
+            let value = number::answer(answer);
+            let wide = credible
+                .as_ref()
+                .map(|c| format!("{value} [{}]", number::interval(c.interval)));
+            wide.into_iter().chain([value]).collect()
+        }
+        _ => vec![mark.word.clone()],
+    };
+    let fitting = options.iter().find(|text| text.width() <= room);
+    fitting.or(options.last()).cloned().unwrap_or_default()
+}
+
+fn outcomes(page: &mut Page, study: &StudyResult) {
+    if study.comparisons.is_empty() {
+        return;
+    }
+    page.heading("Comparisons");
+    let counts: Vec<String> = words::OUTCOMES
+        .iter()
+        .map(|outcome| {
+            let pairs = study.comparisons.iter().filter(|c| c.outcome == *outcome);
+            let mark = words::outcome(*outcome);
+            format!(
+                "{}\u{a0}{}\u{a0}{}",
+                mark.symbol,
+                pairs.count(),
+                mark.word.replace(' ', "\u{a0}")
+            )
+        })
+        .collect();
+    page.item("", "", &counts.join("   "));
+    let fits = study
+        .comparisons
+        .iter()
+        .filter(|c| c.outcome == Outcome::Corroborates && !c.independent)
+        .count();
+    if fits > 0 {
+        let words = "of those that corroborate are fits: one side was tuned to the other.";
+        page.item("", "", &format!("{fits} {words}"));
+    }
+    agreement(page, &study.conclusions);
+}
+
+fn agreement(page: &mut Page, conclusions: &[Conclusion]) {
+    let mut seen: Vec<&String> = Vec::new();
+    for conclusion in conclusions {
+        let independent = conclusion.independent_agreement.iter().map(|l| ("+ ", l));
+        let fitted = conclusion.fitted_agreement.iter().map(|l| ("~ ", l));
+        for (label, line) in independent.chain(fitted) {
+            if !seen.contains(&line) {
+                seen.push(line);
+                let kind = if label == "+ " {
+                    "Independent"
+                } else {
+                    "A fit"
+                };
+                page.item(label, "", &format!("{kind}: {line}"));
+            }
+        }
+    }
+}
+
+fn discrepancies(page: &mut Page, study: &StudyResult) {
+    if study.discrepancies.is_empty() {
+        return;
+    }
+    page.heading("Conflicts and their reasons");
+    for discrepancy in study.discrepancies.iter().take(DISCREPANCIES_SHOWN) {
+        let state = match &discrepancy.resolved_by {
+            Some(id) => format!("mended in {id}"),
+            None => "still open".to_owned(),
+        };
+        let kind = words::inaccuracy(discrepancy.inaccuracy);
+        page.item(
+            "≠ ",
+            "31;1",
+            &format!("{} ({kind}, {state})", discrepancy.title),
+        );
+    }
+    let rest = study
+        .discrepancies
+        .len()
+        .saturating_sub(DISCREPANCIES_SHOWN);
+    if rest > 0 {
+        page.item("  ", "", &format!("and {rest} more in the report"));
+    }
+}
+
+fn gaps(page: &mut Page, view: View) {
+    let nowhere: Vec<_> = view
+        .study
+        .gaps
+        .iter()
+        .filter(|gap| gap.evidence.is_empty())
+        .collect();
+    if nowhere.is_empty() {
+        return;
+    }
+    page.heading("Covered by nothing");
+    for gap in nowhere {
+        let title = view.title(&gap.subject);
+        page.item("○ ", "2", &format!("{title}: {}", gap.reason));
+    }
+}

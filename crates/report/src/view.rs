@@ -1,0 +1,191 @@
+//! The study with its names looked up, and the small pieces of page that
+//! every section uses.
+
+use evidence::{Evidence, Interval, Measure, Requirement, StudyResult, Subject, Technique};
+use maud::{Markup, html};
+
+use crate::number;
+use crate::words::Mark;
+
+/// A study being shown.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// What is shown.
+    pub study: &'a StudyResult,
+}
+
+impl<'a> View<'a> {
+    /// The requirement with this identifier.
+    pub fn requirement(&self, id: &str) -> Option<&'a Requirement> {
+        self.study.requirements.iter().find(|r| r.id == id)
+    }
+
+    /// Every requirement, then every failure mode.
+    pub fn subjects(&self) -> Vec<Subject> {
+        let requirements = self.study.requirements.iter();
+        let modes = self.study.failure_modes.iter();
+        requirements
+            .map(|r| Subject::Requirement(r.id.clone()))
+            .chain(modes.map(|m| Subject::FailureMode(m.id.clone())))
+            .collect()
+    }
+
+    /// The requirement that supplies the finding: itself, or the one with the
+    /// same quantity.
+    pub fn quantity(&self, requirement: &Requirement) -> Subject {
+        let own = Subject::Requirement(requirement.id.clone());
+        let has_own = self
+            .study
+            .evidence
+            .iter()
+            .any(|e| e.finding(&own).is_some());
+        match &requirement.same_quantity_as {
+            Some(first) if !has_own => Subject::Requirement(first.clone()),
+            _ => own,
+        }
+    }
+
+    /// The evidence of a technique on which the conclusion rests or, where it
+    /// rests on none, the latest of our own that speaks of the requirement.
+    pub fn current(&self, requirement: &Requirement, technique: Technique) -> Vec<&'a Evidence> {
+        let conclusions = &self.study.conclusions;
+        let conclusion = conclusions.iter().find(|c| c.requirement == requirement.id);
+        let rests_on = conclusion.map_or(&[][..], |c| &c.rests_on);
+        let ledger = self.study.evidence.iter();
+        let of_technique = ledger.filter(|e| e.technique == technique);
+        let named: Vec<_> = of_technique
+            .clone()
+            .filter(|e| rests_on.contains(&e.id))
+            .collect();
+        if !named.is_empty() {
+            return named;
+        }
+        let subject = self.quantity(requirement);
+        of_technique
+            .filter(|e| e.reproduced_by.is_none() && !e.intermediate)
+            .filter(|e| e.finding(&subject).is_some())
+            .next_back()
+            .into_iter()
+            .collect()
+    }
+
+    /// Anchor of the evidence's entry in the ledger.
+    pub fn anchor(&self, id: &str) -> Option<String> {
+        let place = self.study.evidence.iter().position(|e| e.id == id)?;
+        Some(format!("evidence-{}", place + 1))
+    }
+
+    /// The evidence's identifier, leading to its entry in the ledger.
+    pub fn link(&self, id: &str) -> Markup {
+        html! {
+            @match self.anchor(id) {
+                Some(anchor) => a class="id" href={ "#" (anchor) } { (id) },
+                None => span class="id" { (id) },
+            }
+        }
+    }
+
+    /// Several identifiers, separated by commas.
+    pub fn links(&self, ids: &[String]) -> Markup {
+        html! {
+            @for (i, id) in ids.iter().enumerate() {
+                @if i > 0 { ", " }
+                (self.link(id))
+            }
+        }
+    }
+
+    /// The subject as people call it: `Requirement 1a`, `Grip failure`.
+    pub fn title(&self, subject: &Subject) -> String {
+        match subject {
+            Subject::Requirement(id) => format!("Requirement {id}"),
+            Subject::FailureMode(id) => self
+                .study
+                .failure_modes
+                .iter()
+                .find(|m| &m.id == id)
+                .map_or_else(|| id.clone(), |m| m.name.clone()),
+        }
+    }
+
+    /// The subject in a phrase: `requirement 1a`, `grip failure`.
+    pub fn short_title(&self, subject: &Subject) -> String {
+        match subject {
+            Subject::Requirement(id) => format!("requirement {id}"),
+            Subject::FailureMode(_) => self.title(subject),
+        }
+    }
+
+    /// Several subjects, separated by commas.
+    pub fn titles(&self, subjects: &[Subject]) -> String {
+        let names: Vec<String> = subjects.iter().map(|s| self.short_title(s)).collect();
+        names.join(", ")
+    }
+}
+
+/// A section with its heading and a lead sentence.
+pub fn section(id: &str, heading: &str, lead: Markup, body: Markup) -> Markup {
+    html! {
+        section id=(id) aria-labelledby={ (id) "-heading" } {
+            h2 id={ (id) "-heading" } { (heading) }
+            p class="lead" { (lead) }
+            (body)
+        }
+    }
+}
+
+/// A mark with its word.
+pub fn chip(mark: &Mark) -> Markup {
+    html! {
+        span class={ "chip " (mark.tone) } {
+            span class="symbol" aria-hidden="true" { (mark.symbol) }
+            " " (mark.word)
+        }
+    }
+}
+
+/// What was found, in one line: counts and rate, or probability and guarantee.
+pub fn figures(measure: &Measure) -> Markup {
+    html! {
+        @match measure {
+            Measure::Counts { trials: 0, .. } => span class="absent" { "○ not covered" },
+            Measure::Counts { count, trials, interval, .. } => {
+                b { (number::percent(*count as f64 / *trials as f64)) }
+                " " (range(*interval))
+                " " span class="counts" { (number::count(*count)) "/" (number::count(*trials)) }
+            },
+            Measure::Probability { answer, credible, .. } => {
+                b { (number::answer(answer)) }
+                @match credible {
+                    Some(credible) => {
+                        " " (range(credible.interval))
+                        " " span class="counts" { "credible" }
+                    },
+                    None => { " " span class="counts" { (number::guarantee(&answer.guarantee)) } },
+                }
+            },
+            Measure::NotExpressible { .. } => span class="absent" { "⊘ not expressible" },
+            Measure::NotCovered { .. } => span class="absent" { "○ not covered" },
+        }
+    }
+}
+
+/// An interval in running text.
+pub fn range(interval: Interval) -> Markup {
+    html! { span class="range" { (number::interval(interval)) } }
+}
+
+/// A hash short enough for a line; the whole is in its title.
+pub fn short_hash(hash: &str) -> Markup {
+    let short: String = hash.chars().take(10).collect();
+    html! { code class="hash" title=(hash) { (short) } }
+}
+
+/// Text with its line breaks kept as paragraphs.
+pub fn prose(text: &str) -> Markup {
+    html! {
+        @for paragraph in text.split("\n\n").filter(|p| !p.trim().is_empty()) {
+            p { (paragraph) }
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The one vocabulary of the report: each outcome, verdict and technique has
+//! one word, one symbol and one style, so that colour never stands alone.
+
+use evidence::{
+    AssetRole, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement, Technique, Verdict,
+};
+
+use crate::number;
+
+/// How something is marked: a symbol, a word and a style.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mark {
+    /// One character.
+    pub symbol: &'static str,
+    /// Said beside the symbol, or in its place to a screen reader.
+    pub word: String,
+    /// Which of the four tones (`good`, `bad`, `open`, `none`) it takes.
+    pub tone: &'static str,
+}
+
+fn mark(symbol: &'static str, word: impl Into<String>, tone: &'static str) -> Mark {
+    Mark {
+        symbol,
+        word: word.into(),
+        tone,
+    }
+}
+
+/// Verdict on a requirement.
+pub fn verdict(verdict: Verdict) -> Mark {
+    match verdict {
+        Verdict::Satisfied => mark("✓", "satisfied", "good"),
+        Verdict::Violated => mark("✗", "not satisfied", "bad"),
+        Verdict::Undecided => mark("?", "undecided", "open"),
+        Verdict::Conflicting => mark("≠", "conflicting evidence", "bad"),
+        Verdict::NotCovered => mark("○", "not covered", "none"),
+    }
+}
+
+/// All verdicts in the order in which they are listed.
+pub const VERDICTS: [Verdict; 5] = [
+    Verdict::Satisfied,
+    Verdict::Violated,
+    Verdict::Conflicting,
+    Verdict::Undecided,
+    Verdict::NotCovered,
+];
+
+/// Outcome of a comparison.
+pub fn outcome(outcome: Outcome) -> Mark {
+    match outcome {
+        Outcome::Corroborates => mark("≈", "corroborates", "good"),
+        Outcome::Conflicts => mark("≠", "conflicts", "bad"),
+        Outcome::Inconclusive => mark("?", "inconclusive", "open"),
+        Outcome::NotComparable => mark("–", "not comparable", "none"),
+    }
+}
+
+/// Outcome of a comparison, where agreement may be only a fit.
+pub fn comparison(result: Outcome, independent: bool) -> Mark {
+    let mut mark = outcome(result);
+    if !independent && result == Outcome::Corroborates {
+        mark.word = "agrees, a fit".to_owned();
+    }
+    mark
+}
+
+/// All outcomes in the order in which they are listed.
+pub const OUTCOMES: [Outcome; 4] = [
+    Outcome::Conflicts,
+    Outcome::Inconclusive,
+    Outcome::Corroborates,
+    Outcome::NotComparable,
+];
+
+/// Where the interval of a finding lies with respect to what is required.
+///
+/// A reading of two fields side by side, as the eye does it in the forest
+/// plot; the verdict on the requirement is [`evidence::Conclusion`]'s.
+pub fn reading(requirement: &Requirement, measure: &Measure) -> Mark {
+    match measure {
+        Measure::NotExpressible { .. } => return mark("⊘", "not expressible", "none"),
+        Measure::NotCovered { .. } => return mark("○", "not covered", "none"),
+        Measure::Counts { trials: 0, .. } => return mark("○", "not covered", "none"),
+        _ => {}
+    }
+    match (requirement.threshold, measure) {
+        (None, Measure::Counts { count, trials, .. }) if count == trials => {
+            mark("✓", "no violation seen", "good")
+        }
+        (None, Measure::Counts { count, trials, .. }) => {
+            let violations = number::count(trials.saturating_sub(*count));
+            mark("✗", format!("violations: {violations}"), "bad")
+        }
+        (None, _) => certainty(measure),
+        (Some(_), _) if has_no_bound(measure) => mark("?", "error unknown", "open"),
+        (Some(threshold), _) => against(threshold.direction, threshold.value, measure),
+    }
+}
+
+fn has_no_bound(measure: &Measure) -> bool {
+    matches!(
+        measure,
+        Measure::Probability { answer, credible: None, .. }
+            if matches!(answer.guarantee, Guarantee::Estimated { .. })
+    )
+}
+
+fn certainty(measure: &Measure) -> Mark {
+    let Measure::Probability { answer, .. } = measure else {
+        return mark("○", "not covered", "none");
+    };
+    let (low, high) = match answer.guarantee {
+        Guarantee::Exact { .. } => (answer.value, answer.value),
+        Guarantee::Bounded { low, high } => (low, high),
+        Guarantee::Estimated { .. } => return mark("?", "error unknown", "open"),
+    };
+    let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) && high >= 1.0;
+    match (low, high) {
+        (_, high) if high < 1.0 => mark("✗", "not certain", "bad"),
+        (low, _) if low >= 1.0 && !short_of_one => mark("✓", "certain", "good"),
+        (low, _) if low >= 1.0 => mark("?", "certain but for the shortfall", "open"),
+        _ => mark("?", "1 is within the bounds", "open"),
+    }
+}
+
+fn against(direction: Direction, value: f64, measure: &Measure) -> Mark {
+    let Some(interval) = measure.interval() else {
+        return mark("○", "not covered", "none");
+    };
+    let level = number::level(value);
+    let (above, below) = (interval.low >= value, interval.high < value);
+    match direction {
+        Direction::AtLeast if above => mark("✓", format!("above {level}"), "good"),
+        Direction::AtLeast if below => mark("✗", format!("below {level}"), "bad"),
+        Direction::AtMost if interval.high <= value => mark("✓", format!("below {level}"), "good"),
+        Direction::AtMost if interval.low > value => mark("✗", format!("above {level}"), "bad"),
+        _ => mark("?", format!("spans {level}"), "open"),
+    }
+}
+
+/// What a requirement asks for: `at least 95 %`, or `always`.
+pub fn asked(requirement: &Requirement) -> String {
+    match requirement.threshold {
+        None => "always".to_owned(),
+        Some(threshold) => {
+            let side = match threshold.direction {
+                Direction::AtLeast => "at least",
+                Direction::AtMost => "at most",
+            };
+            format!("{side} {}", number::level(threshold.value))
+        }
+    }
+}
+
+/// A technique's name as a heading.
+pub fn technique(technique: Technique) -> &'static str {
+    match technique {
+        Technique::ModelChecking => "Model checking",
+        Technique::Simulation => "Simulation",
+        Technique::Experiment => "Experiments",
+    }
+}
+
+/// All techniques, from the most abstract to the most real.
+pub const TECHNIQUES: [Technique; 3] = [
+    Technique::ModelChecking,
+    Technique::Simulation,
+    Technique::Experiment,
+];
+
+/// Where a fault is to be sought.
+pub fn inaccuracy(inaccuracy: Inaccuracy) -> &'static str {
+    match inaccuracy {
+        Inaccuracy::Tool => "tool inaccuracy",
+        Inaccuracy::RequirementModel => "requirement model inaccuracy",
+        Inaccuracy::SystemModel => "system model inaccuracy",
+        Inaccuracy::Undetermined => "reason not yet separated",
+    }
+}
+
+/// What an asset is for.
+pub fn role(role: AssetRole) -> &'static str {
+    match role {
+        AssetRole::SystemModel => "system model",
+        AssetRole::RequirementModel => "requirement model",
+        AssetRole::Data => "data",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use evidence::{Interval, MethodAnswer, Threshold};
+
+    fn requirement(threshold: Option<f64>) -> Requirement {
+        Requirement {
+            id: "1a".into(),
+            text: String::new(),
+            threshold: threshold.map(|value| Threshold {
+                direction: Direction::AtLeast,
+                value,
+            }),
+            property: None,
+            monitor: None,
+            margin: 0.05,
+            same_quantity_as: None,
+        }
+    }
+
+    fn counts(count: u64, trials: u64, low: f64, high: f64) -> Measure {
+        Measure::Counts {
+            count,
+            trials,
+            effective_trials: None,
+            interval: Interval { low, high },
+        }
+    }
+
+    fn probability(value: f64, complement: Option<f64>, guarantee: Guarantee) -> Measure {
+        Measure::Probability {
+            answer: MethodAnswer {
+                method: "sound".into(),
+                value,
+                complement,
+                guarantee,
+                iterations: None,
+            },
+            others: vec![],
+            credible: None,
+        }
+    }
+
+    #[test]
+    fn an_interval_is_read_against_its_threshold() {
+        let read = |low, high| reading(&requirement(Some(0.95)), &counts(88, 100, low, high)).tone;
+        assert_eq!(read(0.80, 0.93), "bad");
+        assert_eq!(read(0.96, 0.99), "good");
+        assert_eq!(read(0.90, 0.96), "open");
+    }
+
+    #[test]
+    fn a_number_without_bound_is_read_as_open() {
+        let loose = Guarantee::Estimated {
+            reason: "stopped".into(),
+        };
+        let measure = probability(0.9999948, None, loose);
+        for threshold in [None, Some(0.95)] {
+            assert_eq!(reading(&requirement(threshold), &measure).tone, "open");
+        }
+    }
+
+    #[test]
+    fn certainty_needs_an_exact_one() {
+        let tone = |value, complement, guarantee| {
+            reading(
+                &requirement(None),
+                &probability(value, complement, guarantee),
+            )
+            .tone
+        };
+        let exact = || Guarantee::Exact { rational: None };
+        assert_eq!(tone(1.0, Some(0.0), exact()), "good");
+        assert_eq!(tone(1.0, Some(1e-53), exact()), "open");
+        assert_eq!(tone(0.998, None, exact()), "bad");
+        let bounds = Guarantee::Bounded {
+            low: 1.0 - 1e-12,
+            high: 1.0,
+        };
+        assert_eq!(tone(1.0, None, bounds), "open");
+    }
+
+    #[test]
+    fn nothing_seen_is_not_the_same_as_nothing_sayable() {
+        let none = counts(0, 0, 0.0, 1.0);
+        assert_eq!(reading(&requirement(None), &none).word, "not covered");
+        let unsayable = Measure::NotExpressible { reason: "x".into() };
+        assert_eq!(
+            reading(&requirement(None), &unsayable).word,
+            "not expressible"
+        );
+    }
+}
