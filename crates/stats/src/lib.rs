@@ -1,7 +1,49 @@
 //! From counts to intervals, tests and sample sizes.
+//!
+//! Everything here is a pure function of its arguments: nothing prints, reads a clock or draws a
+//! random number that is not determined by a seed. Everything holds from 0 of 5 to counts of
+//! 10^8, the ends (0 of n, n of n) included, and a count that carries no information never leads
+//! to a claim.
+//!
+//! | question | answered by |
+//! |---|---|
+//! | What does `s` of `n` say of a rate? | [`IntervalMethod`], [`wilson`], [`BetaPosterior`] |
+//! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
+//! | Do two rates differ? | [`fisher_exact`], [`Difference::p_value`] |
+//! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
+//! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`] |
+//! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
+//! | Are trials of one person alike? | [`clustering`], [`EffectiveSample`] |
+//! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
+//! | How many trials does it take? | [`trials_per_arm`], [`further_trials`] |
+//! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`] |
+//!
+//! ```
+//! use stats::{Confidence, DifferenceVariance, Sample, fisher_exact, tost, wilson};
+//!
+//! let experiment = Sample::new(88, 100)?;
+//! let simulation = Sample::new(439, 500)?;
+//!
+//! let interval = wilson(experiment, Confidence::P95);
+//! assert_eq!(interval.to_string(), "[0.8019, 0.9300]");
+//!
+//! // No difference is shown, and neither is agreement within 5 points; within 10 points it is.
+//! assert!(fisher_exact(experiment, simulation) > 0.05);
+//! let p_value = |margin| {
+//!     tost(experiment, simulation, margin, DifferenceVariance::AgrestiCaffo).map(|t| t.p_value())
+//! };
+//! assert!(p_value(0.05) > Some(0.05));
+//! assert!(p_value(0.10) < Some(0.05));
+//! # Ok::<(), stats::StatsError>(())
+//! ```
+//!
+//! Each module opens with its definitions, their source, and the guarantee they come with.
+
 pub mod binomial;
 pub mod cluster;
 pub mod counts;
+pub mod design;
+pub mod draws;
 pub mod equivalence;
 pub mod fisher;
 pub mod heterogeneity;
@@ -9,6 +51,7 @@ pub mod interval;
 pub mod kruskal_wallis;
 pub mod multiple;
 pub mod posterior;
+pub mod power;
 mod quadrature;
 mod ranks;
 pub mod spearman;
@@ -17,6 +60,8 @@ pub mod special;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use cluster::{Clustering, clustering};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
+pub use design::{design, posterior_design};
+pub use draws::{Draws, VarianceShare, variance_shares};
 pub use equivalence::{Difference, DifferenceVariance, Tost, tost};
 pub use fisher::fisher_exact;
 pub use heterogeneity::{
@@ -26,4 +71,5 @@ pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wil
 pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
 pub use posterior::{BetaPosterior, probability_greater, probability_within};
+pub use power::{Arm, FurtherTrials, Goal, further_trials, trials_per_arm};
 pub use spearman::{Spearman, spearman, spearman_exact};
