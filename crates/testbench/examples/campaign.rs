@@ -1,0 +1,88 @@
+//! Runs episodes of the handover and prints how they ended and how fast they ran.
+//!
+//! `cargo run --release -p testbench --example campaign -- tuned 100 [first seed] [abstract test]`
+
+use std::path::Path;
+use std::time::Instant;
+
+use testbench::{Cancel, Engine, Episode, Parameters, Scenario, World, run_episode};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let set = arguments.first().map_or("tuned", String::as_str);
+    let count: u64 = arguments.get(1).map_or(Ok(100), |text| text.parse())?;
+    let first_seed: u64 = arguments.get(2).map_or(Ok(1), |text| text.parse())?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = root.join("case-studies/handover/simulation");
+    let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
+    let parameters = Parameters::parse(&std::fs::read_to_string(
+        folder.join(format!("{set}.toml")),
+    )?)?;
+    let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
+    let mut world = World::new(&engine, &scenario, &parameters)?;
+    if let Some(test) = arguments.get(3) {
+        world = world.with_test(test)?;
+    }
+    let began = Instant::now();
+    let episodes = (first_seed..first_seed + count)
+        .map(|seed| run_episode(&mut world, seed, &Cancel::default()))
+        .collect::<Result<Vec<Episode>, _>>()?;
+    summarise(&episodes, began.elapsed().as_secs_f64());
+    if std::env::var_os("CAMPAIGN_DETAILS").is_some() {
+        for episode in &episodes {
+            println!("{:?} {:?}", episode.trace.metadata, episode.outcome);
+        }
+    }
+    Ok(())
+}
+
+/// Prints counts of each way an episode can end, and the ratio of simulated to real time.
+fn summarise(episodes: &[Episode], wall_secs: f64) {
+    let total = episodes.len();
+    let count = |name: &str, test: &dyn Fn(&Episode) -> bool, of: usize| {
+        let hits = episodes.iter().filter(|episode| test(episode)).count();
+        println!(
+            "{name:<28} {hits:>5} / {of:<5} {:>6.2} %",
+            100.0 * hits as f64 / of.max(1) as f64
+        );
+    };
+    let gripped = |e: &Episode| e.outcome.grasped && !e.outcome.grip_failure && !e.outcome.crashed;
+    let opportunities = episodes.iter().filter(|episode| gripped(episode)).count();
+    count("success", &|e| e.outcome.success, total);
+    count("crashed", &|e| e.outcome.crashed, total);
+    count("grip failure", &|e| e.outcome.grip_failure, total);
+    count(
+        "false negative gaze",
+        &|e| gripped(e) && e.outcome.gaze_ok == Some(false),
+        opportunities,
+    );
+    count(
+        "false negative pressure",
+        &|e| gripped(e) && e.outcome.pressure_ok == Some(false),
+        opportunities,
+    );
+    count(
+        "false negative location",
+        &|e| gripped(e) && e.outcome.location_ok == Some(false),
+        opportunities,
+    );
+    count(
+        "reset above 0.25 m/s",
+        &|e| e.outcome.reset_peak_speed_m_s >= 0.25,
+        total,
+    );
+    count(
+        "released, human holds it",
+        &|e| e.outcome.object_with_human,
+        total,
+    );
+    let sim_secs: f64 = episodes.iter().map(|episode| episode.sim_secs).sum();
+    let steps: u64 = episodes.iter().map(|episode| episode.steps).sum();
+    println!(
+        "{:.1} s simulated in {wall_secs:.2} s: {:.0} times real time, {:.1} us a step, {:.1} s an episode",
+        sim_secs,
+        sim_secs / wall_secs,
+        1e6 * wall_secs / steps as f64,
+        sim_secs / total.max(1) as f64
+    );
+}

@@ -1,0 +1,129 @@
+//! A small scene that confirms, on the loaded library, every byte offset of [`super::layout`].
+//!
+//! A ball rests on a plane beside a mocap body. Each field read through an offset is compared with
+//! what MuJoCo's own functions report, or with physics: the contact must name the ball and the
+//! plane and carry the ball's weight.
+
+use super::layout::state;
+use super::{Engine, EngineError, Simulation};
+
+/// The scene: a 2 kg ball of 0.1 m radius on a plane, a motor on a pendulum, a mocap body.
+const SCENE: &str = r#"<mujoco>
+  <option timestep="0.002" gravity="0 0 -9.81"/>
+  <worldbody>
+    <geom name="ground" type="plane" size="1 1 0.1"/>
+    <body name="ball" pos="0.3 -0.2 0.0999"><freejoint/><geom name="shell" type="sphere" size="0.1" mass="2"/></body>
+    <body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0"/><geom type="sphere" pos="0 0 -0.3" size="0.05" mass="1" contype="0" conaffinity="0"/></body>
+    <body name="target" mocap="true" pos="1 2 3"/>
+  </worldbody>
+  <actuator><motor joint="swing"/></actuator>
+</mujoco>"#;
+
+/// Runs the check.
+///
+/// # Errors
+/// [`EngineError::SelfCheck`] naming the first field that disagrees.
+pub(super) fn run(engine: &Engine) -> Result<(), EngineError> {
+    let mut simulation = engine.compile(SCENE)?;
+    check_inputs(&mut simulation)?;
+    for _ in 0..400 {
+        simulation.step();
+    }
+    check_state(&simulation)?;
+    check_frames(&simulation)?;
+    check_contact(&simulation)
+}
+
+/// Turns a comparison into the check's error.
+fn require(holds: bool, what: &'static str) -> Result<(), EngineError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(EngineError::SelfCheck { what })
+    }
+}
+
+/// Writes through offsets, reads back through MuJoCo.
+fn check_inputs(simulation: &mut Simulation) -> Result<(), EngineError> {
+    require(
+        simulation.controls_mut().len() == 1,
+        "the number of actuators",
+    )?;
+    simulation.controls_mut()[0] = 0.125;
+    require(simulation.state(state::CTRL) == [0.125], "ctrl")?;
+    simulation.set_mocap(0, [1.5, 2.5, 3.5], [0.0, 1.0, 0.0, 0.0]);
+    require(
+        simulation.state(state::MOCAP_POS) == [1.5, 2.5, 3.5],
+        "mocap_pos",
+    )?;
+    require(
+        simulation.state(state::MOCAP_QUAT) == [0.0, 1.0, 0.0, 0.0],
+        "mocap_quat",
+    )?;
+    let bob = simulation
+        .body("bob")
+        .ok_or(EngineError::SelfCheck { what: "mj_name2id" })?;
+    simulation.set_applied_force(bob, [1.0, 2.0, 3.0], [4.0, 5.0, 6.0]);
+    let applied = simulation.state(state::XFRC_APPLIED);
+    require(
+        applied
+            .windows(6)
+            .any(|window| window == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+        "xfrc_applied",
+    )?;
+    simulation.set_applied_force(bob, [0.0; 3], [0.0; 3]);
+    Ok(())
+}
+
+/// Reads time, positions and velocities both ways.
+fn check_state(simulation: &Simulation) -> Result<(), EngineError> {
+    require((simulation.time_secs() - 0.8).abs() < 1e-9, "time")?;
+    require(
+        simulation.state(state::TIME) == [simulation.time_secs()],
+        "time",
+    )?;
+    require(
+        simulation.state(state::QPOS) == simulation.positions(),
+        "qpos",
+    )?;
+    require(
+        simulation.state(state::QVEL) == simulation.velocities(),
+        "qvel",
+    )?;
+    require(simulation.warning_count() == 0, "warning")
+}
+
+/// The ball's frame follows from its joint, the mocap body's from its input.
+fn check_frames(simulation: &Simulation) -> Result<(), EngineError> {
+    let missing = EngineError::SelfCheck { what: "mj_name2id" };
+    let target = simulation.body("target").ok_or_else(|| missing.clone())?;
+    require(simulation.body_position(target) == [1.5, 2.5, 3.5], "xpos")?;
+    require(
+        simulation.body_quaternion(target) == [0.0, 1.0, 0.0, 0.0],
+        "xquat",
+    )?;
+    let ball = simulation.body("ball").ok_or(missing)?;
+    let height = simulation.body_position(ball)[2];
+    require((height - simulation.positions()[2]).abs() < 1e-4, "xpos")?;
+    let (_, velocity) = simulation.body_velocity(ball);
+    require(
+        (velocity[2] - simulation.velocities()[2]).abs() < 1e-3,
+        "mj_objectVelocity",
+    )
+}
+
+/// The contact carries the ball's weight.
+fn check_contact(simulation: &Simulation) -> Result<(), EngineError> {
+    let contacts: Vec<_> = simulation.contacts().collect();
+    require(contacts.len() == 1, "ncon")?;
+    let geoms = [simulation.geom("ground"), simulation.geom("shell")];
+    require(contacts[0].geoms.map(Some) == geoms, "contact.geom")?;
+    require(
+        contacts[0].distance_m < 0.0 && contacts[0].distance_m > -0.01,
+        "contact.dist",
+    )?;
+    require(
+        (contacts[0].normal_newtons - 2.0 * 9.81).abs() < 0.05,
+        "mj_contactForce",
+    )
+}

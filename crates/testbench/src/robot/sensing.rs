@@ -1,0 +1,162 @@
+//! The robot's three judgements of the human, from encoders and tracking.
+//!
+//! Gaze: with `h` the head's position, `f` its facing direction and `p` the object's reported
+//! position, let `d = (p - h)·f` and `r = |p - h - d f|`. The human looks at the object when
+//! `d > 0` and `r <= r0 + d tan(a)`: a cone of half angle `a` that has radius `r0` at the head.
+//!
+//! Location: the hand lies within a tolerance, axis by axis, of a point at a fixed offset from the
+//! object's reported centre.
+//!
+//! Pressure: some finger encoder has moved by more than a lower and less than an upper number of
+//! counts since it was first read.
+
+use super::interface::{Readings, TrackedPoses};
+use crate::geometry::{add, dot, norm, rotate, scale, subtract, within_box};
+use crate::scenario::{SensorRule, Sensors};
+
+/// What a sensor node makes of its readings since sensing began.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Latch {
+    any: bool,
+    last: Option<bool>,
+}
+
+impl Latch {
+    fn take(&mut self, satisfied: bool) {
+        self.any |= satisfied;
+        self.last = Some(satisfied);
+    }
+
+    /// `None` while there has been no reading.
+    fn report(&self, rule: SensorRule) -> Option<bool> {
+        self.last.map(|last| match rule {
+            SensorRule::Any => self.any,
+            SensorRule::Last => last,
+        })
+    }
+}
+
+/// What the three sensors say; `None` while one has not read anything.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SensorReport {
+    /// The human looks at the object.
+    pub gaze: Option<bool>,
+    /// The human pulls on the object.
+    pub pressure: Option<bool>,
+    /// The human's hand is on the object.
+    pub location: Option<bool>,
+}
+
+impl SensorReport {
+    /// Whether every sensor has read something.
+    #[must_use]
+    pub fn complete(&self) -> bool {
+        self.gaze.is_some() && self.pressure.is_some() && self.location.is_some()
+    }
+
+    /// Whether all three are satisfied.
+    #[must_use]
+    pub fn all_satisfied(&self) -> bool {
+        [self.gaze, self.pressure, self.location] == [Some(true); 3]
+    }
+}
+
+/// The sensor nodes during one sensing phase.
+#[derive(Debug, Clone)]
+pub struct SensorNodes {
+    rules: Sensors,
+    baseline_after_secs: f64,
+    began_secs: f64,
+    baseline_counts: Option<Vec<i64>>,
+    gaze: Latch,
+    pressure: Latch,
+    location: Latch,
+    largest_displacement_counts: i64,
+}
+
+impl SensorNodes {
+    /// Starts sensing at `now_secs`; the fingers are first read `baseline_after_secs` later.
+    #[must_use]
+    pub fn begin(rules: &Sensors, baseline_after_secs: f64, now_secs: f64) -> Self {
+        Self {
+            rules: rules.clone(),
+            baseline_after_secs,
+            began_secs: now_secs,
+            baseline_counts: None,
+            gaze: Latch::default(),
+            pressure: Latch::default(),
+            location: Latch::default(),
+            largest_displacement_counts: 0,
+        }
+    }
+
+    /// Takes one reading of each sensor.
+    pub fn read(&mut self, readings: &Readings<'_>) {
+        if let Some(tracked) = readings.tracking {
+            self.gaze.take(gaze_satisfied(&self.rules, tracked));
+            self.location.take(location_satisfied(&self.rules, tracked));
+        }
+        if readings.clock_secs - self.began_secs < self.baseline_after_secs - 1e-9 {
+            return;
+        }
+        let baseline = self
+            .baseline_counts
+            .get_or_insert_with(|| readings.finger_counts.to_vec());
+        let moved = largest_displacement(baseline, readings.finger_counts);
+        self.largest_displacement_counts = self.largest_displacement_counts.max(moved);
+        self.pressure.take(pressure_satisfied(
+            &self.rules,
+            baseline,
+            readings.finger_counts,
+        ));
+    }
+
+    /// What the sensors say now.
+    #[must_use]
+    pub fn report(&self) -> SensorReport {
+        SensorReport {
+            gaze: self.gaze.report(self.rules.gaze_rule),
+            pressure: self.pressure.report(self.rules.pressure_rule),
+            location: self.location.report(self.rules.location_rule),
+        }
+    }
+
+    /// The largest displacement of a finger since the baseline, in counts, over all readings.
+    #[must_use]
+    pub fn largest_displacement_counts(&self) -> i64 {
+        self.largest_displacement_counts
+    }
+}
+
+/// The largest displacement of any finger, in counts.
+fn largest_displacement(baseline: &[i64], counts: &[i64]) -> i64 {
+    let moved = baseline
+        .iter()
+        .zip(counts)
+        .map(|(before, now)| (now - before).abs());
+    moved.max().unwrap_or(0)
+}
+
+/// Whether the human looks at where the object is said to be.
+pub(crate) fn gaze_satisfied(rules: &Sensors, tracked: &TrackedPoses) -> bool {
+    let facing = rotate(tracked.human_head.orientation, [1.0, 0.0, 0.0]);
+    let to_object = subtract(tracked.object_m, tracked.human_head.position_m);
+    let along = dot(to_object, facing);
+    let across = norm(subtract(to_object, scale(along, facing)));
+    along > 0.0 && across <= rules.gaze_head_radius_m + along * rules.gaze_half_angle_rad.tan()
+}
+
+/// Whether the hand is where a hand on the object would be.
+pub(crate) fn location_satisfied(rules: &Sensors, tracked: &TrackedPoses) -> bool {
+    let expected = add(tracked.object_m, rules.location_offset_m);
+    within_box(tracked.human_hand_m, expected, rules.location_tolerance_m)
+}
+
+/// Whether some finger has moved as a pull moves it.
+pub(crate) fn pressure_satisfied(rules: &Sensors, baseline: &[i64], counts: &[i64]) -> bool {
+    let [low, high] = rules.pressure_counts;
+    baseline.iter().zip(counts).any(|(before, now)| {
+        let moved = (now - before).abs();
+        moved > low && moved < high
+    })
+}

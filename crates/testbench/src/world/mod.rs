@@ -1,0 +1,13 @@
+//! The simulated world around the robot's code: physics, drives, tracking, planner and human.
+
+mod drives;
+mod episode;
+mod human;
+mod judge;
+mod planner;
+mod plant;
+mod recorder;
+mod tracking;
+
+pub use episode::{Cancel, Episode, SimError, World, run_episode};
+pub use judge::Outcome;
