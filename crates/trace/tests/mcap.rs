@@ -212,8 +212,9 @@ fn a_long_recording_keeps_what_stands_before_the_damage() {
     let bytes = to_mcap(&trace).unwrap();
     let outcome = from_mcap(&bytes[..bytes.len() / 2]).unwrap();
     let kept = outcome.trace.channels[0].len();
+    // Half of the rows, give or take two chunks of some 4300 rows: digits compress unevenly.
     assert!(
-        (15_000..30_000).contains(&kept),
+        (21_000..39_000).contains(&kept),
         "{kept} rows kept of 60000"
     );
     assert!(
