@@ -16,7 +16,7 @@ const MARGIN: f64 = 3.0;
 const HEIGHT: u32 = 28;
 const MIDDLE: u32 = HEIGHT / 2;
 /// Quantiles drawn of a distribution: enough to show its shape.
-const QUANTILES_DRAWN: usize = 60;
+const QUANTILES_DRAWN: usize = 40;
 
 /// The range of values that a strip shows, with its ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +65,7 @@ impl Axis {
             _ if high >= least_range => (high - least_range, high),
             _ => (low, low + least_range),
         };
-        let step = nice_step((high - low) / 4.0);
+        let step = nice_step((high - low) / 5.0);
         let low = (low / step).floor() * step;
         let high = (high / step).ceil() * step;
         Axis { low, high, step }
@@ -106,22 +106,21 @@ impl Axis {
 
     fn grid(&self) -> Markup {
         html! {
-            @for tick in self.ticks() {
-                line class="grid" x1=(self.x(tick)) x2=(self.x(tick)) y1="0" y2="100%" {}
+            g class="grid" {
+                @for tick in self.ticks() { line x1=(self.x(tick)) x2=(self.x(tick)) y2="100%" {} }
             }
         }
     }
 }
 
-/// The largest of 1, 2, 5 times a power of ten that is not above `rough`, or
-/// the smallest such number if there is none.
+/// The smallest of 1, 2, 5 times a power of ten that is not below `rough`.
 fn nice_step(rough: f64) -> f64 {
     let power = 10f64.powf(rough.log10().floor());
-    [5.0, 2.0, 1.0]
+    [1.0, 2.0, 5.0]
         .into_iter()
         .map(|m| m * power)
-        .find(|step| *step <= rough * 1.0001)
-        .unwrap_or(power)
+        .find(|step| *step >= rough * 0.9999)
+        .unwrap_or(10.0 * power)
 }
 
 /// One strip of a forest plot: a finding, its uncertainty, the thresholds.
@@ -198,25 +197,24 @@ impl Strip<'_> {
 }
 
 /// One strip of a plot of differences: zero, the band of the margin, the
-/// difference with its interval.
+/// difference with its interval. The figures stand beside it as text.
 pub fn difference_strip(
     axis: &Axis,
     margin: f64,
     difference: f64,
     interval: Option<Interval>,
-    label: &str,
 ) -> Markup {
     let (low, high) = (axis.at(-margin), axis.at(margin));
     let zero = axis.x(0.0);
     html! {
-        svg class="strip difference" width="100%" height=(HEIGHT) role="img" aria-label=(label) {
+        svg class="strip difference" width="100%" height=(HEIGHT) aria-hidden="true" {
             rect class="margin" x=(format!("{low:.2}%")) width=(format!("{:.2}%", high - low)) y="0" height="100%" {}
             line class="zero" x1=(zero) x2=(zero) y1="0" y2="100%" {}
             @if let Some(interval) = interval {
                 line class="whisker" x1=(axis.x(interval.low)) x2=(axis.x(interval.high))
                     y1=(MIDDLE) y2=(MIDDLE) {}
             }
-            circle class="mark" cx=(axis.x(difference)) cy=(MIDDLE) r="3.5" {}
+            circle cx=(axis.x(difference)) cy=(MIDDLE) r="3.5" {}
         }
     }
 }
@@ -317,8 +315,8 @@ mod tests {
 
     #[test]
     fn steps_are_round() {
-        assert!((nice_step(0.03) - 0.02).abs() < 1e-12);
-        assert!((nice_step(0.25) - 0.2).abs() < 1e-12);
-        assert!((nice_step(0.0051) - 0.005).abs() < 1e-12);
+        assert!((nice_step(0.03) - 0.05).abs() < 1e-12);
+        assert!((nice_step(0.2) - 0.2).abs() < 1e-12);
+        assert!((nice_step(0.0051) - 0.01).abs() < 1e-12);
     }
 }

@@ -19,13 +19,13 @@
 
   // Outcomes in the key become filters of the comparisons.
   const comparisons = document.getElementById("comparisons");
-  const rows = [...comparisons.querySelectorAll("tr[data-outcome]")];
+  const rows = [...comparisons.querySelectorAll("[data-outcome]")];
   const filters = [...comparisons.querySelectorAll("[data-filter]")];
   let chosen = null;
   const apply = () => {
     for (const row of rows) row.hidden = chosen !== null && row.dataset.outcome !== chosen;
     for (const card of comparisons.querySelectorAll(".subject")) {
-      const shown = card.querySelectorAll("tr[data-outcome]:not([hidden])").length;
+      const shown = card.querySelectorAll("[data-outcome]:not([hidden])").length;
       card.hidden = chosen !== null && shown === 0;
       card.querySelector("details").open = chosen !== null && shown > 0;
     }

@@ -112,7 +112,7 @@ impl<'a> View<'a> {
     pub fn short_title(&self, subject: &Subject) -> String {
         match subject {
             Subject::Requirement(id) => format!("requirement {id}"),
-            Subject::FailureMode(_) => self.title(subject),
+            Subject::FailureMode(_) => uncapitalised(&self.title(subject)),
         }
     }
 
@@ -120,6 +120,18 @@ impl<'a> View<'a> {
     pub fn titles(&self, subjects: &[Subject]) -> String {
         let names: Vec<String> = subjects.iter().map(|s| self.short_title(s)).collect();
         names.join(", ")
+    }
+}
+
+/// With a small first letter, unless the first word is an abbreviation.
+fn uncapitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    match (chars.next(), chars.next()) {
+        (Some(first), Some(second)) if !second.is_uppercase() => {
+            let rest = chars.as_str();
+            first.to_lowercase().chain([second]).collect::<String>() + rest
+        }
+        _ => text.to_owned(),
     }
 }
 

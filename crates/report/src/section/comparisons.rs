@@ -39,17 +39,13 @@ fn totals(view: View) -> Markup {
     }
 }
 
+/// The outcome's name for the filter.
 fn slug(outcome: Outcome) -> &'static str {
-    words_slug(words::outcome(outcome).tone)
-}
-
-/// The filter's name of a tone.
-fn words_slug(tone: &'static str) -> &'static str {
-    match tone {
-        "good" => "corroborates",
-        "bad" => "conflicts",
-        "open" => "inconclusive",
-        _ => "not-comparable",
+    match outcome {
+        Outcome::Corroborates => "corroborates",
+        Outcome::Conflicts => "conflicts",
+        Outcome::Inconclusive => "inconclusive",
+        Outcome::NotComparable => "not-comparable",
     }
 }
 
@@ -69,8 +65,11 @@ fn card(view: View, subject: &Subject) -> Markup {
                 }
                 (heat(view, subject, &pairs))
                 details {
-                    summary { "Figures of " (number::count(pairs.len() as u64)) @if pairs.len() == 1 { " pair" } @else { " pairs" } }
-                    (table(view, subject, &pairs))
+                    summary { "Figures and reasons" }
+                    @if pairs.iter().any(|c| c.outcome != Outcome::NotComparable) {
+                        (table(view, subject, &pairs))
+                    }
+                    (not_comparable(view, &pairs))
                 }
             }
         }
@@ -121,7 +120,7 @@ fn heat_cell(pairs: &[&Comparison], a: &str, b: &str) -> Markup {
             Some(pair) => {
                 @let mark = words::comparison(pair.outcome, pair.independent);
                 @let fit = if pair.independent { "" } else { " fit" };
-                td class={ (mark.tone) (fit) } title={ (pair.left) ", " (pair.right) ": " (pair.reason) } {
+                td class={ (mark.tone) (fit) } title={ (pair.left) ", " (pair.right) ": " (mark.word) } {
                     span aria-hidden="true" { (mark.symbol) }
                     span class="visually-hidden" { (mark.word) @if !pair.independent { " (not independent)" } }
                 }
@@ -138,7 +137,10 @@ fn table(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
             .chain([c.margin])
             .chain(ends.into_iter().flatten())
     }));
-    let mut sorted = pairs.to_vec();
+    let mut sorted: Vec<_> = pairs
+        .iter()
+        .filter(|c| c.outcome != Outcome::NotComparable)
+        .collect();
     sorted.sort_by_key(|c| words::OUTCOMES.iter().position(|o| *o == c.outcome));
     html! {
         div class="scroll" tabindex="0" role="region" aria-label={ "Figures on " (view.short_title(subject)) } {
@@ -154,6 +156,34 @@ fn table(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
                     th scope="col" { "Why, and what would decide" }
                 } }
                 tbody { @for pair in &sorted { (pair_row(view, &axis, pair)) } }
+            }
+        }
+    }
+}
+
+/// Pairs that are not comparable, once for each reason.
+fn not_comparable(view: View, pairs: &[&Comparison]) -> Markup {
+    let mut reasons: Vec<(&str, Vec<&Comparison>)> = Vec::new();
+    for pair in pairs.iter().filter(|c| c.outcome == Outcome::NotComparable) {
+        match reasons
+            .iter_mut()
+            .find(|(reason, _)| *reason == pair.reason)
+        {
+            Some((_, same)) => same.push(pair),
+            None => reasons.push((&pair.reason, vec![pair])),
+        }
+    }
+    html! {
+        ul class="lines" {
+            @for (reason, same) in &reasons {
+                li data-outcome=(slug(Outcome::NotComparable)) {
+                    (chip(&words::outcome(Outcome::NotComparable))) " "
+                    @for (i, pair) in same.iter().enumerate() {
+                        @if i > 0 { ", " }
+                        (view.link(&pair.left)) " → " (view.link(&pair.right))
+                    }
+                    ": " (reason)
+                }
             }
         }
     }
@@ -198,12 +228,8 @@ fn difference_cell(axis: &Axis, pair: &Comparison, difference: f64) -> Markup {
         ),
         None => number::points(difference),
     };
-    let label = format!(
-        "difference {text} points, margin {}",
-        number::level(pair.margin)
-    );
     html! {
-        (difference_strip(axis, pair.margin, difference, interval, &label))
+        (difference_strip(axis, pair.margin, difference, interval))
         span class="difference-text" { (text) }
     }
 }

@@ -70,8 +70,13 @@ fn cell(view: View, evidence: &Evidence, subject: &Subject) -> Markup {
     };
     let finding = evidence.finding(source.as_ref().unwrap_or(subject));
     let absent = |symbol: &str, words: &str, reason: &str| {
+        let class = if symbol == "○" {
+            "n hole open"
+        } else {
+            "n hole"
+        };
         html! {
-            td class="n hole" title=(reason) {
+            td class=(class) title=(reason) {
                 span aria-hidden="true" { (symbol) } span class="visually-hidden" { (words) }
             }
         }

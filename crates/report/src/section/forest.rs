@@ -126,14 +126,25 @@ pub fn row(
                 (glyph(evidence.technique, evidence.reproduced_by.is_some())) " " (view.link(&evidence.id))
                 span class="title" { (evidence.title) }
             }
-            @match measure {
-                Measure::NotExpressible { reason } | Measure::NotCovered { reason } =>
-                    span class="reason" { (reason) },
-                Measure::Counts { trials: 0, .. } => span class="reason" { "No run met the precondition." },
-                _ => (strip.draw()),
+            @match absence(measure) {
+                Some((what, reason)) => span class="nothing" title=(reason) {
+                    span class="absent" { (what) } span class="reason" { (reason) }
+                },
+                None => { (strip.draw()) span class="what" { (figures(measure)) } },
             }
-            span class="what" { (figures(measure)) }
         }
+    }
+}
+
+/// What is said in place of a strip where nothing was found, and why.
+fn absence(measure: &Measure) -> Option<(&'static str, &str)> {
+    match measure {
+        Measure::NotExpressible { reason } => Some(("⊘ not expressible", reason)),
+        Measure::NotCovered { reason } => Some(("○ not covered", reason)),
+        Measure::Counts { trials: 0, .. } => {
+            Some(("○ not covered", "No run met the precondition."))
+        }
+        _ => None,
     }
 }
 

@@ -44,12 +44,14 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
             dl class="inline" {
                 div { dt { "Holds for" } dd { (evidence.conditions) } }
                 (calibrations(view, evidence))
-                div { dt { "Files" } dd {
-                    @for (i, asset) in evidence.assets.iter().enumerate() {
-                        @if i > 0 { ", " }
-                        code { (asset.path) } " " (short_hash(&asset.hash))
-                    }
-                } }
+                @if !evidence.assets.is_empty() {
+                    div { dt { "Files" } dd {
+                        @for (i, asset) in evidence.assets.iter().enumerate() {
+                            @if i > 0 { ", " }
+                            code { (asset.path) } " " (short_hash(&asset.hash))
+                        }
+                    } }
+                }
             }
             @if let Some(clusters) = &evidence.clusters { (cluster_tests(clusters)) }
             details {

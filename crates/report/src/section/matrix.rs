@@ -72,12 +72,11 @@ fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup
             div class="entry" {
                 @match item.finding(&subject) {
                     Some(finding) => {
-                        (chip(&words::reading(requirement, &finding.measure)))
+                        p { (chip(&words::reading(requirement, &finding.measure))) " " (view.link(&item.id)) }
                         (detail(&finding.measure))
                     },
-                    None => span class="absent" { "· not asked" },
+                    None => p class="absent" { "· not asked " (view.link(&item.id)) },
                 }
-                span class="source" { (view.link(&item.id)) }
             }
         }
     }
@@ -88,20 +87,19 @@ fn detail(measure: &Measure) -> Markup {
         @match measure {
             Measure::Counts { trials: 0, .. } => {},
             Measure::Counts { count, trials, interval, .. } => {
-                span class="rate" { (number::percent(*count as f64 / *trials as f64)) }
-                (range(*interval))
-                span class="counts" { (number::count(*count)) " of " (number::count(*trials)) " covered" }
+                p { b { (number::percent(*count as f64 / *trials as f64)) } " " (range(*interval)) }
+                p class="counts" { (number::count(*count)) " of " (number::count(*trials)) " covered" }
             },
-            Measure::Probability { answer, credible, .. } => {
-                span class="rate" { (number::answer(answer)) }
-                @if let Some(credible) = credible { (range(credible.interval)) }
-                span class="counts" {
-                    (number::guarantee(&answer.guarantee))
-                    @if credible.is_some() { "; interval: credible" }
-                }
+            Measure::Probability { answer, credible: Some(credible), .. } => {
+                p { b { (number::answer(answer)) } " " (range(credible.interval)) }
+                p class="counts" { "credible interval; solver " (number::guarantee(&answer.guarantee)) }
+            },
+            Measure::Probability { answer, .. } => {
+                p { b { (number::answer(answer)) } }
+                p class="counts" { (number::guarantee(&answer.guarantee)) }
             },
             Measure::NotExpressible { reason } | Measure::NotCovered { reason } => {
-                span class="reason" { (reason) }
+                p class="reason" { (reason) }
             },
         }
     }
