@@ -1,0 +1,264 @@
+//! What is asked of the checker beyond the property, and what it answers.
+
+use std::fmt;
+
+use prism_lang::Rational;
+use temporal::automaton::AutomatonError;
+
+use crate::rounding::Bounds;
+use crate::state_space::StateError;
+
+/// How values are computed, and thereby what is known of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Floating point with bounds that hold, rounding included.
+    #[default]
+    Sound,
+    /// PRISM's default: Jacobi iteration that stops when values hardly change. An estimate, for
+    /// reproducing published figures.
+    PrismDefault,
+    /// Rational arithmetic.
+    Exact,
+}
+
+/// How to check.
+#[derive(Clone, Copy)]
+pub struct Options<'a> {
+    /// How values are computed.
+    pub method: Method,
+    /// [`Method::Sound`]: the widest relative distance of the bounds that is aimed at.
+    pub precision: f64,
+    /// [`Method::PrismDefault`]: iteration stops when no value changes by more than this, relatively.
+    pub epsilon: f64,
+    /// [`Method::PrismDefault`]: iteration fails after this many rounds.
+    pub max_iters: u64,
+    /// Most states of a product with an automaton, and of an automaton.
+    pub product_limit: usize,
+    /// Most states for which a comparison that bounds leave open is decided by rational arithmetic.
+    pub exact_limit: usize,
+    /// Asked now and then; the check ends with [`CheckError::Cancelled`] when it returns true.
+    pub cancel: Option<&'a (dyn Fn() -> bool + Sync)>,
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Self {
+            method: Method::Sound,
+            precision: 1e-6,
+            epsilon: 1e-6,
+            max_iters: 10_000,
+            product_limit: 50_000_000,
+            exact_limit: 1_000_000,
+            cancel: None,
+        }
+    }
+}
+
+impl Options<'_> {
+    /// The default options with another method.
+    pub fn with_method(method: Method) -> Self {
+        Self {
+            method,
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn check_cancelled(&self) -> Result<(), CheckError> {
+        match self.cancel {
+            Some(cancel) if cancel() => Err(CheckError::Cancelled),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl fmt::Debug for Options<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (formatter.debug_struct("Options"))
+            .field("method", &self.method)
+            .field("precision", &self.precision)
+            .field("epsilon", &self.epsilon)
+            .field("max_iters", &self.max_iters)
+            .field("product_limit", &self.product_limit)
+            .field("exact_limit", &self.exact_limit)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The value of a property in the initial state, or in the initial states if there are several.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AnswerValue {
+    /// A number, as near as the guarantee says.
+    Number(f64),
+    /// The number itself.
+    Exact(Rational),
+    /// Least and greatest value over several initial states, as near as the guarantee says.
+    Range {
+        /// Least value.
+        low: f64,
+        /// Greatest value.
+        high: f64,
+    },
+    /// Least and greatest value over several initial states.
+    ExactRange {
+        /// Least value.
+        low: Rational,
+        /// Greatest value.
+        high: Rational,
+    },
+    /// Whether the property holds (in all initial states).
+    Truth(bool),
+}
+
+/// What is known of a value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Guarantee {
+    /// It is exact.
+    Exact,
+    /// The exact value lies between these, both included.
+    Bounded {
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+    /// The exact value lies between these with this confidence.
+    Statistical {
+        /// Probability with which such intervals contain the exact value.
+        confidence: f64,
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// Nothing is known for certain.
+    Estimated {
+        /// Why not.
+        reason: String,
+    },
+}
+
+/// The value in one initial state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InitialValue {
+    /// The state's number.
+    pub state: usize,
+    /// Its value.
+    pub value: AnswerValue,
+    /// What is known of it.
+    pub guarantee: Guarantee,
+}
+
+/// The answer to one property.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Answer {
+    /// The value.
+    pub value: AnswerValue,
+    /// What is known of it.
+    pub guarantee: Guarantee,
+    /// How it was computed.
+    pub method: Method,
+    /// For a probability with one initial state: the probability of the contrary, computed as such and
+    /// not as a difference from 1, so that it keeps its digits when the value is nearly 1. Missing
+    /// where it was not computed ([`Method::PrismDefault`]).
+    pub complement: Option<f64>,
+    /// What is known of the complement, where it is not exact.
+    pub complement_bounds: Option<(f64, f64)>,
+    /// Rounds of iteration; 0 when all components were solved directly.
+    pub iterations: u64,
+    /// States of the largest product with an automaton; `None` when no automaton was needed.
+    pub product_states: Option<usize>,
+    /// The value in each initial state.
+    pub initial: Vec<InitialValue>,
+    /// What the reader should know besides, for example that the precision asked for was not reached.
+    pub notes: Vec<String>,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The caller asked to stop.
+    Cancelled,
+    /// The property or model asks for something that is not implemented.
+    Unsupported(String),
+    /// An option makes no sense.
+    InvalidOption(String),
+    /// A set of states could not be found.
+    State(StateError),
+    /// The automaton of a path formula could not be built.
+    Automaton(AutomatonError),
+    /// The product with an automaton has too many states.
+    ProductTooLarge {
+        /// The limit.
+        limit: usize,
+    },
+    /// The iteration that imitates PRISM did not reach its stopping rule.
+    NotConverged {
+        /// Rounds done.
+        iterations: u64,
+        /// The threshold that was not met.
+        epsilon: f64,
+    },
+    /// Whether a bound is met cannot be told from the computed bounds.
+    Undecided {
+        /// The comparison, written out.
+        comparison: String,
+        /// What is known of the probability.
+        bounds: Bounds,
+    },
+    /// The state space could not be built in rational arithmetic.
+    ExactModel(String),
+    /// The model has no initial state.
+    NoInitialState,
+}
+
+impl fmt::Display for CheckError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled => formatter.write_str("the check was stopped before it had an answer"),
+            Self::Unsupported(what) | Self::InvalidOption(what) => formatter.write_str(what),
+            Self::State(error) => error.fmt(formatter),
+            Self::Automaton(error) => error.fmt(formatter),
+            Self::ProductTooLarge { limit } => write!(
+                formatter,
+                "the product of the model with the automaton of the property has more than {limit} \
+                 states; raise the limit or split the property"
+            ),
+            Self::NotConverged {
+                iterations,
+                epsilon,
+            } => write!(
+                formatter,
+                "the iteration still changes by more than {epsilon} after {iterations} rounds; use \
+                 the sound or the exact method, or raise the limit of iterations"
+            ),
+            Self::Undecided { comparison, bounds } => write!(
+                formatter,
+                "whether the probability is {comparison} cannot be told: it lies between {} and {}; \
+                 use the exact method",
+                bounds.low, bounds.high
+            ),
+            Self::ExactModel(reason) => write!(
+                formatter,
+                "the model cannot be built in rational arithmetic: {reason}"
+            ),
+            Self::NoInitialState => formatter
+                .write_str("the model has no initial state; its `init` predicate holds nowhere"),
+        }
+    }
+}
+
+impl std::error::Error for CheckError {}
+
+impl From<StateError> for CheckError {
+    fn from(error: StateError) -> Self {
+        Self::State(error)
+    }
+}
+
+impl From<AutomatonError> for CheckError {
+    fn from(error: AutomatonError) -> Self {
+        Self::Automaton(error)
+    }
+}

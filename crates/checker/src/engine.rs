@@ -1,0 +1,337 @@
+//! What the techniques have in common: each computes the probabilities of until formulas in all states.
+
+use prism_lang::{Arithmetic, Bound, Comparison, Number, Rational};
+
+use crate::answer::{AnswerValue, CheckError, Guarantee, Options};
+use crate::graph::{Qualitative, qualitative};
+use crate::rounding::Bounds;
+use crate::sound::Probability;
+use crate::state_space::Csr;
+use crate::{exact, prism_default, sound};
+
+/// A technique: a number domain for transitions, one for values, and how to solve reachability.
+pub(crate) trait Engine {
+    /// Transition probabilities.
+    type Entry: Arithmetic;
+    /// Probabilities of paths.
+    type Value: Clone + PartialEq;
+
+    /// Exactly 1 if `holds`, else exactly 0.
+    fn indicator(holds: bool) -> Self::Value;
+
+    /// The probability of the contrary.
+    fn contrary(value: &Self::Value) -> Self::Value;
+
+    /// The mean over a state's transitions.
+    fn mean<'a>(
+        transitions: impl Iterator<Item = (&'a Self::Entry, &'a Self::Value)>,
+    ) -> Self::Value
+    where
+        Self: 'a;
+
+    /// Reachability of the sure states, in all states, and the rounds of iteration it took.
+    fn reachability(
+        matrix: &Csr<Self::Entry>,
+        sets: &Qualitative,
+        options: &Options<'_>,
+    ) -> Result<(Vec<Self::Value>, u64), CheckError>;
+
+    /// Whether the value compares so with the bound; `None` if that is not known.
+    fn meets(value: &Self::Value, comparison: Comparison, bound: &Bound) -> Option<bool>;
+
+    /// What is known of the value, for error messages.
+    fn bounds(value: &Self::Value) -> Bounds;
+
+    /// The value as an answer.
+    fn answer(value: &Self::Value) -> AnswerValue;
+
+    /// What is known of the value.
+    fn guarantee(value: &Self::Value, options: &Options<'_>, iterations: u64) -> Guarantee;
+
+    /// What is known of the contrary's probability, if it was computed on its own.
+    fn complement(value: &Self::Value) -> Option<Bounds>;
+
+    /// What the technique needs of the transition probabilities.
+    fn check_entries(_: &Csr<Self::Entry>) -> Result<(), CheckError> {
+        Ok(())
+    }
+
+    /// `left U right` within the steps `first..=last`, in all states; and the rounds of iteration.
+    ///
+    /// From below: the probability within no step is the indicator of `right`; within one step more it is
+    /// the mean over the transitions. Then `first` steps back, during which only `left` counts. All terms are
+    /// positive, also those of the contrary, so relative errors grow by one mean's rounding for each step.
+    fn until(
+        matrix: &Csr<Self::Entry>,
+        left: &[bool],
+        right: &[bool],
+        (first, last): (u64, Option<u64>),
+        options: &Options<'_>,
+    ) -> Result<(Vec<Self::Value>, u64), CheckError> {
+        let sets = qualitative(matrix, left, right);
+        let (mut values, iterations) = match last {
+            None => Self::reachability(matrix, &sets, options)?,
+            Some(last) => {
+                let active: Vec<bool> = (0..left.len())
+                    .map(|s| !sets.never[s] && !right[s])
+                    .collect();
+                let start = right.iter().map(|right| Self::indicator(*right)).collect();
+                let steps = last.saturating_sub(first);
+                (
+                    steps_back::<Self>(matrix, start, &active, steps, options)?,
+                    0,
+                )
+            }
+        };
+        if first > 0 {
+            let outside = left.iter().map(|left| !left);
+            values = steps_back::<Self>(matrix, values, left, 1, options)?;
+            for (value, outside) in values.iter_mut().zip(outside) {
+                if outside {
+                    *value = Self::indicator(false);
+                }
+            }
+            values = steps_back::<Self>(matrix, values, left, first - 1, options)?;
+        }
+        Ok((values, iterations))
+    }
+
+    /// The probability that the next state is in `operand`, in all states.
+    fn next(matrix: &Csr<Self::Entry>, operand: &[bool]) -> Vec<Self::Value> {
+        let values: Vec<Self::Value> = operand.iter().map(|o| Self::indicator(*o)).collect();
+        (0..matrix.num_rows())
+            .map(|state| Self::mean(matrix.row(state).map(|(target, p)| (p, &values[target]))))
+            .collect()
+    }
+}
+
+/// Replaces the values of the active states by the mean over their transitions, `steps` times.
+///
+/// Ends early when nothing changes any more, since then nothing ever will.
+fn steps_back<E: Engine + ?Sized>(
+    matrix: &Csr<E::Entry>,
+    mut values: Vec<E::Value>,
+    active: &[bool],
+    steps: u64,
+    options: &Options<'_>,
+) -> Result<Vec<E::Value>, CheckError> {
+    let active: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
+    let mut next = values.clone();
+    for step in 0..steps {
+        if step % 16 == 0 {
+            options.check_cancelled()?;
+        }
+        let mut changed = false;
+        for state in &active {
+            let new = E::mean(matrix.row(*state).map(|(target, p)| (p, &values[target])));
+            changed |= new != values[*state];
+            next[*state] = new;
+        }
+        std::mem::swap(&mut values, &mut next);
+        if !changed {
+            break;
+        }
+    }
+    Ok(values)
+}
+
+/// [`crate::Method::Sound`].
+pub(crate) enum Sound {}
+
+impl Engine for Sound {
+    type Entry = f64;
+    type Value = Probability;
+
+    fn indicator(holds: bool) -> Probability {
+        Probability::indicator(holds)
+    }
+
+    fn contrary(value: &Probability) -> Probability {
+        value.contrary()
+    }
+
+    fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a Probability)>) -> Probability {
+        Probability::mean(transitions)
+    }
+
+    fn reachability(
+        matrix: &Csr<f64>,
+        sets: &Qualitative,
+        options: &Options<'_>,
+    ) -> Result<(Vec<Probability>, u64), CheckError> {
+        sound::reachability(matrix, sets, options)
+    }
+
+    fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {
+        sound::check_entries(matrix)
+    }
+
+    fn meets(value: &Probability, comparison: Comparison, bound: &Bound) -> Option<bool> {
+        let bound = enclosure(bound);
+        let Bounds { low, high } = value.value;
+        let (yes, no) = match comparison {
+            Comparison::Less => (high < bound.low, low >= bound.high),
+            Comparison::LessEqual => (high <= bound.low, low > bound.high),
+            Comparison::Greater => (low > bound.high, high <= bound.low),
+            Comparison::GreaterEqual => (low >= bound.high, high < bound.low),
+        };
+        match (yes, no) {
+            (true, _) => Some(true),
+            (_, true) => Some(false),
+            _ => None,
+        }
+    }
+
+    fn bounds(value: &Probability) -> Bounds {
+        value.value
+    }
+
+    fn answer(value: &Probability) -> AnswerValue {
+        AnswerValue::Number(value.value.middle())
+    }
+
+    fn guarantee(value: &Probability, _: &Options<'_>, _: u64) -> Guarantee {
+        if value.value.is_exact() {
+            return Guarantee::Exact;
+        }
+        let Bounds { low, high } = value.value;
+        Guarantee::Bounded { low, high }
+    }
+
+    fn complement(value: &Probability) -> Option<Bounds> {
+        Some(value.complement)
+    }
+}
+
+/// An interval that contains the bound of a comparison, a point if it is a floating-point number.
+fn enclosure(bound: &Bound) -> Bounds {
+    let nearest = bound.to_f64();
+    let is_nearest = Rational::from_float(nearest)
+        .is_some_and(|exact| bound.exact().is_some_and(|bound| *bound == exact));
+    if is_nearest {
+        return Bounds::exactly(nearest);
+    }
+    Bounds {
+        low: nearest.next_down(),
+        high: nearest.next_up(),
+    }
+}
+
+/// [`crate::Method::PrismDefault`].
+pub(crate) enum PrismDefault {}
+
+impl Engine for PrismDefault {
+    type Entry = f64;
+    type Value = f64;
+
+    fn indicator(holds: bool) -> f64 {
+        f64::from(u8::from(holds))
+    }
+
+    fn contrary(value: &f64) -> f64 {
+        1.0 - value
+    }
+
+    fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
+        transitions.map(|(p, value)| p * value).sum()
+    }
+
+    fn reachability(
+        matrix: &Csr<f64>,
+        sets: &Qualitative,
+        options: &Options<'_>,
+    ) -> Result<(Vec<f64>, u64), CheckError> {
+        prism_default::reachability(matrix, sets, options)
+    }
+
+    fn meets(value: &f64, comparison: Comparison, bound: &Bound) -> Option<bool> {
+        let bound = bound.to_f64();
+        Some(match comparison {
+            Comparison::Less => *value < bound,
+            Comparison::LessEqual => *value <= bound,
+            Comparison::Greater => *value > bound,
+            Comparison::GreaterEqual => *value >= bound,
+        })
+    }
+
+    fn bounds(value: &f64) -> Bounds {
+        Bounds::exactly(*value)
+    }
+
+    fn answer(value: &f64) -> AnswerValue {
+        AnswerValue::Number(*value)
+    }
+
+    fn guarantee(_: &f64, options: &Options<'_>, iterations: u64) -> Guarantee {
+        if iterations == 0 {
+            return Guarantee::Estimated {
+                reason: "plain floating point, whose rounding is not accounted for".to_owned(),
+            };
+        }
+        Guarantee::Estimated {
+            reason: format!(
+                "Jacobi iteration, stopped after {iterations} iterations when no value changed by \
+                 more than {} (relative); this does not bound the error",
+                options.epsilon
+            ),
+        }
+    }
+
+    fn complement(_: &f64) -> Option<Bounds> {
+        None
+    }
+}
+
+/// [`crate::Method::Exact`].
+pub(crate) enum Exact {}
+
+impl Engine for Exact {
+    type Entry = Rational;
+    type Value = Rational;
+
+    fn indicator(holds: bool) -> Rational {
+        exact::indicator(holds)
+    }
+
+    fn contrary(value: &Rational) -> Rational {
+        exact::indicator(true) - value
+    }
+
+    fn mean<'a>(transitions: impl Iterator<Item = (&'a Rational, &'a Rational)>) -> Rational {
+        transitions.map(|(p, value)| p * value).sum()
+    }
+
+    fn reachability(
+        matrix: &Csr<Rational>,
+        sets: &Qualitative,
+        options: &Options<'_>,
+    ) -> Result<(Vec<Rational>, u64), CheckError> {
+        Ok((exact::reachability(matrix, sets, options)?, 0))
+    }
+
+    fn meets(value: &Rational, comparison: Comparison, bound: &Bound) -> Option<bool> {
+        let bound = bound.exact()?;
+        Some(match comparison {
+            Comparison::Less => value < bound,
+            Comparison::LessEqual => value <= bound,
+            Comparison::Greater => value > bound,
+            Comparison::GreaterEqual => value >= bound,
+        })
+    }
+
+    fn bounds(value: &Rational) -> Bounds {
+        enclosure(&Number::from_rational(value.clone()))
+    }
+
+    fn answer(value: &Rational) -> AnswerValue {
+        AnswerValue::Exact(value.clone())
+    }
+
+    fn guarantee(_: &Rational, _: &Options<'_>, _: u64) -> Guarantee {
+        Guarantee::Exact
+    }
+
+    fn complement(value: &Rational) -> Option<Bounds> {
+        Some(Self::bounds(&Self::contrary(value)))
+    }
+}

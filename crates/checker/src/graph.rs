@@ -1,0 +1,320 @@
+//! The graph under a Markov chain: components, and which states reach a target surely or never.
+//!
+//! *Components.* A strongly connected component is a maximal set of states that all reach each other; it
+//! is *bottom* when no transition leaves it. Tarjan 1972, with an explicit stack instead of recursion.
+//! Components come in reverse topological order: each one after all components that it reaches.
+//!
+//! *Qualitative sets* for `left U right` (Baier and Katoen 2008, section 10.1.1; PRISM's `prob0`, `prob1`):
+//!
+//! ```text
+//! prob0 = states without a path through `left` to `right`        (probability exactly 0)
+//! prob1 = states without a path through `left & !right` to prob0  (probability exactly 1)
+//! ```
+//!
+//! Cost: linear in states and transitions, by one backward search each. Guarantee: exact, since only
+//! the existence of transitions matters.
+
+use crate::state_space::Csr;
+
+/// For each state, its predecessors.
+#[derive(Debug, Clone)]
+pub struct Predecessors {
+    row_start: Vec<usize>,
+    state: Vec<u32>,
+}
+
+impl Predecessors {
+    /// The predecessors in the graph of `matrix`.
+    pub fn new<N>(matrix: &Csr<N>) -> Self {
+        let states = matrix.num_rows();
+        let mut row_start = vec![0; states + 1];
+        for column in &matrix.column {
+            row_start[*column as usize + 1] += 1;
+        }
+        for state in 0..states {
+            row_start[state + 1] += row_start[state];
+        }
+        let mut next = row_start.clone();
+        let mut state = vec![0; matrix.num_entries()];
+        for row in 0..states {
+            for column in successors(matrix, row) {
+                state[next[*column as usize]] = row as u32;
+                next[*column as usize] += 1;
+            }
+        }
+        Self { row_start, state }
+    }
+
+    /// The predecessors of a state, ascending.
+    fn of(&self, state: usize) -> &[u32] {
+        &self.state[self.row_start[state]..self.row_start[state + 1]]
+    }
+
+    /// The states from which `targets` can be reached, all states but the last one being in `through`;
+    /// `targets` themselves included.
+    pub fn reaching(&self, targets: &[bool], through: impl Fn(usize) -> bool) -> Vec<bool> {
+        let mut reaches = targets.to_vec();
+        let mut stack: Vec<usize> = (0..targets.len()).filter(|s| targets[*s]).collect();
+        while let Some(state) = stack.pop() {
+            for predecessor in self.of(state) {
+                let predecessor = *predecessor as usize;
+                if !reaches[predecessor] && through(predecessor) {
+                    reaches[predecessor] = true;
+                    stack.push(predecessor);
+                }
+            }
+        }
+        reaches
+    }
+}
+
+/// The columns of a row.
+pub(crate) fn successors<N>(matrix: &Csr<N>, row: usize) -> &[u32] {
+    &matrix.column[matrix.row_start[row]..matrix.row_start[row + 1]]
+}
+
+/// The states in which `left U right` has probability exactly 0 and exactly 1.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Qualitative {
+    /// Probability 0.
+    pub never: Vec<bool>,
+    /// Probability 1.
+    pub surely: Vec<bool>,
+}
+
+/// Finds the qualitative sets of `left U right`.
+pub fn qualitative<N>(matrix: &Csr<N>, left: &[bool], right: &[bool]) -> Qualitative {
+    let predecessors = Predecessors::new(matrix);
+    let possible = predecessors.reaching(right, |state| left[state]);
+    let never: Vec<bool> = possible.iter().map(|possible| !possible).collect();
+    let avoidable = predecessors.reaching(&never, |state| left[state] && !right[state]);
+    let surely = avoidable.iter().map(|avoidable| !avoidable).collect();
+    Qualitative { never, surely }
+}
+
+/// Strongly connected components, in reverse topological order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Components {
+    /// States, component by component.
+    states: Vec<u32>,
+    /// Where each component starts in `states`, and the end.
+    start: Vec<usize>,
+}
+
+impl Components {
+    /// The components of the subgraph of the states for which `within` holds.
+    pub fn new<N>(matrix: &Csr<N>, within: &[bool]) -> Self {
+        Tarjan::new(matrix, within).run()
+    }
+
+    /// The components; a component after all those it reaches.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.start
+            .windows(2)
+            .map(|ends| &self.states[ends[0]..ends[1]])
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+const UNSEEN: u32 = u32::MAX;
+
+struct Tarjan<'a, N> {
+    matrix: &'a Csr<N>,
+    within: &'a [bool],
+    /// Order of discovery; `UNSEEN` before.
+    number: Vec<u32>,
+    /// Smallest number known to be reachable within the open component.
+    low: Vec<u32>,
+    open: Vec<bool>,
+    stack: Vec<u32>,
+    /// States being visited, each with the position of its next transition.
+    visits: Vec<(u32, usize)>,
+    found: Components,
+}
+
+impl<'a, N> Tarjan<'a, N> {
+    fn new(matrix: &'a Csr<N>, within: &'a [bool]) -> Self {
+        let states = matrix.num_rows();
+        Self {
+            matrix,
+            within,
+            number: vec![UNSEEN; states],
+            low: vec![0; states],
+            open: vec![false; states],
+            stack: Vec::new(),
+            visits: Vec::new(),
+            found: Components {
+                states: Vec::new(),
+                start: vec![0],
+            },
+        }
+    }
+
+    fn run(mut self) -> Components {
+        let mut next_number = 0;
+        for root in 0..self.matrix.num_rows() {
+            if self.within[root] && self.number[root] == UNSEEN {
+                self.discover(root, &mut next_number);
+                while let Some((state, position)) = self.visits.pop() {
+                    self.continue_visit(state as usize, position, &mut next_number);
+                }
+            }
+        }
+        self.found
+    }
+
+    fn discover(&mut self, state: usize, next_number: &mut u32) {
+        self.number[state] = *next_number;
+        self.low[state] = *next_number;
+        *next_number += 1;
+        self.open[state] = true;
+        self.stack.push(state as u32);
+        self.visits
+            .push((state as u32, self.matrix.row_start[state]));
+    }
+
+    fn continue_visit(&mut self, state: usize, mut position: usize, next_number: &mut u32) {
+        while position < self.matrix.row_start[state + 1] {
+            let target = self.matrix.column[position] as usize;
+            position += 1;
+            if !self.within[target] {
+                continue;
+            }
+            if self.number[target] == UNSEEN {
+                self.visits.push((state as u32, position));
+                self.discover(target, next_number);
+                return;
+            }
+            if self.open[target] {
+                self.low[state] = self.low[state].min(self.number[target]);
+            }
+        }
+        self.finish(state);
+    }
+
+    fn finish(&mut self, state: usize) {
+        if let Some((parent, _)) = self.visits.last() {
+            let parent = *parent as usize;
+            self.low[parent] = self.low[parent].min(self.low[state]);
+        }
+        if self.low[state] != self.number[state] {
+            return;
+        }
+        while let Some(member) = self.stack.pop() {
+            self.open[member as usize] = false;
+            self.found.states.push(member);
+            if member as usize == state {
+                break;
+            }
+        }
+        self.found.start.push(self.found.states.len());
+    }
+}
+
+/// The bottom components of the whole graph: those that no transition leaves.
+pub fn bottom_components<N>(matrix: &Csr<N>) -> Vec<Vec<u32>> {
+    let everywhere = vec![true; matrix.num_rows()];
+    let components = Components::new(matrix, &everywhere);
+    let mut member_of = vec![0; matrix.num_rows()];
+    for (index, component) in components.iter().enumerate() {
+        component
+            .iter()
+            .for_each(|state| member_of[*state as usize] = index);
+    }
+    let is_bottom = |(index, component): &(usize, &[u32])| {
+        (component.iter())
+            .flat_map(|state| successors(matrix, *state as usize))
+            .all(|target| member_of[*target as usize] == *index)
+    };
+    (components.iter().enumerate())
+        .filter(is_bottom)
+        .map(|(_, component)| component.to_vec())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn graph(edges: &[(usize, usize)], states: usize) -> Csr<f64> {
+        let mut rows = vec![Vec::new(); states];
+        for (from, to) in edges {
+            if !rows[*from].contains(&(*to as u32, 1.0)) {
+                rows[*from].push((*to as u32, 1.0));
+            }
+        }
+        Csr::from_rows(rows)
+    }
+
+    /// Which states reach which, by Warshall's closure; every state reaches itself.
+    fn closure(matrix: &Csr<f64>) -> Vec<Vec<bool>> {
+        let states = matrix.num_rows();
+        let mut reaches = vec![vec![false; states]; states];
+        for (from, row) in reaches.iter_mut().enumerate() {
+            row[from] = true;
+            successors(matrix, from)
+                .iter()
+                .for_each(|to| row[*to as usize] = true);
+        }
+        for via in 0..states {
+            let through = reaches[via].clone();
+            for row in reaches.iter_mut().filter(|row| row[via]) {
+                row.iter_mut()
+                    .zip(&through)
+                    .for_each(|(known, more)| *known |= more);
+            }
+        }
+        reaches
+    }
+
+    #[test]
+    fn a_long_chain_needs_no_recursion() {
+        let states = 300_000;
+        let edges: Vec<_> = (0..states).map(|s| (s, (s + 1).min(states - 1))).collect();
+        let matrix = graph(&edges, states);
+        assert_eq!(Components::new(&matrix, &vec![true; states]).len(), states);
+        assert_eq!(bottom_components(&matrix), vec![vec![states as u32 - 1]]);
+    }
+
+    proptest! {
+        #[test]
+        fn components_and_qualitative_sets_agree_with_the_closure(
+            edges in prop::collection::vec((0usize..9, 0usize..9), 0..24),
+            left in prop::collection::vec(any::<bool>(), 9),
+            right in prop::collection::vec(prop::bool::weighted(0.3), 9),
+        ) {
+            let matrix = graph(&edges, 9);
+            let reaches = closure(&matrix);
+            let components = Components::new(&matrix, &[true; 9]);
+            let mut order = [0; 9];
+            for (index, component) in components.iter().enumerate() {
+                component.iter().for_each(|state| order[*state as usize] = index);
+            }
+            for (a, row) in reaches.iter().enumerate() {
+                for b in 0..9 {
+                    prop_assert_eq!(order[a] == order[b], row[b] && reaches[b][a]);
+                    prop_assert!(!row[b] || order[b] <= order[a]);
+                }
+            }
+            let restricted: Vec<_> = edges.iter().copied().filter(|(s, _)| left[*s] && !right[*s]).collect();
+            let paths = closure(&graph(&restricted, 9));
+            let sets = qualitative(&matrix, &left, &right);
+            for state in 0..9 {
+                prop_assert_eq!(sets.never[state], !(0..9).any(|to| right[to] && paths[state][to]));
+            }
+            for state in 0..9 {
+                prop_assert_eq!(sets.surely[state], !(0..9).any(|to| sets.never[to] && paths[state][to]));
+            }
+        }
+    }
+}

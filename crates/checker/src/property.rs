@@ -1,0 +1,451 @@
+//! From a property to its answer: which states satisfy a state formula, which probability a path formula has.
+//!
+//! State formulas are evaluated bottom-up to sets of states. A path formula is read as a formula of linear
+//! temporal logic whose atomic propositions are the sets of its maximal state subformulas. If it has one
+//! temporal operator, it is a next or until formula or the contrary of one, and solved on the chain itself;
+//! otherwise on the product with a deterministic automaton ([`crate::product`]).
+//!
+//! Source: Hansson and Jonsson 1994, Aziz, Singhal, Balarin, Brayton and Sangiovanni-Vincentelli 1995 (PCTL,
+//! PCTL*); Baier and Katoen 2008, chapter 10. Guarantee: that of the technique; a comparison that its bounds
+//! leave open is an error and never a guess.
+
+use prism_lang::{Bound, Comparison, Path, Property, StateFormula};
+use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
+use temporal::ltl::{Ltl, StepBound};
+
+use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
+use crate::engine::Engine;
+use crate::product::product;
+use crate::state_space::StateSpace;
+
+/// Evaluation of one property.
+pub(crate) struct Checker<'a, E: Engine> {
+    space: &'a StateSpace<E::Entry>,
+    options: &'a Options<'a>,
+    iterations: u64,
+    product_states: Option<usize>,
+}
+
+impl<'a, E: Engine> Checker<'a, E> {
+    pub fn new(
+        space: &'a StateSpace<E::Entry>,
+        options: &'a Options<'a>,
+    ) -> Result<Self, CheckError> {
+        validate(options)?;
+        E::check_entries(&space.matrix)?;
+        if space.initial_states().is_empty() {
+            return Err(CheckError::NoInitialState);
+        }
+        Ok(Self {
+            space,
+            options,
+            iterations: 0,
+            product_states: None,
+        })
+    }
+
+    /// The answer to a property in the initial states.
+    pub fn answer(mut self, property: &Property, method: Method) -> Result<Answer, CheckError> {
+        let initial = match property {
+            Property::Probability { bound: None, path } => {
+                let values = self.path(path, self.space.initial_states())?;
+                return Ok(self.quantitative(&values, method));
+            }
+            Property::Probability {
+                bound: Some((comparison, bound)),
+                path,
+            } => {
+                let values = self.path(path, self.space.initial_states())?;
+                let meets = |value| meets::<E>(value, *comparison, bound);
+                values.iter().map(meets).collect::<Result<Vec<_>, _>>()?
+            }
+            Property::State(formula) => {
+                let holds = self.states(formula)?;
+                self.space
+                    .initial_states()
+                    .iter()
+                    .map(|state| holds[*state])
+                    .collect()
+            }
+        };
+        Ok(self.qualitative(&initial, property, method))
+    }
+
+    fn quantitative(self, values: &[E::Value], method: Method) -> Answer {
+        let guarantee = |value| E::guarantee(value, self.options, self.iterations);
+        let initial: Vec<InitialValue> = (self.space.initial_states().iter().zip(values))
+            .map(|(state, value)| InitialValue {
+                state: *state,
+                value: E::answer(value),
+                guarantee: guarantee(value),
+            })
+            .collect();
+        let complement = match values {
+            [value] => E::complement(value),
+            _ => None,
+        };
+        let mut answer = Answer {
+            value: range(&initial),
+            guarantee: joint_guarantee(&initial),
+            method,
+            complement: complement.map(|bounds| bounds.middle()),
+            complement_bounds: complement
+                .filter(|b| !b.is_exact())
+                .map(|b| (b.low, b.high)),
+            iterations: self.iterations,
+            product_states: self.product_states,
+            initial,
+            notes: Vec::new(),
+        };
+        let width = values
+            .iter()
+            .map(|v| E::bounds(v).relative_width())
+            .fold(0.0, f64::max);
+        if width > self.options.precision {
+            answer.notes.push(format!(
+                "the bounds hold, but their relative distance is {width:e}, more than the {:e} asked for",
+                self.options.precision
+            ));
+        }
+        answer
+    }
+
+    fn qualitative(self, holds: &[bool], property: &Property, method: Method) -> Answer {
+        let guarantee = if method == Method::PrismDefault && mentions_probability(property) {
+            Guarantee::Estimated {
+                reason: "probabilities were compared with their bounds after an iteration that \
+                         does not bound its error"
+                    .to_owned(),
+            }
+        } else {
+            Guarantee::Exact
+        };
+        let initial = (self.space.initial_states().iter().zip(holds))
+            .map(|(state, holds)| InitialValue {
+                state: *state,
+                value: AnswerValue::Truth(*holds),
+                guarantee: guarantee.clone(),
+            })
+            .collect();
+        Answer {
+            value: AnswerValue::Truth(holds.iter().all(|holds| *holds)),
+            guarantee,
+            method,
+            complement: None,
+            complement_bounds: None,
+            iterations: self.iterations,
+            product_states: self.product_states,
+            initial,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The states that satisfy a state formula.
+    fn states(&mut self, formula: &StateFormula) -> Result<Vec<bool>, CheckError> {
+        Ok(match formula {
+            StateFormula::Expr(predicate) => self.space.evaluate(predicate)?,
+            StateFormula::Label(name) => self.space.label(name)?,
+            StateFormula::Not(inner) => negation(self.states(inner)?),
+            StateFormula::And(left, right) => self.combine(left, right, |l, r| l & r)?,
+            StateFormula::Or(left, right) => self.combine(left, right, |l, r| l | r)?,
+            StateFormula::Implies(left, right) => self.combine(left, right, |l, r| !l | r)?,
+            StateFormula::Iff(left, right) => self.combine(left, right, |l, r| l == r)?,
+            StateFormula::Probability {
+                bound: (comparison, bound),
+                path,
+            } => {
+                let everywhere: Vec<usize> = (0..self.space.num_states()).collect();
+                let values = self.path(path, &everywhere)?;
+                let meets = |value| meets::<E>(value, *comparison, bound);
+                values.iter().map(meets).collect::<Result<_, _>>()?
+            }
+        })
+    }
+
+    fn combine(
+        &mut self,
+        left: &StateFormula,
+        right: &StateFormula,
+        operator: fn(bool, bool) -> bool,
+    ) -> Result<Vec<bool>, CheckError> {
+        let (left, right) = (self.states(left)?, self.states(right)?);
+        Ok(left
+            .into_iter()
+            .zip(right)
+            .map(|(l, r)| operator(l, r))
+            .collect())
+    }
+
+    /// The probabilities of a path formula in the states `from`.
+    fn path(&mut self, path: &Path, from: &[usize]) -> Result<Vec<E::Value>, CheckError> {
+        let mut propositions = Vec::new();
+        let formula = self.ltl(path, &mut propositions)?.simplify();
+        let everywhere = match self.simple(&formula, &propositions)? {
+            Some(values) => values,
+            None => return self.on_product(&formula, &propositions, from),
+        };
+        Ok(from
+            .iter()
+            .map(|state| everywhere[*state].clone())
+            .collect())
+    }
+
+    /// Reads a path formula over the sets of its state subformulas, which are collected.
+    fn ltl(&mut self, path: &Path, sets: &mut Vec<Vec<bool>>) -> Result<Ltl, CheckError> {
+        let window = |bound: &prism_lang::TimeBound| StepBound {
+            lower: bound.first_step(),
+            upper: bound.last_step(),
+        };
+        Ok(match path {
+            Path::State(formula) => proposition(self.states(formula)?, sets),
+            Path::Not(inner) => Ltl::negate(self.ltl(inner, sets)?),
+            Path::And(left, right) => Ltl::and(self.ltl(left, sets)?, self.ltl(right, sets)?),
+            Path::Or(left, right) => Ltl::or(self.ltl(left, sets)?, self.ltl(right, sets)?),
+            Path::Implies(left, right) => {
+                Ltl::implies(self.ltl(left, sets)?, self.ltl(right, sets)?)
+            }
+            Path::Iff(left, right) => Ltl::iff(self.ltl(left, sets)?, self.ltl(right, sets)?),
+            Path::Next(inner) => Ltl::next(self.ltl(inner, sets)?),
+            Path::Until { left, right, bound } => {
+                Ltl::until(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
+            }
+            Path::WeakUntil { left, right, bound } => {
+                Ltl::weak_until(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
+            }
+            Path::Release { left, right, bound } => {
+                Ltl::release(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
+            }
+            Path::Finally { operand, bound } => {
+                Ltl::finally(self.ltl(operand, sets)?).within(window(bound))
+            }
+            Path::Globally { operand, bound } => {
+                Ltl::globally(self.ltl(operand, sets)?).within(window(bound))
+            }
+        })
+    }
+
+    /// The values in all states if the formula has at most one temporal operator.
+    fn simple(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+    ) -> Result<Option<Vec<E::Value>>, CheckError> {
+        let states = self.space.num_states();
+        let set =
+            |formula: &Ltl| (formula.is_propositional()).then(|| evaluate(formula, sets, states));
+        if let Some(holds) = set(formula) {
+            return Ok(Some(holds.into_iter().map(E::indicator).collect()));
+        }
+        let everything = || Some(vec![true; states]);
+        let (left, right, bound, contrary) = match formula {
+            Ltl::Not(inner) => {
+                let values = self.simple(inner, sets)?;
+                return Ok(values.map(|v| v.iter().map(E::contrary).collect()));
+            }
+            Ltl::Next(inner) => {
+                return Ok(set(inner).map(|operand| E::next(&self.space.matrix, &operand)));
+            }
+            Ltl::Until(left, right, bound) => (set(left), set(right), bound, false),
+            Ltl::Finally(inner, bound) => (everything(), set(inner), bound, false),
+            Ltl::Globally(inner, bound) => (everything(), set(inner).map(negation), bound, true),
+            Ltl::Release(left, right, bound) => (
+                set(left).map(negation),
+                set(right).map(negation),
+                bound,
+                true,
+            ),
+            Ltl::WeakUntil(left, right, bound) => {
+                let (Some(left), Some(right)) = (set(left), set(right)) else {
+                    return Ok(None);
+                };
+                let pairs = || left.iter().zip(&right);
+                let waiting = pairs().map(|(left, right)| *left && !right).collect();
+                let given_up = pairs().map(|(left, right)| !left && !right).collect();
+                (Some(waiting), Some(given_up), bound, true)
+            }
+            _ => return Ok(None),
+        };
+        let (Some(left), Some(right)) = (left, right) else {
+            return Ok(None);
+        };
+        let steps = (bound.lower, bound.upper);
+        let matrix = &self.space.matrix;
+        let (mut values, iterations) = E::until(matrix, &left, &right, steps, self.options)?;
+        self.iterations += iterations;
+        if contrary {
+            values = values.iter().map(E::contrary).collect();
+        }
+        Ok(Some(values))
+    }
+
+    fn on_product(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+        from: &[usize],
+    ) -> Result<Vec<E::Value>, CheckError> {
+        let limit = self.options.product_limit.min(DEFAULT_STATE_LIMIT);
+        let mut automaton = Automaton::with_state_limit(formula, limit)?;
+        let mut letters = vec![0; self.space.num_states()];
+        // The automaton has refused formulas with more than 64 propositions.
+        for (bit, set) in sets.iter().take(64).enumerate() {
+            for (letter, holds) in letters.iter_mut().zip(set) {
+                *letter |= u64::from(*holds) << bit;
+            }
+        }
+        let matrix = &self.space.matrix;
+        let product = product(matrix, &mut automaton, &letters, from, self.options)?;
+        let everywhere = vec![true; product.accepting.len()];
+        let steps = (0, None);
+        let (values, iterations) = E::until(
+            &product.matrix,
+            &everywhere,
+            &product.accepting,
+            steps,
+            self.options,
+        )?;
+        self.iterations += iterations;
+        self.product_states = self.product_states.max(Some(product.accepting.len()));
+        Ok(product
+            .start
+            .iter()
+            .map(|state| values[*state].clone())
+            .collect())
+    }
+}
+
+fn validate(options: &Options<'_>) -> Result<(), CheckError> {
+    let fraction = |value: f64| value > 0.0 && value < 1.0;
+    let invalid = |name: &str, value: f64| {
+        Err(CheckError::InvalidOption(format!(
+            "the {name} must lie between 0 and 1, but is {value}"
+        )))
+    };
+    if !fraction(options.precision) {
+        return invalid("precision", options.precision);
+    }
+    if !fraction(options.epsilon) {
+        return invalid("epsilon", options.epsilon);
+    }
+    Ok(())
+}
+
+/// The atomic proposition of a set of states; equal sets are one proposition.
+fn proposition(set: Vec<bool>, sets: &mut Vec<Vec<bool>>) -> Ltl {
+    if set.iter().all(|holds| *holds) {
+        return Ltl::True;
+    }
+    if !set.contains(&true) {
+        return Ltl::False;
+    }
+    let known = sets.iter().position(|known| *known == set);
+    Ltl::Ap(known.unwrap_or_else(|| {
+        sets.push(set);
+        sets.len() - 1
+    }))
+}
+
+/// The states in which a formula without temporal operators holds.
+fn evaluate(formula: &Ltl, sets: &[Vec<bool>], states: usize) -> Vec<bool> {
+    let pairs = |left: &Ltl, right: &Ltl, operator: fn(bool, bool) -> bool| {
+        let (left, right) = (evaluate(left, sets, states), evaluate(right, sets, states));
+        left.into_iter()
+            .zip(right)
+            .map(|(l, r)| operator(l, r))
+            .collect()
+    };
+    match formula {
+        Ltl::Ap(index) => sets[*index].clone(),
+        Ltl::Not(inner) => negation(evaluate(inner, sets, states)),
+        Ltl::And(left, right) => pairs(left, right, |l, r| l & r),
+        Ltl::Or(left, right) => pairs(left, right, |l, r| l | r),
+        // Only constants are left: the caller has excluded temporal operators.
+        other => vec![*other == Ltl::True; states],
+    }
+}
+
+fn negation(mut set: Vec<bool>) -> Vec<bool> {
+    set.iter_mut().for_each(|holds| *holds = !*holds);
+    set
+}
+
+fn meets<E: Engine>(
+    value: &E::Value,
+    comparison: Comparison,
+    bound: &Bound,
+) -> Result<bool, CheckError> {
+    E::meets(value, comparison, bound).ok_or_else(|| CheckError::Undecided {
+        comparison: format!("{} {bound}", comparison.symbol()),
+        bounds: E::bounds(value),
+    })
+}
+
+fn mentions_probability(property: &Property) -> bool {
+    fn in_state(formula: &StateFormula) -> bool {
+        match formula {
+            StateFormula::Expr(_) | StateFormula::Label(_) => false,
+            StateFormula::Not(inner) => in_state(inner),
+            StateFormula::And(left, right)
+            | StateFormula::Or(left, right)
+            | StateFormula::Implies(left, right)
+            | StateFormula::Iff(left, right) => in_state(left) || in_state(right),
+            StateFormula::Probability { .. } => true,
+        }
+    }
+    match property {
+        Property::Probability { .. } => true,
+        Property::State(formula) => in_state(formula),
+    }
+}
+
+/// One value for all initial states: the value itself, or a range.
+fn range(initial: &[InitialValue]) -> AnswerValue {
+    if let [only] = initial {
+        return only.value.clone();
+    }
+    let mut exact: Vec<_> = (initial.iter())
+        .filter_map(|initial| match &initial.value {
+            AnswerValue::Exact(value) => Some(value.clone()),
+            _ => None,
+        })
+        .collect();
+    exact.sort();
+    if let (Some(low), Some(high)) = (exact.first(), exact.last()) {
+        let (low, high) = (low.clone(), high.clone());
+        return AnswerValue::ExactRange { low, high };
+    }
+    let numbers = initial.iter().filter_map(|initial| match initial.value {
+        AnswerValue::Number(value) => Some(value),
+        _ => None,
+    });
+    AnswerValue::Range {
+        low: numbers.clone().fold(f64::INFINITY, f64::min),
+        high: numbers.fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+/// What is known of the values in all initial states.
+fn joint_guarantee(initial: &[InitialValue]) -> Guarantee {
+    let estimated =
+        |initial: &&InitialValue| matches!(initial.guarantee, Guarantee::Estimated { .. });
+    if let Some(estimated) = initial.iter().find(estimated) {
+        return estimated.guarantee.clone();
+    }
+    if initial
+        .iter()
+        .all(|initial| initial.guarantee == Guarantee::Exact)
+    {
+        return Guarantee::Exact;
+    }
+    let ends = initial
+        .iter()
+        .filter_map(|initial| match (&initial.guarantee, &initial.value) {
+            (Guarantee::Bounded { low, high }, _) => Some((*low, *high)),
+            (Guarantee::Exact, AnswerValue::Number(value)) => Some((*value, *value)),
+            _ => None,
+        });
+    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| {
+        (low.min(l), high.max(h))
+    });
+    Guarantee::Bounded { low, high }
+}

@@ -1,0 +1,150 @@
+//! Bounds on probabilities that hold in spite of rounding.
+//!
+//! All formulas here add, multiply and divide numbers that are not negative, and never subtract.
+//! Then relative errors only add up: with `u = 2^-53`, a result of `m` operations on operands of
+//! relative error at most `e` has a relative error below `e + m u` to first order. The exact factor
+//! is between `(1 - u)^m` and `(1 + u)^m`; [`Bounds::widened`] covers the higher orders by taking
+//! twice the first-order term.
+//!
+//! *Underflow.* The relative bound needs results in the normal range. Probabilities below
+//! [`SMALLEST_VALUE`] are reported as between 0 and that number, and models with transition
+//! probabilities below [`SMALLEST_ENTRY`] are refused.
+//!
+//! *Entries.* Transition probabilities of the model are themselves rounded. They are taken to be within
+//! [`ENTRY_ERROR`] of their exact values, that is 32 roundings for each. An expression that cancels
+//! (such as `1 - x / 1000000` near 0, in a variable `x`) can exceed that; the exact method does not
+//! depend on it. Constants do not, since they are evaluated exactly before they are rounded.
+//!
+//! Source: Higham 2002, sections 3.1 and 3.4; the bounds for linear systems are in the files that use them.
+
+/// Half the distance from 1 to the next number: the largest relative error of one operation.
+pub const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// Assumed relative error of the model's transition probabilities.
+pub const ENTRY_ERROR: f64 = 32.0 * UNIT;
+
+/// Values below this are only known to be below it.
+pub const SMALLEST_VALUE: f64 = 1e-150;
+
+/// Smallest transition probability for which floating point is used.
+pub const SMALLEST_ENTRY: f64 = 1e-150;
+
+/// An interval that contains a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// At most the number.
+    pub low: f64,
+    /// At least the number.
+    pub high: f64,
+}
+
+impl Bounds {
+    /// Exactly 0.
+    pub const ZERO: Self = Self::exactly(0.0);
+    /// Exactly 1.
+    pub const ONE: Self = Self::exactly(1.0);
+
+    /// A number known exactly.
+    pub const fn exactly(value: f64) -> Self {
+        Self {
+            low: value,
+            high: value,
+        }
+    }
+
+    /// Exactly 1 if `holds`, else exactly 0.
+    pub const fn indicator(holds: bool) -> Self {
+        if holds { Self::ONE } else { Self::ZERO }
+    }
+
+    /// Whether the number is known exactly.
+    pub fn is_exact(&self) -> bool {
+        self.low == self.high
+    }
+
+    /// Whether `value` lies between the bounds.
+    pub fn contains(&self, value: f64) -> bool {
+        self.low <= value && value <= self.high
+    }
+
+    /// The number in the middle.
+    pub fn middle(&self) -> f64 {
+        if self.is_exact() {
+            self.low
+        } else {
+            (self.low + (self.high - self.low) / 2.0).clamp(self.low, self.high)
+        }
+    }
+
+    /// Distance of the bounds relative to the lower one; infinite if that is 0 and the upper is not.
+    pub fn relative_width(&self) -> f64 {
+        if self.is_exact() {
+            0.0
+        } else {
+            (self.high - self.low) / self.low
+        }
+    }
+
+    /// Bounds of a positive probability, from bounds that were computed with a relative error of at
+    /// most `relative_error` (to first order; twice that is allowed for).
+    #[must_use]
+    pub fn widened(self, relative_error: f64) -> Self {
+        let margin = 2.0 * relative_error + 4.0 * UNIT;
+        let low = (self.low * (1.0 - margin)).next_down();
+        let high = (self.high.max(SMALLEST_VALUE) * (1.0 + margin)).next_up();
+        Self {
+            low: if low < SMALLEST_VALUE {
+                0.0
+            } else {
+                low.min(1.0)
+            },
+            high: high.min(1.0),
+        }
+    }
+
+    /// Bounds of a probability and of its complement, each improved by the other.
+    #[must_use]
+    pub fn with_complement(self, complement: Self) -> (Self, Self) {
+        if self == Self::ZERO || complement == Self::ONE {
+            return (Self::ZERO, Self::ONE);
+        }
+        if self == Self::ONE || complement == Self::ZERO {
+            return (Self::ONE, Self::ZERO);
+        }
+        let improved = |one: Self, other: Self| Self {
+            low: one.low.max((1.0 - other.high).next_down()),
+            high: one.high.min((1.0 - other.low).next_up()),
+        };
+        (improved(self, complement), improved(complement, self))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widening_covers_the_error_and_stays_a_probability() {
+        let bounds = Bounds::exactly(0.5).widened(1e-10);
+        assert!(bounds.low <= 0.5 * (1.0 - 1e-10) && bounds.high >= 0.5 * (1.0 + 1e-10));
+        assert!(bounds.relative_width() < 5e-10);
+        assert_eq!(Bounds::ONE.widened(1e-10).high, 1.0);
+        let tiny = Bounds::exactly(1e-200).widened(1e-10);
+        assert!(tiny.low == 0.0 && tiny.high >= 1e-200);
+    }
+
+    #[test]
+    fn complements_improve_each_other() {
+        let rough = Bounds {
+            low: 0.9,
+            high: 1.0,
+        };
+        let tiny = Bounds {
+            low: 1e-53,
+            high: 2e-53,
+        };
+        let (value, complement) = rough.with_complement(tiny);
+        assert!(value.low >= 1.0 - 2.0 * f64::EPSILON && value.contains(1.0));
+        assert_eq!(complement, tiny);
+    }
+}

@@ -1,0 +1,305 @@
+//! Unbounded reachability in a Markov chain with bounds that hold.
+//!
+//! *Problem.* The probabilities `x_i` of reaching a target set from each state, and `y_i` of reaching the
+//! contrary set, given the states in which they are 0 and 1 ([`crate::graph::qualitative`]). On the other
+//! states `x_i = sum_{j != i} p_ij x_j / sum_{j != i} p_ij`, and likewise `y`: the self-loop is eliminated and
+//! the divisor is a sum, so nothing is subtracted, and probabilities of 1e-53 keep their digits.
+//!
+//! *Method.* Component by component in reverse topological order (Ciesinski, Baier, Größer and Klein 2008;
+//! Dai, Strejček, Wu and Gupta 2011). A component of one state is substituted. A larger one is solved by
+//! elimination within a budget; failing that by interval iteration; failing that by elimination with a
+//! large budget. Both bounds of what lies below enter each component.
+//!
+//! *Guarantee.* The bounds contain the exact values. What is added at each component: rounding (the bounds
+//! in the heads of [`crate::elimination`] and [`crate::interval_iteration`]) and `2 m e` for a component
+//! of `m` states whose transition probabilities are off by a factor `1 + e` (matrix-tree theorem,
+//! see [`crate::elimination`]; `e` = [`ENTRY_ERROR`]). `x` and `y` are computed independently and improve
+//! each other's bounds, as `x + y = 1`.
+//!
+//! Cost: linear in transitions outside larger components.
+
+use crate::answer::{CheckError, Options};
+use crate::elimination::{GivenUp, System};
+use crate::graph::{Components, Qualitative};
+use crate::interval_iteration::Iteration;
+use crate::rounding::{Bounds, ENTRY_ERROR, SMALLEST_ENTRY, UNIT};
+use crate::state_space::Csr;
+
+/// Multiplications spent on eliminating one component before iteration is tried.
+const FIRST_BUDGET: u64 = 100_000_000;
+/// Multiplications spent when iteration does not converge.
+const SECOND_BUDGET: u64 = 50_000_000_000;
+/// Rounds of iteration before elimination is tried again.
+const FIRST_ROUNDS: u64 = 20_000;
+/// Rounds of iteration when all else failed.
+const LAST_ROUNDS: u64 = 1_000_000;
+
+/// A probability and that of the contrary, each computed on its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probability {
+    /// The probability.
+    pub value: Bounds,
+    /// The probability of the contrary.
+    pub complement: Bounds,
+}
+
+impl Probability {
+    /// Exactly 1 if `holds`, else exactly 0.
+    pub(crate) fn indicator(holds: bool) -> Self {
+        Self {
+            value: Bounds::indicator(holds),
+            complement: Bounds::indicator(!holds),
+        }
+    }
+
+    /// The contrary.
+    pub(crate) fn contrary(self) -> Self {
+        Self {
+            value: self.complement,
+            complement: self.value,
+        }
+    }
+
+    /// From sums that were computed with this relative error.
+    fn widened(value: Bounds, complement: Bounds, error: f64) -> Self {
+        let (value, complement) = value
+            .widened(error)
+            .with_complement(complement.widened(error));
+        Self { value, complement }
+    }
+
+    /// The mean over a state's transitions, one step before; its bounds allow for rounding.
+    pub(crate) fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a Self)>) -> Self {
+        let (mut value, mut complement, mut entries) = (Bounds::ZERO, Bounds::ZERO, 0);
+        for (p, target) in transitions {
+            accumulate(&mut value, *p, target.value);
+            accumulate(&mut complement, *p, target.complement);
+            entries += 1;
+        }
+        if value == Bounds::ZERO || complement == Bounds::ZERO {
+            return Self::indicator(complement == Bounds::ZERO);
+        }
+        Self::widened(value, complement, ENTRY_ERROR + (entries + 1) as f64 * UNIT)
+    }
+}
+
+/// Refuses matrices whose entries are too small for the error bounds.
+pub(crate) fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {
+    match matrix.value.iter().find(|value| **value < SMALLEST_ENTRY) {
+        Some(value) => Err(CheckError::Unsupported(format!(
+            "a transition has the probability {value:e}, too small for floating point with sound \
+             bounds; use the exact method"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Probabilities of reaching the target, the states of `sets.surely`, and how many rounds of iteration
+/// were needed.
+pub(crate) fn reachability(
+    matrix: &Csr<f64>,
+    sets: &Qualitative,
+    options: &Options<'_>,
+) -> Result<(Vec<Probability>, u64), CheckError> {
+    let result = sets
+        .surely
+        .iter()
+        .map(|surely| Probability::indicator(*surely))
+        .collect();
+    let open = |(surely, never): (&bool, &bool)| !surely && !never;
+    let open: Vec<bool> = sets.surely.iter().zip(&sets.never).map(open).collect();
+    let mut solver = Solver {
+        matrix,
+        options,
+        local: vec![u32::MAX; matrix.num_rows()],
+        result,
+        iterations: 0,
+    };
+    for (index, component) in Components::new(matrix, &open).iter().enumerate() {
+        if index % 4096 == 0 {
+            options.check_cancelled()?;
+        }
+        match component {
+            [state] => solver.substitute(*state as usize),
+            _ => solver.solve(component)?,
+        }
+    }
+    Ok((solver.result, solver.iterations))
+}
+
+struct Solver<'a> {
+    matrix: &'a Csr<f64>,
+    options: &'a Options<'a>,
+    /// Position of a state in the component being solved.
+    local: Vec<u32>,
+    result: Vec<Probability>,
+    iterations: u64,
+}
+
+impl Solver<'_> {
+    /// A state that does not reach itself but by its self-loop.
+    fn substitute(&mut self, state: usize) {
+        let (mut total, mut entries) = (0.0, 0);
+        let (mut value, mut complement) = (Bounds::ZERO, Bounds::ZERO);
+        for (target, p) in self
+            .matrix
+            .row(state)
+            .filter(|(target, _)| *target != state)
+        {
+            total += p;
+            entries += 1;
+            accumulate(&mut value, *p, self.result[target].value);
+            accumulate(&mut complement, *p, self.result[target].complement);
+        }
+        let error = 2.0 * ENTRY_ERROR + (2 * entries + 2) as f64 * UNIT;
+        let quotient = |sum: Bounds| Bounds {
+            low: sum.low / total,
+            high: sum.high / total,
+        };
+        self.store(state, quotient(value), quotient(complement), error);
+    }
+
+    fn store(&mut self, state: usize, value: Bounds, complement: Bounds, error: f64) {
+        self.result[state] = Probability::widened(value, complement, error);
+    }
+
+    fn solve(&mut self, component: &[u32]) -> Result<(), CheckError> {
+        let system = self.system(component);
+        let options = self.options;
+        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
+        let width = |row: &Vec<_>| row.len();
+        let longest = system.rows.iter().map(width).max().unwrap_or(0);
+        let exits = self.exits(component);
+        // Entries of the model, and the sums over transitions that leave.
+        let inputs = ENTRY_ERROR + (exits.1 + 2) as f64 * UNIT;
+        let input_error = 2.0 * component.len() as f64 * inputs;
+        if self.eliminate(
+            component,
+            system.clone(),
+            FIRST_BUDGET,
+            input_error,
+            &cancelled,
+        )? {
+            return Ok(());
+        }
+        let share = component.len() as f64 / self.matrix.num_rows() as f64;
+        let floor = 64.0 * (longest + 4) as f64 * UNIT;
+        let tolerance = (self.options.precision * share / 4.0).max(floor);
+        let mut iteration = Iteration::new(&system, exits.0);
+        if !iteration.run(tolerance, FIRST_ROUNDS, &cancelled) {
+            self.options.check_cancelled()?;
+            if self.eliminate(component, system, SECOND_BUDGET, input_error, &cancelled)? {
+                return Ok(());
+            }
+            iteration.run(tolerance, LAST_ROUNDS, &cancelled);
+            self.options.check_cancelled()?;
+        }
+        self.iterations += iteration.rounds;
+        for (position, state) in component.iter().enumerate() {
+            let [value, complement] = [0, 1].map(|problem| Bounds {
+                low: iteration.low[problem][position],
+                high: iteration.high[problem][position],
+            });
+            self.store(*state as usize, value, complement, input_error);
+        }
+        Ok(())
+    }
+
+    /// Solves a component directly; false if that was given up.
+    fn eliminate(
+        &mut self,
+        component: &[u32],
+        system: System<f64, 5>,
+        budget: u64,
+        input_error: f64,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<bool, CheckError> {
+        let solution = match system.solve(budget, cancelled) {
+            Ok(solution) => solution,
+            Err(GivenUp::Cancelled) => return Err(CheckError::Cancelled),
+            Err(_) => return Ok(false),
+        };
+        let error = solution.relative_error + input_error;
+        for (state, [_, low, high, contrary_low, contrary_high]) in
+            component.iter().zip(solution.values)
+        {
+            let value = Bounds { low, high };
+            let complement = Bounds {
+                low: contrary_low,
+                high: contrary_high,
+            };
+            self.store(*state as usize, value, complement, error);
+        }
+        Ok(true)
+    }
+
+    /// The equations of a component.
+    fn system(&mut self, component: &[u32]) -> System<f64, 5> {
+        for (position, state) in component.iter().enumerate() {
+            self.local[*state as usize] = position as u32;
+        }
+        let mut system = System {
+            rows: Vec::with_capacity(component.len()),
+            rhs: Vec::with_capacity(component.len()),
+        };
+        for state in component {
+            let (mut row, mut exit) = (Vec::new(), 0.0);
+            let (mut value, mut complement) = (Bounds::ZERO, Bounds::ZERO);
+            for (target, p) in self.matrix.row(*state as usize) {
+                match self.local[target] {
+                    u32::MAX => {
+                        exit += p;
+                        accumulate(&mut value, *p, self.result[target].value);
+                        accumulate(&mut complement, *p, self.result[target].complement);
+                    }
+                    _ if target == *state as usize => {}
+                    position => row.push((position, *p)),
+                }
+            }
+            row.sort_unstable_by_key(|(column, _)| *column);
+            system.rows.push(row);
+            system
+                .rhs
+                .push([exit, value.low, value.high, complement.low, complement.high]);
+        }
+        component
+            .iter()
+            .for_each(|state| self.local[*state as usize] = u32::MAX);
+        system
+    }
+
+    /// The least and greatest values right outside a component, and its longest row.
+    fn exits(&mut self, component: &[u32]) -> ([Bounds; 2], usize) {
+        component
+            .iter()
+            .for_each(|state| self.local[*state as usize] = 0);
+        let nothing = Bounds {
+            low: 1.0,
+            high: 0.0,
+        };
+        let (mut outside, mut longest) = ([nothing; 2], 0);
+        for state in component {
+            let mut length = 0;
+            for (target, _) in self.matrix.row(*state as usize) {
+                length += 1;
+                if self.local[target] == u32::MAX {
+                    let here = [self.result[target].value, self.result[target].complement];
+                    for (known, here) in outside.iter_mut().zip(here) {
+                        known.low = known.low.min(here.low);
+                        known.high = known.high.max(here.high);
+                    }
+                }
+            }
+            longest = longest.max(length);
+        }
+        component
+            .iter()
+            .for_each(|state| self.local[*state as usize] = u32::MAX);
+        (outside, longest)
+    }
+}
+
+fn accumulate(sum: &mut Bounds, probability: f64, value: Bounds) {
+    sum.low += probability * value.low;
+    sum.high += probability * value.high;
+}
