@@ -10,6 +10,7 @@ mod number;
 mod parser;
 mod print;
 pub mod property;
+mod resolve;
 pub mod resolved;
 mod suggest;
 
@@ -20,3 +21,4 @@ pub use expr::{Expr, ExprKind, Function, VarIndex};
 pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
 pub use parser::{parse_model, parse_properties};
 pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
+pub use resolve::{resolve, resolve_properties, resolve_with};
