@@ -1,7 +1,7 @@
 //! Staged assertion monitors: a precondition, then postconditions in order, judged over one trace.
 //!
 //! # Definition
-//! A word is a sequence of samples (t_0, v_0), ..., (t_n, v_n) with t_0 <= ... <= t_n; v_i gives
+//! A word is a sequence of samples (t_0, v_0), ..., (t_n, v_n) with t_0 < ... < t_n; v_i gives
 //! each proposition the value true, false or *unknown* (not recorded). A monitor has a trigger
 //! proposition `when` and stages s_1 ... s_m. At each sample where it triggers, an *instance*
 //! begins there with stage s_1. A stage is entered at a sample i and is left at a sample j >= i;

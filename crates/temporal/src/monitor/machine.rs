@@ -125,7 +125,7 @@ impl Monitor {
     /// if the recording was cut short.
     ///
     /// # Errors
-    /// [`StepError`] if the times are not finite or go back.
+    /// [`StepError`] if the times are not finite or do not increase.
     pub fn judge<V: Fn(PropId) -> Option<bool>>(
         &self,
         samples: impl IntoIterator<Item = (f64, V)>,
@@ -193,14 +193,14 @@ impl Judge<'_> {
     /// there, `None` where it is unknown.
     ///
     /// # Errors
-    /// [`StepError`] if the time is not finite or lies before the last one; the sample is not
+    /// [`StepError`] if the time is not finite or not after the last one; the sample is not
     /// taken then.
     pub fn step(
         &mut self,
         time_secs: f64,
         valuation: &dyn Fn(PropId) -> Option<bool>,
     ) -> Result<(), StepError> {
-        if !time_secs.is_finite() || time_secs < self.last_secs {
+        if !time_secs.is_finite() || time_secs <= self.last_secs {
             return Err(StepError {
                 last_secs: self.last_secs,
                 time_secs,
@@ -393,7 +393,7 @@ impl Instance {
     }
 }
 
-/// A sample came with a time that is not finite, or that lies before the last one.
+/// A sample came with a time that is not finite, or not after the last one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepError {
     /// Time of the sample before, in seconds; minus infinity if there was none.
@@ -406,7 +406,8 @@ impl fmt::Display for StepError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             out,
-            "a monitor was given a sample at {} s after one at {} s; give it finite times in order",
+            "a monitor was given a sample at {} s after one at {} s; give it one sample for each \
+             time, in order",
             self.time_secs, self.last_secs
         )
     }
