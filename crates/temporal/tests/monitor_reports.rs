@@ -138,7 +138,7 @@ fn invariants_are_judged_at_each_sample() {
         (0.5, [Some(true), Some(false)]),
     ];
     let samples = word.map(|(time_secs, values)| (time_secs, move |id: usize| values[id]));
-    let report = monitor.judge(samples.clone(), true).unwrap();
+    let report = monitor.judge(samples, true).unwrap();
     assert_eq!((report.triggered, report.passed, report.failed), (4, 1, 2));
     assert_eq!((report.inconclusive, report.when_unknown), (1, 1));
     assert_eq!(report.first_failure.unwrap().time_secs, 0.4);
