@@ -193,6 +193,11 @@ pub fn short_hash(hash: &str) -> Markup {
     html! { code class="hash" title=(hash) { (short) } }
 }
 
+/// The text with its per cent signs kept on the line of their numbers.
+pub fn unbroken(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
+}
+
 /// Text with its line breaks kept as paragraphs.
 pub fn prose(text: &str) -> Markup {
     html! {

@@ -16,6 +16,7 @@ pub fn render(view: View) -> Markup {
     };
     let body = html! {
         (totals(view))
+        p class="print-only small" { "The figures of each pair are in this report's form on the screen and in its JSON." }
         @if view.study.comparisons.is_empty() {
             p class="empty" { "Nothing to compare: that takes two pieces of evidence on the same subject." }
         }
@@ -152,7 +153,7 @@ fn table(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
                     th scope="col" class="wide" { "Difference, points" (axis.labels("")) }
                     th scope="col" class="n" { "p, no difference" br; span class="small" { "corrected" } }
                     th scope="col" class="n" { "p, beyond margin" }
-                    th scope="col" class="n" { "P(within margin)" }
+                    th scope="col" class="n" { "P, within margin" }
                     th scope="col" { "Why, and what would decide" }
                 } }
                 tbody { @for pair in &sorted { (pair_row(view, &axis, pair)) } }
@@ -211,7 +212,16 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
             td class="n" { (optional(pair.probability_within_margin)) }
             td class="why" {
                 (pair.reason)
-                @for further in &pair.further_trials { " " (further_words(view, further)) }
+                @if !pair.further_trials.is_empty() {
+                    span class="further" {
+                        "Would decide: "
+                        @for (i, further) in pair.further_trials.iter().enumerate() {
+                            @if i > 0 { "; " }
+                            (further_words(view, further))
+                        }
+                        "."
+                    }
+                }
             }
         }
     }
@@ -237,12 +247,8 @@ fn difference_cell(axis: &Axis, pair: &Comparison, difference: f64) -> Markup {
 fn further_words(view: View, further: &FurtherTrials) -> Markup {
     html! {
         @match further.trials {
-            Some(trials) => {
-                span class="further" { "About " (number::count(trials)) " more trials of " (view.link(&further.evidence)) " would decide." }
-            },
-            None => {
-                span class="further" { "No number of trials of " (view.link(&further.evidence)) " alone would decide." }
-            },
+            Some(trials) => { (number::count(trials)) " more trials of " (view.link(&further.evidence)) },
+            None => { "no number of trials of " (view.link(&further.evidence)) " alone" },
         }
     }
 }

@@ -3,7 +3,7 @@
 use evidence::Discrepancy;
 use maud::{Markup, html};
 
-use crate::view::{View, prose, section};
+use crate::view::{View, prose, section, unbroken};
 use crate::words;
 
 /// The section.
@@ -34,7 +34,7 @@ fn item(view: View, place: usize, discrepancy: &Discrepancy) -> Markup {
                 }
             }
             h3 { (discrepancy.title) }
-            (prose(&discrepancy.explanation))
+            (prose(&unbroken(&discrepancy.explanation)))
             @if let Some(proposal) = &discrepancy.proposal {
                 p class="proposal" { b { "Proposal. " } (proposal) }
             }

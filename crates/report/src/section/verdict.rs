@@ -4,7 +4,7 @@ use evidence::{Conclusion, Discrepancy, StudyResult};
 use maud::{Markup, html};
 
 use crate::number;
-use crate::view::{View, chip, section};
+use crate::view::{View, chip, section, unbroken};
 use crate::words;
 
 /// The section.
@@ -54,7 +54,7 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                 @if let Some(requirement) = view.requirement(&conclusion.requirement) {
                     p class="asked" { (requirement.text) }
                 }
-                p class="statement" { (conclusion.statement) }
+                p class="statement" { (unbroken(&conclusion.statement)) }
                 p class="small" {
                     @if !conclusion.rests_on.is_empty() {
                         "Rests on " (view.links(&conclusion.rests_on)) ". "
@@ -111,7 +111,7 @@ fn agreement_list(heading: &str, meaning: &str, none: &str, lines: &[(&str, Vec<
             @if lines.is_empty() { p { (none) } }
             ul class="lines" {
                 @for (line, ids) in lines {
-                    li { b class="ids" { (ids.join(", ")) } " " (line) }
+                    li { b class="ids" { (ids.join(", ")) } " " (unbroken(line)) }
                 }
             }
         }
