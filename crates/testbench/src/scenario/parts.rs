@@ -349,12 +349,14 @@ pub struct Human {
     pub reach_lowest_object_m: f64,
     pub pull_secs: f64,
     pub pull_onset_secs: f64,
+    pub pull_travel_m: f64,
     pub grip_depth_m: f64,
     pub patience_secs: f64,
     pub hold_stiffness_n_m: f64,
     pub hold_damping_ns_m: f64,
     pub hold_limit_newtons: f64,
     pub hold_torque_nm_rad: f64,
+    pub hold_torque_damping_nms_rad: f64,
 }
 
 impl Human {

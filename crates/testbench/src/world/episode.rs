@@ -232,7 +232,6 @@ struct Run<'a> {
     outcome: Outcome,
     reading: Option<Reading>,
     planner_status: PlannerStatus,
-    wrench: Wrench,
     announced: bool,
     ended_at_secs: Option<f64>,
     truth: Option<Truth>,
@@ -271,7 +270,6 @@ impl<'a> Run<'a> {
             outcome: Outcome::new(),
             reading: None,
             planner_status: PlannerStatus::Idle,
-            wrench: Wrench::default(),
             announced: false,
             ended_at_secs: None,
             truth: None,
@@ -313,7 +311,13 @@ impl<'a> Run<'a> {
                 time_secs: self.plant.now_secs(),
             });
         }
-        self.plant.step(&self.wrench);
+        let wrench = if self.human.acts_on_object() {
+            self.human
+                .wrench(self.plant.now_secs(), &self.plant.object())
+        } else {
+            Wrench::default()
+        };
+        self.plant.step(&wrench);
         Ok(())
     }
 
@@ -327,10 +331,8 @@ impl<'a> Run<'a> {
             robot_lets_go: self.controller.state() == State::Release
                 && self.controller.commands().hand == HandCommand::Open,
             object: object.pose,
-            object_velocity_m_s: object.velocity_m_s,
-            object_spin_rad_s: object.spin_rad_s,
         };
-        self.wrench = self.human.update(&view);
+        self.human.update(&view);
         let truth = TruePoses {
             object_m: object.pose.position_m,
             human_hand_m: self.human.hand_m(now_secs),

@@ -2,9 +2,11 @@
 //!
 //! Head and hand are moved along given paths; on the object the human acts by force alone. While
 //! pulling, that force grows over the onset to its drawn value and lasts for the pull's duration.
-//! Once the robot's hand opens, the human's hand holds on: a damped spring to where the grip was
-//! (limited in force) and a damped spring that keeps the object's attitude.
+//! Once the robot's hand opens, or the object has come along by more than the length of a pull, the
+//! human's hand holds on: a damped spring to where the grip was (limited in force) and a damped
+//! spring that keeps the object's attitude.
 
+use super::plant::ObjectState;
 use crate::geometry::{
     IDENTITY, Pose, Quaternion, Vector, about, add, compose, cross, norm, rotate, scale, subtract,
 };
@@ -22,8 +24,6 @@ pub(crate) struct View {
     /// The robot's hand is opening to hand over.
     pub(crate) robot_lets_go: bool,
     pub(crate) object: Pose,
-    pub(crate) object_velocity_m_s: Vector,
-    pub(crate) object_spin_rad_s: Vector,
 }
 
 /// What is drawn for the human in an episode.
@@ -67,6 +67,7 @@ pub(crate) struct Human {
     reach: Reach,
     hand_is_out: bool,
     pull_began_secs: Option<f64>,
+    pulled_from_m: Option<Vector>,
     held: Option<Pose>,
     last_object_m: Vector,
 }
@@ -111,18 +112,18 @@ impl Human {
             },
             hand_is_out: false,
             pull_began_secs: None,
+            pulled_from_m: None,
             held: None,
             last_object_m: rest,
         }
     }
 
-    /// Lets the human look, act and move; returns what the hand does to the object.
-    pub(crate) fn update(&mut self, view: &View) -> Wrench {
+    /// Lets the human look, act and move.
+    pub(crate) fn update(&mut self, view: &View) {
         self.last_object_m = view.object.position_m;
         self.act(view);
         self.move_hand(view);
         self.hold(view);
-        self.wrench(view)
     }
 
     /// "activate" has been sent.
@@ -262,38 +263,52 @@ impl Human {
         };
     }
 
-    /// Takes hold of the object when the robot lets go and the hand is there.
+    /// Takes hold of the object when the robot lets go of it, or when it comes along with the pull,
+    /// and the hand is there.
     fn hold(&mut self, view: &View) {
+        if norm(self.pull_newtons(view.now_secs)) == 0.0 {
+            self.pulled_from_m = None;
+        } else if self.pulled_from_m.is_none() {
+            self.pulled_from_m = Some(view.object.position_m);
+        }
+        let came_along = self.pulled_from_m.is_some_and(|from_m| {
+            norm(subtract(view.object.position_m, from_m)) > self.body.pull_travel_m
+        });
         let arrived = view.now_secs - self.reach.began_secs >= self.body.reach_secs;
-        if self.held.is_none() && view.robot_lets_go && self.hand_is_out && arrived {
+        let let_go = view.robot_lets_go && self.hand_is_out && arrived;
+        if self.held.is_none() && (let_go || came_along) {
             self.held = Some(view.object);
         }
     }
 
-    /// What the hand does to the object.
-    fn wrench(&self, view: &View) -> Wrench {
+    /// Whether the hand does anything to the object, so that [`Human::wrench`] is worth asking.
+    pub(crate) fn acts_on_object(&self) -> bool {
+        self.held.is_some() || self.pull_began_secs.is_some()
+    }
+
+    /// What the hand does to the object at `now_secs`.
+    pub(crate) fn wrench(&self, now_secs: f64, object: &ObjectState) -> Wrench {
         let Some(held) = self.held else {
-            let force_newtons = self.pull_newtons(view.now_secs);
-            let lever = rotate(view.object.orientation, [0.0, 0.0, -self.body.grip_depth_m]);
+            let force_newtons = self.pull_newtons(now_secs);
+            let lever = rotate(object.pose.orientation, [0.0, 0.0, -self.body.grip_depth_m]);
             return Wrench {
                 force_newtons,
                 torque_nm: cross(lever, force_newtons),
             };
         };
-        let spring = scale(
-            self.body.hold_stiffness_n_m,
-            subtract(held.position_m, view.object.position_m),
+        let away = subtract(held.position_m, object.pose.position_m);
+        let force = add(
+            scale(self.body.hold_stiffness_n_m, away),
+            scale(-self.body.hold_damping_ns_m, object.velocity_m_s),
         );
-        let damper = scale(-self.body.hold_damping_ns_m, view.object_velocity_m_s);
-        let force = limited(add(spring, damper), self.body.hold_limit_newtons);
-        let attitude = rotation_between(view.object.orientation, held.orientation);
-        let torque = add(
-            scale(self.body.hold_torque_nm_rad, attitude),
-            scale(-0.05 * self.body.hold_torque_nm_rad, view.object_spin_rad_s),
+        let turned = rotation_between(object.pose.orientation, held.orientation);
+        let torque_nm = add(
+            scale(self.body.hold_torque_nm_rad, turned),
+            scale(-self.body.hold_torque_damping_nms_rad, object.spin_rad_s),
         );
         Wrench {
-            force_newtons: force,
-            torque_nm: torque,
+            force_newtons: limited(force, self.body.hold_limit_newtons),
+            torque_nm,
         }
     }
 }
