@@ -9,7 +9,7 @@
 //! |---|---|
 //! | What does `s` of `n` say of a rate? | [`IntervalMethod`], [`wilson`], [`BetaPosterior`] |
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
-//! | Do two rates differ? | [`fisher_exact`], [`Difference::p_value`] |
+//! | Do two rates differ, and by how much? | [`fisher_exact`], [`difference_interval`], [`Difference`] |
 //! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
@@ -62,7 +62,7 @@ pub use cluster::{Clustering, clustering};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};
-pub use equivalence::{Difference, DifferenceVariance, Tost, tost};
+pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval, tost};
 pub use fisher::fisher_exact;
 pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
