@@ -5,6 +5,7 @@ mod check;
 mod elimination;
 mod engine;
 mod exact;
+pub mod explore;
 pub mod graph;
 mod interval_iteration;
 mod prism_default;

@@ -124,6 +124,14 @@ impl Layout {
         }
     }
 
+    /// Overwrites one variable with a value that lies in its range.
+    pub(crate) fn store(&self, variable: VarIndex, value: i64, packed: &mut [u64]) {
+        let field = self.fields[variable];
+        let word = &mut packed[field.word];
+        *word &= !(field.mask << field.shift);
+        *word |= (value.wrapping_sub(field.low) as u64) << field.shift;
+    }
+
     pub(crate) fn unpack(&self, packed: &[u64], values: &mut [i64]) {
         for (field, value) in self.fields.iter().zip(values) {
             *value = field.value(packed);
@@ -153,6 +161,8 @@ pub struct StateSpace<N> {
     pub(crate) deadlocks: Vec<usize>,
     pub(crate) separate_transitions: u64,
     pub(crate) labels: Vec<(String, LabelStates)>,
+    /// The greatest number of roundings behind an entry of the matrix; `None` if an error is unknown.
+    pub(crate) roundings: Option<u32>,
 }
 
 /// Where a label holds: by its definition, or by a list made beforehand.
@@ -184,6 +194,7 @@ impl<N> StateSpace<N> {
             deadlocks: Vec::new(),
             separate_transitions,
             labels: labels.into_iter().map(listed).collect(),
+            roundings: Some(0),
         }
     }
 
@@ -251,13 +262,26 @@ impl<N> StateSpace<N> {
     /// # Panics
     /// If there is no such state.
     pub fn describe(&self, state: usize) -> String {
-        let parts = self.variables.iter().enumerate().map(|(i, variable)| {
-            match (variable.kind, self.value(state, i)) {
-                (VariableKind::Bool, value) => format!("{}={}", variable.name, value != 0),
-                (_, value) => format!("{}={value}", variable.name),
+        describe(&self.variables, &self.state(state))
+    }
+
+    /// A bound of the relative error of every entry of the matrix, against the exact probability of the model.
+    ///
+    /// 0 if all entries are exact (as in an exact domain, and for [`StateSpace::from_matrix`], where the matrix
+    /// is the model); infinite if the model computes probabilities with irrational numbers.
+    ///
+    /// Entries are products and sums of numbers that are not negative, so that `n` roundings leave a relative
+    /// error of at most `n u / (1 - n u)` with `u = 2^-53` (Higham, "Accuracy and Stability of Numerical
+    /// Algorithms", 2002, lemma 3.1).
+    pub fn relative_error(&self) -> f64 {
+        match self.roundings {
+            None => f64::INFINITY,
+            Some(0) => 0.0,
+            Some(n) => {
+                let nu = f64::from(n) * f64::EPSILON / 2.0;
+                (nu / (1.0 - nu)).next_up().next_up()
             }
-        });
-        format!("({})", parts.collect::<Vec<_>>().join(","))
+        }
     }
 
     /// The states in which a predicate holds: one flag per state.
@@ -303,6 +327,18 @@ impl<N> StateSpace<N> {
         }
         flags
     }
+}
+
+/// A state as PRISM writes it.
+pub(crate) fn describe(variables: &[Variable], values: &[i64]) -> String {
+    let parts = variables
+        .iter()
+        .zip(values)
+        .map(|(variable, value)| match variable.kind {
+            VariableKind::Bool => format!("{}={}", variable.name, *value != 0),
+            VariableKind::Int { .. } => format!("{}={value}", variable.name),
+        });
+    format!("({})", parts.collect::<Vec<_>>().join(","))
 }
 
 /// Why a set of states could not be found.
