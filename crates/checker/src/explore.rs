@@ -109,7 +109,7 @@ struct Explorer<'m, N> {
     interner: Interner,
     matrix: Csr<N>,
     deadlocks: Vec<usize>,
-    separate_transitions: u64,
+    labelled_transitions: u64,
     /// The greatest number of roundings behind an entry; `None` if an error is unknown.
     roundings: Option<u32>,
     scratch: Scratch<N>,
@@ -130,6 +130,8 @@ struct Scratch<N> {
     next_targets: Vec<u64>,
     /// Outcomes of all choices: target, probability, roundings.
     outcomes: Vec<(u32, N, Option<u32>)>,
+    /// Target and action (0: none) of all outcomes.
+    labelled: Vec<(u32, u32)>,
 }
 
 impl<'m, N: Arithmetic> Explorer<'m, N> {
@@ -141,7 +143,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             interner: Interner::new(layout.words()),
             matrix: Csr::with_capacity(0),
             deadlocks: Vec::new(),
-            separate_transitions: 0,
+            labelled_transitions: 0,
             roundings: Some(0),
             scratch: Scratch {
                 values: vec![0; model.variables.len()],
@@ -153,6 +155,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 partial_targets: Vec::new(),
                 next_targets: Vec::new(),
                 outcomes: Vec::new(),
+                labelled: Vec::new(),
             },
             layout,
             model,
@@ -231,6 +234,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         let packed = self.interner.state(state).to_vec();
         self.layout.unpack(&packed, &mut self.scratch.values);
         self.scratch.outcomes.clear();
+        self.scratch.labelled.clear();
         let mut choices = 0i64;
         for index in 0..self.commands.alone.len() {
             self.scratch.updates.clear();
@@ -239,7 +243,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             if let Some(updates) = enabled(command, &mut self.scratch, self.model)? {
                 let span = command.source.span;
                 choices += 1;
-                self.choose(&packed, &[updates], span)?;
+                self.choose(&packed, &[updates], 0, span)?;
             }
         }
         for action in 0..self.commands.together.len() {
@@ -247,7 +251,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         }
         if choices == 0 {
             self.deadlocks.push(state);
-            self.separate_transitions += 1;
+            self.labelled_transitions += 1;
             self.matrix.push_row([(state as u32, N::one())]);
             return Ok(());
         }
@@ -269,7 +273,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                     .map(|(o, p)| o[*p].clone())
                     .collect();
                 choices += 1;
-                self.choose(packed, &picked, span)?;
+                self.choose(packed, &picked, action as u32 + 1, span)?;
                 let Some(module) = (0..picks.len()).find(|m| picks[*m] + 1 < options[*m].len())
                 else {
                     break;
@@ -319,6 +323,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         &mut self,
         packed: &[u64],
         commands: &[Range<usize>],
+        action: u32,
         span: Span,
     ) -> Result<(), ExploreError> {
         let words = packed.len();
@@ -348,10 +353,15 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             scratch.partial = next;
             std::mem::swap(&mut scratch.partial_targets, &mut scratch.next_targets);
         }
-        self.collect_outcomes(words, span)
+        self.collect_outcomes(words, action, span)
     }
 
-    fn collect_outcomes(&mut self, words: usize, span: Span) -> Result<(), ExploreError> {
+    fn collect_outcomes(
+        &mut self,
+        words: usize,
+        action: u32,
+        span: Span,
+    ) -> Result<(), ExploreError> {
         let partial = std::mem::take(&mut self.scratch.partial);
         let targets = std::mem::take(&mut self.scratch.partial_targets);
         for ((probability, roundings), target) in partial.iter().zip(targets.chunks_exact(words)) {
@@ -360,7 +370,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 return Err(ExploreError::Underflow { state, span });
             }
             let target = self.intern(target)?;
-            self.separate_transitions += 1;
+            self.scratch.labelled.push((target, action));
             let outcome = (target, probability.clone(), *roundings);
             self.scratch.outcomes.push(outcome);
         }
@@ -371,6 +381,10 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
 
     /// Merges outcomes with the same target, weighs the choices equally and appends the row.
     fn finish_row(&mut self, choices: i64) -> Result<(), ExploreError> {
+        let labelled = &mut self.scratch.labelled;
+        labelled.sort_unstable();
+        labelled.dedup();
+        self.labelled_transitions += labelled.len() as u64;
         let outcomes = &mut self.scratch.outcomes;
         outcomes.sort_by_key(|(target, ..)| *target);
         let weight = N::from_i64(choices);
@@ -404,7 +418,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             packed: self.interner.packed,
             initial: (0..num_initial).collect(),
             deadlocks: self.deadlocks,
-            separate_transitions: self.separate_transitions,
+            labelled_transitions: self.labelled_transitions,
             labels: labels
                 .map(|(name, body)| (name.clone(), LabelStates::Defined(body.clone())))
                 .collect(),

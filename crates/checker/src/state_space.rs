@@ -159,7 +159,7 @@ pub struct StateSpace<N> {
     pub(crate) packed: Vec<u64>,
     pub(crate) initial: Vec<usize>,
     pub(crate) deadlocks: Vec<usize>,
-    pub(crate) separate_transitions: u64,
+    pub(crate) labelled_transitions: u64,
     pub(crate) labels: Vec<(String, LabelStates)>,
     /// The greatest number of roundings behind an entry of the matrix; `None` if an error is unknown.
     pub(crate) roundings: Option<u32>,
@@ -183,7 +183,7 @@ impl<N> StateSpace<N> {
     ) -> Self {
         let layout = Layout::new(&[]);
         let packed = vec![0; matrix.num_rows() * layout.words()];
-        let separate_transitions = matrix.num_entries() as u64;
+        let labelled_transitions = matrix.num_entries() as u64;
         let listed = |(name, states)| (name, LabelStates::Listed(states));
         Self {
             matrix,
@@ -192,7 +192,7 @@ impl<N> StateSpace<N> {
             packed,
             initial,
             deadlocks: Vec::new(),
-            separate_transitions,
+            labelled_transitions,
             labels: labels.into_iter().map(listed).collect(),
             roundings: Some(0),
         }
@@ -208,9 +208,10 @@ impl<N> StateSpace<N> {
         self.matrix.num_entries()
     }
 
-    /// The number of transitions when those of different choices are counted separately, as PRISM's explicit engine does.
-    pub fn num_separate_transitions(&self) -> u64 {
-        self.separate_transitions
+    /// The number of triples of source, target and action (commands without action count as one action): what
+    /// PRISM's explicit engine reports as transitions.
+    pub fn num_labelled_transitions(&self) -> u64 {
+        self.labelled_transitions
     }
 
     /// The initial states, ascending.
