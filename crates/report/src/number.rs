@@ -78,6 +78,9 @@ pub fn percent(rate: f64) -> String {
 
 /// A threshold or a confidence level: no more digits than were declared.
 pub fn level(value: f64) -> String {
+    if !value.is_finite() {
+        return NONE.to_owned();
+    }
     // Twelve digits hide the binary representation of, say, 0.07 * 100.
     let rounded = (value * 1e14).round() / 1e12;
     format!("{rounded}\u{a0}%")
@@ -105,9 +108,20 @@ pub fn answer(answer: &MethodAnswer) -> String {
     }
 }
 
+/// A quantity without unit, with so many decimals.
+pub fn decimal(value: f64, decimals: usize) -> String {
+    if value.is_finite() {
+        minus(&format!("{value:.decimals$}"))
+    } else {
+        NONE.to_owned()
+    }
+}
+
 /// Every digit of a computed probability.
 pub fn full(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-5 {
+    if !value.is_finite() {
+        NONE.to_owned()
+    } else if value != 0.0 && value.abs() < 1e-5 {
         minus(&format!("{value:e}"))
     } else {
         minus(&format!("{value}"))

@@ -50,7 +50,7 @@ pub fn render(study: &StudyResult) -> String {
 
 fn head(study: &StudyResult) -> Markup {
     let policy = format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
     );
     html! {
         head {

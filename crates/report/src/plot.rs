@@ -150,10 +150,12 @@ impl Strip<'_> {
                     line class="threshold" x1=(x) x2=(x) y1="0" y2="100%" {}
                 }
                 @match self.measure {
-                    Measure::Probability { credible: Some(credible), .. } => (self.distribution(credible)),
-                    measure => @if let Some(interval) = measure.interval() { (self.whisker(interval)) },
+                    Measure::Probability { credible: Some(credible), .. } if drawable(&credible.interval) => {
+                        (self.distribution(credible))
+                    },
+                    measure => @if let Some(interval) = measure.interval().filter(drawable) { (self.whisker(interval)) },
                 }
-                @if let Some(value) = self.measure.estimate() {
+                @if let Some(value) = self.measure.estimate().filter(|v| v.is_finite()) {
                     (glyph_at(&self.axis.x(value), self.technique, self.hollow))
                 }
             }
@@ -191,9 +193,15 @@ impl Strip<'_> {
             .iter()
             .skip(every / 2)
             .step_by(every)
+            .filter(|q| q.is_finite())
             .map(|q| format!("M{:.0} 0V10", self.axis.at(*q) * 10.0))
             .collect()
     }
+}
+
+/// Whether both ends can be placed on an axis.
+fn drawable(interval: &Interval) -> bool {
+    interval.low.is_finite() && interval.high.is_finite()
 }
 
 /// One strip of a plot of differences: zero, the band of the margin, the
@@ -210,11 +218,11 @@ pub fn difference_strip(
         svg class="strip difference" width="100%" height=(HEIGHT) aria-hidden="true" {
             rect class="margin" x=(format!("{low:.2}%")) width=(format!("{:.2}%", high - low)) y="0" height="100%" {}
             line class="zero" x1=(zero) x2=(zero) y1="0" y2="100%" {}
-            @if let Some(interval) = interval {
+            @if let Some(interval) = interval.filter(drawable) {
                 line class="whisker" x1=(axis.x(interval.low)) x2=(axis.x(interval.high))
                     y1=(MIDDLE) y2=(MIDDLE) {}
             }
-            circle cx=(axis.x(difference)) cy=(MIDDLE) r="3.5" {}
+            @if difference.is_finite() { circle cx=(axis.x(difference)) cy=(MIDDLE) r="3.5" {} }
         }
     }
 }

@@ -145,7 +145,7 @@ fn table(view: View, subject: &Subject, pairs: &[&Comparison]) -> Markup {
     sorted.sort_by_key(|c| words::OUTCOMES.iter().position(|o| *o == c.outcome));
     html! {
         div class="scroll" tabindex="0" role="region" aria-label={ "Figures on " (view.short_title(subject)) } {
-            table class="figures" {
+            table class="figures cards" {
                 caption class="visually-hidden" { "Differences and tests on " (view.short_title(subject)) }
                 thead { tr {
                     th scope="col" { "Pair" }
@@ -195,22 +195,22 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
     html! {
         tr data-outcome=(slug(pair.outcome)) {
             th scope="row" { (view.link(&pair.left)) " → " (view.link(&pair.right)) }
-            td {
+            td data-label="Outcome" {
                 (chip(&words::comparison(pair.outcome, pair.independent)))
                 @if !pair.independent && pair.outcome != Outcome::Corroborates {
                     span class="small" { "not independent" }
                 }
             }
-            td { @if let Some(difference) = pair.difference { (difference_cell(axis, pair, difference)) } }
-            td class="n" {
-                (optional(pair.p_difference))
+            td data-label="Difference" { @if let Some(difference) = pair.difference { (difference_cell(axis, pair, difference)) } }
+            td class="n" data-label="p, no difference" {
+                (optional(pair.p_difference)) " "
                 @if pair.p_difference_corrected.is_some() {
-                    br; span class="small" { (optional(pair.p_difference_corrected)) }
+                    br; span class="small corrected" { (optional(pair.p_difference_corrected)) }
                 }
             }
-            td class="n" { (optional(pair.p_equivalence)) }
-            td class="n" { (optional(pair.probability_within_margin)) }
-            td class="why" {
+            td class="n" data-label="p, beyond margin" { (optional(pair.p_equivalence)) }
+            td class="n" data-label="P, within margin" { (optional(pair.probability_within_margin)) }
+            td class="why" data-label="Why" {
                 (pair.reason)
                 @if !pair.further_trials.is_empty() {
                     span class="further" {

@@ -80,8 +80,8 @@ fn cluster_tests(clusters: &ClusterTests) -> Markup {
     html! {
         div class="note" {
             p {
-                "Trials are grouped: intraclass correlation " (format!("{:.3}", clusters.intraclass_correlation))
-                ", worth " (format!("{:.1}", clusters.effective_trials)) " independent trials."
+                "Trials are grouped: intraclass correlation " (number::decimal(clusters.intraclass_correlation, 3))
+                ", worth " (number::decimal(clusters.effective_trials, 1)) " independent trials."
             }
             @if !clusters.tests.is_empty() {
                 ul class="lines" { @for test in &clusters.tests { li { (test) } } }
@@ -93,7 +93,7 @@ fn cluster_tests(clusters: &ClusterTests) -> Markup {
 fn findings(view: View, evidence: &Evidence) -> Markup {
     html! {
         div class="scroll" tabindex="0" role="region" aria-label={ "All findings of " (evidence.id) } {
-            table class="findings" {
+            table class="findings cards" {
                 caption class="visually-hidden" { "All findings of " (evidence.id) }
                 thead { tr {
                     th scope="col" { "Subject" } th scope="col" { "Found" } th scope="col" { "In detail" }
@@ -102,8 +102,8 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
                     @for finding in &evidence.findings {
                         tr {
                             th scope="row" { (view.title(&finding.subject)) }
-                            td { (figures(&finding.measure)) }
-                            td class="detail" { (detail(finding)) }
+                            td data-label="Found" { (figures(&finding.measure)) }
+                            td class="detail" data-label="In detail" { (detail(finding)) }
                         }
                     }
                 }
@@ -129,7 +129,7 @@ fn measure_detail(measure: &Measure) -> Markup {
     html! {
         @match measure {
             Measure::Counts { effective_trials: Some(effective), .. } => {
-                p { "Worth " (format!("{effective:.1}")) " independent trials; the interval allows for that." }
+                p { "Worth " (number::decimal(*effective, 1)) " independent trials; the interval allows for that." }
             },
             Measure::Counts { .. } => {},
             Measure::Probability { answer, others, credible } => {

@@ -1,0 +1,276 @@
+//! The page: complete, escaped, self-contained, well-formed.
+
+mod fixture;
+mod markup;
+
+use evidence::*;
+use markup::{Element, elements};
+
+fn count(text: &str, part: &str) -> usize {
+    text.matches(part).count()
+}
+
+/// What a reader sees of the page, as text.
+fn visible(page: &str) -> String {
+    let body = &page[page.find("<body>").expect("body")..];
+    markup::text(body).replace('\u{a0}', " ")
+}
+
+#[test]
+fn everything_of_the_study_is_on_the_page() {
+    let study = fixture::study();
+    let text = visible(&report::html(&study));
+    let mut expected: Vec<&str> = vec![&study.title, &study.produced_by];
+    for requirement in &study.requirements {
+        expected.extend([requirement.id.as_str(), requirement.text.as_str()]);
+        expected.extend(requirement.property.as_deref());
+        expected.extend(requirement.monitor.as_deref());
+    }
+    for mode in &study.failure_modes {
+        expected.extend([mode.name.as_str(), mode.meaning.as_str()]);
+    }
+    for evidence in &study.evidence {
+        expected.extend([
+            evidence.id.as_str(),
+            &evidence.title,
+            &evidence.changed,
+            &evidence.conditions,
+        ]);
+        expected.extend([
+            evidence.inputs.as_str(),
+            &evidence.tool.name,
+            &evidence.tool.settings,
+        ]);
+        expected.extend(
+            evidence
+                .assets
+                .iter()
+                .flat_map(|a| [a.path.as_str(), &a.hash]),
+        );
+        expected.extend(evidence.calibrated.iter().map(|c| c.parameter.as_str()));
+        expected.extend(
+            evidence
+                .clusters
+                .iter()
+                .flat_map(|c| &c.tests)
+                .map(String::as_str),
+        );
+    }
+    for conclusion in &study.conclusions {
+        expected.push(&conclusion.statement);
+        expected.extend(conclusion.independent_agreement.iter().map(String::as_str));
+        expected.extend(conclusion.fitted_agreement.iter().map(String::as_str));
+    }
+    for discrepancy in &study.discrepancies {
+        expected.push(&discrepancy.title);
+        expected.extend(discrepancy.proposal.as_deref());
+        expected.extend(discrepancy.witnesses.iter().map(String::as_str));
+    }
+    expected.extend(study.gaps.iter().map(|g| g.reason.as_str()));
+    for figure in &study.published {
+        expected.extend([figure.published.as_str(), &figure.ours, &figure.judged]);
+    }
+    for part in expected {
+        assert!(text.contains(part), "missing: {part}");
+    }
+}
+
+#[test]
+fn every_comparison_is_on_the_page() {
+    let study = fixture::study();
+    let page = report::html(&study);
+    let comparable = |c: &&Comparison| c.outcome != Outcome::NotComparable;
+    let rows = study.comparisons.iter().filter(comparable).count();
+    assert_eq!(count(&page, "<tr data-outcome="), rows);
+    let cells = elements(&page)
+        .filter(|e| e.name == "td" && e.attribute("title").is_some_and(|t| t.contains(": ")))
+        .count();
+    assert!(
+        cells >= study.comparisons.len(),
+        "{cells} cells for {} pairs",
+        study.comparisons.len()
+    );
+}
+
+#[test]
+fn the_verdict_comes_before_everything_else() {
+    let page = report::html(&fixture::study());
+    let place = |id: &str| {
+        page.find(&format!("<section id=\"{id}\""))
+            .unwrap_or_else(|| panic!("no section {id}"))
+    };
+    let order = [
+        "verdict",
+        "matrix",
+        "forest",
+        "modes",
+        "discrepancies",
+        "comparisons",
+        "ledger",
+        "coverage",
+        "published",
+        "cost",
+        "provenance",
+        "reading",
+    ];
+    for pair in order.windows(2) {
+        assert!(place(pair[0]) < place(pair[1]), "{pair:?}");
+    }
+}
+
+#[test]
+fn extreme_and_exact_numbers_keep_their_meaning() {
+    let text = visible(&report::html(&fixture::study()));
+    for part in [
+        "1 − 1.1×10⁻⁵³",
+        "1.12e−53",
+        "0.9999948082592586",
+        "estimated, error unknown",
+        "0.8803785717422283",
+        "79.6–92.4 %",
+        "exact: 499/500",
+        "42,960",
+        "236,643",
+    ] {
+        assert!(text.contains(part), "missing: {part}");
+    }
+}
+
+#[test]
+fn absent_evidence_is_told_apart() {
+    let text = visible(&report::html(&fixture::study()));
+    for part in [
+        "○ not covered",
+        "⊘ not expressible",
+        "· not asked",
+        "agrees, a fit",
+    ] {
+        assert!(text.contains(part), "missing: {part}");
+    }
+}
+
+#[test]
+fn hostile_text_stays_text() {
+    let page = report::html(&fixture::hostile());
+    assert_eq!(count(&page, "<script"), 1);
+    assert_eq!(count(&page, "</style>"), 1);
+    assert!(page.contains("&lt;script&gt;alert"));
+    assert!(elements(&page).all(|e| e.attributes.iter().all(|(name, _)| !name.starts_with("on"))));
+    markup::check(&page);
+}
+
+#[test]
+fn pages_are_well_formed_and_their_links_lead_somewhere() {
+    for study in [fixture::study(), fixture::empty(), fixture::hostile()] {
+        let page = report::html(&study);
+        markup::check(&page);
+        let all: Vec<Element> = elements(&page).collect();
+        let mut ids: Vec<&str> = all.iter().filter_map(|e| e.attribute("id")).collect();
+        let distinct = ids.len();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), distinct, "an id occurs twice");
+        for element in &all {
+            if let Some(target) = element.attribute("href").and_then(|h| h.strip_prefix('#')) {
+                assert!(ids.contains(&target), "link to #{target} leads nowhere");
+            }
+            if let Some(target) = element.attribute("aria-labelledby") {
+                assert!(ids.contains(&target), "label {target} is missing");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_loaded_from_elsewhere() {
+    let page = report::html(&fixture::study());
+    for part in ["http:", "https:", "@import", "url(", "//cdn", " src="] {
+        assert!(!page.contains(part), "found {part}");
+    }
+    for element in elements(&page) {
+        if let Some(target) = element.attribute("href") {
+            assert!(
+                target.starts_with('#') || target == "data:,",
+                "link to {target}"
+            );
+        }
+    }
+    assert!(page.contains("default-src 'none'"));
+}
+
+#[test]
+fn plots_and_tables_are_named() {
+    let page = report::html(&fixture::study());
+    for element in elements(&page) {
+        if element.name == "svg" && element.attribute("class").is_some() {
+            let named = element
+                .attribute("aria-label")
+                .is_some_and(|l| !l.is_empty());
+            assert!(
+                named || element.attribute("aria-hidden") == Some("true"),
+                "{element:?}"
+            );
+        }
+    }
+    assert_eq!(count(&page, "<table"), count(&page, "<caption"));
+    assert!(
+        elements(&page)
+            .filter(|e| e.name == "th")
+            .all(|e| e.attribute("scope").is_some())
+    );
+}
+
+#[test]
+fn an_empty_study_says_so() {
+    let text = visible(&report::html(&fixture::empty()));
+    assert!(text.contains("This study draws no conclusion yet"));
+    assert!(text.contains("The ledger is empty"));
+}
+
+#[test]
+fn numbers_that_are_none_are_not_drawn() {
+    let mut study = fixture::study();
+    for finding in study.evidence.iter_mut().flat_map(|e| &mut e.findings) {
+        match &mut finding.measure {
+            Measure::Counts { interval, .. } => interval.high = f64::NAN,
+            Measure::Probability {
+                answer, credible, ..
+            } => {
+                answer.value = f64::NAN;
+                answer.complement = Some(f64::INFINITY);
+                if let Some(credible) = credible {
+                    credible.mean = f64::NAN;
+                    credible.quantiles.fill(f64::NAN);
+                    credible.interval.low = f64::NEG_INFINITY;
+                }
+            }
+            _ => {}
+        }
+    }
+    for comparison in &mut study.comparisons {
+        comparison.difference = comparison.difference.map(|_| f64::NAN);
+        comparison.p_difference = Some(f64::INFINITY);
+    }
+    study.costs[0].wall_secs = f64::NAN;
+    let page = report::html(&study);
+    markup::check(&page);
+    for element in elements(&page) {
+        for (name, value) in &element.attributes {
+            assert!(
+                !value.contains("NaN") && !value.contains("inf%"),
+                "{name}={value}"
+            );
+        }
+    }
+    assert!(!visible(&page).contains("NaN"));
+}
+
+#[test]
+fn the_json_holds_what_the_page_shows() {
+    let study = fixture::study();
+    let json = report::json(&study).expect("serialises");
+    let read: StudyResult = serde_json::from_str(&json).expect("reads back");
+    assert!(read == study, "a field changed on its way through JSON");
+    assert!(report::html(&read) == report::html(&study));
+    assert!(report::json(&read).expect("serialises") == json);
+}
