@@ -1,11 +1,74 @@
 //! The entry points: a property and a state space in, an answer with its guarantee out.
 
+use prism_lang::resolved::Model;
 use prism_lang::{Property, Rational};
 
 use crate::answer::{Answer, CheckError, Method, Options};
 use crate::engine::{Exact, PrismDefault, Sound};
+use crate::explore::{ExploreError, ExploreOptions, explore_with};
 use crate::property::Checker;
 use crate::state_space::StateSpace;
+
+/// Checks a property of a model, of which `space` is the state space.
+///
+/// The exact method builds the state space again, with rational probabilities; so does the sound method when
+/// its bounds leave a comparison such as `P>=0.5` open, unless the model is larger than
+/// [`Options::exact_limit`]. The answer's `method` says which one was used in the end.
+///
+/// # Errors
+/// See [`CheckError`].
+///
+/// ```
+/// use checker::explore::explore;
+/// use checker::{AnswerValue, Method, Options, check};
+/// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+///
+/// let text = "dtmc module coin s : [0..2]; [] s=0 -> 1/3:(s'=0) + 1/3:(s'=1) + 1/3:(s'=2); endmodule";
+/// let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+/// let properties = parse_properties("P=? [ F s=1 ]; P>=0.5 [ F s=1 ]").tree;
+/// let properties = resolve_properties(&properties, &model, &Constants::new()).unwrap();
+/// let space = explore::<f64>(&model)?;
+/// let exactly = Options::with_method(Method::Exact);
+/// let half = check(&space, &model, &properties[0].property, &exactly)?;
+/// assert_eq!(half.value, AnswerValue::Exact(prism_lang::Rational::new(1.into(), 2.into())));
+/// // No floating-point bounds can tell 1/2 from a little less.
+/// let at_least_half = check(&space, &model, &properties[1].property, &Options::default())?;
+/// assert_eq!(at_least_half.value, AnswerValue::Truth(true));
+/// assert_eq!(at_least_half.method, Method::Exact);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn check(
+    space: &StateSpace<f64>,
+    model: &Model,
+    property: &Property,
+    options: &Options<'_>,
+) -> Result<Answer, CheckError> {
+    if options.method == Method::Exact {
+        return check_exact(&exact_space(model, options)?, property, options);
+    }
+    match check_space(space, property, options) {
+        Err(CheckError::Undecided { comparison, .. })
+            if space.num_states() <= options.exact_limit =>
+        {
+            let mut answer = check_exact(&exact_space(model, options)?, property, options)?;
+            answer.notes.push(format!(
+                "floating-point bounds left open whether a probability is {comparison}, so \
+                 rational arithmetic was used"
+            ));
+            Ok(answer)
+        }
+        other => other,
+    }
+}
+
+/// The state space with rational probabilities.
+fn exact_space(model: &Model, options: &Options<'_>) -> Result<StateSpace<Rational>, CheckError> {
+    let go_on = |_| !options.cancel.is_some_and(|cancel| cancel());
+    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| match error {
+        ExploreError::Cancelled => CheckError::Cancelled,
+        error => CheckError::ExactModel(error.to_string()),
+    })
+}
 
 /// Checks a property on a state space whose transition probabilities are floating-point numbers.
 ///

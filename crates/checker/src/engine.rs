@@ -4,10 +4,41 @@ use prism_lang::{Arithmetic, Bound, Comparison, Number, Rational};
 
 use crate::answer::{AnswerValue, CheckError, Guarantee, Options};
 use crate::graph::{Qualitative, qualitative};
-use crate::rounding::Bounds;
+use crate::rounding::{Bounds, LEAST_ENTRY_ERROR};
 use crate::sound::Probability;
 use crate::state_space::Csr;
 use crate::{exact, prism_default, sound};
+
+/// Why bounds computed from probabilities of unknown accuracy are none.
+pub(crate) const UNKNOWN_ENTRY_ERROR: &str = "the model computes probabilities with irrational \
+     numbers (roots, logarithms), whose rounding errors are not known";
+
+/// What the techniques need to know besides the problem.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Context<'a> {
+    /// As the caller wishes.
+    pub options: &'a Options<'a>,
+    /// A bound of the relative error of the transition probabilities.
+    pub entry_error: f64,
+    /// Whether that bound is known to hold.
+    pub entry_error_known: bool,
+}
+
+impl<'a> Context<'a> {
+    /// With the state space's bound, which is infinite if there is none.
+    pub fn new(options: &'a Options<'a>, relative_error: f64) -> Self {
+        let entry_error_known = relative_error.is_finite();
+        Self {
+            options,
+            entry_error: if entry_error_known {
+                relative_error.max(LEAST_ENTRY_ERROR)
+            } else {
+                1e-12
+            },
+            entry_error_known,
+        }
+    }
+}
 
 /// A technique: a number domain for transitions, one for values, and how to solve reachability.
 pub(crate) trait Engine {
@@ -25,6 +56,7 @@ pub(crate) trait Engine {
     /// The mean over a state's transitions.
     fn mean<'a>(
         transitions: impl Iterator<Item = (&'a Self::Entry, &'a Self::Value)>,
+        context: &Context<'_>,
     ) -> Self::Value
     where
         Self: 'a;
@@ -33,7 +65,7 @@ pub(crate) trait Engine {
     fn reachability(
         matrix: &Csr<Self::Entry>,
         sets: &Qualitative,
-        options: &Options<'_>,
+        context: &Context<'_>,
     ) -> Result<(Vec<Self::Value>, u64), CheckError>;
 
     /// Whether the value compares so with the bound; `None` if that is not known.
@@ -46,7 +78,7 @@ pub(crate) trait Engine {
     fn answer(value: &Self::Value) -> AnswerValue;
 
     /// What is known of the value.
-    fn guarantee(value: &Self::Value, options: &Options<'_>, iterations: u64) -> Guarantee;
+    fn guarantee(value: &Self::Value, context: &Context<'_>, iterations: u64) -> Guarantee;
 
     /// What is known of the contrary's probability, if it was computed on its own.
     fn complement(value: &Self::Value) -> Option<Bounds>;
@@ -66,11 +98,11 @@ pub(crate) trait Engine {
         left: &[bool],
         right: &[bool],
         (first, last): (u64, Option<u64>),
-        options: &Options<'_>,
+        context: &Context<'_>,
     ) -> Result<(Vec<Self::Value>, u64), CheckError> {
         let sets = qualitative(matrix, left, right);
         let (mut values, iterations) = match last {
-            None => Self::reachability(matrix, &sets, options)?,
+            None => Self::reachability(matrix, &sets, context)?,
             Some(last) => {
                 let active: Vec<bool> = (0..left.len())
                     .map(|s| !sets.never[s] && !right[s])
@@ -78,29 +110,38 @@ pub(crate) trait Engine {
                 let start = right.iter().map(|right| Self::indicator(*right)).collect();
                 let steps = last.saturating_sub(first);
                 (
-                    steps_back::<Self>(matrix, start, &active, steps, options)?,
+                    steps_back::<Self>(matrix, start, &active, steps, context)?,
                     0,
                 )
             }
         };
         if first > 0 {
             let outside = left.iter().map(|left| !left);
-            values = steps_back::<Self>(matrix, values, left, 1, options)?;
+            values = steps_back::<Self>(matrix, values, left, 1, context)?;
             for (value, outside) in values.iter_mut().zip(outside) {
                 if outside {
                     *value = Self::indicator(false);
                 }
             }
-            values = steps_back::<Self>(matrix, values, left, first - 1, options)?;
+            values = steps_back::<Self>(matrix, values, left, first - 1, context)?;
         }
         Ok((values, iterations))
     }
 
     /// The probability that the next state is in `operand`, in all states.
-    fn next(matrix: &Csr<Self::Entry>, operand: &[bool]) -> Vec<Self::Value> {
+    fn next(
+        matrix: &Csr<Self::Entry>,
+        operand: &[bool],
+        context: &Context<'_>,
+    ) -> Vec<Self::Value> {
         let values: Vec<Self::Value> = operand.iter().map(|o| Self::indicator(*o)).collect();
         (0..matrix.num_rows())
-            .map(|state| Self::mean(matrix.row(state).map(|(target, p)| (p, &values[target]))))
+            .map(|state| {
+                Self::mean(
+                    matrix.row(state).map(|(target, p)| (p, &values[target])),
+                    context,
+                )
+            })
             .collect()
     }
 }
@@ -113,17 +154,20 @@ fn steps_back<E: Engine + ?Sized>(
     mut values: Vec<E::Value>,
     active: &[bool],
     steps: u64,
-    options: &Options<'_>,
+    context: &Context<'_>,
 ) -> Result<Vec<E::Value>, CheckError> {
     let active: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
     let mut next = values.clone();
     for step in 0..steps {
         if step % 16 == 0 {
-            options.check_cancelled()?;
+            context.options.check_cancelled()?;
         }
         let mut changed = false;
         for state in &active {
-            let new = E::mean(matrix.row(*state).map(|(target, p)| (p, &values[target])));
+            let new = E::mean(
+                matrix.row(*state).map(|(target, p)| (p, &values[target])),
+                context,
+            );
             changed |= new != values[*state];
             next[*state] = new;
         }
@@ -150,16 +194,19 @@ impl Engine for Sound {
         value.contrary()
     }
 
-    fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a Probability)>) -> Probability {
-        Probability::mean(transitions)
+    fn mean<'a>(
+        transitions: impl Iterator<Item = (&'a f64, &'a Probability)>,
+        context: &Context<'_>,
+    ) -> Probability {
+        Probability::mean(transitions, context.entry_error)
     }
 
     fn reachability(
         matrix: &Csr<f64>,
         sets: &Qualitative,
-        options: &Options<'_>,
+        context: &Context<'_>,
     ) -> Result<(Vec<Probability>, u64), CheckError> {
-        sound::reachability(matrix, sets, options)
+        sound::reachability(matrix, sets, context)
     }
 
     fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {
@@ -190,7 +237,12 @@ impl Engine for Sound {
         AnswerValue::Number(value.value.middle())
     }
 
-    fn guarantee(value: &Probability, _: &Options<'_>, _: u64) -> Guarantee {
+    fn guarantee(value: &Probability, context: &Context<'_>, _: u64) -> Guarantee {
+        if !context.entry_error_known {
+            return Guarantee::Estimated {
+                reason: UNKNOWN_ENTRY_ERROR.to_owned(),
+            };
+        }
         if value.value.is_exact() {
             return Guarantee::Exact;
         }
@@ -232,16 +284,16 @@ impl Engine for PrismDefault {
         1.0 - value
     }
 
-    fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
+    fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a f64)>, _: &Context<'_>) -> f64 {
         transitions.map(|(p, value)| p * value).sum()
     }
 
     fn reachability(
         matrix: &Csr<f64>,
         sets: &Qualitative,
-        options: &Options<'_>,
+        context: &Context<'_>,
     ) -> Result<(Vec<f64>, u64), CheckError> {
-        prism_default::reachability(matrix, sets, options)
+        prism_default::reachability(matrix, sets, context.options)
     }
 
     fn meets(value: &f64, comparison: Comparison, bound: &Bound) -> Option<bool> {
@@ -262,7 +314,7 @@ impl Engine for PrismDefault {
         AnswerValue::Number(*value)
     }
 
-    fn guarantee(_: &f64, options: &Options<'_>, iterations: u64) -> Guarantee {
+    fn guarantee(_: &f64, context: &Context<'_>, iterations: u64) -> Guarantee {
         if iterations == 0 {
             return Guarantee::Estimated {
                 reason: "plain floating point, whose rounding is not accounted for".to_owned(),
@@ -272,7 +324,7 @@ impl Engine for PrismDefault {
             reason: format!(
                 "Jacobi iteration, stopped after {iterations} iterations when no value changed by \
                  more than {} (relative); this does not bound the error",
-                options.epsilon
+                context.options.epsilon
             ),
         }
     }
@@ -297,16 +349,19 @@ impl Engine for Exact {
         exact::indicator(true) - value
     }
 
-    fn mean<'a>(transitions: impl Iterator<Item = (&'a Rational, &'a Rational)>) -> Rational {
+    fn mean<'a>(
+        transitions: impl Iterator<Item = (&'a Rational, &'a Rational)>,
+        _: &Context<'_>,
+    ) -> Rational {
         transitions.map(|(p, value)| p * value).sum()
     }
 
     fn reachability(
         matrix: &Csr<Rational>,
         sets: &Qualitative,
-        options: &Options<'_>,
+        context: &Context<'_>,
     ) -> Result<(Vec<Rational>, u64), CheckError> {
-        Ok((exact::reachability(matrix, sets, options)?, 0))
+        Ok((exact::reachability(matrix, sets, context.options)?, 0))
     }
 
     fn meets(value: &Rational, comparison: Comparison, bound: &Bound) -> Option<bool> {
@@ -327,7 +382,7 @@ impl Engine for Exact {
         AnswerValue::Exact(value.clone())
     }
 
-    fn guarantee(_: &Rational, _: &Options<'_>, _: u64) -> Guarantee {
+    fn guarantee(_: &Rational, _: &Context<'_>, _: u64) -> Guarantee {
         Guarantee::Exact
     }
 

@@ -309,11 +309,10 @@ mod tests {
             let restricted: Vec<_> = edges.iter().copied().filter(|(s, _)| left[*s] && !right[*s]).collect();
             let paths = closure(&graph(&restricted, 9));
             let sets = qualitative(&matrix, &left, &right);
-            for state in 0..9 {
-                prop_assert_eq!(sets.never[state], !(0..9).any(|to| right[to] && paths[state][to]));
-            }
-            for state in 0..9 {
-                prop_assert_eq!(sets.surely[state], !(0..9).any(|to| sets.never[to] && paths[state][to]));
+            for (state, paths) in paths.iter().enumerate() {
+                let meets = |set: &[bool]| (0..9).any(|to| set[to] && paths[to]);
+                prop_assert_eq!(sets.never[state], !meets(&right));
+                prop_assert_eq!(sets.surely[state], !meets(&sets.never));
             }
         }
     }

@@ -17,6 +17,6 @@ mod sound;
 pub mod state_space;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
-pub use check::{check_exact, check_space};
+pub use check::{check, check_exact, check_space};
 pub use rounding::Bounds;
 pub use sample::sample_path;

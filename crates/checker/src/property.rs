@@ -14,14 +14,14 @@ use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
 use temporal::ltl::{Ltl, StepBound};
 
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
-use crate::engine::Engine;
+use crate::engine::{Context, Engine, UNKNOWN_ENTRY_ERROR};
 use crate::product::product;
 use crate::state_space::StateSpace;
 
 /// Evaluation of one property.
 pub(crate) struct Checker<'a, E: Engine> {
     space: &'a StateSpace<E::Entry>,
-    options: &'a Options<'a>,
+    context: Context<'a>,
     iterations: u64,
     product_states: Option<usize>,
 }
@@ -38,7 +38,7 @@ impl<'a, E: Engine> Checker<'a, E> {
         }
         Ok(Self {
             space,
-            options,
+            context: Context::new(options, space.relative_error()),
             iterations: 0,
             product_states: None,
         })
@@ -72,7 +72,7 @@ impl<'a, E: Engine> Checker<'a, E> {
     }
 
     fn quantitative(self, values: &[E::Value], method: Method) -> Answer {
-        let guarantee = |value| E::guarantee(value, self.options, self.iterations);
+        let guarantee = |value| E::guarantee(value, &self.context, self.iterations);
         let initial: Vec<InitialValue> = (self.space.initial_states().iter().zip(values))
             .map(|(state, value)| InitialValue {
                 state: *state,
@@ -101,25 +101,28 @@ impl<'a, E: Engine> Checker<'a, E> {
             .iter()
             .map(|v| E::bounds(v).relative_width())
             .fold(0.0, f64::max);
-        if width > self.options.precision {
+        if width > self.context.options.precision {
             answer.notes.push(format!(
                 "the bounds hold, but their relative distance is {width:e}, more than the {:e} asked for",
-                self.options.precision
+                self.context.options.precision
             ));
         }
         answer
     }
 
     fn qualitative(self, holds: &[bool], property: &Property, method: Method) -> Answer {
-        let guarantee = if method == Method::PrismDefault && mentions_probability(property) {
-            Guarantee::Estimated {
-                reason: "probabilities were compared with their bounds after an iteration that \
-                         does not bound its error"
-                    .to_owned(),
-            }
-        } else {
-            Guarantee::Exact
+        let doubt = match method {
+            _ if !mentions_probability(property) => None,
+            Method::PrismDefault => Some(
+                "probabilities were compared with their bounds after an iteration that does not \
+                 bound its error",
+            ),
+            Method::Sound if !self.context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
+            Method::Sound | Method::Exact => None,
         };
+        let guarantee = doubt.map_or(Guarantee::Exact, |reason| Guarantee::Estimated {
+            reason: reason.to_owned(),
+        });
         let initial = (self.space.initial_states().iter().zip(holds))
             .map(|(state, holds)| InitialValue {
                 state: *state,
@@ -243,7 +246,9 @@ impl<'a, E: Engine> Checker<'a, E> {
                 return Ok(values.map(|v| v.iter().map(E::contrary).collect()));
             }
             Ltl::Next(inner) => {
-                return Ok(set(inner).map(|operand| E::next(&self.space.matrix, &operand)));
+                return Ok(
+                    set(inner).map(|operand| E::next(&self.space.matrix, &operand, &self.context))
+                );
             }
             Ltl::Until(left, right, bound) => (set(left), set(right), bound, false),
             Ltl::Finally(inner, bound) => (everything(), set(inner), bound, false),
@@ -270,7 +275,7 @@ impl<'a, E: Engine> Checker<'a, E> {
         };
         let steps = (bound.lower, bound.upper);
         let matrix = &self.space.matrix;
-        let (mut values, iterations) = E::until(matrix, &left, &right, steps, self.options)?;
+        let (mut values, iterations) = E::until(matrix, &left, &right, steps, &self.context)?;
         self.iterations += iterations;
         if contrary {
             values = values.iter().map(E::contrary).collect();
@@ -284,7 +289,7 @@ impl<'a, E: Engine> Checker<'a, E> {
         sets: &[Vec<bool>],
         from: &[usize],
     ) -> Result<Vec<E::Value>, CheckError> {
-        let limit = self.options.product_limit.min(DEFAULT_STATE_LIMIT);
+        let limit = self.context.options.product_limit.min(DEFAULT_STATE_LIMIT);
         let mut automaton = Automaton::with_state_limit(formula, limit)?;
         let mut letters = vec![0; self.space.num_states()];
         // The automaton has refused formulas with more than 64 propositions.
@@ -294,7 +299,7 @@ impl<'a, E: Engine> Checker<'a, E> {
             }
         }
         let matrix = &self.space.matrix;
-        let product = product(matrix, &mut automaton, &letters, from, self.options)?;
+        let product = product(matrix, &mut automaton, &letters, from, self.context.options)?;
         let everywhere = vec![true; product.accepting.len()];
         let steps = (0, None);
         let (values, iterations) = E::until(
@@ -302,7 +307,7 @@ impl<'a, E: Engine> Checker<'a, E> {
             &everywhere,
             &product.accepting,
             steps,
-            self.options,
+            &self.context,
         )?;
         self.iterations += iterations;
         self.product_states = self.product_states.max(Some(product.accepting.len()));

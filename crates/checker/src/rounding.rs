@@ -10,18 +10,17 @@
 //! [`SMALLEST_VALUE`] are reported as between 0 and that number, and models with transition
 //! probabilities below [`SMALLEST_ENTRY`] are refused.
 //!
-//! *Entries.* Transition probabilities of the model are themselves rounded. They are taken to be within
-//! [`ENTRY_ERROR`] of their exact values, that is 32 roundings for each. An expression that cancels
-//! (such as `1 - x / 1000000` near 0, in a variable `x`) can exceed that; the exact method does not
-//! depend on it. Constants do not, since they are evaluated exactly before they are rounded.
+//! *Entries.* Transition probabilities of the model are themselves rounded;
+//! [`crate::state_space::StateSpace::relative_error`] says by how much at most. One rounding is always
+//! allowed for, since the rows of a matrix of floating-point numbers hardly ever sum to 1 exactly.
 //!
 //! Source: Higham 2002, sections 3.1 and 3.4; the bounds for linear systems are in the files that use them.
 
 /// Half the distance from 1 to the next number: the largest relative error of one operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Assumed relative error of the model's transition probabilities.
-pub const ENTRY_ERROR: f64 = 32.0 * UNIT;
+/// Least relative error of transition probabilities that is allowed for.
+pub const LEAST_ENTRY_ERROR: f64 = 2.0 * UNIT;
 
 /// Values below this are only known to be below it.
 pub const SMALLEST_VALUE: f64 = 1e-150;

@@ -13,16 +13,17 @@
 //! *Guarantee.* The bounds contain the exact values. What is added at each component: rounding (the bounds
 //! in the heads of [`crate::elimination`] and [`crate::interval_iteration`]) and `2 m e` for a component
 //! of `m` states whose transition probabilities are off by a factor `1 + e` (matrix-tree theorem,
-//! see [`crate::elimination`]; `e` = [`ENTRY_ERROR`]). `x` and `y` are computed independently and improve
+//! see [`crate::elimination`]; `e` = [`Context::entry_error`]). `x` and `y` are computed independently and improve
 //! each other's bounds, as `x + y = 1`.
 //!
 //! Cost: linear in transitions outside larger components.
 
-use crate::answer::{CheckError, Options};
+use crate::answer::CheckError;
 use crate::elimination::{GivenUp, System};
+use crate::engine::Context;
 use crate::graph::{Components, Qualitative};
 use crate::interval_iteration::Iteration;
-use crate::rounding::{Bounds, ENTRY_ERROR, SMALLEST_ENTRY, UNIT};
+use crate::rounding::{Bounds, SMALLEST_ENTRY, UNIT};
 use crate::state_space::Csr;
 
 /// How much work is spent on one component by one way before the next is tried.
@@ -80,7 +81,10 @@ impl Probability {
     }
 
     /// The mean over a state's transitions, one step before; its bounds allow for rounding.
-    pub(crate) fn mean<'a>(transitions: impl Iterator<Item = (&'a f64, &'a Self)>) -> Self {
+    pub(crate) fn mean<'a>(
+        transitions: impl Iterator<Item = (&'a f64, &'a Self)>,
+        entry_error: f64,
+    ) -> Self {
         let (mut value, mut complement, mut entries) = (Bounds::ZERO, Bounds::ZERO, 0);
         for (p, target) in transitions {
             accumulate(&mut value, *p, target.value);
@@ -90,7 +94,7 @@ impl Probability {
         if value == Bounds::ZERO || complement == Bounds::ZERO {
             return Self::indicator(complement == Bounds::ZERO);
         }
-        Self::widened(value, complement, ENTRY_ERROR + (entries + 1) as f64 * UNIT)
+        Self::widened(value, complement, entry_error + (entries + 1) as f64 * UNIT)
     }
 }
 
@@ -110,15 +114,15 @@ pub(crate) fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {
 pub(crate) fn reachability(
     matrix: &Csr<f64>,
     sets: &Qualitative,
-    options: &Options<'_>,
+    context: &Context<'_>,
 ) -> Result<(Vec<Probability>, u64), CheckError> {
-    reachability_with(matrix, sets, options, EFFORT)
+    reachability_with(matrix, sets, context, EFFORT)
 }
 
 fn reachability_with(
     matrix: &Csr<f64>,
     sets: &Qualitative,
-    options: &Options<'_>,
+    context: &Context<'_>,
     effort: Effort,
 ) -> Result<(Vec<Probability>, u64), CheckError> {
     let result = sets
@@ -130,7 +134,7 @@ fn reachability_with(
     let open: Vec<bool> = sets.surely.iter().zip(&sets.never).map(open).collect();
     let mut solver = Solver {
         matrix,
-        options,
+        context,
         effort,
         local: vec![u32::MAX; matrix.num_rows()],
         result,
@@ -138,7 +142,7 @@ fn reachability_with(
     };
     for (index, component) in Components::new(matrix, &open).iter().enumerate() {
         if index % 4096 == 0 {
-            options.check_cancelled()?;
+            context.options.check_cancelled()?;
         }
         match component {
             [state] => solver.substitute(*state as usize),
@@ -150,7 +154,7 @@ fn reachability_with(
 
 struct Solver<'a> {
     matrix: &'a Csr<f64>,
-    options: &'a Options<'a>,
+    context: &'a Context<'a>,
     effort: Effort,
     /// Position of a state in the component being solved.
     local: Vec<u32>,
@@ -173,7 +177,7 @@ impl Solver<'_> {
             accumulate(&mut value, *p, self.result[target].value);
             accumulate(&mut complement, *p, self.result[target].complement);
         }
-        let error = 2.0 * ENTRY_ERROR + (2 * entries + 2) as f64 * UNIT;
+        let error = 2.0 * self.context.entry_error + (2 * entries + 2) as f64 * UNIT;
         let quotient = |sum: Bounds| Bounds {
             low: sum.low / total,
             high: sum.high / total,
@@ -187,13 +191,13 @@ impl Solver<'_> {
 
     fn solve(&mut self, component: &[u32]) -> Result<(), CheckError> {
         let system = self.system(component);
-        let options = self.options;
+        let options = self.context.options;
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
         let width = |row: &Vec<_>| row.len();
         let longest = system.rows.iter().map(width).max().unwrap_or(0);
         let exits = self.exits(component);
         // Entries of the model, and the sums over transitions that leave.
-        let inputs = ENTRY_ERROR + (exits.1 + 2) as f64 * UNIT;
+        let inputs = self.context.entry_error + (exits.1 + 2) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
         if self.eliminate(
             component,
@@ -206,10 +210,10 @@ impl Solver<'_> {
         }
         let share = component.len() as f64 / self.matrix.num_rows() as f64;
         let floor = 64.0 * (longest + 4) as f64 * UNIT;
-        let tolerance = (self.options.precision * share / 4.0).max(floor);
+        let tolerance = (self.context.options.precision * share / 4.0).max(floor);
         let mut iteration = Iteration::new(&system, exits.0);
         if !iteration.run(tolerance, self.effort.first_rounds, &cancelled) {
-            self.options.check_cancelled()?;
+            self.context.options.check_cancelled()?;
             if self.eliminate(
                 component,
                 system,
@@ -220,7 +224,7 @@ impl Solver<'_> {
                 return Ok(());
             }
             iteration.run(tolerance, self.effort.last_rounds, &cancelled);
-            self.options.check_cancelled()?;
+            self.context.options.check_cancelled()?;
         }
         self.iterations += iteration.rounds;
         for (position, state) in component.iter().enumerate() {
@@ -335,6 +339,7 @@ fn accumulate(sum: &mut Bounds, probability: f64, value: Bounds) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answer::Options;
     use crate::graph::qualitative;
     use proptest::prelude::*;
 
@@ -362,11 +367,13 @@ mod tests {
 
     #[test]
     fn a_chain_that_defeats_iteration_is_solved_at_once() {
+        let options = Options::default();
+        let context = Context::new(&options, 0.0);
         for n in [20, 300] {
             let matrix = haddad_monmege(n, 0.7);
             let target: Vec<bool> = (0..2 * n + 1).map(|state| state == n).collect();
             let sets = qualitative(&matrix, &vec![true; 2 * n + 1], &target);
-            let (values, rounds) = reachability(&matrix, &sets, &Options::default()).unwrap();
+            let (values, rounds) = reachability(&matrix, &sets, &context).unwrap();
             assert!(values[0].value.contains(0.7), "{:?}", values[0]);
             assert!(values[0].complement.contains(0.3), "{:?}", values[0]);
             assert!(values[0].value.relative_width() < 1e-6, "{:?}", values[0]);
@@ -376,6 +383,8 @@ mod tests {
 
     #[test]
     fn tiny_probabilities_keep_their_digits() {
+        let options = Options::default();
+        let context = Context::new(&options, 0.0);
         // Forty times one in a thousand, each state waiting almost surely.
         let mut rows: Vec<Vec<(u32, f64)>> = (0..40)
             .map(|k| vec![(k, 0.5), (k + 1, 0.0005), (41, 0.4995)])
@@ -384,7 +393,7 @@ mod tests {
         let matrix = Csr::from_rows(rows);
         let target: Vec<bool> = (0..42).map(|state| state == 40).collect();
         let sets = qualitative(&matrix, &[true; 42], &target);
-        let (values, _) = reachability(&matrix, &sets, &Options::default()).unwrap();
+        let (values, _) = reachability(&matrix, &sets, &context).unwrap();
         assert!(
             (values[0].value.middle() / 1e-120 - 1.0).abs() < 1e-11,
             "{:?}",
@@ -413,8 +422,9 @@ mod tests {
             let matrix = Csr::from_rows(weights.iter().enumerate().map(row).collect());
             let sets = qualitative(&matrix, &[true; 8], &right);
             let options = Options::default();
-            let (direct, _) = reachability(&matrix, &sets, &options).unwrap();
-            let (iterated, _) = reachability_with(&matrix, &sets, &options, NEVER_ELIMINATE).unwrap();
+            let context = Context::new(&options, 0.0);
+            let (direct, _) = reachability(&matrix, &sets, &context).unwrap();
+            let (iterated, _) = reachability_with(&matrix, &sets, &context, NEVER_ELIMINATE).unwrap();
             for (a, b) in direct.iter().zip(&iterated) {
                 for (a, b) in [(a.value, b.value), (a.complement, b.complement)] {
                     prop_assert!(b.low <= a.middle() && a.middle() <= b.high, "{:?} {:?}", a, b);
