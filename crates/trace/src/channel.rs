@@ -225,8 +225,11 @@ impl Channel {
     #[must_use]
     pub fn row(&self, row: usize) -> &[f64] {
         let width = self.fields.len();
-        self.values
-            .get(row * width..(row + 1) * width)
+        let start = row.checked_mul(width);
+        let end = start.and_then(|start| start.checked_add(width));
+        start
+            .zip(end)
+            .and_then(|(start, end)| self.values.get(start..end))
             .unwrap_or(&[])
     }
 
