@@ -63,8 +63,7 @@ impl<'a> View<'a> {
         let subject = self.quantity(requirement);
         of_technique
             .filter(|e| e.reproduced_by.is_none() && !e.intermediate)
-            .filter(|e| e.finding(&subject).is_some())
-            .next_back()
+            .rfind(|e| e.finding(&subject).is_some())
             .into_iter()
             .collect()
     }
