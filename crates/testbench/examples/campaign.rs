@@ -13,11 +13,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let count: u64 = arguments.get(1).map_or(Ok(100), |text| text.parse())?;
     let first_seed: u64 = arguments.get(2).map_or(Ok(1), |text| text.parse())?;
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("case-studies/handover/simulation");
+    // A parameter file elsewhere brings the scenario beside it.
+    let file = root
+        .join("case-studies/handover/simulation")
+        .join(format!("{set}.toml"));
+    let folder = file.parent().ok_or("the parameter file is in no folder")?;
     let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
-    let parameters = Parameters::parse(&std::fs::read_to_string(
-        folder.join(format!("{set}.toml")),
-    )?)?;
+    let parameters = Parameters::parse(&std::fs::read_to_string(&file)?)?;
     let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
     let mut world = World::new(&engine, &scenario, &parameters)?;
     if let Some(test) = arguments.get(3) {

@@ -1,4 +1,5 @@
-//! Runs one episode and prints one topic of its trace as CSV.
+//! Runs one episode and prints one topic of its trace as CSV; or, for the topic `model`, prints the
+//! episode's physical model as MJCF, to look at in MuJoCo's viewer.
 //!
 //! `cargo run --release -p testbench --example episode -- tuned 1 /truth [abstract test]`
 
@@ -21,6 +22,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut world = World::new(&engine, &scenario, &parameters)?;
     if let Some(test) = arguments.get(3) {
         world = world.with_test(test)?;
+    }
+    if topic == "model" {
+        print!(
+            "{}",
+            testbench::mjcf(&scenario, &parameters, &world.physical_draws(seed))
+        );
+        return Ok(());
     }
     let episode = run_episode(&mut world, seed, &Cancel::default())?;
     let channel = episode

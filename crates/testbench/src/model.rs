@@ -82,11 +82,12 @@ fn header(text: &mut String, scenario: &Scenario) {
     );
     put!(
         text,
-        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="{}" iterations="{}" noslip_iterations="{}"><flag sensor="disable" energy="disable"/></option>"#,
+        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="{}" iterations="{}" tolerance="{}" noslip_iterations="{}"><flag sensor="disable" energy="disable"/></option>"#,
         settings.time_step_secs,
         -settings.gravity_m_s2,
         settings.impedance_ratio,
         settings.solver_iterations,
+        settings.solver_tolerance,
         settings.noslip_iterations
     );
 }

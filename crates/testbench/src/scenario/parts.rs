@@ -37,6 +37,7 @@ pub struct SimulationSettings {
     pub time_step_secs: f64,
     pub gravity_m_s2: f64,
     pub solver_iterations: u32,
+    pub solver_tolerance: f64,
     pub noslip_iterations: u32,
     pub impedance_ratio: f64,
     pub end_after_secs: f64,
@@ -53,6 +54,7 @@ impl SimulationSettings {
             ));
         }
         not_negative("simulation.gravity_m_s2", self.gravity_m_s2)?;
+        not_negative("simulation.solver_tolerance", self.solver_tolerance)?;
         positive("simulation.impedance_ratio", self.impedance_ratio)?;
         not_negative("simulation.end_after_secs", self.end_after_secs)?;
         positive("simulation.longest_secs", self.longest_secs)
