@@ -68,6 +68,16 @@ impl Field {
         self
     }
 
+    /// The first name of an enumeration that stands in it before.
+    fn repeated_name(&self) -> Option<&str> {
+        let FieldKind::Enumeration(names) = &self.kind else {
+            return None;
+        };
+        let mut repeated = names.iter().enumerate();
+        let found = repeated.find(|(position, name)| names[..*position].contains(name));
+        found.map(|(_, name)| name.as_str())
+    }
+
     /// Whether `value` is one that this field can hold: NaN (missing), a finite number, 0 or 1
     /// for a truth value, or an index of a name.
     #[must_use]
@@ -362,12 +372,8 @@ impl Channel {
                     "names two fields of one topic; rename one of them",
                 );
             }
-            if let FieldKind::Enumeration(names) = &field.kind {
-                for (position, name) in names.iter().enumerate() {
-                    if names[..position].contains(name) {
-                        return bad(name, "is listed twice in one enumeration; remove one");
-                    }
-                }
+            if let Some(name) = field.repeated_name() {
+                return bad(name, "is listed twice in one enumeration; remove one");
             }
         }
         Ok(())

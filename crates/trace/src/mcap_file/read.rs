@@ -309,39 +309,21 @@ impl Builder {
     }
 
     fn take_channel(&mut self, record: ChannelRecord) -> Result<(), Stop> {
-        let topic = record.topic.clone();
         if let Some(known) = self.topics.get(&record.id) {
             // The summary at the end repeats the channels.
-            let error = TraceError::BadName {
-                name: topic,
+            if known.record == record {
+                return Ok(());
+            }
+            return Err(ReadProblem::Trace(TraceError::BadName {
+                name: record.topic,
                 problem: "is described twice, in different ways; record it again",
-            };
-            return if known.record == record {
-                Ok(())
-            } else {
-                Err(ReadProblem::Trace(error).into())
-            };
+            })
+            .into());
         }
-        if record.message_encoding != "json" {
-            let encoding = record.message_encoding;
-            return Err(ReadProblem::Encoding { topic, encoding }.into());
-        }
-        let schema = self
-            .schemas
-            .get(&record.schema_id)
-            .map(Vec::as_slice)
-            .unwrap_or_default();
-        let Ok(schema) = serde_json::from_slice::<SchemaText>(schema) else {
-            return Err(ReadProblem::Undescribed { topic }.into());
-        };
-        let fields: Vec<Field> = schema
-            .description
-            .fields
-            .into_iter()
-            .map(Field::from)
-            .collect();
+        let fields = self.fields_of(&record)?;
         let shape = Shape::of(&fields);
         let row = vec![f64::NAN; fields.len()];
+        let topic = record.topic.clone();
         let channel = self
             .trace
             .add_channel(topic, fields)
@@ -356,6 +338,29 @@ impl Builder {
             },
         );
         Ok(())
+    }
+
+    /// The fields of a channel as its schema describes them.
+    fn fields_of(&self, record: &ChannelRecord) -> Result<Vec<Field>, ReadProblem> {
+        let topic = record.topic.clone();
+        if record.message_encoding != "json" {
+            let encoding = record.message_encoding.clone();
+            return Err(ReadProblem::Encoding { topic, encoding });
+        }
+        let schema = self
+            .schemas
+            .get(&record.schema_id)
+            .map(Vec::as_slice)
+            .unwrap_or_default();
+        match serde_json::from_slice::<SchemaText>(schema) {
+            Ok(schema) => Ok(schema
+                .description
+                .fields
+                .into_iter()
+                .map(Field::from)
+                .collect()),
+            Err(_) => Err(ReadProblem::Undescribed { topic }),
+        }
     }
 
     fn take_message(&mut self, id: u16, nanos: u64, data: &[u8]) -> Result<(), Stop> {

@@ -366,39 +366,39 @@ impl<'t> Binder<'t> {
         let left = self.node(left_node, context)?;
         let right = self.node(right_node, context)?;
         let equality = matches!(comparison, Comparison::Equal | Comparison::NotEqual);
-        let numbers = |left, right| Truth::Compare(comparison, Box::new(left), Box::new(right));
-        match (left, right) {
-            (Typed::Amount(left), Typed::Amount(right)) => Ok(numbers(left, right)),
+        let (left, right) = match (left, right) {
+            (Typed::Amount(left), Typed::Amount(right)) => (left, right),
             (Typed::Truth(left), Typed::Truth(right)) if equality => {
                 let same = Truth::Same(Box::new(left), Box::new(right));
                 let negated = comparison == Comparison::NotEqual;
-                Ok(if negated {
+                return Ok(if negated {
                     Truth::Not(Box::new(same))
                 } else {
                     same
-                })
+                });
             }
-            (Typed::Choice(signal, names), Typed::Text(value)) if equality => {
-                let index = position(names, value, right_node, context)?;
-                Ok(numbers(Amount::Signal(signal), index))
-            }
-            (Typed::Text(value), Typed::Choice(signal, names)) if equality => {
-                let index = position(names, value, left_node, context)?;
-                Ok(numbers(index, Amount::Signal(signal)))
-            }
+            (Typed::Choice(signal, names), Typed::Text(value)) if equality => (
+                Amount::Signal(signal),
+                position(names, value, right_node, context)?,
+            ),
+            (Typed::Text(value), Typed::Choice(signal, names)) if equality => (
+                position(names, value, left_node, context)?,
+                Amount::Signal(signal),
+            ),
             (Typed::Choice(left, names), Typed::Choice(right, others))
                 if equality && names == others =>
             {
-                Ok(numbers(Amount::Signal(left), Amount::Signal(right)))
+                (Amount::Signal(left), Amount::Signal(right))
             }
             (left, right) => {
                 let (left, right) = (left.describe(), right.describe());
-                let mut error =
-                    context.error(left_node, PredicateErrorKind::Incomparable { left, right });
+                let kind = PredicateErrorKind::Incomparable { left, right };
+                let mut error = context.error(left_node, kind);
                 error.span.end = right_node.span.end;
-                Err(error)
+                return Err(error);
             }
-        }
+        };
+        Ok(Truth::Compare(comparison, Box::new(left), Box::new(right)))
     }
 
     fn call(

@@ -1,0 +1,156 @@
+//! What can be wrong with a table, and where.
+
+use std::fmt;
+
+use crate::file::FileError;
+
+/// Something wrong with a table.
+#[derive(Debug)]
+pub enum TableError {
+    /// The file cannot be read.
+    File(FileError),
+    /// There is not even a line of headers.
+    Empty {
+        /// The table.
+        table: String,
+    },
+    /// A header is empty.
+    EmptyHeader {
+        /// The table.
+        table: String,
+        /// Its column, from 1.
+        column: usize,
+    },
+    /// Two columns have the same header.
+    DuplicateHeader {
+        /// The table.
+        table: String,
+        /// The header.
+        header: String,
+    },
+    /// A row has more or fewer cells than there are headers.
+    Ragged {
+        /// The table.
+        table: String,
+        /// The line of the file, from 1.
+        line: u64,
+        /// Number of headers.
+        expected: usize,
+        /// Number of cells.
+        found: usize,
+    },
+    /// The text cannot be taken apart into cells.
+    Malformed {
+        /// The table.
+        table: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// There is no such column.
+    MissingColumn {
+        /// The table.
+        table: String,
+        /// The header that was asked for.
+        header: String,
+        /// A header with a similar name.
+        similar: Option<String>,
+        /// All headers.
+        headers: Vec<String>,
+    },
+    /// A cell is not of the type that was asked for.
+    BadCell {
+        /// The table.
+        table: String,
+        /// The line of the file, from 1.
+        line: u64,
+        /// The header of the column.
+        header: String,
+        /// The text of the cell.
+        text: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TableError::File(error) => error.fmt(out),
+            TableError::Empty { table } => {
+                write!(
+                    out,
+                    "{table} is empty; begin it with a line of column headers"
+                )
+            }
+            TableError::EmptyHeader { table, column } => {
+                write!(
+                    out,
+                    "{table}: column {column} has no header; name it in the first line"
+                )
+            }
+            TableError::DuplicateHeader { table, header } => {
+                write!(
+                    out,
+                    "{table} has two columns \"{header}\"; rename one of them"
+                )
+            }
+            TableError::Ragged {
+                table,
+                line,
+                expected,
+                found,
+            } => write!(
+                out,
+                "{table}, line {line}: found {found} cells under {expected} headers; give each \
+                 row one cell for each header"
+            ),
+            TableError::Malformed { table, problem } => {
+                write!(
+                    out,
+                    "{table}: {problem}; save it as comma-separated UTF-8 text"
+                )
+            }
+            TableError::MissingColumn {
+                table,
+                header,
+                similar: Some(similar),
+                ..
+            } => {
+                write!(
+                    out,
+                    "{table} has no column \"{header}\"; did you mean {similar}?"
+                )
+            }
+            TableError::MissingColumn {
+                table,
+                header,
+                headers,
+                ..
+            } => write!(
+                out,
+                "{table} has no column \"{header}\"; it has {}",
+                headers.join(", ")
+            ),
+            TableError::BadCell {
+                table,
+                line,
+                header,
+                text,
+                expected,
+            } => write!(
+                out,
+                "{table}, line {line}, column \"{header}\": \"{text}\" is not {expected}; correct \
+                 the cell"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for TableError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            TableError::File(error) => Some(error),
+            _ => None,
+        }
+    }
+}
