@@ -1,2 +1,55 @@
-//! The corroborate command: the only place where techniques meet evidence.
-fn main() {}
+//! The `corroborate` command: the only place where techniques meet evidence.
+//!
+//! A command is parsed into plain data ([`args`]), carried out
+//! ([`command`]), and ends in an [`outcome::Outcome`] or a
+//! [`problem::Problem`], which choose the exit code here and nowhere else.
+
+mod args;
+mod command;
+mod corroboration;
+mod explain;
+mod outcome;
+mod problem;
+mod published;
+mod store;
+mod study;
+mod talk;
+mod technique;
+
+use clap::Parser;
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = args::with_peers_spelling(std::env::args_os());
+    let parsed = args::Arguments::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let setting = command::Setting {
+        talk: talk::Talk::new(parsed.quiet),
+        interrupt: talk::Interrupt::install(),
+        physics_library: std::env::var_os("CORROBORATE_MUJOCO").map(Into::into),
+    };
+    match command::carry_out(&parsed.command, &setting) {
+        Ok(done) => finish(&done),
+        Err(problem) => {
+            eprintln!("{}", problem.render(colour));
+            ExitCode::from(problem.exit_code())
+        }
+    }
+}
+
+/// Prints the result and turns the outcome into the exit code.
+fn finish(done: &command::Done) -> ExitCode {
+    let mut out = std::io::stdout().lock();
+    let printed = out
+        .write_all(done.output.as_bytes())
+        .and_then(|()| out.flush());
+    match printed {
+        // The reader of a pipe may stop early; that is no fault of ours.
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            eprintln!("the result could not be printed: {error}");
+            ExitCode::from(outcome::Outcome::DataLost.exit_code())
+        }
+        _ => ExitCode::from(done.outcome.exit_code()),
+    }
+}

@@ -1,0 +1,313 @@
+//! The command line, as plain data.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Corroborative verification and validation: model checking, simulation and
+/// experiments on the same requirements, compared and explained.
+#[derive(Debug, Parser)]
+#[command(name = "corroborate", version, after_help = "\
+Examples:
+  corroborate run case-studies/handover         verify a study by all its techniques
+  corroborate check model.prism 'P=? [ F x=3 ]' check one property of one model
+  corroborate init my-study                     make a new study from a template
+  corroborate explain conflicts                 what a word or a diagnostic means
+
+Exit codes:
+  0 all requirements hold and the evidence agrees   1 violated, or evidence conflicts
+  2 error in the call or the input                  3 inconclusive, or data lost
+  101 a bug of ours                                 130 interrupted")]
+pub struct Arguments {
+    /// Say nothing but the result.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Produce a study's evidence, compare it, and write the report.
+    Run(Run),
+    /// Check properties of a model in the PRISM language.
+    Check(Check),
+    /// Run episodes of a study's simulation and record them.
+    Simulate(Simulate),
+    /// Judge recordings with a study's monitors.
+    Monitor(Monitor),
+    /// Compare the pieces of evidence of a study that has been run.
+    Compare(Compare),
+    /// Write the report of a study that has been run.
+    Report(Report),
+    /// Make a new study from a template.
+    Init(Init),
+    /// Explain a diagnostic, a verdict or a word of the report.
+    Explain(Explain),
+}
+
+/// How a result is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people.
+    #[default]
+    Text,
+    /// For programs; the schemas are in `schemas/`.
+    Json,
+}
+
+/// A method of model checking.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    /// Bounds that hold, to a relative width of `--precision`.
+    #[default]
+    Sound,
+    /// Rational arithmetic, without any rounding.
+    Exact,
+    /// The stopping rule of PRISM's default settings: an estimate.
+    PrismDefault,
+}
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate run case-studies/handover
+  corroborate run case-studies/handover --out /tmp/results
+  corroborate run my-study --only E1 --only E5
+
+Results go to STUDY/results: report.html, study.json, the evidence and the
+recorded episodes. What is fresh is not produced again; an interrupted run
+goes on where it stopped.")]
+pub struct Run {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// Where results go instead of STUDY/results.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Produce only this evidence (may be repeated); then nothing is compared.
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// How many threads to use (results do not depend on it).
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate check model.prism 'P=? [ F \"done\" ]'
+  corroborate check model.prism properties.props --prop safety --const N=5,p=0.1
+  corroborate check model.prism properties.props --method exact
+  corroborate check model.prism 'P>=0.95 [ F \"done\" ]'   exits 1 if it does not hold
+  corroborate check model.prism                          counts states and transitions
+
+PRISM's spellings -const, -pf, -prop, -epsilon and -maxiters are understood.")]
+pub struct Check {
+    /// The model, in the PRISM language.
+    pub model: PathBuf,
+    /// A file of properties, or one property.
+    #[arg(allow_hyphen_values = false)]
+    pub properties: Option<String>,
+    /// A property, beside those of the file (may be repeated).
+    #[arg(long = "pf", value_name = "PROPERTY")]
+    pub property_texts: Vec<String>,
+    /// Only the property with this name or number (may be repeated).
+    #[arg(long = "prop", value_name = "NAME")]
+    pub selected: Vec<String>,
+    /// Values of undefined constants: `a=1,b=0.5` (may be repeated).
+    #[arg(long = "const", short = 'c', value_name = "VALUES")]
+    pub constants: Vec<String>,
+    /// How the answer is computed.
+    #[arg(long, value_enum, default_value_t)]
+    pub method: MethodName,
+    /// Relative width of the bounds of the sound method.
+    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
+    pub precision: f64,
+    /// When the method of PRISM's default settings stops: relative change.
+    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
+    pub epsilon: f64,
+    /// How many iterations a method may take.
+    #[arg(long = "maxiters", value_name = "N")]
+    pub max_iterations: Option<u64>,
+    /// How the answers are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `simulate`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate simulate case-studies/handover E4 --episodes 20 --out recordings
+  corroborate simulate case-studies/handover E2 --seed 7 --episodes 1 --out one
+
+Each episode becomes one MCAP file, which Foxglove opens and `corroborate
+monitor` judges. The same study and seed give the same bytes.")]
+pub struct Simulate {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The ledger's entry whose scenario and parameters are simulated.
+    pub evidence: String,
+    /// How many episodes; as many as the ledger says if left out.
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    pub episodes: Option<u64>,
+    /// Number of the first episode.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub first: u64,
+    /// Seed instead of the study's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Where the recordings go.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: PathBuf,
+    /// How many threads to use (results do not depend on it).
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `monitor`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate monitor case-studies/handover recordings/*.mcap
+  corroborate monitor case-studies/handover recordings --only 3 --format json
+
+Judges on the clock of the recording. Exits 1 if a requirement is violated, 3
+if a recording is cut short or a verdict is open.")]
+pub struct Monitor {
+    /// The study whose requirements and failure modes are monitored.
+    pub study: PathBuf,
+    /// Recordings (MCAP or CSV), or folders of them.
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Only this requirement or failure mode (may be repeated).
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// How the verdicts are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `compare`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate compare case-studies/handover
+  corroborate compare case-studies/handover E3 E4
+  corroborate compare case-studies/handover E3 E4 --format json")]
+pub struct Compare {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// Only pairs of this evidence (all if left out).
+    pub evidence: Vec<String>,
+    /// Where the results are, if not in STUDY/results.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How the comparisons are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `report`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate report case-studies/handover
+  corroborate report case-studies/handover --to report.html")]
+pub struct Report {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The file to write, instead of STUDY/results/report.html.
+    #[arg(long, value_name = "FILE")]
+    pub to: Option<PathBuf>,
+    /// Where the results are, if not in STUDY/results.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `init`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  corroborate init my-study && corroborate run my-study")]
+pub struct Init {
+    /// The folder to make.
+    pub folder: PathBuf,
+}
+
+/// Arguments of `explain`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate explain unknown-name     a diagnostic's code, as it is shown in brackets
+  corroborate explain corroborates     an outcome or a verdict
+  corroborate explain                  lists everything that can be explained")]
+pub struct Explain {
+    /// The code or word.
+    pub topic: Option<String>,
+}
+
+fn precision(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("must be a number between 0 and 1, for example 1e-6".into()),
+    }
+}
+
+/// Accepts the spellings with one dash of the peers' command lines.
+pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    const SPELLINGS: [(&str, &str); 7] = [
+        ("-const", "--const"),
+        ("-pf", "--pf"),
+        ("-pctl", "--pf"),
+        ("-prop", "--prop"),
+        ("-property", "--prop"),
+        ("-epsilon", "--epsilon"),
+        ("-maxiters", "--maxiters"),
+    ];
+    arguments
+        .map(|argument| {
+            let known = SPELLINGS.iter().find(|(theirs, _)| argument == *theirs);
+            known.map_or(argument, |(_, ours)| OsString::from(*ours))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed_and_every_command_has_examples() {
+        Arguments::command().debug_assert();
+        for command in Arguments::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains("Example"), "{} shows no example", command.get_name());
+        }
+    }
+
+    #[test]
+    fn peers_spelling_of_constants_is_understood() {
+        let words = ["corroborate", "check", "m.prism", "-pf", "P=? [ F x=1 ]", "-const", "N=3"];
+        let parsed = Arguments::try_parse_from(with_peers_spelling(words.iter().map(OsString::from)))
+            .expect("parsed");
+        let Command::Check(check) = parsed.command else {
+            panic!("another command: {parsed:?}");
+        };
+        assert_eq!((check.constants, check.property_texts.len()), (vec!["N=3".to_owned()], 1));
+    }
+}

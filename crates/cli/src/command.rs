@@ -1,0 +1,101 @@
+//! The commands: from arguments to a printed result and an outcome.
+
+mod check;
+mod compare;
+mod init;
+mod monitor;
+mod report;
+mod run;
+mod simulate;
+
+use crate::args::Command;
+use crate::outcome::Outcome;
+use crate::problem::Problem;
+use crate::talk::{Interrupt, Talk};
+use std::path::PathBuf;
+
+/// What every command is given.
+#[derive(Debug)]
+pub struct Setting {
+    /// Where talk and progress go.
+    pub talk: Talk,
+    /// Whether the user has asked to stop.
+    pub interrupt: Interrupt,
+    /// The physics library, if its place is known.
+    pub physics_library: Option<PathBuf>,
+}
+
+impl Setting {
+    /// Fails if the user has asked to stop.
+    pub fn go_on(&self) -> Result<(), Problem> {
+        if self.interrupt.is_set() {
+            Err(Problem::interrupted())
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// A finished command.
+#[derive(Debug)]
+pub struct Done {
+    /// What goes to standard output.
+    pub output: String,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+/// Carries out a command.
+pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> {
+    match command {
+        Command::Run(arguments) => run::run(arguments, setting),
+        Command::Check(arguments) => check::check(arguments, setting),
+        Command::Simulate(arguments) => simulate::simulate(arguments, setting),
+        Command::Monitor(arguments) => monitor::monitor(arguments, setting),
+        Command::Compare(arguments) => compare::compare(arguments),
+        Command::Report(arguments) => report::report(arguments),
+        Command::Init(arguments) => init::init(arguments),
+        Command::Explain(arguments) => crate::explain::explain(arguments),
+    }
+}
+
+/// Limits the number of threads that work in parallel.
+pub fn use_threads(threads: Option<u16>) -> Result<(), Problem> {
+    let Some(threads) = threads else {
+        return Ok(());
+    };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|error| Problem::new("cannot-start-threads", error.to_string()))
+}
+
+/// A value as pretty JSON with a final newline.
+pub fn json(value: &impl serde::Serialize) -> Result<String, Problem> {
+    serde_json::to_string_pretty(value)
+        .map(|text| text + "\n")
+        .map_err(|error| Problem::new("cannot-write", format!("the result as JSON: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    /// Fails if a schema in `schemas/` is not the one of the code; with
+    /// `UPDATE_SCHEMAS=1` it is written instead.
+    pub fn assert_schema_is_committed(name: &str, schema: &serde_json::Value) {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../schemas")
+            .join(name);
+        let text = serde_json::to_string_pretty(schema).expect("a schema") + "\n";
+        if std::env::var_os("UPDATE_SCHEMAS").is_some() {
+            std::fs::write(&path, &text).expect("written");
+        }
+        let committed = std::fs::read_to_string(&path).unwrap_or_default();
+        assert_eq!(committed, text, "run the tests with UPDATE_SCHEMAS=1 to write {name}");
+    }
+
+    #[test]
+    fn the_committed_schema_of_a_study_is_its_form() {
+        let schema = evidence::StudyResult::json_schema();
+        assert_schema_is_committed("study.schema.json", &schema);
+    }
+}

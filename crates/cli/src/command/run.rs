@@ -1,0 +1,421 @@
+//! `corroborate run`: produce what is missing or stale, compare, conclude,
+//! report.
+
+use super::{Done, Setting, json, use_threads};
+use crate::args::{Format, Run};
+use crate::corroboration::{self, Piece};
+use crate::outcome::Outcome;
+use crate::problem::Problem;
+use crate::store::{Inputs, Store, program_hash};
+use crate::study::{Entry, Study, Work};
+use crate::technique::experiment::Tables;
+use crate::technique::model_checking::{Compiled, CountedConstant};
+use crate::technique::simulation::{self, Campaign};
+use crate::technique::{self, Produced};
+use evidence::{AssetRole, Measure, StudyResult, Subject};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What an entry needs, read and checked before anything runs.
+enum Prepared<'a> {
+    Check(Box<Compiled<'a>>),
+    Simulate(Box<Campaign>),
+    /// The physics library is missing; said when the entry's turn comes, so
+    /// that all else still runs.
+    CannotSimulate(Problem),
+    Read(Tables),
+}
+
+/// Runs a study.
+pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let study = Study::load(&arguments.study)?;
+    for id in &arguments.only {
+        study.entry(id)?;
+    }
+    let prepared = prepare(&study, setting)?;
+    let folder = results_folder(&arguments.study, arguments.out.as_deref());
+    let store = Store::open(&folder)?;
+    let runner = Runner {
+        study: &study,
+        store: &store,
+        setting,
+        program: program_hash()?,
+    };
+    let mut pieces: Vec<Piece> = Vec::new();
+    let mut skipped: Vec<(&str, Problem)> = Vec::new();
+    for (entry, prepared) in study.ledger.iter().zip(&prepared) {
+        if !arguments.only.is_empty() && !arguments.only.contains(&entry.id) {
+            continue;
+        }
+        setting.go_on()?;
+        match prepared {
+            Prepared::CannotSimulate(problem) => skipped.push((&entry.id, problem.clone())),
+            _ => pieces.push(runner.piece(entry, prepared, &pieces)?),
+        }
+    }
+    if let Some((id, problem)) = skipped.into_iter().next() {
+        setting.talk.say(&format!("{id} could not be produced, so nothing is compared"));
+        return Err(problem);
+    }
+    if !arguments.only.is_empty() {
+        return Ok(only_some(&pieces));
+    }
+    let result = runner.study_result(pieces)?;
+    runner.write(&result, arguments.format)
+}
+
+/// Where a study's results are.
+pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {
+    out.map_or_else(|| study.join("results"), Path::to_owned)
+}
+
+fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>, Problem> {
+    let prepared = study
+        .ledger
+        .iter()
+        .map(|entry| match &entry.work {
+            Work::Check { model, .. } => {
+                Ok(Prepared::Check(Box::new(Compiled::new(study, model)?)))
+            }
+            Work::Simulate {
+                scenario,
+                parameters,
+                ..
+            } => {
+                let library = setting.physics_library.as_deref();
+                match Campaign::new(study, scenario, parameters, library) {
+                    Ok(campaign) => Ok(Prepared::Simulate(Box::new(campaign))),
+                    Err(problem) if problem.code == "no-physics-library" => {
+                        Ok(Prepared::CannotSimulate(problem))
+                    }
+                    Err(problem) => Err(problem),
+                }
+            }
+            Work::Read {
+                cohort,
+                requirements,
+                failure_modes,
+                ..
+            } => Ok(Prepared::Read(Tables::read(
+                study,
+                cohort.as_deref(),
+                requirements.as_deref(),
+                failure_modes.as_deref(),
+            )?)),
+        })
+        .collect::<Result<Vec<_>, Problem>>()?;
+    technique::judging::Judges::new(study, |_| true)?;
+    every_proposition_is_expressed_somewhere(study, &prepared)?;
+    Ok(prepared)
+}
+
+/// A name that no model of the study knows is a mistake, not an abstraction.
+fn every_proposition_is_expressed_somewhere(
+    study: &Study,
+    prepared: &[Prepared],
+) -> Result<(), Problem> {
+    let models: Vec<&Compiled> = prepared
+        .iter()
+        .filter_map(|p| match p {
+            Prepared::Check(compiled) => Some(compiled.as_ref()),
+            _ => None,
+        })
+        .collect();
+    for (name, proposition) in &study.vocabulary.propositions {
+        let (Some(binding), Some(first)) = (&proposition.model, models.first()) else {
+            continue;
+        };
+        if models.iter().any(|m| m.expressed.contains(name.as_str())) {
+            continue;
+        }
+        let reason = first.not_expressed.get(name.as_str());
+        let reason = reason.map_or("it cannot be evaluated", String::as_str);
+        return Err(Problem::new(
+            "unknown-name",
+            format!("no model of the study expresses `{name}`: {reason}"),
+        )
+        .at(&study.vocabulary.source, binding.span.clone())
+        .remedy("correct the name, or remove the `model` binding"));
+    }
+    Ok(())
+}
+
+struct Runner<'a> {
+    study: &'a Study,
+    store: &'a Store,
+    setting: &'a Setting,
+    program: String,
+}
+
+impl Runner<'_> {
+    /// The evidence of one entry: kept, if it is fresh, or produced.
+    fn piece(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        before: &[Piece],
+    ) -> Result<Piece, Problem> {
+        let counted = counted_constants(entry, before)?;
+        let inputs = self.inputs(entry, prepared, &counted)?;
+        let name = format!("evidence/{}.json", entry.id);
+        if let Some(produced) = self.store.fresh::<Produced>(&name, &inputs) {
+            return self.finished(entry, prepared, before, inputs, produced, false);
+        }
+        let produced = match (prepared, &entry.work) {
+            (Prepared::Check(compiled), Work::Check { methods, .. }) => compiled.produce(
+                &entry.id,
+                methods,
+                &counted,
+                &self.setting.interrupt,
+                &|title, total| self.setting.talk.begin(title, total),
+            )?,
+            (Prepared::Simulate(campaign), Work::Simulate { episodes, .. }) => {
+                self.simulate(entry, campaign, *episodes)?
+            }
+            (Prepared::Read(tables), Work::Read { technique, .. }) => {
+                tables.produce(self.study, &entry.id, *technique)?
+            }
+            _ => {
+                return Err(Problem::new(
+                    "bad-ledger",
+                    format!("the entry `{}` was prepared for other work", entry.id),
+                ));
+            }
+        };
+        self.store.keep(&name, &inputs, &produced)?;
+        self.finished(entry, prepared, before, inputs, produced, true)
+    }
+
+    fn simulate(
+        &self,
+        entry: &Entry,
+        campaign: &Campaign,
+        episodes: u64,
+    ) -> Result<Produced, Problem> {
+        let mut inputs = Inputs::default();
+        campaign.inputs(&mut inputs);
+        inputs
+            .add("program", self.program.as_bytes())
+            .add("seed", &self.study.about.seed.to_le_bytes())
+            .add("evidence", entry.id.as_bytes());
+        let folder = self
+            .store
+            .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
+        let stage = self
+            .setting
+            .talk
+            .begin(&format!("{}: episodes", entry.id), episodes);
+        simulation::produce(
+            self.study,
+            &entry.id,
+            campaign,
+            episodes,
+            &folder,
+            &self.setting.interrupt,
+            &stage,
+        )
+    }
+
+    /// The hash of everything that the entry's findings depend on.
+    fn inputs(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        counted: &[CountedConstant],
+    ) -> Result<String, Problem> {
+        let mut inputs = Inputs::default();
+        inputs
+            .add("program", self.program.as_bytes())
+            .add("evidence", entry.id.as_bytes())
+            .add_json("confidence", &self.study.about.confidence);
+        match (prepared, &entry.work) {
+            (Prepared::Check(compiled), Work::Check { methods, .. }) => {
+                compiled.inputs(&mut inputs);
+                inputs.add_json("methods", methods);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                for constant in counted {
+                    let sample = [constant.sample.successes, constant.sample.trials];
+                    inputs.add(constant.name.as_bytes().escape_ascii().to_string().as_str(), &[]);
+                    inputs.add_json("counts", &sample);
+                }
+            }
+            (Prepared::Simulate(campaign), Work::Simulate { episodes, .. }) => {
+                campaign.inputs(&mut inputs);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                inputs.add_json("episodes", episodes);
+                self.monitors(&mut inputs);
+            }
+            (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
+            _ => {}
+        }
+        Ok(inputs.hash())
+    }
+
+    /// Everything that judging a trace depends on.
+    fn monitors(&self, inputs: &mut Inputs) {
+        for form in &self.study.forms.subjects {
+            inputs.add("subject", form.subject.id().as_bytes());
+            inputs.add_json("monitor", &form.monitor);
+            for reading in &form.readings {
+                inputs.add("reading", reading.name.as_bytes());
+                inputs.add("meaning", reading.meaning.as_bytes());
+                inputs.add_json("monitor", &reading.monitor);
+            }
+        }
+        for (name, proposition) in &self.study.vocabulary.propositions {
+            if let Some(binding) = &proposition.trace {
+                inputs.add(name, binding.text.as_bytes());
+            }
+        }
+    }
+
+    fn finished(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        before: &[Piece],
+        inputs: String,
+        produced: Produced,
+        is_new: bool,
+    ) -> Result<Piece, Problem> {
+        let how = if is_new {
+            format!("{:.1} s", produced.cost.wall_secs)
+        } else {
+            "kept".into()
+        };
+        let assets = assets(self.study, entry)?;
+        let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
+        if let Prepared::Check(compiled) = prepared {
+            piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), before);
+        }
+        let (id, title, headline) = (&entry.id, &entry.title, &piece.headline);
+        self.setting
+            .talk
+            .say(&format!("{id:<13} {title}: {headline} ({how})"));
+        Ok(piece)
+    }
+
+    fn study_result(&self, pieces: Vec<Piece>) -> Result<StudyResult, Problem> {
+        corroboration::corroborate(self.study, pieces)
+    }
+
+    fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {
+        let study_json = json(result)?;
+        self.store.write("study.json", study_json.as_bytes())?;
+        self.store
+            .write("report.html", report::html(result).as_bytes())?;
+        let report = self.store.folder().join("report.html");
+        let output = match format {
+            Format::Json => study_json,
+            Format::Text => format!(
+                "{}\nReport: {}\n",
+                report::text(result, terminal_width(), use_colour()),
+                report.display()
+            ),
+        };
+        Ok(Done {
+            output,
+            outcome: corroboration::outcome(result),
+        })
+    }
+}
+
+/// Columns of the terminal that shows the summary.
+pub fn terminal_width() -> usize {
+    let columns = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
+    columns.unwrap_or(100).clamp(40, 160)
+}
+
+/// Whether the summary may use colour.
+pub fn use_colour() -> bool {
+    use std::io::IsTerminal;
+    std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}
+
+/// The constants whose counts are uncertain, with the counts.
+fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConstant>, Problem> {
+    let mut counted = Vec::new();
+    for calibrated in entry.calibrated.iter().filter(|c| !c.held) {
+        let Some(constant) = &calibrated.constant else {
+            continue;
+        };
+        let calibration = &calibrated.calibration;
+        // With --only, the evidence that supplies the counts may be left out;
+        // the result is then kept under other inputs.
+        let finding = before
+            .iter()
+            .find(|piece| piece.evidence.id == calibration.from)
+            .and_then(|piece| piece.evidence.finding(&calibration.subject));
+        let Some(finding) = finding else {
+            continue;
+        };
+        let Measure::Counts { count, trials, .. } = finding.measure else {
+            return Err(Problem::new(
+                "bad-calibration",
+                format!(
+                    "`{}` of {} was set to {}'s count of {}, which has none",
+                    calibration.parameter,
+                    entry.id,
+                    calibration.from,
+                    calibration.subject.id()
+                ),
+            )
+            .remedy("calibrate from evidence that counts"));
+        };
+        let count = match calibration.subject {
+            // A requirement's count is of passes; a constant may be either.
+            Subject::Requirement(_) | Subject::FailureMode(_) => count,
+        };
+        let sample = stats::Sample::new(count, trials)
+            .map_err(|error| Problem::new("bad-counts", error.to_string()))?;
+        counted.push(CountedConstant {
+            name: constant.clone(),
+            sample,
+        });
+    }
+    Ok(counted)
+}
+
+fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem> {
+    use AssetRole::{Data, RequirementModel, SystemModel};
+    let mut files: Vec<(AssetRole, &Path)> = Vec::new();
+    match &entry.work {
+        Work::Check { model, .. } => files.push((SystemModel, model)),
+        Work::Simulate {
+            scenario,
+            parameters,
+            ..
+        } => files.extend([(SystemModel, scenario.as_path()), (SystemModel, parameters)]),
+        Work::Read {
+            cohort,
+            requirements,
+            failure_modes,
+            ..
+        } => {
+            let tables = [cohort, requirements, failure_modes];
+            files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
+        }
+    }
+    files.push((RequirementModel, Path::new("requirements.toml")));
+    files.push((RequirementModel, Path::new("vocabulary.toml")));
+    files
+        .into_iter()
+        .map(|(role, path)| technique::asset(&study.folder, role, path))
+        .collect()
+}
+
+fn only_some(pieces: &[Piece]) -> Done {
+    let lines: BTreeMap<&str, &str> = pieces
+        .iter()
+        .map(|p| (p.evidence.id.as_str(), p.headline.as_str()))
+        .collect();
+    let output = lines
+        .into_iter()
+        .map(|(id, headline)| format!("{id}: {headline}\n"))
+        .collect();
+    Done {
+        output,
+        outcome: Outcome::Holds,
+    }
+}

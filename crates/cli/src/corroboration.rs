@@ -1,0 +1,206 @@
+//! From what the techniques produced to what the study says.
+
+use crate::outcome::Outcome;
+use crate::problem::Problem;
+use crate::published;
+use crate::study::{Entry, Study};
+use crate::technique::Produced;
+use evidence::{
+    Asset, Cost, Discrepancy, Evidence, Inaccuracy, Measure, StudyResult, Subject,
+    Technique, Verdict,
+};
+
+/// Version of the form of `study.json`.
+pub const FORMAT: &str = "1.0";
+
+/// One entry of the ledger with its evidence.
+#[derive(Debug)]
+pub struct Piece {
+    /// The evidence.
+    pub evidence: Evidence,
+    /// What it took.
+    pub cost: Cost,
+    /// Its main figure, for the terminal.
+    pub headline: String,
+    /// Figures of the source publication, beside ours.
+    pub published: Vec<evidence::PublishedFigure>,
+    /// Constants that do not have the value of the counts they were set to.
+    pub drifted: Vec<Discrepancy>,
+}
+
+/// Puts an entry and what was produced for it together.
+pub fn piece(
+    study: &Study,
+    entry: &Entry,
+    assets: Vec<Asset>,
+    inputs: String,
+    produced: Produced,
+) -> Piece {
+    let headline = headline(study, &produced);
+    let published = published::figures(study, entry, &produced);
+    let cost = Cost {
+        published: entry.published.cost.clone(),
+        ..produced.cost
+    };
+    let conditions = study.about.conditions.get(&entry.conditions);
+    let technique = entry.work.technique();
+    let is_published = technique == Technique::Simulation && entry.work.is_read();
+    Piece {
+        evidence: Evidence {
+            id: entry.id.clone(),
+            title: entry.title.clone(),
+            technique,
+            tool: produced.tool,
+            assets,
+            conditions: conditions.cloned().unwrap_or_else(|| entry.conditions.clone()),
+            changed: entry.changed.clone(),
+            calibrated: entry.calibrated.iter().map(|c| c.calibration.clone()).collect(),
+            intermediate: entry.intermediate,
+            published: is_published,
+            reproduced_by: entry.reproduced_by.clone(),
+            findings: produced.findings,
+            clusters: produced.clusters,
+            inputs,
+        },
+        cost,
+        headline,
+        published,
+        drifted: Vec::new(),
+    }
+}
+
+/// The figure of the first requirement that has one.
+pub fn headline(study: &Study, produced: &Produced) -> String {
+    let requirement = study.requirements.first().map(|r| r.id.as_str());
+    let first = produced
+        .findings
+        .iter()
+        .filter(|f| f.measure.estimate().is_some())
+        .min_by_key(|f| Some(f.subject.id()) != requirement);
+    let Some(finding) = first else {
+        return "nothing was covered".into();
+    };
+    let what = match &finding.subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => id.replace('_', " "),
+    };
+    match &finding.measure {
+        Measure::Counts { count, trials, .. } => format!("{what} {count} of {trials}"),
+        Measure::Probability { answer, .. } => match answer.complement {
+            Some(rest) if rest > 0.0 && rest < 1e-9 => format!("{what} 1 - {rest:.3e}"),
+            _ => format!("{what} {}", answer.value),
+        },
+        _ => what,
+    }
+}
+
+/// Compares every pair, concludes, and finds the culprits.
+pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Problem> {
+    let mut evidence = Vec::new();
+    let mut costs = Vec::new();
+    let mut published = Vec::new();
+    let mut drifted = Vec::new();
+    for piece in pieces {
+        evidence.push(piece.evidence);
+        costs.push(piece.cost);
+        published.extend(piece.published);
+        drifted.extend(piece.drifted);
+    }
+    let levels = evidence::Levels::new(study.about.confidence, study.about.agreement)
+        .map_err(|error| Problem::new("bad-level", error.to_string()))?;
+    let influences = evidence::Influences::learn(&evidence);
+    let to_compare = evidence::Study {
+        requirements: &study.requirements,
+        failure_modes: &study.failure_modes,
+        evidence: &evidence,
+        influences: &influences,
+        levels,
+    };
+    let comparisons = evidence::compare(&to_compare);
+    let conclusions = evidence::conclude(&to_compare, &comparisons);
+    published.extend(published::reproductions(study, &evidence));
+    let mut discrepancies = evidence::diagnose(&evidence, &comparisons, 1.0 - study.about.confidence);
+    discrepancies.extend(drifted);
+    discrepancies.extend(published::misses(&published));
+    let gaps = evidence::coverage_gaps(&to_compare);
+    Ok(StudyResult {
+        format: FORMAT.into(),
+        title: study.about.title.clone(),
+        summary: summary(study),
+        confidence: study.about.confidence,
+        requirements: study.requirements.clone(),
+        failure_modes: study.failure_modes.clone(),
+        evidence,
+        comparisons,
+        conclusions,
+        discrepancies,
+        gaps,
+        published,
+        costs,
+        produced_by: format!("corroborate {}", env!("CARGO_PKG_VERSION")),
+    })
+}
+
+fn summary(study: &Study) -> String {
+    let about = &study.about;
+    if about.source.is_empty() {
+        about.summary.trim().to_owned()
+    } else {
+        format!("{} After {}", about.summary.trim(), about.source.trim())
+    }
+}
+
+/// What the study amounts to, for scripts: violated requirements or conflicts
+/// between current evidence, or something undecided.
+pub fn outcome(result: &StudyResult) -> Outcome {
+    let verdict = |wanted: Verdict| result.conclusions.iter().any(|c| c.verdict == wanted);
+    let current_conflict = result.comparisons.iter().any(|comparison| {
+        comparison.outcome == evidence::Outcome::Conflicts
+            && result.conclusions.iter().any(|c| {
+                c.requirement == comparison.subject.id()
+                    && c.rests_on.contains(&comparison.left)
+                    && c.rests_on.contains(&comparison.right)
+            })
+    });
+    if verdict(Verdict::Violated) || verdict(Verdict::Conflicting) || current_conflict {
+        Outcome::Violated
+    } else if verdict(Verdict::Undecided) || verdict(Verdict::NotCovered) {
+        Outcome::Inconclusive
+    } else {
+        Outcome::Holds
+    }
+}
+
+/// Constants whose value is not the rate that they are said to be set to: the
+/// same number declared twice has drifted.
+pub fn drift(entry: &Entry, constant_of: impl Fn(&str) -> Option<f64>, before: &[Piece]) -> Vec<Discrepancy> {
+    entry
+        .calibrated
+        .iter()
+        .filter_map(|calibrated| {
+            let name = calibrated.constant.as_ref()?;
+            let value = constant_of(name)?;
+            let source = before.iter().find(|p| p.evidence.id == calibrated.calibration.from)?;
+            let finding = source.evidence.finding(&calibrated.calibration.subject)?;
+            let rate = finding.measure.estimate()?;
+            // Constants are written with a few digits; a rounding is no drift.
+            if (value - rate).abs() <= 5e-4 * rate.max(1e-3) {
+                return None;
+            }
+            Some(Discrepancy {
+                inaccuracy: Inaccuracy::SystemModel,
+                title: format!("{name} of {} has drifted from its source", entry.id),
+                explanation: format!(
+                    "It is {value}, but {} counts a rate of {rate:.6} for {}.",
+                    source.evidence.id,
+                    calibrated.calibration.subject.id().replace('_', " ")
+                ),
+                subjects: vec![calibrated.calibration.subject.clone()],
+                evidence: vec![entry.id.clone(), source.evidence.id.clone()],
+                witnesses: Vec::new(),
+                resolved_by: None,
+                proposal: Some(format!("Set {name} to {rate:.6}.")),
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,132 @@
+//! `corroborate explain`: what a diagnostic, a verdict or a word means.
+//!
+//! The texts stand in `explain/topics.md`, one second-level heading for each
+//! topic; a first-level heading groups topics in the list.
+
+use crate::args::Explain;
+use crate::command::Done;
+use crate::outcome::Outcome;
+use crate::problem::{Problem, did_you_mean};
+
+const TOPICS: &str = include_str!("explain/topics.md");
+
+struct Topic<'a> {
+    name: &'a str,
+    group: &'a str,
+    text: &'a str,
+}
+
+/// Explains a topic, or lists all.
+pub fn explain(arguments: &Explain) -> Result<Done, Problem> {
+    let topics = topics();
+    let output = match &arguments.topic {
+        None => list(&topics),
+        Some(name) => {
+            let wanted = name.trim_matches(|c| c == '[' || c == ']').to_lowercase();
+            let wanted = wanted.replace(' ', "-");
+            let topic = topics.iter().find(|t| t.name == wanted).ok_or_else(|| {
+                let problem = Problem::new("unknown-topic", format!("there is no topic `{name}`"));
+                match did_you_mean(&wanted, topics.iter().map(|t| t.name)) {
+                    Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                    None => problem.remedy("`corroborate explain` lists all topics"),
+                }
+            })?;
+            format!("{}\n\n{}\n", topic.name, topic.text)
+        }
+    };
+    Ok(Done {
+        output,
+        outcome: Outcome::Holds,
+    })
+}
+
+fn list(topics: &[Topic]) -> String {
+    let mut output = String::new();
+    let mut group = "";
+    for topic in topics {
+        if topic.group != group {
+            group = topic.group;
+            output.push_str(&format!("\n{group}\n"));
+        }
+        let first = topic.text.split_inclusive(['.', ':']).next().unwrap_or("");
+        let first = first.replace('\n', " ");
+        output.push_str(&format!("  {:<26} {}\n", topic.name, first.trim_end_matches(':')));
+    }
+    output.trim_start().to_owned()
+}
+
+fn topics() -> Vec<Topic<'static>> {
+    let mut group = "";
+    let mut topics = Vec::new();
+    for part in TOPICS.split("\n#").map(|part| part.trim_start_matches('#')) {
+        // After the split, a second-level heading begins with one `#` less.
+        let (heading, text) = part.split_once('\n').unwrap_or((part, ""));
+        let heading = heading.trim();
+        if text.trim().is_empty() {
+            group = heading;
+        } else {
+            topics.push(Topic {
+                name: heading,
+                group,
+                text: text.trim(),
+            });
+        }
+    }
+    topics
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    fn source_files(folder: &Path, files: &mut Vec<String>) {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                source_files(&path, files);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                files.push(std::fs::read_to_string(&path).expect("a source file"));
+            }
+        }
+    }
+
+    /// Codes as they stand in calls such as `Problem::new("code", …)`.
+    fn codes(folder: &str, calls: &[&str]) -> BTreeSet<String> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+        let mut files = Vec::new();
+        source_files(&root, &mut files);
+        let mut codes = BTreeSet::new();
+        for file in &files {
+            let tested = file.split("#[cfg(test)]").next().unwrap_or(file);
+            for call in calls {
+                for rest in tested.split(call).skip(1) {
+                    let rest = rest.trim_start();
+                    if let Some(code) = rest.strip_prefix('"').and_then(|r| r.split('"').next()) {
+                        codes.insert(code.to_owned());
+                    }
+                }
+            }
+        }
+        codes
+    }
+
+    #[test]
+    fn every_code_of_a_diagnostic_is_explained() {
+        let known: BTreeSet<&str> = topics().iter().map(|t| t.name).collect();
+        let mut used = codes("src", &["Problem::new(", "data_lost(", ".problem("]);
+        used.extend(codes("../prism-lang/src", &["Diagnostic::error(", "Diagnostic::warning("]));
+        assert!(used.len() > 30, "codes are not found any more: {used:?}");
+        let missing: Vec<_> = used.iter().filter(|c| !known.contains(c.as_str())).collect();
+        assert!(missing.is_empty(), "topics.md does not explain {missing:?}");
+    }
+
+    #[test]
+    fn topics_are_grouped_and_unique() {
+        let topics = topics();
+        let names: BTreeSet<_> = topics.iter().map(|t| t.name).collect();
+        assert_eq!(names.len(), topics.len());
+        assert!(topics.iter().all(|t| !t.group.is_empty()));
+    }
+}

@@ -1,0 +1,26 @@
+//! What a command found, as an exit code for scripts and CI.
+
+/// How a command that could do its work ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    /// All requirements hold and the evidence agrees.
+    Holds,
+    /// Something could not be decided.
+    Inconclusive,
+    /// The work is done but some of its data could not be kept or read.
+    DataLost,
+    /// A requirement is violated, or evidence conflicts.
+    Violated,
+}
+
+impl Outcome {
+    /// The exit code: 0, 1 or 3. (2 is an error of the call or the input, 101
+    /// a bug of ours, 130 an interruption.)
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Outcome::Holds => 0,
+            Outcome::Violated => 1,
+            Outcome::Inconclusive | Outcome::DataLost => 3,
+        }
+    }
+}

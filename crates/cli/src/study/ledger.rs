@@ -1,0 +1,468 @@
+//! The ledger's entries: which evidence is to be produced, on which assets,
+//! and whose counts those assets were set to.
+
+use super::{About, Forms};
+use crate::problem::{Problem, Source};
+use evidence::{Calibration, Subject};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// One entry of the ledger.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Identifier.
+    pub id: String,
+    /// Short title.
+    pub title: String,
+    /// Under which conditions it holds: a key of the study's conditions.
+    pub conditions: String,
+    /// What was changed before it.
+    pub changed: String,
+    /// A step on the way to later evidence.
+    pub intermediate: bool,
+    /// The evidence of ours that reproduces this published evidence.
+    pub reproduced_by: Option<String>,
+    /// Whose counts its assets were set to.
+    pub calibrated: Vec<Calibrated>,
+    /// Figures of the source publication.
+    pub published: Published,
+    /// How to produce it.
+    pub work: Work,
+}
+
+/// How a piece of evidence is produced.
+#[derive(Clone, Debug)]
+pub enum Work {
+    /// Check the properties of all requirements on a formal model.
+    Check {
+        /// The model's file, relative to the study.
+        model: PathBuf,
+        /// Methods; the first gives the answer that counts.
+        methods: Vec<Method>,
+    },
+    /// Run seeded episodes of a simulation and judge them with the monitors.
+    Simulate {
+        /// The scenario's file, relative to the study.
+        scenario: PathBuf,
+        /// The parameter set's file, relative to the study.
+        parameters: PathBuf,
+        /// How many episodes.
+        episodes: u64,
+    },
+    /// Read counts from tables.
+    Read {
+        /// Of the real robot or of published simulations.
+        technique: evidence::Technique,
+        /// Trials by subject.
+        cohort: Option<PathBuf>,
+        /// Verdicts by requirement.
+        requirements: Option<PathBuf>,
+        /// Occurrences by failure mode.
+        failure_modes: Option<PathBuf>,
+    },
+}
+
+impl Work {
+    /// The technique that does it.
+    pub fn technique(&self) -> evidence::Technique {
+        match self {
+            Work::Check { .. } => evidence::Technique::ModelChecking,
+            Work::Simulate { .. } => evidence::Technique::Simulation,
+            Work::Read { technique, .. } => *technique,
+        }
+    }
+
+    /// Whether counts are read instead of produced.
+    pub fn is_read(&self) -> bool {
+        matches!(self, Work::Read { .. })
+    }
+}
+
+/// A method of model checking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Bounds that hold.
+    Sound,
+    /// Rational arithmetic.
+    Exact,
+    /// The stopping rule of PRISM's default settings.
+    PrismDefault,
+}
+
+/// A number of the assets that was set to another evidence's count.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// As the evidence reports it.
+    pub calibration: Calibration,
+    /// The formal model's constant whose uncertainty is carried through; a
+    /// held constant keeps its value.
+    pub constant: Option<String>,
+    /// Whether the constant keeps its value although it was estimated.
+    pub held: bool,
+}
+
+/// Figures that the source publication prints.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// States of the model.
+    pub states: Option<u64>,
+    /// Transitions of the model.
+    pub transitions: Option<u64>,
+    /// The probability of the first requirement.
+    pub success: Option<PublishedValue>,
+    /// Values by requirement.
+    #[serde(default)]
+    pub requirements: BTreeMap<String, String>,
+    /// What it took, in words.
+    pub cost: Option<String>,
+}
+
+/// A printed probability.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PublishedValue {
+    /// The method of ours that should give these digits.
+    pub method: Method,
+    /// The digits.
+    pub value: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    evidence: Vec<EntryText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EntryText {
+    id: Spanned<String>,
+    title: String,
+    technique: Spanned<evidence::Technique>,
+    conditions: Spanned<String>,
+    changed: String,
+    #[serde(default)]
+    intermediate: bool,
+    reproduced_by: Option<Spanned<String>>,
+    #[serde(default)]
+    calibrated: Vec<CalibratedText>,
+    #[serde(default)]
+    published: Published,
+    model: Option<Spanned<PathBuf>>,
+    methods: Option<Spanned<Vec<Method>>>,
+    scenario: Option<Spanned<PathBuf>>,
+    parameters: Option<Spanned<PathBuf>>,
+    episodes: Option<Spanned<u64>>,
+    tables: Option<Spanned<TablesText>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TablesText {
+    cohort: Option<Spanned<PathBuf>>,
+    requirements: Option<Spanned<PathBuf>>,
+    failure_modes: Option<Spanned<PathBuf>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CalibratedText {
+    parameter: Option<String>,
+    constant: Option<String>,
+    #[serde(default)]
+    held: bool,
+    from: Spanned<String>,
+    failure_mode: Option<Spanned<String>>,
+    requirement: Option<Spanned<String>>,
+}
+
+/// Reads `ledger.toml` and checks it against the rest of the study.
+pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<Vec<Entry>, Problem> {
+    let source = Source::read(&folder.join("ledger.toml"))?;
+    let file: File =
+        toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+    if file.evidence.is_empty() {
+        return Err(Problem::new(
+            "empty-ledger",
+            format!("{} asks for no evidence", source.name),
+        )
+        .remedy("add an [[evidence]] with `id`, `technique` and its assets"));
+    }
+    let all: BTreeSet<String> = file.evidence.iter().map(|e| e.id.get_ref().clone()).collect();
+    let reader = Reader {
+        folder,
+        source: &source,
+        about,
+        forms,
+        all,
+    };
+    let mut seen = BTreeSet::new();
+    let mut entries = Vec::new();
+    for text in file.evidence {
+        if !seen.insert(text.id.get_ref().clone()) {
+            return Err(reader.problem(
+                "duplicate-id",
+                format!("the ledger has two entries `{}`", text.id.get_ref()),
+                text.id.span(),
+                "give each piece of evidence its own identifier",
+            ));
+        }
+        entries.push(reader.entry(text, &seen)?);
+    }
+    Ok(entries)
+}
+
+struct Reader<'a> {
+    folder: &'a Path,
+    source: &'a Source,
+    about: &'a About,
+    forms: &'a Forms,
+    all: BTreeSet<String>,
+}
+
+impl Reader<'_> {
+    fn problem(
+        &self,
+        code: &'static str,
+        message: String,
+        span: Range<usize>,
+        remedy: &str,
+    ) -> Problem {
+        Problem::new(code, message)
+            .at(self.source, span)
+            .remedy(remedy)
+    }
+
+    fn entry(&self, text: EntryText, seen: &BTreeSet<String>) -> Result<Entry, Problem> {
+        if !is_file_name(text.id.get_ref()) {
+            return Err(self.problem(
+                "bad-id",
+                format!("`{}` cannot name evidence", text.id.get_ref()),
+                text.id.span(),
+                "use letters, digits, `-` and `_`; results are kept in files of that name",
+            ));
+        }
+        let conditions = text.conditions.get_ref();
+        if !self.about.conditions.contains_key(conditions) {
+            return Err(self.problem(
+                "unknown-conditions",
+                format!("study.toml describes no conditions `{conditions}`"),
+                text.conditions.span(),
+                "describe them under [conditions] in study.toml",
+            ));
+        }
+        if let Some(ours) = &text.reproduced_by
+            && !self.all.contains(ours.get_ref())
+        {
+            return Err(self.unknown_evidence(ours));
+        }
+        let calibrated = text
+            .calibrated
+            .iter()
+            .map(|c| self.calibrated(c, text.id.get_ref(), seen))
+            .collect::<Result<_, _>>()?;
+        Ok(Entry {
+            work: self.work(&text)?,
+            calibrated,
+            conditions: conditions.clone(),
+            id: text.id.into_inner(),
+            title: text.title,
+            changed: text.changed,
+            intermediate: text.intermediate,
+            reproduced_by: text.reproduced_by.map(Spanned::into_inner),
+            published: text.published,
+        })
+    }
+
+    fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
+        self.problem(
+            "unknown-evidence",
+            format!("the ledger has no evidence `{}` there", id.get_ref()),
+            id.span(),
+            "name an entry of this ledger; what calibrates another must stand before it",
+        )
+    }
+
+    fn calibrated(
+        &self,
+        text: &CalibratedText,
+        id: &str,
+        seen: &BTreeSet<String>,
+    ) -> Result<Calibrated, Problem> {
+        if !seen.contains(text.from.get_ref()) || text.from.get_ref() == id {
+            return Err(self.unknown_evidence(&text.from));
+        }
+        let (subject, named) = match (&text.failure_mode, &text.requirement) {
+            (Some(mode), None) => (Subject::FailureMode(mode.get_ref().clone()), mode),
+            (None, Some(requirement)) => {
+                (Subject::Requirement(requirement.get_ref().clone()), requirement)
+            }
+            _ => {
+                return Err(self.problem(
+                    "bad-calibration",
+                    "a calibration needs either a `failure_mode` or a `requirement`".into(),
+                    text.from.span(),
+                    "say which of its counts was taken",
+                ));
+            }
+        };
+        if self.forms.of(&subject).is_none() {
+            return Err(self.problem(
+                "unknown-subject",
+                format!("requirements.toml declares no `{}` of this kind", named.get_ref()),
+                named.span(),
+                "check the identifier",
+            ));
+        }
+        let parameter = match (&text.parameter, &text.constant) {
+            (Some(parameter), None) => parameter.clone(),
+            (None, Some(constant)) => constant.clone(),
+            _ => {
+                return Err(self.problem(
+                    "bad-calibration",
+                    "a calibration needs either a `constant` of the model or a `parameter`".into(),
+                    text.from.span(),
+                    "say which number was set",
+                ));
+            }
+        };
+        Ok(Calibrated {
+            calibration: Calibration {
+                parameter,
+                from: text.from.get_ref().clone(),
+                subject,
+            },
+            constant: text.constant.clone(),
+            held: text.held,
+        })
+    }
+
+    fn work(&self, text: &EntryText) -> Result<Work, Problem> {
+        use evidence::Technique::{Experiment, ModelChecking, Simulation};
+        match text.technique.get_ref() {
+            ModelChecking => self.check(text),
+            Simulation if text.tables.is_none() => self.simulate(text),
+            technique @ (Simulation | Experiment) => self.read(text, *technique),
+        }
+    }
+
+    fn check(&self, text: &EntryText) -> Result<Work, Problem> {
+        let model = self.file(text, "model", text.model.as_ref())?;
+        let methods = match &text.methods {
+            None => vec![Method::Sound],
+            Some(methods) if methods.get_ref().is_empty() => {
+                return Err(self.problem(
+                    "no-method",
+                    "`methods` is empty".into(),
+                    methods.span(),
+                    "leave it out for the sound method",
+                ));
+            }
+            Some(methods) => methods.get_ref().clone(),
+        };
+        Ok(Work::Check { model, methods })
+    }
+
+    fn simulate(&self, text: &EntryText) -> Result<Work, Problem> {
+        let episodes = text.episodes.as_ref().ok_or_else(|| {
+            self.problem(
+                "missing-entry",
+                format!("the simulation `{}` does not say how many `episodes`", text.id.get_ref()),
+                text.id.span(),
+                "add for example `episodes = 100`, or `tables.…` to read published counts",
+            )
+        })?;
+        if !(1..=10_000_000).contains(episodes.get_ref()) {
+            return Err(self.problem(
+                "bad-episodes",
+                format!("{} is no number of episodes", episodes.get_ref()),
+                episodes.span(),
+                "choose 1 to 10000000",
+            ));
+        }
+        Ok(Work::Simulate {
+            scenario: self.file(text, "scenario", text.scenario.as_ref())?,
+            parameters: self.file(text, "parameters", text.parameters.as_ref())?,
+            episodes: *episodes.get_ref(),
+        })
+    }
+
+    fn read(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let Some(tables) = &text.tables else {
+            return Err(self.problem(
+                "missing-entry",
+                format!("the experiment `{}` names no tables", text.id.get_ref()),
+                text.id.span(),
+                "add `tables.cohort`, `tables.requirements` or `tables.failure_modes`",
+            ));
+        };
+        let span = tables.span();
+        let tables = tables.get_ref();
+        let file = |path: &Option<Spanned<PathBuf>>| {
+            path.as_ref().map(|p| self.existing(p)).transpose()
+        };
+        let work = Work::Read {
+            technique,
+            cohort: file(&tables.cohort)?,
+            requirements: file(&tables.requirements)?,
+            failure_modes: file(&tables.failure_modes)?,
+        };
+        match &work {
+            Work::Read {
+                cohort: None,
+                requirements: None,
+                failure_modes: None,
+                ..
+            } => Err(self.problem(
+                "missing-entry",
+                "`tables` names no table".into(),
+                span,
+                "add `cohort`, `requirements` or `failure_modes`",
+            )),
+            _ => Ok(work),
+        }
+    }
+
+    fn file(
+        &self,
+        text: &EntryText,
+        what: &str,
+        path: Option<&Spanned<PathBuf>>,
+    ) -> Result<PathBuf, Problem> {
+        match path {
+            Some(path) => self.existing(path),
+            None => Err(self.problem(
+                "missing-entry",
+                format!("the evidence `{}` names no `{what}`", text.id.get_ref()),
+                text.id.span(),
+                &format!("add `{what} = \"…\"`"),
+            )),
+        }
+    }
+
+    fn existing(&self, path: &Spanned<PathBuf>) -> Result<PathBuf, Problem> {
+        if self.folder.join(path.get_ref()).is_file() {
+            return Ok(path.get_ref().clone());
+        }
+        Err(self.problem(
+            "missing-file",
+            format!("the study has no file {}", path.get_ref().display()),
+            path.span(),
+            "paths are relative to the study's folder",
+        ))
+    }
+}
+
+fn is_file_name(id: &str) -> bool {
+    !id.is_empty()
+        && id.len() <= 64
+        && id
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}

@@ -1,0 +1,514 @@
+//! Requirements and failure modes: what is asked, and the forms in which each
+//! technique asks it.
+
+use super::Vocabulary;
+use crate::problem::{Problem, Source};
+use evidence::{Direction, FailureMode, Requirement, Subject, Threshold};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use temporal::monitor::{Monitor, MonitorSpec, Stage};
+use toml::Spanned;
+
+/// Difference of two rates that counts as agreement where none is declared.
+const DEFAULT_MARGIN: f64 = 0.05;
+
+/// How every subject is judged.
+#[derive(Debug)]
+pub struct Forms {
+    /// The file, for diagnostics.
+    pub source: Source,
+    /// Requirements in the order of the file, then failure modes.
+    pub subjects: Vec<SubjectForm>,
+}
+
+impl Forms {
+    /// The forms of a subject.
+    pub fn of(&self, subject: &Subject) -> Option<&SubjectForm> {
+        self.subjects.iter().find(|form| &form.subject == subject)
+    }
+
+    /// The subject with this identifier, requirement or failure mode.
+    pub fn by_id(&self, id: &str) -> Option<&SubjectForm> {
+        self.subjects.iter().find(|form| form.subject.id() == id)
+    }
+}
+
+/// How one subject is judged by each technique.
+#[derive(Clone, Debug)]
+pub struct SubjectForm {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// Its place in the file.
+    pub span: Range<usize>,
+    /// For the model checker: what is asked.
+    pub property: Option<FormText>,
+    /// For failure modes: the probability of an opportunity, by which the
+    /// property's is divided.
+    pub opportunity: Option<FormText>,
+    /// For traces.
+    pub monitor: Option<MonitorSpec>,
+    /// Other readings of the same text, for traces.
+    pub readings: Vec<ReadingForm>,
+    /// The proposition whose column of the experiments' table counts it.
+    pub experiment: Option<String>,
+}
+
+/// Another reading of a requirement.
+#[derive(Clone, Debug)]
+pub struct ReadingForm {
+    /// Its short name.
+    pub name: String,
+    /// How it differs.
+    pub meaning: String,
+    /// Its monitor.
+    pub monitor: MonitorSpec,
+}
+
+/// A property's text and its place.
+#[derive(Clone, Debug)]
+pub struct FormText {
+    /// The text.
+    pub text: String,
+    /// Its place in the requirements' source, without the quotes.
+    pub span: Range<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    requirement: Vec<RequirementText>,
+    #[serde(default)]
+    failure_mode: Vec<FailureModeText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RequirementText {
+    id: Spanned<String>,
+    text: String,
+    threshold: Option<Spanned<String>>,
+    same_as: Option<Spanned<String>>,
+    margin: Option<Spanned<f64>>,
+    property: Option<Spanned<String>>,
+    monitor: Option<Spanned<MonitorSpec>>,
+    experiment: Option<Spanned<String>>,
+    #[serde(default)]
+    reading: BTreeMap<String, ReadingText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReadingText {
+    meaning: String,
+    monitor: Spanned<MonitorSpec>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FailureModeText {
+    id: Spanned<String>,
+    name: String,
+    meaning: String,
+    margin: Option<Spanned<f64>>,
+    experiment: Option<Spanned<String>>,
+    occurs: Option<Spanned<String>>,
+    opportunity: Option<Spanned<String>>,
+    monitor: Option<Spanned<MonitorSpec>>,
+}
+
+/// Reads `requirements.toml` and checks it against the vocabulary.
+pub fn load(
+    folder: &Path,
+    vocabulary: &Vocabulary,
+) -> Result<(Vec<Requirement>, Vec<FailureMode>, Forms), Problem> {
+    let source = Source::read(&folder.join("requirements.toml"))?;
+    let file: File =
+        toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+    if file.requirement.is_empty() {
+        return Err(Problem::new(
+            "no-requirements",
+            format!("{} has no requirement, so there is nothing to verify", source.name),
+        )
+        .remedy("add a [[requirement]] with `id`, `text`, and a `property` or a `monitor`"));
+    }
+    let reader = Reader {
+        source: &source,
+        vocabulary,
+    };
+    let mut subjects: Vec<SubjectForm> = Vec::new();
+    let mut requirements = Vec::new();
+    for text in file.requirement {
+        let (requirement, form) = reader.requirement(text, &subjects, &requirements)?;
+        requirements.push(requirement);
+        subjects.push(form);
+    }
+    let mut failure_modes = Vec::new();
+    for text in file.failure_mode {
+        let (mode, form) = reader.failure_mode(text, &subjects)?;
+        failure_modes.push(mode);
+        subjects.push(form);
+    }
+    let forms = Forms { source, subjects };
+    Ok((requirements, failure_modes, forms))
+}
+
+struct Reader<'a> {
+    source: &'a Source,
+    vocabulary: &'a Vocabulary,
+}
+
+impl Reader<'_> {
+    fn requirement(
+        &self,
+        text: RequirementText,
+        before: &[SubjectForm],
+        requirements: &[Requirement],
+    ) -> Result<(Requirement, SubjectForm), Problem> {
+        self.check_new(&text.id, before)?;
+        let id = text.id.get_ref().clone();
+        let same = self.same_as(&text, before, requirements)?;
+        let mut form = SubjectForm {
+            subject: Subject::Requirement(id.clone()),
+            span: text.id.span(),
+            property: text.property.map(form_text),
+            opportunity: None,
+            monitor: self.monitor(text.monitor)?,
+            readings: self.readings(text.reading)?,
+            experiment: self.experiment(text.experiment)?,
+        };
+        if let Some((_, other)) = &same {
+            form = SubjectForm {
+                subject: form.subject,
+                span: form.span,
+                ..(*other).clone()
+            };
+        }
+        self.check_property(&form)?;
+        let requirement = Requirement {
+            id,
+            text: text.text,
+            threshold: text.threshold.map(|t| self.threshold(&t)).transpose()?,
+            property: form.property.as_ref().map(|p| p.text.clone()),
+            monitor: form.monitor.as_ref().map(in_words),
+            margin: match (&same, text.margin) {
+                (Some((first, _)), None) => first.margin,
+                (_, margin) => self.margin(margin)?,
+            },
+            same_quantity_as: same.map(|(first, _)| first.id.clone()),
+        };
+        Ok((requirement, form))
+    }
+
+    fn same_as<'b>(
+        &self,
+        text: &RequirementText,
+        before: &'b [SubjectForm],
+        requirements: &'b [Requirement],
+    ) -> Result<Option<(&'b Requirement, &'b SubjectForm)>, Problem> {
+        let Some(same) = &text.same_as else {
+            return Ok(None);
+        };
+        if text.property.is_some()
+            || text.monitor.is_some()
+            || text.experiment.is_some()
+            || !text.reading.is_empty()
+        {
+            return Err(Problem::new(
+                "same-as-with-forms",
+                "a requirement that is the same as another cannot have forms of its own",
+            )
+            .at(self.source, same.span())
+            .remedy("remove `same_as`, or the property and the monitor"));
+        }
+        let found = requirements
+            .iter()
+            .zip(before)
+            .find(|(requirement, _)| &requirement.id == same.get_ref());
+        found.map(Some).ok_or_else(|| {
+            Problem::new(
+                "unknown-requirement",
+                format!("no requirement `{}` stands before this one", same.get_ref()),
+            )
+            .at(self.source, same.span())
+            .remedy("name a requirement that stands earlier in the file")
+        })
+    }
+
+    fn failure_mode(
+        &self,
+        text: FailureModeText,
+        before: &[SubjectForm],
+    ) -> Result<(FailureMode, SubjectForm), Problem> {
+        self.check_new(&text.id, before)?;
+        let id = text.id.get_ref().clone();
+        let form = SubjectForm {
+            subject: Subject::FailureMode(id.clone()),
+            span: text.id.span(),
+            property: text.occurs.map(form_text),
+            opportunity: text.opportunity.map(form_text),
+            monitor: self.monitor(text.monitor)?,
+            readings: Vec::new(),
+            experiment: self.experiment(text.experiment)?,
+        };
+        self.check_property(&form)?;
+        let mode = FailureMode {
+            id,
+            name: text.name,
+            meaning: text.meaning,
+            margin: self.margin(text.margin)?,
+        };
+        Ok((mode, form))
+    }
+
+    fn check_new(&self, id: &Spanned<String>, before: &[SubjectForm]) -> Result<(), Problem> {
+        match before.iter().find(|f| f.subject.id() == id.get_ref()) {
+            None => Ok(()),
+            Some(_) => Err(Problem::new(
+                "duplicate-id",
+                format!("`{}` is declared twice", id.get_ref()),
+            )
+            .at(self.source, id.span())
+            .remedy("give each requirement and failure mode its own identifier")),
+        }
+    }
+
+    fn margin(&self, margin: Option<Spanned<f64>>) -> Result<f64, Problem> {
+        let Some(margin) = margin else {
+            return Ok(DEFAULT_MARGIN);
+        };
+        let value = *margin.get_ref();
+        if value > 0.0 && value < 1.0 {
+            return Ok(value);
+        }
+        Err(Problem::new(
+            "bad-margin",
+            format!("the margin {value} is no difference between two rates"),
+        )
+        .at(self.source, margin.span())
+        .remedy("choose a margin between 0 and 1, for example 0.05 for 5 points"))
+    }
+
+    fn threshold(&self, text: &Spanned<String>) -> Result<Threshold, Problem> {
+        parse_threshold(text.get_ref()).ok_or_else(|| {
+            Problem::new(
+                "bad-threshold",
+                format!("`{}` is no threshold for a probability", text.get_ref()),
+            )
+            .at(self.source, text.span())
+            .remedy("write for example \"at least 0.95\" or \"at most 0.01\", between 0 and 1")
+        })
+    }
+
+    fn monitor(&self, monitor: Option<Spanned<MonitorSpec>>) -> Result<Option<MonitorSpec>, Problem> {
+        let Some(monitor) = monitor else {
+            return Ok(None);
+        };
+        let span = monitor.span();
+        let spec = monitor.into_inner();
+        let compiled = Monitor::compile(&spec).map_err(|error| {
+            Problem::new("bad-monitor", error.to_string()).at(self.source, span.clone())
+        })?;
+        for name in compiled.propositions() {
+            let place = self.place_of(name, &span);
+            let proposition = self.vocabulary.proposition(name, self.source, place.clone())?;
+            if proposition.trace.is_none() {
+                return Err(Problem::new(
+                    "unbound-proposition",
+                    format!("the monitor uses `{name}`, which is not bound to traces"),
+                )
+                .at(self.source, place)
+                .remedy(format!(
+                    "give [{name}] a `trace = \"…\"` in {}",
+                    self.vocabulary.source.name
+                )));
+            }
+        }
+        Ok(Some(spec))
+    }
+
+    fn experiment(&self, name: Option<Spanned<String>>) -> Result<Option<String>, Problem> {
+        let Some(name) = name else {
+            return Ok(None);
+        };
+        let span = name.span();
+        let proposition = self
+            .vocabulary
+            .proposition(name.get_ref(), self.source, span.clone())?;
+        if proposition.column.is_none() {
+            return Err(Problem::new(
+                "unbound-proposition",
+                format!("`{}` is not bound to a column of the experiments", name.get_ref()),
+            )
+            .at(self.source, span)
+            .remedy(format!(
+                "give [{}] a `column = \"…\"` in {}",
+                name.get_ref(),
+                self.vocabulary.source.name
+            )));
+        }
+        Ok(Some(name.into_inner()))
+    }
+
+    fn readings(&self, texts: BTreeMap<String, ReadingText>) -> Result<Vec<ReadingForm>, Problem> {
+        let mut readings = Vec::new();
+        for (name, text) in texts {
+            if let Some(monitor) = self.monitor(Some(text.monitor))? {
+                readings.push(ReadingForm {
+                    name,
+                    meaning: text.meaning,
+                    monitor,
+                });
+            }
+        }
+        Ok(readings)
+    }
+
+    /// Checks that the labels of the property are propositions with a binding
+    /// to the model. Its syntax is checked with the model, which gives types.
+    fn check_property(&self, form: &SubjectForm) -> Result<(), Problem> {
+        for text in form.property.iter().chain(&form.opportunity) {
+            let parsed = prism_lang::parse_properties(&text.text);
+            if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
+                return Err(problem);
+            }
+            for (name, span) in quoted_names(&text.text) {
+                let place = text.span.start + span.start..text.span.start + span.end;
+                let proposition = self.vocabulary.proposition(&name, self.source, place.clone())?;
+                if proposition.model.is_none() {
+                    return Err(Problem::new(
+                        "unbound-proposition",
+                        format!("the property uses \"{name}\", which is not bound to the model"),
+                    )
+                    .at(self.source, place)
+                    .remedy(format!(
+                        "give [{name}] a `model = \"…\"` in {}",
+                        self.vocabulary.source.name
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Diagnostics of a property inside this file, at their place in the file.
+    fn shifted(
+        &self,
+        text: &FormText,
+        diagnostics: &[prism_lang::Diagnostic],
+    ) -> Option<Problem> {
+        let shifted: Vec<_> = diagnostics
+            .iter()
+            .map(|d| {
+                let mut d = d.clone();
+                d.span = prism_lang::Span::new(
+                    d.span.start + text.span.start,
+                    d.span.end + text.span.start,
+                );
+                d.related.clear();
+                d
+            })
+            .collect();
+        Problem::from_diagnostics(self.source, &shifted)
+    }
+
+    /// Where a name is written inside a span, or the span.
+    fn place_of(&self, name: &str, span: &Range<usize>) -> Range<usize> {
+        let quoted = format!("\"{name}\"");
+        let text = self.source.text.get(span.clone()).unwrap_or("");
+        match text.find(&quoted) {
+            Some(at) => span.start + at + 1..span.start + at + 1 + name.len(),
+            None => span.clone(),
+        }
+    }
+}
+
+fn form_text(text: Spanned<String>) -> FormText {
+    let span = text.span();
+    FormText {
+        text: text.into_inner(),
+        span: span.start + 1..span.end.saturating_sub(1).max(span.start + 1),
+    }
+}
+
+/// The labels that a property names, `"like_this"`, with their places.
+pub fn quoted_names(text: &str) -> Vec<(String, Range<usize>)> {
+    let mut names = Vec::new();
+    let mut from = 0;
+    while let Some(open) = text[from..].find('"').map(|at| from + at) {
+        let Some(close) = text[open + 1..].find('"').map(|at| open + 1 + at) else {
+            break;
+        };
+        let name = &text[open + 1..close];
+        // PRISM's own labels are not propositions of the study.
+        if name != "init" && name != "deadlock" {
+            names.push((name.to_owned(), open + 1..close));
+        }
+        from = close + 1;
+    }
+    names
+}
+
+fn parse_threshold(text: &str) -> Option<Threshold> {
+    let (direction, number) = if let Some(number) = text.strip_prefix("at least ") {
+        (Direction::AtLeast, number)
+    } else {
+        (Direction::AtMost, text.strip_prefix("at most ")?)
+    };
+    let value: f64 = number.trim().parse().ok()?;
+    (0.0..=1.0)
+        .contains(&value)
+        .then_some(Threshold { direction, value })
+}
+
+/// A monitor in words, for reports.
+fn in_words(spec: &MonitorSpec) -> String {
+    let stages: Vec<String> = spec.then.iter().map(stage_in_words).collect();
+    format!("when {}: {}", spec.when, stages.join("; then "))
+}
+
+fn stage_in_words(stage: &Stage) -> String {
+    let within = |limit: &Option<f64>| match limit {
+        Some(secs) => format!(" within {secs} s"),
+        None => String::new(),
+    };
+    match stage {
+        Stage::Assert { proposition } => format!("{proposition} holds"),
+        Stage::WaitFor {
+            proposition,
+            within_secs,
+        } => format!("wait for {proposition}{}", within(within_secs)),
+        Stage::Hold {
+            proposition,
+            until,
+            within_secs,
+        } => format!("{proposition} holds until {until}{}", within(within_secs)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_are_read_from_words() {
+        let read = parse_threshold("at least 0.95").expect("a threshold");
+        assert_eq!((read.direction, read.value), (Direction::AtLeast, 0.95));
+        assert_eq!(parse_threshold("at most 0.1").map(|t| t.direction), Some(Direction::AtMost));
+        for bad in ["0.95", "at least 1.5", "at least x", "at least -0.1", "at least NaN"] {
+            assert!(parse_threshold(bad).is_none(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn labels_are_found_with_their_places() {
+        let text = r#"P=? [ F ("a" & "b") | "deadlock" ]"#;
+        let names = quoted_names(text);
+        assert_eq!(names.len(), 2);
+        for (name, span) in names {
+            assert_eq!(&text[span], name);
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The vocabulary: each proposition once, with what it means to each
+//! technique.
+
+use crate::problem::{Problem, Source, did_you_mean};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+
+/// One proposition and its bindings.
+#[derive(Clone, Debug)]
+pub struct Proposition {
+    /// What it means, in words.
+    pub meaning: String,
+    /// An expression over the formal model's variables.
+    pub model: Option<Binding>,
+    /// A predicate over a trace's signals.
+    pub trace: Option<Binding>,
+    /// A column of the experiments' table that counts it.
+    pub column: Option<Binding>,
+}
+
+/// A binding's text and its place in the file.
+#[derive(Clone, Debug)]
+pub struct Binding {
+    /// The text.
+    pub text: String,
+    /// Its place in the vocabulary's source, without the quotes.
+    pub span: Range<usize>,
+}
+
+/// All propositions, by name.
+#[derive(Clone, Debug)]
+pub struct Vocabulary {
+    /// The file, for diagnostics.
+    pub source: Source,
+    /// The propositions.
+    pub propositions: BTreeMap<String, Proposition>,
+    /// Their bindings to traces.
+    pub signals: trace::Vocabulary,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PropositionText {
+    meaning: String,
+    model: Option<Spanned<String>>,
+    trace: Option<Spanned<String>>,
+    column: Option<Spanned<String>>,
+}
+
+impl Vocabulary {
+    /// Reads `vocabulary.toml`.
+    pub fn load(folder: &Path) -> Result<Self, Problem> {
+        let source = Source::read(&folder.join("vocabulary.toml"))?;
+        let texts: BTreeMap<String, PropositionText> =
+            toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+        let propositions: BTreeMap<String, Proposition> = texts
+            .into_iter()
+            .map(|(name, text)| {
+                let proposition = Proposition {
+                    meaning: text.meaning,
+                    model: text.model.map(binding),
+                    trace: text.trace.map(binding),
+                    column: text.column.map(binding),
+                };
+                (name, proposition)
+            })
+            .collect();
+        let bound = propositions
+            .iter()
+            .filter_map(|(name, p)| p.trace.as_ref().map(|b| (name.clone(), b.text.clone())));
+        let signals = trace::Vocabulary::new(bound).map_err(|errors| {
+            let mut problems = errors
+                .into_iter()
+                .map(|error| predicate_problem(&source, &propositions, &error));
+            // There is at least one error, or there would be a vocabulary.
+            problems.next().unwrap_or_else(|| {
+                Problem::new("bad-predicate", format!("{} has a bad predicate", source.name))
+            })
+        })?;
+        Ok(Self {
+            source,
+            propositions,
+            signals,
+        })
+    }
+
+    /// An error in a predicate, at its place in the vocabulary's file.
+    pub fn predicate_problem(&self, error: &trace::PredicateError) -> Problem {
+        predicate_problem(&self.source, &self.propositions, error)
+    }
+
+    /// The proposition with this name, or a problem at the place that uses it.
+    pub fn proposition(
+        &self,
+        name: &str,
+        user: &Source,
+        span: Range<usize>,
+    ) -> Result<&Proposition, Problem> {
+        self.propositions.get(name).ok_or_else(|| {
+            let problem = Problem::new(
+                "unknown-proposition",
+                format!("the vocabulary has no proposition `{name}`"),
+            )
+            .at(user, span);
+            match did_you_mean(name, self.propositions.keys().map(String::as_str)) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem.remedy(format!("define [{name}] in {}", self.source.name)),
+            }
+        })
+    }
+}
+
+fn predicate_problem(
+    source: &Source,
+    propositions: &BTreeMap<String, Proposition>,
+    error: &trace::PredicateError,
+) -> Problem {
+    let problem = Problem::new("bad-predicate", error.kind.to_string());
+    let entry = error.entry.as_ref().and_then(|name| propositions.get(name));
+    match entry.and_then(|p| p.trace.as_ref()) {
+        Some(binding) => {
+            let start = binding.span.start + error.span.start;
+            problem.at(source, start..binding.span.start + error.span.end)
+        }
+        None => match error.entry.as_ref().and_then(|name| source.text.find(name.as_str())) {
+            Some(at) => problem.at(source, at..at + 1),
+            None => problem,
+        },
+    }
+}
+
+fn binding(text: Spanned<String>) -> Binding {
+    let span = text.span();
+    Binding {
+        text: text.into_inner(),
+        span: span.start + 1..span.end.saturating_sub(1).max(span.start + 1),
+    }
+}

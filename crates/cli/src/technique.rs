@@ -1,0 +1,73 @@
+//! The techniques: each turns an entry of the ledger into findings.
+//!
+//! This is where the engines of the lower floors meet evidence; nothing else
+//! knows both.
+
+pub mod experiment;
+pub mod judging;
+pub mod model_checking;
+pub mod simulation;
+
+use crate::problem::Problem;
+use crate::store::hash_of;
+use evidence::{Asset, AssetRole, ClusterTests, Cost, Finding, Interval, Measure, Tool};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a technique found for one entry of the ledger.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Produced {
+    /// With which tool.
+    pub tool: Tool,
+    /// What was found, one for each subject that the technique was asked for.
+    pub findings: Vec<Finding>,
+    /// Clustering, for trials by subject.
+    pub clusters: Option<ClusterTests>,
+    /// What it took.
+    pub cost: Cost,
+}
+
+/// A file of the study as an asset.
+pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Problem> {
+    let full = folder.join(path);
+    let bytes = std::fs::read(&full).map_err(|error| Problem::cannot_read(&full, &error))?;
+    Ok(Asset {
+        role,
+        path: path.to_string_lossy().replace('\\', "/"),
+        hash: hash_of(&bytes),
+    })
+}
+
+/// The level as `stats` has it. The study's levels were checked when it was
+/// loaded.
+pub fn confidence(level: f64) -> Result<stats::Confidence, Problem> {
+    stats::Confidence::new(level).map_err(|error| Problem::new("bad-level", error.to_string()))
+}
+
+/// Counts as a measure, with Wilson's interval at the effective number of
+/// trials.
+pub fn counts(
+    count: u64,
+    trials: u64,
+    effective_trials: Option<f64>,
+    level: stats::Confidence,
+) -> Result<Measure, Problem> {
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let sample = stats::Sample::new(count, trials).map_err(bad)?;
+    let interval = match effective_trials {
+        Some(size) => stats::wilson(
+            stats::EffectiveSample::at_size(sample, size).map_err(bad)?,
+            level,
+        ),
+        None => stats::wilson(sample, level),
+    };
+    Ok(Measure::Counts {
+        count,
+        trials,
+        effective_trials,
+        interval: Interval {
+            low: interval.low,
+            high: interval.high,
+        },
+    })
+}

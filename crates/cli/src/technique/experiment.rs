@@ -1,0 +1,438 @@
+//! Experiments, and published simulations: counts read from tables.
+//!
+//! * The *cohort* has a row for each subject or session: the first column
+//!   names it, `attempts` counts trials, and the columns that the vocabulary
+//!   binds count what happened. A binding `failure_modes: R` counts the code
+//!   `R` in a column of codes.
+//! * *requirements* has the columns requirement, covered, passed, failed.
+//! * *failure modes* has the columns mode, occurrences, opportunities.
+//!
+//! Where two tables speak of the same count, they must agree.
+
+use super::{Produced, confidence, counts};
+use crate::problem::Problem;
+use crate::store::Inputs;
+use crate::study::{Study, SubjectForm};
+use evidence::{ClusterTests, Cost, Finding, Measure, Subject, Technique, Tool};
+use std::path::Path;
+use trace::Table;
+
+/// The tables of one piece of evidence, checked.
+#[derive(Debug)]
+pub struct Tables {
+    cohort: Option<Cohort>,
+    requirements: Vec<VerdictRow>,
+    failure_modes: Vec<ModeRow>,
+}
+
+#[derive(Debug)]
+struct Cohort {
+    name: String,
+    attempts: Vec<u64>,
+    table: Table,
+}
+
+#[derive(Debug)]
+struct VerdictRow {
+    requirement: String,
+    covered: u64,
+    passed: u64,
+}
+
+#[derive(Debug)]
+struct ModeRow {
+    mode: String,
+    occurrences: u64,
+    opportunities: u64,
+}
+
+impl Tables {
+    /// Reads and checks the tables that are given.
+    pub fn read(
+        study: &Study,
+        cohort: Option<&Path>,
+        requirements: Option<&Path>,
+        failure_modes: Option<&Path>,
+    ) -> Result<Self, Problem> {
+        let open = |path: &Path| Table::read(&study.folder.join(path)).map_err(table_problem);
+        let tables = Self {
+            cohort: cohort.map(|p| open(p).and_then(Cohort::new)).transpose()?,
+            requirements: match requirements {
+                Some(path) => verdict_rows(study, &open(path)?)?,
+                None => Vec::new(),
+            },
+            failure_modes: match failure_modes {
+                Some(path) => mode_rows(study, &open(path)?)?,
+                None => Vec::new(),
+            },
+        };
+        tables.check_agreement(study)?;
+        Ok(tables)
+    }
+
+    /// What the tables say, one finding for each subject that they name.
+    pub fn produce(
+        &self,
+        study: &Study,
+        id: &str,
+        technique: Technique,
+    ) -> Result<Produced, Problem> {
+        let clusters = self.cohort.as_ref().map(|c| c.tests(study)).transpose()?;
+        let mut findings = Vec::new();
+        for form in &study.forms.subjects {
+            findings.push(Finding {
+                subject: form.subject.clone(),
+                measure: self.measure(study, form)?,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            });
+        }
+        Ok(Produced {
+            tool: Tool {
+                name: match technique {
+                    Technique::Experiment => "the real robot".into(),
+                    _ => "published counts".into(),
+                },
+                version: String::new(),
+                settings: "counts read from tables".into(),
+            },
+            findings,
+            clusters: clusters.flatten(),
+            cost: Cost {
+                evidence: id.to_owned(),
+                ..Cost::default()
+            },
+        })
+    }
+
+    fn measure(&self, study: &Study, form: &SubjectForm) -> Result<Measure, Problem> {
+        let level = confidence(study.about.confidence)?;
+        match &form.subject {
+            Subject::Requirement(id) => {
+                if let Some(by_subject) = self.cohort_counts(study, form)? {
+                    return clustered(&by_subject, level);
+                }
+                match self.requirements.iter().find(|row| &row.requirement == id) {
+                    Some(row) if row.covered > 0 => counts(row.passed, row.covered, None, level),
+                    Some(_) => Ok(not_covered("No trial met its precondition.")),
+                    None => Ok(not_covered("The tables do not speak of it.")),
+                }
+            }
+            Subject::FailureMode(id) => {
+                match self.failure_modes.iter().find(|row| &row.mode == id) {
+                    Some(row) if row.opportunities > 0 => {
+                        counts(row.occurrences, row.opportunities, None, level)
+                    }
+                    Some(_) => Ok(not_covered("No trial gave it an opportunity.")),
+                    None => Ok(not_covered("The tables do not speak of it.")),
+                }
+            }
+        }
+    }
+
+    /// Counts by subject of the proposition that the experiments count for a
+    /// requirement or failure mode, if the cohort has them.
+    fn cohort_counts(
+        &self,
+        study: &Study,
+        form: &SubjectForm,
+    ) -> Result<Option<Vec<stats::Sample>>, Problem> {
+        let (Some(cohort), Some(proposition)) = (&self.cohort, &form.experiment) else {
+            return Ok(None);
+        };
+        let binding = study
+            .vocabulary
+            .propositions
+            .get(proposition)
+            .and_then(|p| p.column.as_ref());
+        binding.map(|b| cohort.counts(&b.text)).transpose()
+    }
+
+    /// The cohort and the other tables must not contradict each other.
+    fn check_agreement(&self, study: &Study) -> Result<(), Problem> {
+        for form in &study.forms.subjects {
+            let Some(by_subject) = self.cohort_counts(study, form)? else {
+                continue;
+            };
+            let total: u64 = by_subject.iter().map(|s| s.successes).sum();
+            let id = form.subject.id();
+            let other = match form.subject {
+                Subject::Requirement(_) => {
+                    let row = self.requirements.iter().find(|r| r.requirement == id);
+                    row.map(|r| r.passed)
+                }
+                Subject::FailureMode(_) => {
+                    let row = self.failure_modes.iter().find(|r| r.mode == id);
+                    row.map(|r| r.occurrences)
+                }
+            };
+            if let Some(other) = other
+                && other != total
+            {
+                let cohort = self.cohort.as_ref().map_or("the cohort", |c| c.name.as_str());
+                return Err(Problem::new(
+                    "tables-disagree",
+                    format!("{cohort} counts {total} for `{id}`, another table of the same evidence {other}"),
+                )
+                .remedy("correct the table that is wrong"));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the findings depend on.
+    pub fn inputs(&self, study: &Study, inputs: &mut Inputs) {
+        // Tables are small; their parsed content is hashed whole.
+        inputs.add("tables", format!("{self:?}").as_bytes());
+        for form in &study.forms.subjects {
+            inputs.add("subject", form.subject.id().as_bytes());
+            if let Some(proposition) = &form.experiment {
+                let binding = study.vocabulary.propositions.get(proposition);
+                let column = binding.and_then(|p| p.column.as_ref());
+                inputs.add(proposition, column.map_or("", |c| &c.text).as_bytes());
+            }
+        }
+    }
+}
+
+impl Cohort {
+    fn new(table: Table) -> Result<Self, Problem> {
+        let attempts = table
+            .column("attempts")
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)?;
+        Ok(Self {
+            name: table.name().to_owned(),
+            attempts,
+            table,
+        })
+    }
+
+    /// Counts by row of a binding: a column of counts, or `column: code`.
+    fn counts(&self, binding: &str) -> Result<Vec<stats::Sample>, Problem> {
+        let counted: Vec<u64> = match binding.split_once(':') {
+            None => {
+                let column = self.table.column(binding.trim()).map_err(table_problem)?;
+                column.as_counts().map_err(table_problem)?
+            }
+            Some((header, code)) => {
+                let column = self.table.column(header.trim()).map_err(table_problem)?;
+                let code = code.trim();
+                let occurrences = |cell: &str| cell.split_whitespace().filter(|c| *c == code).count();
+                column.cells().map(|cell| occurrences(cell) as u64).collect()
+            }
+        };
+        counted
+            .iter()
+            .zip(&self.attempts)
+            .enumerate()
+            .map(|(row, (count, attempts))| {
+                stats::Sample::new(*count, *attempts).map_err(|error| {
+                    Problem::new(
+                        "bad-counts",
+                        format!("{}, line {}: {error}", self.name, row + 2),
+                    )
+                    .remedy("correct the row")
+                })
+            })
+            .collect()
+    }
+
+    /// Tests of independence of everything in the table: of successes between
+    /// groups, and of numbers with each other.
+    fn tests(&self, study: &Study) -> Result<Option<ClusterTests>, Problem> {
+        let first = study.forms.subjects.iter().find_map(|form| {
+            let proposition = form.experiment.as_ref()?;
+            let binding = study.vocabulary.propositions.get(proposition)?;
+            let column = binding.column.as_ref()?;
+            matches!(form.subject, Subject::Requirement(_)).then_some(&column.text)
+        });
+        let Some(column) = first else {
+            return Ok(None);
+        };
+        let by_subject = self.counts(column)?;
+        // One subject, or no variation at all, leaves nothing to test.
+        let Ok(clustering) = stats::clustering(&by_subject) else {
+            return Ok(None);
+        };
+        let mut tests = vec![format!(
+            "Intraclass correlation of {column} {:.3} (F = {:.2}, p = {:.3}): {} trials are worth {:.1} independent ones.",
+            clustering.intraclass_correlation,
+            clustering.f_statistic,
+            clustering.p_value,
+            clustering.total.trials,
+            clustering.effective_size
+        )];
+        tests.extend(self.rank_tests());
+        Ok(Some(ClusterTests {
+            intraclass_correlation: clustering.intraclass_correlation,
+            effective_trials: clustering.effective_size,
+            tests,
+        }))
+    }
+
+    /// Kruskal-Wallis of each column of numbers by each column of categories,
+    /// and Spearman between columns of numbers.
+    fn rank_tests(&self) -> Vec<String> {
+        let mut numbers: Vec<(&str, Vec<f64>)> = Vec::new();
+        let mut categories: Vec<(&str, Vec<&str>)> = Vec::new();
+        // The first column names the subject; codes of failures are no group.
+        for column in self.table.columns().skip(1) {
+            match column.as_numbers() {
+                Ok(values) if column.header() != "attempts" => numbers.push((column.header(), values)),
+                Ok(_) => {}
+                Err(_) => {
+                    let cells = column.as_texts();
+                    if cells.iter().all(|c| !c.is_empty() && !c.contains(' ')) {
+                        categories.push((column.header(), cells));
+                    }
+                }
+            }
+        }
+        let mut tests = Vec::new();
+        for (category, labels) in &categories {
+            for (number, values) in &numbers {
+                tests.extend(kruskal_wallis_in_words(category, labels, number, values));
+            }
+        }
+        for (place, (left, left_values)) in numbers.iter().enumerate() {
+            for (right, right_values) in &numbers[place + 1..] {
+                tests.extend(spearman_in_words(left, left_values, right, right_values));
+            }
+        }
+        tests
+    }
+}
+
+fn kruskal_wallis_in_words(
+    category: &str,
+    labels: &[&str],
+    number: &str,
+    values: &[f64],
+) -> Option<String> {
+    let mut groups: Vec<(&str, Vec<f64>)> = Vec::new();
+    for (label, value) in labels.iter().zip(values) {
+        match groups.iter_mut().find(|(known, _)| known == label) {
+            Some((_, group)) => group.push(*value),
+            None => groups.push((label, vec![*value])),
+        }
+    }
+    let groups: Vec<Vec<f64>> = groups.into_iter().map(|(_, group)| group).collect();
+    let test = stats::kruskal_wallis(&groups).ok()?;
+    let exact = match stats::kruskal_wallis_exact(&groups) {
+        Ok(p) => format!("; exact p = {p:.3}"),
+        Err(_) => String::new(),
+    };
+    Some(format!(
+        "Kruskal-Wallis of {number} by {category}: H({}) = {:.3}, p = {:.3}{exact}.",
+        test.degrees, test.statistic, test.p_value
+    ))
+}
+
+fn spearman_in_words(left: &str, x: &[f64], right: &str, y: &[f64]) -> Option<String> {
+    let test = stats::spearman(x, y).ok()?;
+    Some(format!(
+        "Spearman of {left} and {right}: rho = {:.3}, p = {:.3}.",
+        test.rho, test.p_value
+    ))
+}
+
+fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem> {
+    let column = |name: &str| {
+        table
+            .column(name)
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)
+    };
+    let ids = table.column("requirement").map_err(table_problem)?.as_texts();
+    let (covered, passed, failed) = (column("covered")?, column("passed")?, column("failed")?);
+    let mut rows = Vec::new();
+    for (row, id) in ids.iter().enumerate() {
+        known_subject(study, table, row, &Subject::Requirement((*id).to_owned()))?;
+        if passed[row] + failed[row] != covered[row] {
+            return Err(Problem::new(
+                "bad-counts",
+                format!(
+                    "{}, line {}: {} passed and {} failed are not {} covered",
+                    table.name(),
+                    row + 2,
+                    passed[row],
+                    failed[row],
+                    covered[row]
+                ),
+            )
+            .remedy("correct the row"));
+        }
+        rows.push(VerdictRow {
+            requirement: (*id).to_owned(),
+            covered: covered[row],
+            passed: passed[row],
+        });
+    }
+    Ok(rows)
+}
+
+fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
+    let column = |name: &str| {
+        table
+            .column(name)
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)
+    };
+    let ids = table.column("mode").map_err(table_problem)?.as_texts();
+    let (occurrences, opportunities) = (column("occurrences")?, column("opportunities")?);
+    let mut rows = Vec::new();
+    for (row, id) in ids.iter().enumerate() {
+        known_subject(study, table, row, &Subject::FailureMode((*id).to_owned()))?;
+        stats::Sample::new(occurrences[row], opportunities[row]).map_err(|error| {
+            Problem::new(
+                "bad-counts",
+                format!("{}, line {}: {error}", table.name(), row + 2),
+            )
+            .remedy("correct the row")
+        })?;
+        rows.push(ModeRow {
+            mode: (*id).to_owned(),
+            occurrences: occurrences[row],
+            opportunities: opportunities[row],
+        });
+    }
+    Ok(rows)
+}
+
+fn known_subject(study: &Study, table: &Table, row: usize, subject: &Subject) -> Result<(), Problem> {
+    if study.forms.of(subject).is_some() {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "unknown-subject",
+        format!(
+            "{}, line {}: requirements.toml does not declare `{}`",
+            table.name(),
+            row + 2,
+            subject.id()
+        ),
+    )
+    .remedy("correct the identifier, or declare it"))
+}
+
+fn clustered(by_subject: &[stats::Sample], level: stats::Confidence) -> Result<Measure, Problem> {
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let total = stats::pool(by_subject).map_err(bad)?;
+    if total.trials == 0 {
+        return Ok(not_covered("There are no trials."));
+    }
+    let effective = stats::clustering(by_subject).ok().map(|c| c.effective_size);
+    counts(total.successes, total.trials, effective, level)
+}
+
+fn not_covered(reason: &str) -> Measure {
+    Measure::NotCovered {
+        reason: reason.into(),
+    }
+}
+
+fn table_problem(error: trace::TableError) -> Problem {
+    Problem::new("bad-table", error.to_string())
+}

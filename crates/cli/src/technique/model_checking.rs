@@ -1,0 +1,592 @@
+//! Model checking: the study's properties on one formal model.
+//!
+//! Everything is compiled before anything runs: [`Compiled::new`] finds the
+//! errors of the model, of the vocabulary's bindings and of the properties,
+//! each at its place in the user's files. A proposition that this model cannot
+//! express (because it has no such variable or constant) is no error: the
+//! subjects that need it are reported as not expressible.
+//!
+//! Constants that were set to another evidence's counts are uncertain. Their
+//! Jeffreys posteriors are pushed through the model by solving it again for
+//! each point of a low-discrepancy design, with all questions answered on the same
+//! points (common random numbers).
+
+use super::Produced;
+use crate::problem::{Problem, Source};
+use crate::store::Inputs;
+use crate::study::{FormText, Method, Study, quoted_names};
+use crate::talk::{Interrupt, Stage};
+use checker::explore::{ExploreError, ExploreOptions, explore_with};
+use checker::state_space::StateSpace;
+use checker::{AnswerValue, Options};
+use evidence::{
+    Cost, CredibleInterval, Finding, Guarantee, Interval, Measure, MethodAnswer, Spread, Subject,
+    Tool,
+};
+use prism_lang::{Constants, Diagnostic, Number, Property, Rational, Value, resolved};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::time::Instant;
+
+/// How many times a model is solved to carry the uncertainty of its constants.
+pub const SOLVES: usize = 1000;
+
+/// A model and the study's questions to it.
+#[derive(Debug)]
+pub struct Compiled<'a> {
+    study: &'a Study,
+    source: Source,
+    tree: prism_lang::ast::Model,
+    model: resolved::Model,
+    questions: Vec<Question<'a>>,
+    /// Propositions that this model expresses.
+    pub expressed: BTreeSet<&'a str>,
+    /// Propositions that it does not express, with what is missing.
+    pub not_expressed: BTreeMap<&'a str, String>,
+}
+
+/// What is asked about one subject.
+#[derive(Debug)]
+struct Question<'a> {
+    subject: &'a Subject,
+    property: &'a FormText,
+    opportunity: Option<&'a FormText>,
+    /// Why this model cannot be asked, if so.
+    missing: Option<String>,
+}
+
+/// A constant of the model with the counts that it was set to.
+#[derive(Clone, Debug)]
+pub struct CountedConstant {
+    /// Its name.
+    pub name: String,
+    /// The counts.
+    pub sample: stats::Sample,
+}
+
+impl<'a> Compiled<'a> {
+    /// Reads a model and binds the study's questions to it.
+    pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
+        let source = Source::read(&study.folder.join(path))?;
+        let parsed = prism_lang::parse_model(&source.text);
+        if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
+            return Err(problem);
+        }
+        let model = prism_lang::resolve(&parsed.tree, &Constants::new())
+            .map_err(|found| input_problem(&source, &found))?;
+        let mut compiled = Self {
+            study,
+            source,
+            tree: parsed.tree,
+            model,
+            questions: Vec::new(),
+            expressed: BTreeSet::new(),
+            not_expressed: BTreeMap::new(),
+        };
+        for (name, proposition) in &study.vocabulary.propositions {
+            if let Some(binding) = &proposition.model {
+                compiled.express(name, &binding.text, binding.span.start)?;
+            }
+        }
+        compiled.questions = compiled.bind_questions()?;
+        Ok(compiled)
+    }
+
+    /// Finds out whether the model can express a proposition.
+    fn express(&mut self, name: &'a str, text: &str, place: usize) -> Result<(), Problem> {
+        let vocabulary = &self.study.vocabulary.source;
+        let prefix = format!("label \"{name}\" = ");
+        let parsed = prism_lang::parse_properties(&format!("{prefix}{text};\n\"{name}\""));
+        let shift = |d: &Diagnostic| shifted(d, prefix.len(), place, text.len());
+        let found: Vec<_> = parsed.diagnostics.iter().map(shift).collect();
+        if let Some(problem) = Problem::from_diagnostics(vocabulary, &found) {
+            return Err(problem);
+        }
+        let resolved =
+            prism_lang::resolve_properties(&parsed.tree, &self.model, &Constants::new());
+        match resolved {
+            Ok(_) => {
+                self.expressed.insert(name);
+            }
+            Err(found) if found.iter().all(|d| d.code == "unknown-name") => {
+                let words: Vec<_> = found.iter().map(|d| d.message.clone()).collect();
+                self.not_expressed.insert(name, words.join("; "));
+            }
+            Err(found) => {
+                let found: Vec<_> = found.iter().map(shift).collect();
+                return Err(input_problem(vocabulary, &found));
+            }
+        }
+        Ok(())
+    }
+
+    fn bind_questions(&self) -> Result<Vec<Question<'a>>, Problem> {
+        let study = self.study;
+        let mut questions = Vec::new();
+        for form in &study.forms.subjects {
+            let Some(property) = &form.property else {
+                continue;
+            };
+            let texts = [Some(property), form.opportunity.as_ref()];
+            let missing = texts
+                .into_iter()
+                .flatten()
+                .flat_map(|text| quoted_names(&text.text))
+                .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
+                .map(|reason| format!("The model does not express it: {reason}."));
+            if missing.is_none() {
+                for text in texts.into_iter().flatten() {
+                    self.property(&self.model, text)?;
+                }
+            }
+            questions.push(Question {
+                subject: &form.subject,
+                property,
+                opportunity: form.opportunity.as_ref(),
+                missing,
+            });
+        }
+        Ok(questions)
+    }
+
+    /// A property with the vocabulary's propositions as labels, bound to a
+    /// model.
+    fn property(&self, model: &resolved::Model, text: &FormText) -> Result<Property, Problem> {
+        let mut whole = String::new();
+        let names: BTreeSet<_> = quoted_names(&text.text).into_iter().map(|(n, _)| n).collect();
+        for name in names {
+            let proposition = self.study.vocabulary.propositions.get(&name);
+            if let Some(binding) = proposition.and_then(|p| p.model.as_ref()) {
+                whole.push_str(&format!("label \"{name}\" = {};\n", binding.text));
+            }
+        }
+        let prefix = whole.len();
+        whole.push_str(&text.text);
+        let source = &self.study.forms.source;
+        let shift = |d: &Diagnostic| shifted(d, prefix, text.span.start, text.text.len());
+        let parsed = prism_lang::parse_properties(&whole);
+        let resolved = parsed
+            .into_result()
+            .and_then(|tree| prism_lang::resolve_properties(&tree, model, &Constants::new()));
+        let mut properties = resolved.map_err(|found| {
+            let found: Vec<_> = found.iter().map(shift).collect();
+            input_problem(source, &found)
+        })?;
+        match properties.pop().map(|p| p.property) {
+            Some(property @ Property::Probability { bound: None, .. }) => Ok(property),
+            _ => Err(Problem::new(
+                "not-a-probability",
+                "a requirement's property must ask for a probability",
+            )
+            .at(source, text.span.clone())
+            .remedy("write `P=? [ … ]`, and the bound as `threshold = \"at least …\"`")),
+        }
+    }
+
+    /// Answers all questions, by all methods, and carries the uncertainty of
+    /// counted constants through.
+    pub fn produce(
+        &self,
+        id: &str,
+        methods: &[Method],
+        counted: &[CountedConstant],
+        interrupt: &Interrupt,
+        begin: &dyn Fn(&str, u64) -> Stage,
+    ) -> Result<Produced, Problem> {
+        let began = Instant::now();
+        let cancel = || interrupt.is_set();
+        let space = explore::<f64>(&self.source, &self.model, &cancel)?;
+        let exact_space = if methods.contains(&Method::Exact) {
+            Some(explore::<Rational>(&self.source, &self.model, &cancel)?)
+        } else {
+            None
+        };
+        let mut findings = Vec::new();
+        for question in &self.questions {
+            let measure = match &question.missing {
+                Some(reason) => Measure::NotExpressible {
+                    reason: reason.clone(),
+                },
+                None => self.measure(question, methods, &space, exact_space.as_ref(), &cancel)?,
+            };
+            findings.push(Finding {
+                subject: question.subject.clone(),
+                measure,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            });
+        }
+        self.say_what_is_missing(&mut findings);
+        if !counted.is_empty() {
+            self.carry_uncertainty(id, counted, &mut findings, interrupt, begin)?;
+        }
+        let cost = Cost {
+            evidence: id.to_owned(),
+            wall_secs: began.elapsed().as_secs_f64(),
+            states: Some(space.num_states() as u64),
+            transitions: Some(space.num_transitions() as u64),
+            ..Cost::default()
+        };
+        Ok(Produced {
+            tool: tool(methods),
+            findings,
+            clusters: None,
+            cost,
+        })
+    }
+
+    /// Requirements without a property are not expressible by any model.
+    fn say_what_is_missing(&self, findings: &mut Vec<Finding>) {
+        for form in &self.study.forms.subjects {
+            if form.property.is_none() {
+                findings.push(Finding {
+                    subject: form.subject.clone(),
+                    measure: Measure::NotExpressible {
+                        reason: "It has no logical property: the formal model does not speak of it."
+                            .into(),
+                    },
+                    undecided: 0,
+                    witnesses: Vec::new(),
+                    readings: Vec::new(),
+                });
+            }
+        }
+    }
+
+    fn measure(
+        &self,
+        question: &Question,
+        methods: &[Method],
+        space: &StateSpace<f64>,
+        exact_space: Option<&StateSpace<Rational>>,
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Measure, Problem> {
+        let mut answers = Vec::new();
+        for method in methods {
+            let answer = |text: &FormText| {
+                let property = self.property(&self.model, text)?;
+                answer(&property, *method, space, exact_space, cancel)
+                    .map_err(|problem| problem.at(&self.study.forms.source, text.span.clone()))
+            };
+            let occurs = answer(question.property)?;
+            answers.push(match question.opportunity {
+                None => occurs,
+                Some(opportunity) => {
+                    let opportunity = answer(opportunity)?;
+                    if opportunity.value <= 0.0 {
+                        return Ok(Measure::NotCovered {
+                            reason: "In the model, the opportunity has probability 0.".into(),
+                        });
+                    }
+                    quotient(&occurs, &opportunity)
+                }
+            });
+        }
+        let first = answers.remove(0);
+        Ok(Measure::Probability {
+            answer: first,
+            others: answers,
+            credible: None,
+        })
+    }
+
+    fn carry_uncertainty(
+        &self,
+        id: &str,
+        counted: &[CountedConstant],
+        findings: &mut [Finding],
+        interrupt: &Interrupt,
+        begin: &dyn Fn(&str, u64) -> Stage,
+    ) -> Result<(), Problem> {
+        let level = super::confidence(self.study.about.confidence)?;
+        let points = points(counted, self.study.about.seed);
+        let stage = begin(&format!("{id}: uncertainty of its constants"), SOLVES as u64);
+        let rows: Vec<Vec<Option<f64>>> = points
+            .par_iter()
+            .map(|point| {
+                if interrupt.is_set() {
+                    return Err(Problem::interrupted());
+                }
+                let row = self.solve_at(counted, point, &|| interrupt.is_set());
+                stage.advance();
+                row
+            })
+            .collect::<Result<_, _>>()?;
+        for (place, question) in self.questions.iter().enumerate() {
+            let values: Option<Vec<f64>> = rows.iter().map(|row| row[place]).collect();
+            let finding = findings.iter_mut().find(|f| &f.subject == question.subject);
+            if let (
+                Some(values),
+                Some(Finding {
+                    measure: Measure::Probability { credible, .. },
+                    ..
+                }),
+            ) = (values, finding)
+            {
+                *credible = Some(summary(counted, &points, &values, level)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The questions' values with the counted constants at one point; `None`
+    /// for questions that the model does not express.
+    fn solve_at(
+        &self,
+        counted: &[CountedConstant],
+        point: &[f64],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Option<f64>>, Problem> {
+        let mut overrides = Constants::new();
+        for (constant, value) in counted.iter().zip(point) {
+            overrides.set(
+                constant.name.clone(),
+                Value::Double(Number::from_approximate(*value)),
+            );
+        }
+        let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
+            .map_err(|found| unplaced(&found))?;
+        let space = explore::<f64>(&self.source, &model, cancel)?;
+        let value = |text: &FormText| -> Result<f64, Problem> {
+            let property = self.property(&model, text)?;
+            Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
+        };
+        let mut known: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut row = Vec::new();
+        for question in &self.questions {
+            if question.missing.is_some() {
+                row.push(None);
+                continue;
+            }
+            let mut parts = [None, None];
+            for (part, text) in parts.iter_mut().zip([Some(question.property), question.opportunity]) {
+                if let Some(text) = text {
+                    let found = match known.get(text.text.as_str()) {
+                        Some(found) => *found,
+                        None => value(text)?,
+                    };
+                    known.insert(&text.text, found);
+                    *part = Some(found);
+                }
+            }
+            row.push(match parts {
+                [Some(occurs), Some(opportunity)] if opportunity > 0.0 => Some(occurs / opportunity),
+                [occurs, None] => occurs,
+                _ => None,
+            });
+        }
+        Ok(row)
+    }
+
+    /// What the answers depend on: the model, the questions and the bindings
+    /// that they use.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs.add("model", self.source.text.as_bytes());
+        for question in &self.questions {
+            inputs.add("subject", question.subject.id().as_bytes());
+            for text in [Some(question.property), question.opportunity].into_iter().flatten() {
+                inputs.add("property", text.text.as_bytes());
+                for (name, _) in quoted_names(&text.text) {
+                    let proposition = self.study.vocabulary.propositions.get(&name);
+                    if let Some(binding) = proposition.and_then(|p| p.model.as_ref()) {
+                        inputs.add(&name, binding.text.as_bytes());
+                    }
+                }
+            }
+        }
+        let unasked = self.study.forms.subjects.iter().filter(|f| f.property.is_none());
+        inputs.add_json("unasked", &unasked.map(|f| f.subject.id()).collect::<Vec<_>>());
+    }
+
+    /// The value of a constant of the model, if it has it.
+    pub fn constant(&self, name: &str) -> Option<f64> {
+        match self.model.constant(name)? {
+            Value::Double(number) => Some(number.to_f64()),
+            Value::Int(value) => Some(*value as f64),
+            Value::Bool(_) => None,
+        }
+    }
+}
+
+/// Builds the state space of a model whose text is in `source`.
+pub fn explore<N: prism_lang::Arithmetic>(
+    source: &Source,
+    model: &resolved::Model,
+    cancel: &dyn Fn() -> bool,
+) -> Result<StateSpace<N>, Problem> {
+    let go_on = |_states: usize| !cancel();
+    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| {
+        if error == ExploreError::Cancelled {
+            return Problem::interrupted();
+        }
+        let problem = Problem::new("cannot-explore", error.to_string());
+        match error.span() {
+            Some(span) => problem.at(source, span.start..span.end),
+            None => problem,
+        }
+    })
+}
+
+/// The answer to a `P=?` property in the form of evidence.
+fn answer(
+    property: &Property,
+    method: Method,
+    space: &StateSpace<f64>,
+    exact_space: Option<&StateSpace<Rational>>,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<MethodAnswer, Problem> {
+    let mut options = Options::with_method(match method {
+        Method::Sound => checker::Method::Sound,
+        Method::Exact => checker::Method::Exact,
+        Method::PrismDefault => checker::Method::PrismDefault,
+    });
+    options.cancel = Some(cancel);
+    let answer = match (method, exact_space) {
+        (Method::Exact, Some(space)) => checker::check_exact(space, property, &options),
+        _ => checker::check_space(space, property, &options),
+    };
+    let answer = answer.map_err(|error| match error {
+        checker::CheckError::Cancelled => Problem::interrupted(),
+        other => Problem::new("cannot-check", other.to_string()),
+    })?;
+    let (value, rational) = match &answer.value {
+        AnswerValue::Number(value) => (*value, None),
+        AnswerValue::Exact(value) => (prism_lang::rational_to_f64(value), Some(value.to_string())),
+        _ => {
+            return Err(Problem::new(
+                "several-initial-states",
+                "the model has several initial states, so the property has no single value",
+            )
+            .remedy("give the model one initial state"));
+        }
+    };
+    Ok(MethodAnswer {
+        method: method_name(method).to_owned(),
+        value,
+        complement: answer.complement,
+        guarantee: match &answer.guarantee {
+            checker::Guarantee::Exact => Guarantee::Exact {
+                rational: rational.filter(|text| text.len() <= 60),
+            },
+            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded {
+                low: *low,
+                high: *high,
+            },
+            checker::Guarantee::Estimated { reason } => Guarantee::Estimated {
+                reason: reason.clone(),
+            },
+            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
+                reason: "a statistical answer".into(),
+            },
+        },
+        iterations: (answer.iterations > 0).then_some(answer.iterations),
+    })
+}
+
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Sound => "sound",
+        Method::Exact => "exact",
+        Method::PrismDefault => "prism-default",
+    }
+}
+
+/// The quotient of two probabilities, with the bounds that theirs imply.
+fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnswer {
+    let bounds = |answer: &MethodAnswer| match &answer.guarantee {
+        Guarantee::Exact { .. } => Some((answer.value, answer.value)),
+        Guarantee::Bounded { low, high } => Some((*low, *high)),
+        Guarantee::Estimated { .. } => None,
+    };
+    let guarantee = match (bounds(occurs), bounds(opportunity)) {
+        (Some((low, high)), Some((opportunity_low, opportunity_high))) if opportunity_low > 0.0 => {
+            Guarantee::Bounded {
+                // One step outwards each: the divisions round.
+                low: (low / opportunity_high).next_down().max(0.0),
+                high: (high / opportunity_low).next_up(),
+            }
+        }
+        _ => Guarantee::Estimated {
+            reason: "the quotient of two estimates".into(),
+        },
+    };
+    MethodAnswer {
+        method: occurs.method.clone(),
+        value: occurs.value / opportunity.value,
+        complement: None,
+        guarantee,
+        iterations: occurs.iterations.max(opportunity.iterations),
+    }
+}
+
+fn tool(methods: &[Method]) -> Tool {
+    let names: Vec<&str> = methods.iter().map(|m| method_name(*m)).collect();
+    Tool {
+        name: "corroborate checker".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        settings: format!("methods {}; bounds of relative width 1e-6", names.join(", ")),
+    }
+}
+
+/// Points of the constants' Jeffreys posteriors.
+fn points(counted: &[CountedConstant], seed: u64) -> Vec<Vec<f64>> {
+    let posteriors: Vec<_> = counted
+        .iter()
+        .map(|constant| stats::BetaPosterior::jeffreys(constant.sample))
+        .collect();
+    stats::posterior_design(&posteriors, SOLVES, seed)
+}
+
+fn summary(
+    counted: &[CountedConstant],
+    points: &[Vec<f64>],
+    values: &[f64],
+    level: stats::Confidence,
+) -> Result<CredibleInterval, Problem> {
+    let draws = stats::Draws::new(values)
+        .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
+    // A result that no constant moves has no variance to share.
+    let shares = stats::variance_shares(points, values).unwrap_or_default();
+    let mut spread: Vec<Spread> = counted
+        .iter()
+        .zip(shares)
+        .map(|(constant, share)| Spread {
+            constant: constant.name.clone(),
+            share: share.first_order,
+        })
+        .collect();
+    spread.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let interval = draws.interval(level);
+    Ok(CredibleInterval {
+        mean: draws.mean(),
+        interval: Interval {
+            low: interval.low,
+            high: interval.high,
+        },
+        solves: values.len() as u64,
+        spread,
+        quantiles: (0..100)
+            .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
+            .collect(),
+    })
+}
+
+/// A diagnostic inside a composed text, at its place in the user's file.
+fn shifted(diagnostic: &Diagnostic, prefix: usize, place: usize, length: usize) -> Diagnostic {
+    let shift = |offset: usize| place + offset.saturating_sub(prefix).min(length);
+    let mut shifted = diagnostic.clone();
+    shifted.span = prism_lang::Span::new(shift(diagnostic.span.start), shift(diagnostic.span.end));
+    shifted.related.clear();
+    shifted
+}
+
+fn input_problem(source: &Source, found: &[Diagnostic]) -> Problem {
+    Problem::from_diagnostics(source, found).unwrap_or_else(|| unplaced(found))
+}
+
+fn unplaced(found: &[Diagnostic]) -> Problem {
+    let words: Vec<_> = found.iter().map(|d| d.message.clone()).collect();
+    Problem::new("cannot-resolve", words.join("; "))
+}
