@@ -13,6 +13,8 @@
 //! Nothing in this crate runs a technique, reads a file or prints.
 
 mod asset;
+mod compare;
+mod conclude;
 mod diagnose;
 mod finding;
 mod interval;
@@ -21,6 +23,9 @@ mod requirement;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
+pub use compare::{Influences, Levels, Study, compare};
+pub use conclude::coverage::coverage_gaps;
+pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::diagnose;
 pub use finding::{
     CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Reading, Spread, Subject,

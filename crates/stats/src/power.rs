@@ -26,6 +26,8 @@ const MOST_TRIALS: u64 = 1_000_000_000_000;
 pub struct Arm {
     /// The rate that is taken for true.
     pub rate: f64,
+    /// The variance of one trial that is taken for true.
+    pub spread: f64,
     /// Independent trials so far; infinite when the rate is known.
     pub trials: f64,
 }
@@ -34,40 +36,46 @@ impl Arm {
     /// A rate that is known exactly, as from a sound model.
     #[must_use]
     pub fn known(rate: f64) -> Self {
+        Self::with_size(rate, f64::INFINITY)
+    }
+
+    /// A rate with the uncertainty that `trials` independent trials would leave.
+    #[must_use]
+    pub fn with_size(rate: f64, trials: f64) -> Self {
         Self {
             rate,
-            trials: f64::INFINITY,
+            spread: rate * (1.0 - rate),
+            trials,
         }
     }
 
-    /// An arm with the rate of a sample after one success and one failure are added (Agresti and
-    /// Caffo), so that a plan never rests on a variance of zero. An empty sample plans for 1/2.
+    /// An arm with the rate of a sample. Its variance is that of the rate after one success and
+    /// one failure are added (Agresti and Caffo), so that a plan never rests on a variance of
+    /// zero. An empty sample plans for 1/2.
     #[must_use]
     pub fn of(sample: impl Into<EffectiveSample>) -> Self {
         let sample = sample.into();
-        if !sample.is_informative() {
-            return Self {
-                rate: 0.5,
-                trials: 0.0,
-            };
-        }
+        let Some(rate) = sample.rate() else {
+            return Self::with_size(0.5, 0.0);
+        };
+        let shrunken = (sample.successes + 1.0) / (sample.trials + 2.0);
         Self {
-            rate: (sample.successes + 1.0) / (sample.trials + 2.0),
+            rate,
+            spread: shrunken * (1.0 - shrunken),
             trials: sample.trials,
         }
     }
 
     fn after(&self, further: u64) -> Self {
         Self {
-            rate: self.rate,
             trials: self.trials + further as f64,
+            ..*self
         }
     }
 
     fn variance(&self) -> f64 {
-        let spread = self.rate * (1.0 - self.rate);
         if self.trials > 0.0 {
-            spread / self.trials
+            self.spread / self.trials
         } else {
             f64::INFINITY
         }
@@ -141,16 +149,7 @@ pub fn trials_per_arm(
             });
         }
     }
-    let (first, second) = (
-        Arm {
-            rate: rates.0,
-            trials: 0.0,
-        },
-        Arm {
-            rate: rates.1,
-            trials: 0.0,
-        },
-    );
+    let (first, second) = (Arm::with_size(rates.0, 0.0), Arm::with_size(rates.1, 0.0));
     Ok(smallest(|n| {
         goal.power(first.after(n), second.after(n), confidence) >= power
     }))
@@ -283,13 +282,9 @@ mod tests {
     #[test]
     fn a_known_rate_needs_no_trials() {
         let known = Arm::known(0.88);
-        let arm = Arm::of(Sample {
-            successes: 0,
-            trials: 0,
-        });
+        let empty = Arm::with_size(0.88, 0.0);
         let goal = Goal::Equivalence { margin: 0.05 };
-        let found =
-            further_trials(goal, known, Arm { rate: 0.88, ..arm }, Confidence::P95, 0.8).unwrap();
+        let found = further_trials(goal, known, empty, Confidence::P95, 0.8).unwrap();
         assert_eq!(found.first, None);
         assert_eq!(found.second, found.both);
         assert_eq!(found.second, Some(362));

@@ -1,0 +1,359 @@
+//! Comparison: every pair of evidence on every subject, with one of four outcomes.
+//!
+//! # Definition
+//! For two rates `p1`, `p2`, the declared margin `m`, the level of agreement `g` and the level of
+//! confidence `c`, in this order:
+//!
+//! * *not comparable*: conditions differ, a side cannot express the subject, never covered it, or
+//!   has an error that is unknown;
+//! * *corroborates*: `|p1 - p2| < m` is shown. Between counts, and between counts and a known
+//!   probability, by two one-sided tests at level `1 - g`; where a side is a distribution, by a
+//!   posterior probability of at least `g`;
+//! * *conflicts*: "no difference" is rejected at level `1 - c` after Holm's correction over all
+//!   comparable pairs of the study;
+//! * *inconclusive*: neither; the further trials that would decide are given.
+//!
+//! Agreement comes first: a difference that is detectable but certainly below the margin was
+//! declared not to matter. A pair is *independent* unless one side was calibrated on the other, or
+//! both on the same counts, on this quantity (see [`Influences`]).
+//!
+//! | sides | "no difference" | agreement |
+//! |---|---|---|
+//! | counts, counts | Fisher's exact test | two one-sided tests, Agresti and Caffo's variance |
+//! | counts, known | exact binomial test | two one-sided exact binomial tests |
+//! | counts or distribution, distribution | posterior tails | posterior probability |
+//! | known, known | their bounds are apart | their bounds are within the margin |
+//!
+//! Clustered counts enter at their effective size; exact tests, which need whole numbers, take
+//! the neighbouring whole numbers with the largest p-value.
+//!
+//! # Source
+//! Outcomes and the order of tests: this project. Tests: see `stats`. Distributions of computed
+//! probabilities are beta distributions with the mean and variance of the draws (D.-Y. Fan, "The
+//! distribution of the product of independent beta variables", 1991).
+//!
+//! # Guarantee
+//! With probability at least `c` none of the conflicts reported between independent counts is
+//! due to chance; a pair that truly differs by the margin is reported to agree with probability
+//! at most `1 - g` (asymptotically between two counts, always against a known probability).
+
+mod belief;
+mod lineage;
+mod pair;
+pub(crate) mod words;
+
+pub(crate) use belief::Belief;
+pub use lineage::Influences;
+pub(crate) use lineage::Lineage;
+
+use crate::{
+    Comparison, Evidence, FailureMode, FurtherTrials, Interval, Outcome, Requirement, Subject,
+};
+use pair::Pair;
+use stats::{Confidence, StatsError};
+use words::{p_value, points, probability, sentence};
+
+/// The levels that a study declares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Levels {
+    pub(crate) confidence: Confidence,
+    pub(crate) agreement: Confidence,
+    pub(crate) power: f64,
+}
+
+impl Levels {
+    /// `confidence` of every interval and against every false conflict, and the level at which
+    /// `agreement` is claimed; both strictly between 0 and 1. Further trials are planned for a
+    /// probability of success of 0.8.
+    ///
+    /// # Errors
+    /// [`StatsError::OutOfRange`], naming the level.
+    pub fn new(confidence: f64, agreement: f64) -> Result<Self, StatsError> {
+        Ok(Self {
+            confidence: Confidence::new(confidence)?,
+            agreement: Confidence::new(agreement)?,
+            power: 0.8,
+        })
+    }
+}
+
+/// What a study has to compare: plain references to its parts.
+#[derive(Clone, Copy, Debug)]
+pub struct Study<'a> {
+    /// What is required, with margins.
+    pub requirements: &'a [Requirement],
+    /// What can go wrong, with margins.
+    pub failure_modes: &'a [FailureMode],
+    /// The ledger, oldest first.
+    pub evidence: &'a [Evidence],
+    /// Which failure modes make runs fail which requirement.
+    pub influences: &'a Influences,
+    /// The declared levels.
+    pub levels: Levels,
+}
+
+impl<'a> Study<'a> {
+    /// The subjects that are quantities of their own, with their margins: requirements that are
+    /// not "the same quantity as" another, then failure modes.
+    pub(crate) fn subjects(&self) -> Vec<(Subject, f64)> {
+        let requirements = self
+            .requirements
+            .iter()
+            .filter(|requirement| requirement.same_quantity_as.is_none())
+            .map(|requirement| {
+                (
+                    Subject::Requirement(requirement.id.clone()),
+                    requirement.margin,
+                )
+            });
+        let modes = self
+            .failure_modes
+            .iter()
+            .map(|mode| (Subject::FailureMode(mode.id.clone()), mode.margin));
+        requirements.chain(modes).collect()
+    }
+
+    pub(crate) fn lineage(&self) -> Lineage<'a> {
+        Lineage::new(self.evidence, self.influences)
+    }
+}
+
+/// Compares every pair of evidence that is not intermediate, on every subject about which both
+/// have a finding, in the order of subjects and then of the ledger.
+///
+/// Requirements that are the same quantity as another are compared once, under the other's name.
+pub fn compare(study: &Study<'_>) -> Vec<Comparison> {
+    let lineage = study.lineage();
+    let mut drafts = Vec::new();
+    for (subject, margin) in study.subjects() {
+        for (index, left) in study.evidence.iter().enumerate() {
+            for right in &study.evidence[index + 1..] {
+                drafts.extend(draft(study, &lineage, &subject, margin, (left, right)));
+            }
+        }
+    }
+    correct(&mut drafts);
+    let family = drafts.iter().filter(|draft| draft.is_tested()).count();
+    drafts
+        .into_iter()
+        .map(|draft| draft.decide(&study.levels, family))
+        .collect()
+}
+
+/// A comparison before the correction for the number of comparisons.
+struct Draft {
+    comparison: Comparison,
+    /// Why the pair is a fit, if it is.
+    fit: Option<String>,
+    /// The statistics, where both sides have a number.
+    pair: Option<Pair>,
+    /// Why the pair cannot be compared, if it cannot.
+    obstacle: Option<String>,
+}
+
+fn draft(
+    study: &Study<'_>,
+    lineage: &Lineage<'_>,
+    subject: &Subject,
+    margin: f64,
+    (left, right): (&Evidence, &Evidence),
+) -> Option<Draft> {
+    if left.intermediate || right.intermediate {
+        return None;
+    }
+    let measures = (
+        &left.finding(subject)?.measure,
+        &right.finding(subject)?.measure,
+    );
+    let fit = lineage.dependence(&left.id, &right.id, subject);
+    let mut comparison = blank(subject, left, right, margin);
+    comparison.independent = fit.is_none();
+    let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
+        (Ok(first), Ok(second)) => (
+            Some(Pair::new(first, second, margin)),
+            other_conditions(left, right),
+        ),
+        (first, second) => (
+            None,
+            Some(missing(
+                left,
+                right,
+                first.err().as_deref(),
+                second.err().as_deref(),
+            )),
+        ),
+    };
+    if let Some(pair) = &pair {
+        let interval = pair.difference_interval(study.levels.confidence);
+        comparison.difference = Some(pair.difference());
+        comparison.difference_interval = Some(Interval {
+            low: interval.low,
+            high: interval.high,
+        });
+        comparison.p_difference = Some(pair.p_difference());
+        comparison.p_equivalence = pair.p_equivalence();
+        comparison.probability_within_margin = Some(pair.probability_within());
+    }
+    Some(Draft {
+        comparison,
+        fit,
+        pair,
+        obstacle,
+    })
+}
+
+fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> Comparison {
+    Comparison {
+        subject: subject.clone(),
+        left: left.id.clone(),
+        right: right.id.clone(),
+        outcome: Outcome::NotComparable,
+        independent: true,
+        difference: None,
+        difference_interval: None,
+        margin,
+        p_difference: None,
+        p_difference_corrected: None,
+        p_equivalence: None,
+        probability_within_margin: None,
+        further_trials: Vec::new(),
+        reason: String::new(),
+    }
+}
+
+fn other_conditions(left: &Evidence, right: &Evidence) -> Option<String> {
+    (left.conditions != right.conditions).then(|| {
+        format!(
+            "Conditions differ: {} holds for \"{}\", {} for \"{}\".",
+            left.id, left.conditions, right.id, right.conditions
+        )
+    })
+}
+
+fn missing(left: &Evidence, right: &Evidence, first: Option<&str>, second: Option<&str>) -> String {
+    let side = |id: &str, why: Option<&str>| why.map(|why| sentence(&format!("{id}: {why}")));
+    [side(&left.id, first), side(&right.id, second)]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// Holm's correction over the pairs that are comparable.
+fn correct(drafts: &mut [Draft]) {
+    let tested: Vec<usize> = (0..drafts.len())
+        .filter(|&i| drafts[i].is_tested())
+        .collect();
+    let raw: Vec<f64> = tested
+        .iter()
+        .filter_map(|&index| drafts[index].comparison.p_difference)
+        .collect();
+    for (index, corrected) in tested.into_iter().zip(stats::holm(&raw)) {
+        drafts[index].comparison.p_difference_corrected = Some(corrected);
+    }
+}
+
+impl Draft {
+    fn is_tested(&self) -> bool {
+        self.pair.is_some() && self.obstacle.is_none()
+    }
+
+    fn decide(mut self, levels: &Levels, family: usize) -> Comparison {
+        match (self.pair.take(), self.obstacle.take()) {
+            (Some(pair), None) => self.decide_tested(&pair, levels, family),
+            (_, obstacle) => self.comparison.reason = obstacle.unwrap_or_default(),
+        }
+        self.comparison
+    }
+
+    fn decide_tested(&mut self, pair: &Pair, levels: &Levels, family: usize) {
+        let corrected = self.comparison.p_difference_corrected.unwrap_or(1.0);
+        let differ = corrected <= levels.confidence.alpha();
+        let agree = pair.shows_agreement(levels.agreement);
+        self.comparison.outcome = match (agree, differ) {
+            (true, _) => Outcome::Corroborates,
+            (false, true) => Outcome::Conflicts,
+            (false, false) => Outcome::Inconclusive,
+        };
+        let reason = match self.comparison.outcome {
+            Outcome::Corroborates => self.agreement_in_words(differ),
+            Outcome::Conflicts => self.conflict_in_words(corrected, family),
+            _ => self.doubt_in_words(pair, levels, family),
+        };
+        self.comparison.reason = reason + &self.fit_in_words();
+    }
+
+    /// What it means for the outcome that the pair is not independent.
+    fn fit_in_words(&self) -> String {
+        let Some(fit) = &self.fit else {
+            return String::new();
+        };
+        let meaning = match self.comparison.outcome {
+            Outcome::Corroborates => "This is a fit, not corroboration",
+            Outcome::Conflicts => "They differ although they are not independent",
+            _ => "They are not independent, so that agreement would be a fit",
+        };
+        format!(" {meaning}: {fit}.")
+    }
+
+    fn agreement_in_words(&self, differ: bool) -> String {
+        let mut words = format!(
+            "They agree within {}: {}.",
+            points(self.comparison.margin),
+            self.test_in_words()
+        );
+        if differ {
+            words.push_str(" There is a difference, but it is smaller than the margin.");
+        }
+        words
+    }
+
+    fn conflict_in_words(&self, corrected: f64, family: usize) -> String {
+        let size = points(self.comparison.difference.unwrap_or(0.0).abs());
+        format!(
+            "They differ by {size}, beyond chance (p = {}; {} after correction for {family} \
+             comparisons).",
+            p_value(self.comparison.p_difference.unwrap_or(1.0)),
+            p_value(corrected)
+        )
+    }
+
+    fn doubt_in_words(&mut self, pair: &Pair, levels: &Levels, family: usize) -> String {
+        let mut words = format!(
+            "Neither a difference (p = {}) nor agreement within {} ({}) is shown.",
+            p_value(self.comparison.p_difference.unwrap_or(1.0)),
+            points(self.comparison.margin),
+            self.test_in_words()
+        );
+        let plan = pair.plan(levels, family);
+        for (evidence, trials) in [
+            (&self.comparison.left, plan.first),
+            (&self.comparison.right, plan.second),
+        ] {
+            if let Some(trials) = trials {
+                let evidence = evidence.clone();
+                self.comparison
+                    .further_trials
+                    .push(FurtherTrials { evidence, trials });
+            }
+        }
+        if let Some((left, right)) = plan.both {
+            words.push_str(&format!(
+                " {left} further trials in {} and {right} in {} would probably decide.",
+                self.comparison.left, self.comparison.right
+            ));
+        }
+        words
+    }
+
+    fn test_in_words(&self) -> String {
+        let within = probability(self.comparison.probability_within_margin.unwrap_or(0.0));
+        match self.comparison.p_equivalence {
+            Some(p) => format!(
+                "two one-sided tests p = {}, probability of a smaller difference {within}",
+                p_value(p)
+            ),
+            None => format!("probability of a smaller difference {within}"),
+        }
+    }
+}

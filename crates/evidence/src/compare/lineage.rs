@@ -1,0 +1,308 @@
+//! Lineage: whose counts a number rests on.
+//!
+//! # Definition
+//! The *sources* of evidence E on a subject S are the findings to which parameters of E's assets
+//! were set and that bear on S, and their sources in turn. A calibration on subject C bears on S
+//! when C is S; when S is a requirement and C a failure mode that makes runs fail it; or the other
+//! way round. Two pieces of evidence are independent on S when neither is among the other's
+//! sources and they have no source in common.
+//!
+//! Which failure modes make runs fail which requirement is learnt from formal models with
+//! uncertain constants: a constant that was set to a failure mode's count and takes less than
+//! [`SHARE`] of the variance of a requirement's probability does not bear on the requirement. What
+//! neither a model nor a declaration tells counts as bearing, so that independence is never
+//! claimed without a reason.
+
+use crate::{Calibration, Evidence, Measure, Subject};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The share of the variance from which a constant counts as an influence.
+pub(crate) const SHARE: f64 = 0.005;
+
+/// Which failure modes make runs fail which requirement, as far as is known.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Influences {
+    known: BTreeMap<(String, String), bool>,
+}
+
+impl Influences {
+    /// What the formal models of the ledger show.
+    pub fn learn(evidence: &[Evidence]) -> Self {
+        let mut influences = Self::default();
+        for piece in evidence {
+            for finding in &piece.findings {
+                let Subject::Requirement(requirement) = &finding.subject else {
+                    continue;
+                };
+                let shares = shares(&finding.measure);
+                for calibration in &piece.calibrated {
+                    let Subject::FailureMode(mode) = &calibration.subject else {
+                        continue;
+                    };
+                    if let Some(share) = shares.get(calibration.parameter.as_str()) {
+                        influences.add(requirement, mode, *share >= SHARE);
+                    }
+                }
+            }
+        }
+        influences
+    }
+
+    /// Declares whether a failure mode makes runs fail a requirement; a declaration is never
+    /// unlearnt.
+    #[must_use]
+    pub fn declare(mut self, requirement: &str, failure_mode: &str, bears: bool) -> Self {
+        self.known
+            .insert((requirement.to_owned(), failure_mode.to_owned()), bears);
+        self
+    }
+
+    /// Adds what one model shows; one model in which it bears is enough.
+    fn add(&mut self, requirement: &str, mode: &str, bears: bool) {
+        let known = self
+            .known
+            .entry((requirement.to_owned(), mode.to_owned()))
+            .or_insert(bears);
+        *known |= bears;
+    }
+
+    /// Whether a calibration on `source` bears on `subject`; yes when nothing is known.
+    fn bears(&self, source: &Subject, subject: &Subject) -> bool {
+        match (source, subject) {
+            (Subject::FailureMode(mode), Subject::Requirement(requirement))
+            | (Subject::Requirement(requirement), Subject::FailureMode(mode)) => {
+                let key = (requirement.clone(), mode.clone());
+                self.known.get(&key).copied().unwrap_or(true)
+            }
+            (source, subject) => source == subject,
+        }
+    }
+}
+
+/// The shares of constants in the variance of a computed probability; all zero when it does not
+/// vary.
+fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
+    let Measure::Probability {
+        credible: Some(credible),
+        ..
+    } = measure
+    else {
+        return BTreeMap::new();
+    };
+    let width = match (credible.quantiles.first(), credible.quantiles.last()) {
+        (Some(low), Some(high)) => high - low,
+        _ => credible.interval.high - credible.interval.low,
+    };
+    let varies = width > 1e-12;
+    credible
+        .spread
+        .iter()
+        .map(|spread| {
+            (
+                spread.constant.as_str(),
+                if varies { spread.share } else { 0.0 },
+            )
+        })
+        .collect()
+}
+
+/// A source: evidence and what was counted in it.
+type Source = (String, Subject);
+
+/// The calibrations of a ledger, with what is known of their bearing.
+pub(crate) struct Lineage<'a> {
+    evidence: BTreeMap<&'a str, &'a Evidence>,
+    influences: &'a Influences,
+}
+
+impl<'a> Lineage<'a> {
+    pub fn new(evidence: &'a [Evidence], influences: &'a Influences) -> Self {
+        let evidence = evidence
+            .iter()
+            .map(|piece| (piece.id.as_str(), piece))
+            .collect();
+        Self {
+            evidence,
+            influences,
+        }
+    }
+
+    /// Why two pieces of evidence are not independent on a subject; `None` if they are.
+    pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
+        let ours = self.sources(first, subject);
+        let theirs = self.sources(second, subject);
+        let direct = |sources: &BTreeMap<Source, String>, other: &str| {
+            sources
+                .iter()
+                .find(|((id, _), _)| id == other)
+                .map(|(_, words)| words.clone())
+        };
+        if let Some(words) = direct(&theirs, first).or_else(|| direct(&ours, second)) {
+            return Some(words);
+        }
+        let shared = ours
+            .iter()
+            .find(|(source, _)| theirs.contains_key(source))?;
+        let (id, counted) = shared.0;
+        Some(format!(
+            "both rest on {id}'s {}",
+            counted.id().replace('_', " ")
+        ))
+    }
+
+    /// Whether the evidence rests on no other on this subject.
+    pub fn is_root(&self, id: &str, subject: &Subject) -> bool {
+        self.sources(id, subject).is_empty()
+    }
+
+    /// All sources, each with the calibration that names it, in words.
+    fn sources(&self, id: &str, subject: &Subject) -> BTreeMap<Source, String> {
+        let mut found = BTreeMap::new();
+        let mut seen = BTreeSet::from([(id.to_owned(), subject.clone())]);
+        let mut open = vec![(id.to_owned(), subject.clone())];
+        while let Some((holder, about)) = open.pop() {
+            let Some(piece) = self.evidence.get(holder.as_str()) else {
+                continue;
+            };
+            for calibration in self.bearing(piece, &about) {
+                let source = (calibration.from.clone(), calibration.subject.clone());
+                found
+                    .entry(source.clone())
+                    .or_insert_with(|| in_words(&holder, calibration));
+                if seen.insert(source.clone()) {
+                    open.push(source);
+                }
+            }
+        }
+        found
+    }
+
+    /// The calibrations of `piece` that bear on `subject`: by its own model where that tells, else
+    /// by what is known in general.
+    fn bearing(&self, piece: &'a Evidence, subject: &Subject) -> Vec<&'a Calibration> {
+        let own = piece
+            .finding(subject)
+            .map(|finding| shares(&finding.measure));
+        let bears = |calibration: &&Calibration| {
+            if &calibration.subject == subject {
+                return true;
+            }
+            let share = own
+                .as_ref()
+                .and_then(|own| own.get(calibration.parameter.as_str()));
+            match (share, subject) {
+                (Some(share), Subject::Requirement(_)) => *share >= SHARE,
+                _ => self.influences.bears(&calibration.subject, subject),
+            }
+        };
+        piece.calibrated.iter().filter(bears).collect()
+    }
+}
+
+fn in_words(holder: &str, calibration: &Calibration) -> String {
+    format!(
+        "{holder}'s {} was set to {}'s {}",
+        calibration.parameter,
+        calibration.from,
+        calibration.subject.id().replace('_', " ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Technique, Tool};
+
+    fn piece(id: &str, calibrated: &[(&str, Subject)]) -> Evidence {
+        let calibrations = calibrated.iter().map(|(from, subject)| Calibration {
+            parameter: "constant".to_owned(),
+            from: (*from).to_owned(),
+            subject: subject.clone(),
+        });
+        Evidence {
+            id: id.to_owned(),
+            title: String::new(),
+            technique: Technique::Simulation,
+            tool: Tool {
+                name: String::new(),
+                version: String::new(),
+                settings: String::new(),
+            },
+            assets: Vec::new(),
+            conditions: String::new(),
+            changed: String::new(),
+            calibrated: calibrations.collect(),
+            intermediate: false,
+            published: false,
+            reproduced_by: None,
+            findings: Vec::new(),
+            clusters: None,
+            inputs: String::new(),
+        }
+    }
+
+    fn mode(id: &str) -> Subject {
+        Subject::FailureMode(id.to_owned())
+    }
+
+    fn requirement(id: &str) -> Subject {
+        Subject::Requirement(id.to_owned())
+    }
+
+    #[test]
+    fn calibration_is_inherited_and_per_mode() {
+        let ledger = [
+            piece("A", &[]),
+            piece("B", &[("A", mode("slip"))]),
+            piece("C", &[("B", mode("slip"))]),
+            piece("D", &[("A", mode("gaze"))]),
+        ];
+        let influences = Influences::default();
+        let lineage = Lineage::new(&ledger, &influences);
+        let words = lineage.dependence("A", "C", &mode("slip")).unwrap();
+        assert_eq!(words, "B's constant was set to A's slip");
+        assert_eq!(lineage.dependence("A", "C", &mode("gaze")), None);
+        assert_eq!(lineage.dependence("C", "D", &mode("slip")), None);
+        assert!(lineage.is_root("A", &mode("slip")) && !lineage.is_root("C", &mode("slip")));
+        // Nothing tells whether slips bear on the requirement, so they count as bearing.
+        assert!(lineage.dependence("A", "B", &requirement("1")).is_some());
+    }
+
+    #[test]
+    fn siblings_share_their_source() {
+        let ledger = [
+            piece("A", &[]),
+            piece("B", &[("A", mode("slip"))]),
+            piece("C", &[("A", mode("slip"))]),
+        ];
+        let influences = Influences::default();
+        let lineage = Lineage::new(&ledger, &influences);
+        let words = lineage.dependence("B", "C", &mode("slip")).unwrap();
+        assert_eq!(words, "both rest on A's slip");
+    }
+
+    #[test]
+    fn a_declaration_tells_what_does_not_bear() {
+        let ledger = [piece("A", &[]), piece("B", &[("A", mode("slip"))])];
+        let influences = Influences::default().declare("speed", "slip", false);
+        let lineage = Lineage::new(&ledger, &influences);
+        assert_eq!(lineage.dependence("A", "B", &requirement("speed")), None);
+        assert!(
+            lineage
+                .dependence("A", "B", &requirement("success"))
+                .is_some()
+        );
+    }
+
+    #[test]
+    fn a_circle_of_calibrations_ends() {
+        let ledger = [
+            piece("A", &[("B", mode("slip"))]),
+            piece("B", &[("A", mode("slip"))]),
+        ];
+        let influences = Influences::default();
+        let lineage = Lineage::new(&ledger, &influences);
+        assert!(lineage.dependence("A", "B", &mode("slip")).is_some());
+        assert!(lineage.dependence("A", "missing", &mode("slip")).is_none());
+    }
+}

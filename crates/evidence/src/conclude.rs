@@ -1,0 +1,314 @@
+//! Conclusions: what the current evidence says about each requirement.
+//!
+//! # Definition
+//! *Current* is, under the conditions that most techniques share, the latest evidence of each
+//! technique that has a number on the requirement and is neither intermediate nor reproduced by
+//! another. *Independent* are those of it, roots of lineage first, that rest on none accepted
+//! before them. With `k` independent pieces, each is judged one-sidedly at level `1 - alpha/k`:
+//! it *supports* the threshold, *denies* it, or does *neither*.
+//!
+//! | verdict | when |
+//! |---|---|
+//! | not covered | there is no current evidence |
+//! | conflicting | two current pieces conflict and stand differently, or one supports and one denies |
+//! | violated | an independent piece denies |
+//! | satisfied | an independent piece supports and no current piece denies |
+//! | undecided | else |
+//!
+//! A requirement without a threshold asks for certainty. Trials alone cannot show it, however many
+//! pass, while one failure denies it; a computed probability within [`CERTAINTY`] of 1 supports it.
+//!
+//! The common bound is the smallest one-sided lower limit of all current pieces at the level
+//! `1 - alpha/k` with `k` their number, so that all limits hold together with confidence
+//! `1 - alpha` (Bonferroni), whatever the dependence.
+//!
+//! # Guarantee
+//! A verdict *violated* or *satisfied* that rests on counts is wrong with probability at most
+//! `alpha`, over the sampling of the independent pieces. It speaks of the stated conditions.
+
+pub(crate) mod coverage;
+mod stand;
+
+use crate::compare::words::{list, percent, points};
+use crate::compare::{Belief, Lineage, Study};
+use crate::{
+    Comparison, Conclusion, Direction, Evidence, Finding, Outcome, Requirement, Subject, Technique,
+    Threshold, Verdict,
+};
+use stand::{Stand, Standing};
+use stats::Confidence;
+use std::collections::BTreeMap;
+
+/// A computed probability this near to 1 counts as certain: far below what any trial could tell
+/// and above the bounds' width of a sound method.
+pub const CERTAINTY: f64 = 1e-9;
+
+/// Draws a conclusion about every requirement, in their order.
+///
+/// `comparisons` are those of [`crate::compare`] on the same study.
+pub fn conclude(study: &Study<'_>, comparisons: &[Comparison]) -> Vec<Conclusion> {
+    let lineage = study.lineage();
+    study
+        .requirements
+        .iter()
+        .map(|requirement| conclusion(study, &lineage, requirement, comparisons))
+        .collect()
+}
+
+/// One current piece of evidence on a requirement.
+pub(crate) struct Piece<'a> {
+    pub evidence: &'a Evidence,
+    pub belief: Belief,
+}
+
+fn conclusion(
+    study: &Study<'_>,
+    lineage: &Lineage<'_>,
+    requirement: &Requirement,
+    comparisons: &[Comparison],
+) -> Conclusion {
+    let quantity = quantity(study.requirements, requirement);
+    let pieces = current(study.evidence, requirement, &quantity);
+    let threshold = requirement.threshold.unwrap_or(Threshold {
+        direction: Direction::AtLeast,
+        value: 1.0,
+    });
+    let independent = independent(&pieces, lineage, &quantity);
+    let level = study.levels.confidence.simultaneous(independent.len());
+    let stands: Vec<Stand> = pieces
+        .iter()
+        .map(|piece| Stand::of(&piece.evidence.id, &piece.belief, threshold, level))
+        .collect();
+    let among = among_current(comparisons, &quantity, &pieces);
+    let verdict = verdict(&stands, &independent, &among);
+    let bound = common_lower_bound(&pieces, threshold, study.levels.confidence);
+    Conclusion {
+        requirement: requirement.id.clone(),
+        verdict,
+        statement: statement(verdict, &pieces, &stands, &among, threshold, bound, study),
+        common_lower_bound: bound,
+        rests_on: pieces
+            .iter()
+            .map(|piece| piece.evidence.id.clone())
+            .collect(),
+        independent_agreement: agreement(&among, true),
+        fitted_agreement: agreement(&among, false),
+    }
+}
+
+/// The subject under which a requirement's quantity is compared.
+fn quantity(requirements: &[Requirement], requirement: &Requirement) -> Subject {
+    let mut id = &requirement.id;
+    let mut next = requirement.same_quantity_as.as_ref();
+    // As many steps as there are requirements, so that a circle ends.
+    for _ in requirements {
+        let Some(other) = next else { break };
+        id = other;
+        next = requirements
+            .iter()
+            .find(|candidate| &candidate.id == other)
+            .and_then(|candidate| candidate.same_quantity_as.as_ref());
+    }
+    Subject::Requirement(id.clone())
+}
+
+/// The current evidence on a requirement, in the ledger's order.
+fn current<'a>(
+    evidence: &'a [Evidence],
+    requirement: &Requirement,
+    quantity: &Subject,
+) -> Vec<Piece<'a>> {
+    let own = Subject::Requirement(requirement.id.clone());
+    let finding = |piece: &'a Evidence| -> Option<&'a Finding> {
+        piece.finding(&own).or_else(|| piece.finding(quantity))
+    };
+    let mut by_conditions: BTreeMap<&str, BTreeMap<Technique, usize>> = BTreeMap::new();
+    for (index, piece) in evidence.iter().enumerate() {
+        let counts = !piece.intermediate && piece.reproduced_by.is_none();
+        if counts && finding(piece).is_some_and(|f| Belief::of(&f.measure).is_ok()) {
+            let latest = by_conditions.entry(&piece.conditions).or_default();
+            latest.insert(piece.technique, index);
+        }
+    }
+    let most = by_conditions
+        .into_values()
+        .max_by_key(|latest| (latest.len(), latest.values().max().copied()));
+    let mut indices: Vec<usize> = most.unwrap_or_default().into_values().collect();
+    indices.sort_unstable();
+    indices
+        .into_iter()
+        .filter_map(|index| {
+            let belief = Belief::of(&finding(&evidence[index])?.measure).ok()?;
+            Some(Piece {
+                evidence: &evidence[index],
+                belief,
+            })
+        })
+        .collect()
+}
+
+/// Positions of the pieces that rest on none of those accepted before, roots first.
+fn independent(pieces: &[Piece<'_>], lineage: &Lineage<'_>, quantity: &Subject) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    order.sort_by_key(|&index| {
+        (
+            !lineage.is_root(&pieces[index].evidence.id, quantity),
+            index,
+        )
+    });
+    let mut accepted: Vec<usize> = Vec::new();
+    for index in order {
+        let id = &pieces[index].evidence.id;
+        let free = accepted.iter().all(|&other| {
+            lineage
+                .dependence(&pieces[other].evidence.id, id, quantity)
+                .is_none()
+        });
+        if free {
+            accepted.push(index);
+        }
+    }
+    accepted.sort_unstable();
+    accepted
+}
+
+/// Comparisons of two current pieces on the quantity.
+fn among_current<'a>(
+    comparisons: &'a [Comparison],
+    quantity: &Subject,
+    pieces: &[Piece<'_>],
+) -> Vec<&'a Comparison> {
+    let is_current = |id: &str| pieces.iter().any(|piece| piece.evidence.id == id);
+    comparisons
+        .iter()
+        .filter(|comparison| &comparison.subject == quantity)
+        .filter(|comparison| is_current(&comparison.left) && is_current(&comparison.right))
+        .collect()
+}
+
+fn verdict(stands: &[Stand], independent: &[usize], among: &[&Comparison]) -> Verdict {
+    if stands.is_empty() {
+        return Verdict::NotCovered;
+    }
+    let standing = |id: &str| {
+        stands
+            .iter()
+            .find(|stand| stand.id == id)
+            .map(|s| s.standing)
+    };
+    let torn = among.iter().any(|comparison| {
+        comparison.outcome == Outcome::Conflicts
+            && standing(&comparison.left) != standing(&comparison.right)
+    });
+    let any = |wanted| stands.iter().any(|stand| stand.standing == wanted);
+    let independently = |wanted| {
+        independent
+            .iter()
+            .any(|&index| stands[index].standing == wanted)
+    };
+    if torn || (any(Standing::Supports) && any(Standing::Denies)) {
+        Verdict::Conflicting
+    } else if independently(Standing::Denies) {
+        Verdict::Violated
+    } else if independently(Standing::Supports) && !any(Standing::Denies) {
+        Verdict::Satisfied
+    } else {
+        Verdict::Undecided
+    }
+}
+
+/// What all pieces support together, for a requirement of "at least".
+fn common_lower_bound(
+    pieces: &[Piece<'_>],
+    threshold: Threshold,
+    confidence: Confidence,
+) -> Option<f64> {
+    if threshold.direction == Direction::AtMost {
+        return None;
+    }
+    let level = confidence.simultaneous(pieces.len());
+    pieces
+        .iter()
+        .map(|piece| piece.belief.lower_limit(level))
+        .reduce(f64::min)
+}
+
+fn statement(
+    verdict: Verdict,
+    pieces: &[Piece<'_>],
+    stands: &[Stand],
+    among: &[&Comparison],
+    threshold: Threshold,
+    bound: Option<f64>,
+    study: &Study<'_>,
+) -> String {
+    if verdict == Verdict::NotCovered {
+        return "No current evidence says anything about it.".to_owned();
+    }
+    let asked = stand::in_words(threshold);
+    let opening = match verdict {
+        Verdict::Satisfied => format!("It holds ({asked})."),
+        Verdict::Violated => format!("It does not hold ({asked})."),
+        Verdict::Conflicting => format!("The evidence contradicts itself ({asked})."),
+        _ => format!("The evidence does not decide ({asked})."),
+    };
+    let figures = list(
+        &stands
+            .iter()
+            .map(|stand| stand.words.clone())
+            .collect::<Vec<_>>(),
+    );
+    let mut words = format!("{opening} {figures}.");
+    for conflict in among
+        .iter()
+        .filter(|comparison| comparison.outcome == Outcome::Conflicts)
+    {
+        let size = points(conflict.difference.unwrap_or(0.0).abs());
+        words.push_str(&format!(
+            " {} and {} conflict by {size}.",
+            conflict.left, conflict.right
+        ));
+    }
+    if let Some(bound) = bound {
+        let ids: Vec<String> = pieces
+            .iter()
+            .map(|piece| piece.evidence.id.clone())
+            .collect();
+        let who = match ids.as_slice() {
+            [only] => format!("{only} supports"),
+            _ => format!("{} all support", list(&ids)),
+        };
+        let level = percent(study.levels.confidence.level());
+        let at_least = percent_down(bound);
+        words.push_str(&format!(
+            " {who} at least {at_least} with {level} confidence."
+        ));
+    }
+    words
+}
+
+/// A lower bound in percent, rounded down so that the sentence stays true.
+fn percent_down(bound: f64) -> String {
+    if bound >= 1.0 {
+        return percent(1.0);
+    }
+    let mut scale = 1e3;
+    while 1.0 - bound < 1.0 / scale && scale < 1e12 {
+        scale *= 10.0;
+    }
+    percent((bound * scale).floor() / scale)
+}
+
+fn agreement(among: &[&Comparison], independent: bool) -> Vec<String> {
+    among
+        .iter()
+        .filter(|comparison| comparison.outcome == Outcome::Corroborates)
+        .filter(|comparison| comparison.independent == independent)
+        .map(|comparison| {
+            format!(
+                "{} and {}: {}",
+                comparison.left, comparison.right, comparison.reason
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,95 @@
+//! What evidence does not cover.
+
+use crate::compare::Study;
+use crate::compare::words::sentence;
+use crate::{CoverageGap, Evidence, Finding, Measure, Subject, Technique};
+use std::collections::BTreeMap;
+
+/// Requirements and failure modes about which no current evidence has a number (`evidence` is
+/// then empty), and those that the current evidence of some technique cannot express, never
+/// covered, or was not asked about.
+///
+/// Current is the latest evidence of each technique under each of the study's conditions, without
+/// intermediate evidence and evidence that another reproduces. A subject that a technique's
+/// evidence lacks altogether is only a gap if that evidence speaks about subjects of this kind.
+pub fn coverage_gaps(study: &Study<'_>) -> Vec<CoverageGap> {
+    let current = current(study.evidence);
+    study
+        .subjects()
+        .into_iter()
+        .flat_map(|(subject, _)| gaps(&current, &subject))
+        .collect()
+}
+
+fn current(evidence: &[Evidence]) -> Vec<&Evidence> {
+    let mut latest: BTreeMap<(Technique, &str), usize> = BTreeMap::new();
+    for (index, piece) in evidence.iter().enumerate() {
+        if !piece.intermediate && piece.reproduced_by.is_none() {
+            latest.insert((piece.technique, &piece.conditions), index);
+        }
+    }
+    let mut indices: Vec<usize> = latest.into_values().collect();
+    indices.sort_unstable();
+    indices.into_iter().map(|index| &evidence[index]).collect()
+}
+
+fn gaps(current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
+    let silent: Vec<(&str, String)> = current
+        .iter()
+        .filter_map(|piece| Some((piece.id.as_str(), why_silent(piece, subject)?)))
+        .collect();
+    let speaks = |piece: &&&Evidence| {
+        piece
+            .finding(subject)
+            .is_some_and(|finding| why_no_number(finding).is_none())
+    };
+    if current.iter().any(|piece| speaks(&piece)) {
+        return silent
+            .into_iter()
+            .map(|(id, why)| CoverageGap {
+                subject: subject.clone(),
+                evidence: vec![id.to_owned()],
+                reason: sentence(&format!("{id}: {why}")),
+            })
+            .collect();
+    }
+    let reasons: Vec<String> = silent
+        .iter()
+        .map(|(id, why)| sentence(&format!("{id}: {why}")))
+        .collect();
+    let reason = match reasons.as_slice() {
+        [] => "No evidence was asked about it.".to_owned(),
+        _ => format!("Nothing covers it. {}", reasons.join(" ")),
+    };
+    vec![CoverageGap {
+        subject: subject.clone(),
+        evidence: Vec::new(),
+        reason,
+    }]
+}
+
+/// Why a piece of evidence says nothing about a subject; `None` if it does, or if it is about
+/// other kinds of subjects.
+fn why_silent(piece: &Evidence, subject: &Subject) -> Option<String> {
+    match piece.finding(subject) {
+        Some(finding) => why_no_number(finding),
+        None => piece
+            .findings
+            .iter()
+            .any(|finding| same_kind(&finding.subject, subject))
+            .then(|| "was not asked about it".to_owned()),
+    }
+}
+
+fn same_kind(one: &Subject, other: &Subject) -> bool {
+    matches!(one, Subject::Requirement(_)) == matches!(other, Subject::Requirement(_))
+}
+
+fn why_no_number(finding: &Finding) -> Option<String> {
+    match &finding.measure {
+        Measure::NotExpressible { reason } => Some(format!("cannot express it; {reason}")),
+        Measure::NotCovered { reason } => Some(format!("never covered it; {reason}")),
+        Measure::Counts { trials: 0, .. } => Some("never covered it".to_owned()),
+        Measure::Counts { .. } | Measure::Probability { .. } => None,
+    }
+}
