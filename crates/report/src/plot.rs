@@ -104,6 +104,17 @@ impl Axis {
         }
     }
 
+    /// The row that names values along the axis, such as thresholds.
+    pub fn names(&self, names: &[(f64, String)]) -> Markup {
+        html! {
+            svg class="scale names" width="100%" height="18" aria-hidden="true" {
+                @for (value, name) in names {
+                    text x=(self.x(*value)) y="13" text-anchor="middle" { (name) }
+                }
+            }
+        }
+    }
+
     fn grid(&self) -> Markup {
         html! {
             g class="grid" {

@@ -37,6 +37,7 @@
     toggle.type = "button";
     toggle.className = "filter";
     toggle.title = "Show only these pairs";
+    toggle.setAttribute("aria-pressed", "false");
     toggle.append(...filter.childNodes);
     filter.append(toggle);
     toggle.addEventListener("click", () => {
@@ -46,6 +47,7 @@
   }
 
   // The navigation says where the reader is.
+  const list = document.querySelector("nav ul");
   const links = new Map();
   for (const link of document.querySelectorAll("nav a")) links.set(link.hash.slice(1), link);
   const watcher = new IntersectionObserver(
@@ -55,6 +57,7 @@
         if (link && entry.isIntersecting) {
           for (const other of links.values()) other.removeAttribute("aria-current");
           link.setAttribute("aria-current", "true");
+          list.scrollLeft = link.offsetLeft - list.offsetLeft - list.clientWidth / 3;
         }
       }
     },

@@ -320,6 +320,9 @@ fn discrepancies(page: &mut Page, study: &StudyResult) {
             "31;1",
             &format!("{} ({kind}, {state})", discrepancy.title),
         );
+        if let Some(proposal) = &discrepancy.proposal {
+            page.item("  → ", "", proposal);
+        }
     }
     let rest = study
         .discrepancies

@@ -74,6 +74,22 @@ impl<'a> View<'a> {
         Some(format!("evidence-{}", place + 1))
     }
 
+    /// Anchor of the requirement's plot.
+    pub fn requirement_anchor(&self, id: &str) -> Option<String> {
+        let place = self.study.requirements.iter().position(|r| r.id == id)?;
+        Some(format!("requirement-{}", place + 1))
+    }
+
+    /// The requirement's identifier, leading to its plot.
+    pub fn requirement_link(&self, id: &str) -> Markup {
+        html! {
+            @match self.requirement_anchor(id) {
+                Some(anchor) => a class="req" href={ "#" (anchor) } { (id) },
+                None => span class="req" { (id) },
+            }
+        }
+    }
+
     /// The evidence's identifier, leading to its entry in the ledger.
     pub fn link(&self, id: &str) -> Markup {
         html! {

@@ -2,7 +2,8 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement, Technique, Verdict,
+    AssetRole, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement, Technique,
+    Threshold, Verdict,
 };
 
 use crate::number;
@@ -153,6 +154,15 @@ pub fn asked(requirement: &Requirement) -> String {
     }
 }
 
+/// A threshold as a label in a plot: `1a ≥ 95 %`.
+pub fn threshold_label(id: &str, threshold: Threshold) -> String {
+    let side = match threshold.direction {
+        Direction::AtLeast => "≥",
+        Direction::AtMost => "≤",
+    };
+    format!("{id} {side} {}", number::level(threshold.value))
+}
+
 /// A technique's name as a heading.
 pub fn technique(technique: Technique) -> &'static str {
     match technique {
@@ -191,7 +201,7 @@ pub fn role(role: AssetRole) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use evidence::{Interval, MethodAnswer, Threshold};
+    use evidence::{Interval, MethodAnswer};
 
     fn requirement(threshold: Option<f64>) -> Requirement {
         Requirement {

@@ -48,7 +48,7 @@ fn row(view: View, cost: &Cost) -> Markup {
             td class="n" { (time(cost.cpu_secs)) }
             td class="n" { (size(cost.states)) }
             td class="n" { (size(cost.transitions)) }
-            td { (cost.published.as_deref().unwrap_or(number::NONE)) }
+            td class="words" { (cost.published.as_deref().unwrap_or(number::NONE)) }
         }
     }
 }

@@ -57,12 +57,21 @@ fn figure(view: View, (subject, members): &(Subject, Vec<&Requirement>)) -> Mark
         .iter()
         .map(|r| r.threshold.map_or(1.0, |t| t.value))
         .collect();
+    let named: Vec<(f64, String)> = members
+        .iter()
+        .filter_map(|r| {
+            Some((
+                r.threshold?.value,
+                words::threshold_label(&r.id, r.threshold?),
+            ))
+        })
+        .collect();
     let axis = Axis::of_rates(extent(&rows).into_iter().chain(thresholds.iter().copied()));
     html! {
         figure class="forest" {
             figcaption {
                 @for requirement in members {
-                    p {
+                    p id=[view.requirement_anchor(&requirement.id)] {
                         span class="req" { (requirement.id) } " " (requirement.text)
                         " " span class="asks" { (words::asked(requirement)) }
                     }
@@ -72,6 +81,9 @@ fn figure(view: View, (subject, members): &(Subject, Vec<&Requirement>)) -> Mark
                 p class="empty" { "No evidence speaks of this requirement." }
             } @else {
                 ol class="rows" {
+                    @if !named.is_empty() {
+                        li class="row names" aria-hidden="true" { span class="who" {} (axis.names(&named)) span class="what" {} }
+                    }
                     @for (evidence, measure) in &rows {
                         (row(view, &axis, &thresholds, evidence, measure))
                     }

@@ -5,12 +5,21 @@ use maud::{Markup, html};
 use crate::number;
 use crate::view::{View, chip, section};
 use crate::words;
-use evidence::Outcome;
+use evidence::{Outcome, Verdict};
 
 /// The section.
 pub fn render(view: View) -> Markup {
     let lead = html! { "The words of this report in plain language." };
     let body = html! {
+        h3 { "Verdicts on a requirement" }
+        dl class="glossary" {
+            (verdict_term(Verdict::Satisfied, "Evidence supports that the requirement holds, and none says otherwise."))
+            (verdict_term(Verdict::Violated, "Evidence shows that it does not hold. For a requirement that asks for “always”, one violation is enough."))
+            (verdict_term(Verdict::Conflicting, "Pieces of evidence contradict each other, so at least one of their models is wrong."))
+            (verdict_term(Verdict::Undecided, "The evidence does not decide."))
+            (verdict_term(Verdict::NotCovered, "Nothing speaks about it."))
+            (term("Above, below, spans", "In the matrix: the whole interval lies above or below what is required, or on both sides of it. This is one technique's view; the conclusion weighs them all."))
+        }
         h3 { "The three techniques" }
         dl class="glossary" {
             (term("Model checking", "A computer explores every possible behaviour of a simplified, formal model and computes the probability that the requirement holds. Complete, but only as true as the model."))
@@ -48,6 +57,10 @@ pub fn render(view: View) -> Markup {
 
 fn term(name: &str, meaning: &str) -> Markup {
     html! { div { dt { (name) } dd { (meaning) } } }
+}
+
+fn verdict_term(verdict: Verdict, meaning: &str) -> Markup {
+    html! { div { dt { (chip(&words::verdict(verdict))) } dd { (meaning) } } }
 }
 
 fn outcome_term(outcome: Outcome, meaning: &str) -> Markup {

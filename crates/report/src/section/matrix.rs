@@ -45,7 +45,7 @@ fn row(view: View, requirement: &Requirement) -> Markup {
     html! {
         tr role="row" {
             th scope="row" role="rowheader" {
-                span class="req" { (requirement.id) } " "
+                (view.requirement_link(&requirement.id)) " "
                 span class="asks" { (words::asked(requirement)) }
                 span class="text" { (requirement.text) }
             }

@@ -3,7 +3,7 @@
 use evidence::PublishedFigure;
 use maud::{Markup, html};
 
-use crate::view::{View, section};
+use crate::view::{View, chip, section};
 use crate::words::Mark;
 
 /// The section.
@@ -55,7 +55,7 @@ fn row(view: View, figure: &PublishedFigure) -> Markup {
             td { (figure.quantity) }
             td class="n" { (figure.published) }
             td class="n" { (figure.ours) }
-            td { (crate::view::chip(&mark)) " " span class="small" { (figure.judged) } }
+            td class="words" { (chip(&mark)) " " span class="small" { (figure.judged) } }
         }
     }
 }

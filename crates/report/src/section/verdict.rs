@@ -47,7 +47,7 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
         li class={ "conclusion " (mark.tone) } {
             div class="badge" {
                 span class="symbol" aria-hidden="true" { (mark.symbol) }
-                b { (conclusion.requirement) }
+                b { (view.requirement_link(&conclusion.requirement)) }
                 span { (mark.word) }
             }
             div {
