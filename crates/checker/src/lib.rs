@@ -1,4 +1,37 @@
 //! State space of a PRISM model, value of a property, and the guarantee of that value.
+//!
+//! * [`explore::explore`] builds the reachable states of a `dtmc` ([`state_space::StateSpace`]);
+//! * [`check`] answers a property with a value and what is known of it ([`Guarantee`]);
+//! * [`sample_path`] draws a random path, the same for the same seed.
+//!
+//! Three methods ([`Method`]): sound (the default: floating point with bounds that hold, rounding included),
+//! an imitation of PRISM's default for reproducing published figures, and exact rational arithmetic. Path
+//! formulas may be any linear temporal logic with step bounds, nested in probabilistic state formulas.
+//!
+//! ```
+//! use checker::explore::explore;
+//! use checker::{AnswerValue, Guarantee, Options, check};
+//! use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+//!
+//! // A robot tries to grasp; it drops the object for good once in a hundred attempts.
+//! let text = "dtmc
+//! module robot
+//!   state : [0..2] init 0; // 0: trying, 1: grasped, 2: dropped
+//!   [] state=0 -> 0.9:(state'=1) + 0.01:(state'=2) + 0.09:(state'=0);
+//!   [] state>0 -> true;
+//! endmodule";
+//! let model = resolve(&parse_model(text).tree, &Constants::new()).expect("a correct model");
+//! let properties = parse_properties("P=? [ F state=1 ]").tree;
+//! let properties = resolve_properties(&properties, &model, &Constants::new()).expect("correct");
+//!
+//! let space = explore::<f64>(&model)?;
+//! let answer = check(&space, &model, &properties[0].property, &Options::default())?;
+//! let Guarantee::Bounded { low, high } = answer.guarantee else { unreachable!() };
+//! assert!(low <= 0.9 / 0.91 && 0.9 / 0.91 <= high && high - low < 1e-12);
+//! // The probability of the contrary is computed as such: it keeps its digits.
+//! assert!((answer.complement.unwrap() - 0.01 / 0.91).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod answer;
 mod check;
