@@ -272,7 +272,7 @@ fn outcomes(page: &mut Page, study: &StudyResult) {
             )
         })
         .collect();
-    page.item("", "", &counts.join("   "));
+    page.item("", "", &counts.join(", "));
     let fits = study
         .comparisons
         .iter()

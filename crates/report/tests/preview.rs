@@ -10,5 +10,6 @@ fn the_preview_is_written_and_small() {
     std::fs::create_dir_all(&target).expect("target folder");
     std::fs::write(target.join("report-preview.html"), &page).expect("preview");
     println!("{}", report::text(&fixture::study(), 100, false));
+    println!("{}", report::text(&fixture::study(), 60, true));
     assert!(page.len() < 500_000, "{} bytes", page.len());
 }

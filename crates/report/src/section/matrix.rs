@@ -88,7 +88,7 @@ fn detail(measure: &Measure) -> Markup {
             Measure::Counts { trials: 0, .. } => {},
             Measure::Counts { count, trials, interval, .. } => {
                 p { b { (number::percent(*count as f64 / *trials as f64)) } " " (range(*interval)) }
-                p class="counts" { (number::count(*count)) " of " (number::count(*trials)) " covered" }
+                p class="counts" { (number::count(*count)) " passed of " (number::count(*trials)) " covered" }
             },
             Measure::Probability { answer, credible: Some(credible), .. } => {
                 p { b { (number::answer(answer)) } " " (range(credible.interval)) }
