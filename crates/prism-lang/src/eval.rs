@@ -46,31 +46,37 @@ pub enum EvalErrorKind {
     IllTyped,
 }
 
+impl EvalErrorKind {
+    /// What went wrong, without a remedy.
+    pub fn problem(self) -> &'static str {
+        match self {
+            Self::DivisionByZero => "this divides by zero",
+            Self::Overflow => "this integer does not fit into 64 bits",
+            Self::NonPositiveModulus => "this computes `mod` by zero or by a negative number",
+            Self::NegativeExponent => "this raises an integer to a negative power",
+            Self::NotReal => "this power or logarithm is not a (finite) real number",
+            Self::NotRational => "this logarithm or root is irrational and has no exact value",
+            Self::IllTyped => "this expression does not have the type that its place requires",
+        }
+    }
+
+    /// What the author can do about it.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::DivisionByZero => "guard the division, for example with `x>0 & ...`",
+            Self::Overflow => "bound the variables, or compute with doubles",
+            Self::NonPositiveModulus => "make the second argument positive",
+            Self::NegativeExponent => "write the base as a double, such as 2.0",
+            Self::NotReal => "check its arguments",
+            Self::NotRational => "use a method that is not exact",
+            Self::IllTyped => "use expressions made by `resolve`",
+        }
+    }
+}
+
 impl fmt::Display for EvalError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self.kind {
-            EvalErrorKind::DivisionByZero => {
-                "this divides by zero: guard the division, for example with `x>0 & ...`"
-            }
-            EvalErrorKind::Overflow => {
-                "this integer does not fit into 64 bits: bound the variables, or compute with doubles"
-            }
-            EvalErrorKind::NonPositiveModulus => {
-                "this computes `mod` by zero or a negative number: the second argument must be positive"
-            }
-            EvalErrorKind::NegativeExponent => {
-                "this raises an integer to a negative power: write the base as a double, such as 2.0"
-            }
-            EvalErrorKind::NotReal => {
-                "this power or logarithm is not a (finite) real number: check its arguments"
-            }
-            EvalErrorKind::NotRational => {
-                "this logarithm or root is irrational and has no exact value: use a method that is not exact"
-            }
-            EvalErrorKind::IllTyped => {
-                "this expression does not have the type that its place requires: use expressions made by `resolve`"
-            }
-        })
+        write!(f, "{}: {}", self.kind.problem(), self.kind.remedy())
     }
 }
 

@@ -279,7 +279,13 @@ impl Display for Command {
 impl Display for Update {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         if let Some(probability) = &self.probability {
-            write!(f, "{probability} : ")?;
+            // `true` at the start would be read as an update.
+            let text = probability.to_string();
+            if text.starts_with("true") {
+                write!(f, "({text}) : ")?;
+            } else {
+                write!(f, "{text} : ")?;
+            }
         }
         if self.assignments.is_empty() {
             return f.write_str("true");

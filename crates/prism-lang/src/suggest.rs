@@ -3,11 +3,12 @@
 //! Definition: the least number of insertions, deletions, replacements and swaps of neighbours that turn one
 //! word into the other (Damerau, "A technique for computer detection and correction of spelling errors",
 //! Communications of the ACM 7(3), 1964; here restricted, no part edited twice). A name is suggested if that
-//! number is at most a third of the word's length (at least 1); of several, the first. Cost: product of lengths.
+//! number is at most a third of the word's length (rounded down; for a shorter word only its case may differ);
+//! of several, the first. Cost: product of lengths.
 
 /// The nearest of `known`, if one is near.
 pub(crate) fn suggest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
-    let allowed = (word.chars().count() / 3).max(1);
+    let allowed = word.chars().count() / 3;
     known
         .into_iter()
         .map(|name| (distance(word, name), name))
@@ -49,7 +50,8 @@ mod tests {
         assert_eq!(suggest("robtoState", known), Some("robotState"));
         assert_eq!(suggest("tiem", known), Some("time"));
         assert_eq!(suggest("Time", known), Some("time"));
-        assert_eq!(suggest("x", known), None);
+        assert_eq!(suggest("x", ["y", "z"]), None);
+        assert_eq!(suggest("X", ["y", "x"]), Some("x"));
     }
 
     #[test]

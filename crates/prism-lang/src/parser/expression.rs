@@ -122,7 +122,12 @@ impl Parser<'_> {
 
     fn report_parentheses(&mut self, token: &Token<'_>) {
         let message = format!("`{}` needs parentheses here.", token.text);
-        let remedy = format!("Write `(... {} ...)` around the inner formula.", token.text);
+        let remedy = match token.text {
+            "U" | "W" | "R" => {
+                format!("Write `(... {} ...)` around the inner formula.", token.text)
+            }
+            _ => format!("Write `({} ...)`.", token.text),
+        };
         self.report(Diagnostic::error("needs-parentheses", token.span, message).remedy(remedy));
     }
 
@@ -230,6 +235,13 @@ impl Parser<'_> {
         let token = self.peek();
         match token.kind {
             TokenKind::Integer | TokenKind::Real => Ok(self.literal()),
+            TokenKind::Name
+                if token.text == "multi"
+                    && context != Context::Model
+                    && self.is_symbol_ahead(1, "(") =>
+            {
+                self.unsupported_operator(&token)
+            }
             TokenKind::Name if self.is_symbol_ahead(1, "(") => {
                 let function = name_of(&self.advance());
                 self.call(function, token.span, context)
@@ -263,8 +275,31 @@ impl Parser<'_> {
                 )));
                 Err(Reported)
             }
+            TokenKind::Symbol => Err(self.misplaced_symbol(&token)),
             _ => Err(self.expected("an expression")),
         }
+    }
+
+    /// Reports a symbol where an operand should be, among them operators of other languages.
+    fn misplaced_symbol(&mut self, token: &Token<'_>) -> Reported {
+        let previous = self.tokens[self.at.saturating_sub(1)];
+        let doubled = previous.text == token.text
+            && previous.span.end == token.span.start
+            && matches!(token.text, "=" | "&" | "|");
+        if doubled {
+            let text = token.text;
+            let message = format!("there is no operator `{text}{text}`.");
+            let span = previous.span.to(token.span);
+            let error = Diagnostic::error("syntax", span, message);
+            self.report(error.remedy(format!("Write `{text}`.")));
+            return Reported;
+        }
+        if token.text == "<" && self.is_symbol_ahead(1, "<") {
+            let remedy = "Ask for a probability with `P`.";
+            self.report_unsupported("strategies of players (`<<...>>`)", token.span, remedy);
+            return Reported;
+        }
+        self.expected("an expression")
     }
 
     fn parenthesised(&mut self, context: Context) -> Parse<Node> {
@@ -463,6 +498,10 @@ impl Parser<'_> {
             "A" | "E" => (
                 "the path quantifiers `A` and `E`",
                 "Write `P>=1 [ ... ]` for almost all paths, `P>0 [ ... ]` for some.",
+            ),
+            "multi" => (
+                "queries with several objectives (`multi(...)`)",
+                "Ask for each probability on its own.",
             ),
             "filter" => (
                 "filters (`filter(...)`)",

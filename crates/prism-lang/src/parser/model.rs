@@ -84,12 +84,12 @@ impl Parser<'_> {
             "rewards" => model.rewards.push(self.reward_structure()?),
             "init" => self.init(model)?,
             "system" | "observables" | "observable" => self.unsupported_part(&token),
-            _ => return Err(self.unknown_part(&token)),
+            _ => return self.unknown_part(&token),
         }
         Ok(())
     }
 
-    fn unknown_part(&mut self, token: &Token<'_>) -> Reported {
+    fn unknown_part(&mut self, token: &Token<'_>) -> Parse<()> {
         let stray = match token.text {
             ";" => Some("this `;` closes nothing."),
             "endmodule" => Some("this `endmodule` closes no module."),
@@ -99,19 +99,27 @@ impl Parser<'_> {
         if let Some(message) = stray {
             let error = Diagnostic::error("syntax", token.span, message);
             self.report(error.remedy("Remove it."));
-            return Reported;
+            return Ok(());
         }
         let message = format!(
             "{} does not start a part of a model.",
             super::describe(token)
         );
         let error = Diagnostic::error("syntax", token.span, message);
-        let remedy = match suggest_keyword(token.text, PARTS) {
+        let meant = suggest_keyword(token.text, PARTS);
+        let remedy = match meant {
             Some(word) => format!("Did you mean `{word}`?"),
             None => "A model consists of `dtmc`, `const`, `formula`, `label`, `global`, `module`, `rewards` and `init`.".to_owned(),
         };
         self.report(error.remedy(remedy));
-        Reported
+        match meant {
+            // Its lines would be reported one by one.
+            Some("module") => {
+                self.skip_past("endmodule");
+                Ok(())
+            }
+            _ => Err(Reported),
+        }
     }
 
     fn model_type(&mut self, model: &mut Model, model_type: ModelType, span: Span) {

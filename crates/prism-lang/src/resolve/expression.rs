@@ -12,7 +12,7 @@ use crate::number::{Number, Value};
 /// How deep an expression may be once its formulas are inlined.
 const MAX_RESOLVED_DEPTH: usize = 800;
 /// How many nodes inlined formulas may make in all.
-const MAX_INLINED_NODES: usize = 20_000_000;
+const MAX_INLINED_NODES: usize = 2_000_000;
 
 impl<'a> Scope<'a> {
     /// Resolves an expression; `None` if something in it was reported.
@@ -79,8 +79,11 @@ impl<'a> Scope<'a> {
         match evaluate(expr) {
             Ok(value) => Some(value),
             Err(error) => {
-                let message = format!("{what} has no value: {error}.");
-                self.report(Diagnostic::error("no-value", error.span, message));
+                let message = format!("{what} has no value: {}.", error.kind.problem());
+                let diagnostic = Diagnostic::error("no-value", error.span, message);
+                let mut remedy = error.kind.remedy().to_owned();
+                remedy[..1].make_ascii_uppercase();
+                self.report(diagnostic.remedy(remedy + "."));
                 None
             }
         }
@@ -388,13 +391,11 @@ impl<'a> Scope<'a> {
     fn wrong_arity(&mut self, function: Function, found: usize, span: Span) {
         let (least, most) = function.arity();
         let needed = match most {
-            Some(most) if most == least => format!("{least}"),
-            _ => format!("at least {least}"),
+            Some(1) => "one argument".to_owned(),
+            Some(most) => format!("{most} arguments"),
+            None => format!("at least {least} argument"),
         };
-        let message = format!(
-            "`{}` takes {needed} argument(s), but has {found}.",
-            function.name()
-        );
+        let message = format!("`{}` takes {needed} and has {found}.", function.name());
         let error = Diagnostic::error("wrong-arity", span, message);
         self.report(error.remedy("Give as many arguments as the function takes."));
     }
