@@ -1,0 +1,3 @@
+//! What the tests of the checker share.
+
+pub mod value;
