@@ -7,7 +7,10 @@ use std::path::PathBuf;
 /// Corroborative verification and validation: model checking, simulation and
 /// experiments on the same requirements, compared and explained.
 #[derive(Debug, Parser)]
-#[command(name = "corroborate", version, after_help = "\
+#[command(
+    name = "corroborate",
+    version,
+    after_help = "\
 Examples:
   corroborate run case-studies/handover         verify a study by all its techniques
   corroborate check model.prism 'P=? [ F x=3 ]' check one property of one model
@@ -17,7 +20,8 @@ Examples:
 Exit codes:
   0 all requirements hold and the evidence agrees   1 violated, or evidence conflicts
   2 error in the call or the input                  3 inconclusive, or data lost
-  101 a bug of ours                                 130 interrupted")]
+  101 a bug of ours                                 130 interrupted"
+)]
 pub struct Arguments {
     /// Say nothing but the result.
     #[arg(long, short, global = true)]
@@ -295,19 +299,38 @@ mod tests {
     fn the_command_line_is_well_formed_and_every_command_has_examples() {
         Arguments::command().debug_assert();
         for command in Arguments::command().get_subcommands() {
-            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-            assert!(help.contains("Example"), "{} shows no example", command.get_name());
+            let help = command
+                .get_after_help()
+                .map(ToString::to_string)
+                .unwrap_or_default();
+            assert!(
+                help.contains("Example"),
+                "{} shows no example",
+                command.get_name()
+            );
         }
     }
 
     #[test]
     fn peers_spelling_of_constants_is_understood() {
-        let words = ["corroborate", "check", "m.prism", "-pf", "P=? [ F x=1 ]", "-const", "N=3"];
-        let parsed = Arguments::try_parse_from(with_peers_spelling(words.iter().map(OsString::from)))
-            .expect("parsed");
+        let words = [
+            "corroborate",
+            "check",
+            "m.prism",
+            "-pf",
+            "P=? [ F x=1 ]",
+            "-const",
+            "N=3",
+        ];
+        let parsed =
+            Arguments::try_parse_from(with_peers_spelling(words.iter().map(OsString::from)))
+                .expect("parsed");
         let Command::Check(check) = parsed.command else {
             panic!("another command: {parsed:?}");
         };
-        assert_eq!((check.constants, check.property_texts.len()), (vec!["N=3".to_owned()], 1));
+        assert_eq!(
+            (check.constants, check.property_texts.len()),
+            (vec!["N=3".to_owned()], 1)
+        );
     }
 }

@@ -6,8 +6,8 @@ use crate::published;
 use crate::study::{Entry, Study};
 use crate::technique::Produced;
 use evidence::{
-    Asset, Cost, Discrepancy, Evidence, Inaccuracy, Measure, StudyResult, Subject,
-    Technique, Verdict,
+    Asset, Cost, Discrepancy, Evidence, Inaccuracy, Measure, StudyResult, Subject, Technique,
+    Verdict,
 };
 
 /// Version of the form of `study.json`.
@@ -52,9 +52,15 @@ pub fn piece(
             technique,
             tool: produced.tool,
             assets,
-            conditions: conditions.cloned().unwrap_or_else(|| entry.conditions.clone()),
+            conditions: conditions
+                .cloned()
+                .unwrap_or_else(|| entry.conditions.clone()),
             changed: entry.changed.clone(),
-            calibrated: entry.calibrated.iter().map(|c| c.calibration.clone()).collect(),
+            calibrated: entry
+                .calibrated
+                .iter()
+                .map(|c| c.calibration.clone())
+                .collect(),
             intermediate: entry.intermediate,
             published: is_published,
             reproduced_by: entry.reproduced_by.clone(),
@@ -119,7 +125,8 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     let comparisons = evidence::compare(&to_compare);
     let conclusions = evidence::conclude(&to_compare, &comparisons);
     published.extend(published::reproductions(study, &evidence));
-    let mut discrepancies = evidence::diagnose(&evidence, &comparisons, 1.0 - study.about.confidence);
+    let mut discrepancies =
+        evidence::diagnose(&evidence, &comparisons, 1.0 - study.about.confidence);
     discrepancies.extend(drifted);
     discrepancies.extend(published::misses(&published));
     let gaps = evidence::coverage_gaps(&to_compare);
@@ -173,14 +180,20 @@ pub fn outcome(result: &StudyResult) -> Outcome {
 
 /// Constants whose value is not the rate that they are said to be set to: the
 /// same number declared twice has drifted.
-pub fn drift(entry: &Entry, constant_of: impl Fn(&str) -> Option<f64>, before: &[Piece]) -> Vec<Discrepancy> {
+pub fn drift(
+    entry: &Entry,
+    constant_of: impl Fn(&str) -> Option<f64>,
+    before: &[Piece],
+) -> Vec<Discrepancy> {
     entry
         .calibrated
         .iter()
         .filter_map(|calibrated| {
             let name = calibrated.constant.as_ref()?;
             let value = constant_of(name)?;
-            let source = before.iter().find(|p| p.evidence.id == calibrated.calibration.from)?;
+            let source = before
+                .iter()
+                .find(|p| p.evidence.id == calibrated.calibration.from)?;
             let finding = source.evidence.finding(&calibrated.calibration.subject)?;
             let rate = finding.measure.estimate()?;
             // Constants are written with a few digits; a rounding is no drift.

@@ -50,7 +50,11 @@ fn list(topics: &[Topic]) -> String {
         }
         let first = topic.text.split_inclusive(['.', ':']).next().unwrap_or("");
         let first = first.replace('\n', " ");
-        output.push_str(&format!("  {:<26} {}\n", topic.name, first.trim_end_matches(':')));
+        output.push_str(&format!(
+            "  {:<29} {}\n",
+            topic.name,
+            first.trim_end_matches(':')
+        ));
     }
     output.trim_start().to_owned()
 }
@@ -116,9 +120,15 @@ mod tests {
     fn every_code_of_a_diagnostic_is_explained() {
         let known: BTreeSet<&str> = topics().iter().map(|t| t.name).collect();
         let mut used = codes("src", &["Problem::new(", "data_lost(", ".problem("]);
-        used.extend(codes("../prism-lang/src", &["Diagnostic::error(", "Diagnostic::warning("]));
+        used.extend(codes(
+            "../prism-lang/src",
+            &["Diagnostic::error(", "Diagnostic::warning("],
+        ));
         assert!(used.len() > 30, "codes are not found any more: {used:?}");
-        let missing: Vec<_> = used.iter().filter(|c| !known.contains(c.as_str())).collect();
+        let missing: Vec<_> = used
+            .iter()
+            .filter(|c| !known.contains(c.as_str()))
+            .collect();
         assert!(missing.is_empty(), "topics.md does not explain {missing:?}");
     }
 

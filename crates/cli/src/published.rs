@@ -19,7 +19,11 @@ pub fn figures(study: &Study, entry: &Entry, produced: &Produced) -> Vec<Publish
     let mut figures = Vec::new();
     let counts = [
         ("states", published.states, produced.cost.states),
-        ("transitions", published.transitions, produced.cost.transitions),
+        (
+            "transitions",
+            published.transitions,
+            produced.cost.transitions,
+        ),
     ];
     for (quantity, theirs, ours) in counts {
         if let Some(theirs) = theirs {
@@ -65,7 +69,9 @@ fn method_answer<'a>(
     let Measure::Probability { answer, others, .. } = &finding.measure else {
         return None;
     };
-    std::iter::once(answer).chain(others).find(|a| a.method == method)
+    std::iter::once(answer)
+        .chain(others)
+        .find(|a| a.method == method)
 }
 
 fn probability(
@@ -122,7 +128,9 @@ pub fn reproductions(study: &Study, evidence: &[Evidence]) -> Vec<PublishedFigur
                 ours: found.map_or("never covered".into(), fraction),
                 agrees: p.is_some_and(|p| p >= alpha),
                 judged: match p {
-                    Some(p) => format!("consistent unless p < {alpha:.2}; Fisher's p = {p:.3} (Holm)"),
+                    Some(p) => {
+                        format!("consistent unless p < {alpha:.2}; Fisher's p = {p:.3} (Holm)")
+                    }
                     None => "cannot be judged".into(),
                 },
             });
@@ -159,7 +167,10 @@ pub fn misses(figures: &[PublishedFigure]) -> Vec<Discrepancy> {
         .filter(|figure| !figure.agrees)
         .map(|figure| Discrepancy {
             inaccuracy: Inaccuracy::Undetermined,
-            title: format!("{}: {} is not as published", figure.evidence, figure.quantity),
+            title: format!(
+                "{}: {} is not as published",
+                figure.evidence, figure.quantity
+            ),
             explanation: format!(
                 "Published {}, here {} ({}).",
                 figure.published, figure.ours, figure.judged

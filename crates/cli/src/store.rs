@@ -138,8 +138,9 @@ pub fn hash_of(content: &[u8]) -> String {
 /// The hash of the running program. Numbers depend on the code that computes
 /// them, so another build makes all results stale.
 pub fn program_hash() -> Result<String, Problem> {
-    let path = std::env::current_exe()
-        .map_err(|error| Problem::new("cannot-read", format!("this program's own file: {error}")))?;
+    let path = std::env::current_exe().map_err(|error| {
+        Problem::new("cannot-read", format!("this program's own file: {error}"))
+    })?;
     let bytes = std::fs::read(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
     Ok(hash_of(&bytes))
 }
@@ -166,7 +167,8 @@ mod tests {
     #[test]
     fn a_damaged_result_is_made_again() {
         let (folder, store) = store();
-        std::fs::write(folder.path().join("a.json"), "{\"inputs\": \"one\", \"con").expect("written");
+        std::fs::write(folder.path().join("a.json"), "{\"inputs\": \"one\", \"con")
+            .expect("written");
         assert_eq!(store.fresh::<u64>("a.json", "one"), None);
     }
 
@@ -182,8 +184,20 @@ mod tests {
         let (_folder, store) = store();
         let stage = store.stage("traces/E1", "one").expect("made");
         std::fs::write(stage.join("episode"), "x").expect("written");
-        assert!(store.stage("traces/E1", "one").expect("kept").join("episode").exists());
-        assert!(!store.stage("traces/E1", "two").expect("emptied").join("episode").exists());
+        assert!(
+            store
+                .stage("traces/E1", "one")
+                .expect("kept")
+                .join("episode")
+                .exists()
+        );
+        assert!(
+            !store
+                .stage("traces/E1", "two")
+                .expect("emptied")
+                .join("episode")
+                .exists()
+        );
     }
 
     #[test]
@@ -196,6 +210,9 @@ mod tests {
             inputs.hash()
         };
         assert_ne!(hash(&[("ab", "c")]), hash(&[("a", "bc")]));
-        assert_ne!(hash(&[("a", "b"), ("c", "d")]), hash(&[("a", "bc"), ("", "d")]));
+        assert_ne!(
+            hash(&[("a", "b"), ("c", "d")]),
+            hash(&[("a", "bc"), ("", "d")])
+        );
     }
 }

@@ -42,6 +42,8 @@ pub struct Study {
     pub vocabulary: Vocabulary,
     /// The ledger's entries, oldest first.
     pub ledger: Vec<Entry>,
+    /// The ledger's file, for diagnostics.
+    pub ledger_source: Source,
 }
 
 /// The content of `study.toml`.
@@ -70,16 +72,15 @@ impl Study {
     /// Loads the study in `folder`.
     pub fn load(folder: &Path) -> Result<Self, Problem> {
         if !folder.is_dir() {
-            return Err(Problem::new(
-                "no-study",
-                format!("{} is not a folder", folder.display()),
-            )
-            .remedy("name a study's folder, or make one with `corroborate init FOLDER`"));
+            return Err(
+                Problem::new("no-study", format!("{} is not a folder", folder.display()))
+                    .remedy("name a study's folder, or make one with `corroborate init FOLDER`"),
+            );
         }
         let about = read_about(folder)?;
         let vocabulary = Vocabulary::load(folder)?;
         let (requirements, failure_modes, forms) = requirements::load(folder, &vocabulary)?;
-        let ledger = ledger::load(folder, &about, &forms)?;
+        let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
         Ok(Self {
             folder: folder.to_owned(),
             about,
@@ -88,6 +89,7 @@ impl Study {
             forms,
             vocabulary,
             ledger,
+            ledger_source,
         })
     }
 
@@ -95,8 +97,11 @@ impl Study {
     pub fn entry(&self, id: &str) -> Result<&Entry, Problem> {
         self.ledger.iter().find(|e| e.id == id).ok_or_else(|| {
             let known: Vec<&str> = self.ledger.iter().map(|e| e.id.as_str()).collect();
-            Problem::new("unknown-evidence", format!("the ledger has no evidence `{id}`"))
-                .remedy(format!("it has {}", known.join(", ")))
+            Problem::new(
+                "unknown-evidence",
+                format!("the ledger has no evidence `{id}`"),
+            )
+            .remedy(format!("it has {}", known.join(", ")))
         })
     }
 }
@@ -113,7 +118,10 @@ fn read_about(folder: &Path) -> Result<About, Problem> {
     let source = Source::read(&path)?;
     let about: About =
         toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
-    for (name, level) in [("confidence", about.confidence), ("agreement", about.agreement)] {
+    for (name, level) in [
+        ("confidence", about.confidence),
+        ("agreement", about.agreement),
+    ] {
         if !(level > 0.5 && level < 1.0) {
             let place = source.text.find(name).unwrap_or(0);
             return Err(Problem::new(

@@ -5,6 +5,7 @@ use super::{Done, Setting, json};
 use crate::args::{Check, Format, MethodName};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
+use crate::technique::model_checking::warning_line;
 use checker::state_space::StateSpace;
 use checker::{Answer, AnswerValue, Guarantee, Method, Options};
 use prism_lang::{Constants, NamedProperty, Rational, resolved};
@@ -82,30 +83,30 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
     if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
         return Err(problem);
     }
-    for warning in parsed.diagnostics.iter().filter(|d| !d.is_error()) {
-        setting.talk.say(&format!("warning: {}", warning.message));
-    }
-    let properties_of = |model: &resolved::Model| properties(arguments, model, &given);
-    let (own, needed) = split_constants(arguments, &parsed.tree, &given)?;
+    let own = constants_of_model(arguments, &parsed.tree, &given)?;
     let model = prism_lang::resolve(&parsed.tree, &own).map_err(|found| {
         Problem::from_diagnostics(&source, &found)
             .unwrap_or_else(|| Problem::new("cannot-resolve", "the model cannot be resolved"))
     })?;
-    drop(needed);
-    let asked = properties_of(&model)?;
+    for warning in parsed.diagnostics.iter().chain(&model.warnings) {
+        setting.talk.say(&warning_line(&source, warning));
+    }
+    let asked = properties(arguments, &model, &given)?;
     let report = match arguments.method {
         MethodName::Exact => {
             let began = Instant::now();
             let space = explore::<Rational>(&source, &model, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
-            let answer = |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
+            let answer =
+                |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
             report(arguments, &space, build_secs, &asked, setting, answer)?
         }
         _ => {
             let began = Instant::now();
             let space = explore::<f64>(&source, &model, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
-            let answer = |p: &NamedProperty, o: &Options| checker::check_space(&space, &p.property, o);
+            let answer =
+                |p: &NamedProperty, o: &Options| checker::check_space(&space, &p.property, o);
             report(arguments, &space, build_secs, &asked, setting, answer)?
         }
     };
@@ -126,28 +127,29 @@ fn constants(texts: &[String]) -> Result<Constants, Problem> {
 
 /// Constants may be meant for the model or for the properties' file; the model
 /// is given those that it declares.
-fn split_constants(
+fn constants_of_model(
     arguments: &Check,
     tree: &prism_lang::ast::Model,
     given: &Constants,
-) -> Result<(Constants, Constants), Problem> {
-    let declared: Vec<&str> = tree.constants.iter().map(|c| c.name.text.as_str()).collect();
-    let (mut own, mut others) = (Constants::new(), Constants::new());
+) -> Result<Constants, Problem> {
+    let declared: Vec<&str> = tree
+        .constants
+        .iter()
+        .map(|c| c.name.text.as_str())
+        .collect();
+    let mut own = Constants::new();
     for (name, value) in &given.0 {
         if declared.contains(&name.as_str()) {
             own.set(name.clone(), value.clone());
-        } else {
-            others.set(name.clone(), value.clone());
+        } else if arguments.properties.is_none() {
+            return Err(Problem::new(
+                "unknown-constant",
+                format!("the model declares no constant `{name}`"),
+            )
+            .remedy(format!("it declares {}", declared.join(", "))));
         }
     }
-    if let (Some((name, _)), None) = (others.0.iter().next(), &arguments.properties) {
-        return Err(Problem::new(
-            "unknown-constant",
-            format!("the model declares no constant `{name}`"),
-        )
-        .remedy(format!("it declares {}", declared.join(", "))));
-    }
-    Ok((own, others))
+    Ok(own)
 }
 
 fn properties(
@@ -158,14 +160,21 @@ fn properties(
     let mut sources = Vec::new();
     if let Some(argument) = &arguments.properties {
         let looks_like_file = Path::new(argument).exists()
-            || [".props", ".pctl", ".csl", ".prop", ".ltl"].iter().any(|e| argument.ends_with(e));
+            || [".props", ".pctl", ".csl", ".prop", ".ltl"]
+                .iter()
+                .any(|e| argument.ends_with(e));
         sources.push(if looks_like_file {
             Source::read(Path::new(argument))?
         } else {
             given_property(argument)
         });
     }
-    sources.extend(arguments.property_texts.iter().map(|text| given_property(text)));
+    sources.extend(
+        arguments
+            .property_texts
+            .iter()
+            .map(|text| given_property(text)),
+    );
     let mut all = Vec::new();
     for source in &sources {
         let parsed = prism_lang::parse_properties(&source.text);
@@ -222,7 +231,13 @@ fn report<N>(
             return Err(Problem::interrupted());
         }
         let check_secs = began.elapsed().as_secs_f64();
-        properties.push(property_report(place, property, answered, arguments.method, check_secs));
+        properties.push(property_report(
+            place,
+            property,
+            answered,
+            arguments.method,
+            check_secs,
+        ));
     }
     Ok(CheckReport {
         format: "1.0".into(),
@@ -252,13 +267,16 @@ fn selected<'a>(
                 .find(|(place, p)| p.name.as_ref() == Some(wanted) || place.to_string() == *wanted)
                 .ok_or_else(|| {
                     let names: Vec<&str> = asked.iter().filter_map(|p| p.name.as_deref()).collect();
-                    Problem::new("unknown-property", format!("there is no property `{wanted}`"))
-                        .remedy(format!(
-                            "there are {} properties{}{}",
-                            asked.len(),
-                            if names.is_empty() { "" } else { ", named " },
-                            names.join(", ")
-                        ))
+                    Problem::new(
+                        "unknown-property",
+                        format!("there is no property `{wanted}`"),
+                    )
+                    .remedy(format!(
+                        "there are {} properties{}{}",
+                        asked.len(),
+                        if names.is_empty() { "" } else { ", named " },
+                        names.join(", ")
+                    ))
                 })
         })
         .collect()
@@ -303,9 +321,7 @@ fn property_report(
 fn fill(report: &mut PropertyReport, answer: Answer) {
     let (result, value) = match &answer.value {
         AnswerValue::Number(value) => (value.to_string(), Some(*value)),
-        AnswerValue::Exact(value) => {
-            (value.to_string(), Some(prism_lang::rational_to_f64(value)))
-        }
+        AnswerValue::Exact(value) => (value.to_string(), Some(prism_lang::rational_to_f64(value))),
         AnswerValue::Range { low, high } => (format!("[{low},{high}]"), None),
         AnswerValue::ExactRange { low, high } => (format!("[{low},{high}]"), None),
         AnswerValue::Truth(truth) => (truth.to_string(), None),
@@ -369,14 +385,20 @@ fn text(report: &CheckReport) -> String {
         ));
     }
     for property in &report.properties {
-        let name = property.name.as_ref().map_or(String::new(), |n| format!("\"{n}\": "));
+        let name = property
+            .name
+            .as_ref()
+            .map_or(String::new(), |n| format!("\"{n}\": "));
         output.push_str(&format!("\nModel checking: {name}{}\n", property.property));
         match (&property.result, &property.error) {
             (Some(result), _) => {
                 output.push_str(&format!("Result: {result}{}\n", in_brackets(property)));
             }
             (None, error) => {
-                output.push_str(&format!("Error: {}\n", error.as_deref().unwrap_or("no answer")));
+                output.push_str(&format!(
+                    "Error: {}\n",
+                    error.as_deref().unwrap_or("no answer")
+                ));
             }
         }
         for note in &property.notes {

@@ -26,9 +26,15 @@ pub fn compare(arguments: &Compare) -> Result<Done, Problem> {
         .iter()
         .filter(|c| is_chosen(c, &arguments.evidence))
         .collect();
-    let outcome = if chosen.iter().any(|c| c.outcome == evidence::Outcome::Conflicts) {
+    let outcome = if chosen
+        .iter()
+        .any(|c| c.outcome == evidence::Outcome::Conflicts)
+    {
         Outcome::Violated
-    } else if chosen.iter().any(|c| c.outcome == evidence::Outcome::Inconclusive) {
+    } else if chosen
+        .iter()
+        .any(|c| c.outcome == evidence::Outcome::Inconclusive)
+    {
         Outcome::Inconclusive
     } else {
         Outcome::Holds

@@ -8,12 +8,21 @@ use crate::problem::{Problem, write_whole};
 /// The template's files. It needs no simulation, so that it runs in a moment.
 const FILES: [(&str, &str); 8] = [
     ("study.toml", include_str!("../template/study.toml")),
-    ("requirements.toml", include_str!("../template/requirements.toml")),
-    ("vocabulary.toml", include_str!("../template/vocabulary.toml")),
+    (
+        "requirements.toml",
+        include_str!("../template/requirements.toml"),
+    ),
+    (
+        "vocabulary.toml",
+        include_str!("../template/vocabulary.toml"),
+    ),
     ("ledger.toml", include_str!("../template/ledger.toml")),
     ("model.prism", include_str!("../template/model.prism")),
     ("attempts.csv", include_str!("../template/attempts.csv")),
-    ("failure_modes.csv", include_str!("../template/failure_modes.csv")),
+    (
+        "failure_modes.csv",
+        include_str!("../template/failure_modes.csv"),
+    ),
     (".gitignore", "results/\n"),
 ];
 

@@ -131,7 +131,8 @@ fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Problem> {
             files.push(path.clone());
             continue;
         }
-        let entries = std::fs::read_dir(path).map_err(|error| Problem::cannot_read(path, &error))?;
+        let entries =
+            std::fs::read_dir(path).map_err(|error| Problem::cannot_read(path, &error))?;
         let mut inside: Vec<PathBuf> = entries
             .flatten()
             .map(|entry| entry.path())
@@ -157,8 +158,8 @@ fn read(path: &Path) -> Result<(Trace, Option<String>), Problem> {
             .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
         return Ok((trace, None));
     }
-    let outcome = trace::read_mcap(path)
-        .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+    let outcome =
+        trace::read_mcap(path).map_err(|error| Problem::new("bad-recording", error.to_string()))?;
     Ok((outcome.trace, outcome.lost))
 }
 
@@ -193,7 +194,10 @@ fn totals(judged: &[Vec<Judgement>]) -> Vec<Total> {
     (0..first.len())
         .map(|place| {
             let count = |verdict: Verdict| {
-                judged.iter().filter(|j| j[place].report.verdict == verdict).count() as u64
+                judged
+                    .iter()
+                    .filter(|j| j[place].report.verdict == verdict)
+                    .count() as u64
             };
             let (passed, failed) = (count(Verdict::Satisfied), count(Verdict::Violated));
             Total {
@@ -212,9 +216,10 @@ fn totals(judged: &[Vec<Judgement>]) -> Vec<Total> {
 /// a violation.
 fn outcome(report: &MonitorReport, judged: &[Vec<Judgement>]) -> Outcome {
     let requirements = || {
-        judged.iter().flatten().filter(|j| {
-            matches!(j.subject, Subject::Requirement(_)) && j.reading.is_none()
-        })
+        judged
+            .iter()
+            .flatten()
+            .filter(|j| matches!(j.subject, Subject::Requirement(_)) && j.reading.is_none())
     };
     if requirements().any(|j| j.report.verdict == Verdict::Violated) {
         Outcome::Violated
@@ -230,7 +235,11 @@ fn outcome(report: &MonitorReport, judged: &[Vec<Judgement>]) -> Outcome {
 fn text(report: &MonitorReport) -> String {
     let mut output = String::new();
     for recording in &report.recordings {
-        for verdict in recording.verdicts.iter().filter(|v| v.verdict == "violated") {
+        for verdict in recording
+            .verdicts
+            .iter()
+            .filter(|v| v.verdict == "violated")
+        {
             output.push_str(&format!(
                 "{}: {} violated at {:.3} s ({})\n",
                 recording.file,

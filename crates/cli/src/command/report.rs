@@ -12,7 +12,10 @@ use std::path::Path;
 pub fn report(arguments: &Report) -> Result<Done, Problem> {
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
     let result = read_result(&arguments.study, &folder)?;
-    let to = arguments.to.clone().unwrap_or_else(|| folder.join("report.html"));
+    let to = arguments
+        .to
+        .clone()
+        .unwrap_or_else(|| folder.join("report.html"));
     write_whole(&to, report::html(&result).as_bytes())?;
     let output = match arguments.format {
         Format::Json => json(&result)?,
@@ -46,7 +49,11 @@ pub fn read_result(study: &Path, folder: &Path) -> Result<StudyResult, Problem> 
     if result.format.split('.').next() != FORMAT.split('.').next() {
         return Err(Problem::new(
             "bad-result",
-            format!("{} has the form {}, not {FORMAT}", path.display(), result.format),
+            format!(
+                "{} has the form {}, not {FORMAT}",
+                path.display(),
+                result.format
+            ),
         )
         .remedy("run the study again with this program"));
     }

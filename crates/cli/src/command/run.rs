@@ -5,14 +5,14 @@ use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Run};
 use crate::corroboration::{self, Piece};
 use crate::outcome::Outcome;
-use crate::problem::Problem;
+use crate::problem::{Problem, did_you_mean};
 use crate::store::{Inputs, Store, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::Tables;
 use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::simulation::{self, Campaign};
 use crate::technique::{self, Produced};
-use evidence::{AssetRole, Measure, StudyResult, Subject};
+use evidence::{AssetRole, Measure, StudyResult};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +55,9 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         }
     }
     if let Some((id, problem)) = skipped.into_iter().next() {
-        setting.talk.say(&format!("{id} could not be produced, so nothing is compared"));
+        setting.talk.say(&format!(
+            "{id} could not be produced, so nothing is compared"
+        ));
         return Err(problem);
     }
     if !arguments.only.is_empty() {
@@ -76,7 +78,10 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
         .iter()
         .map(|entry| match &entry.work {
             Work::Check { model, .. } => {
-                Ok(Prepared::Check(Box::new(Compiled::new(study, model)?)))
+                let compiled = Compiled::new(study, model)?;
+                check_constants(study, entry, &compiled)?;
+                compiled.warn(&|line| setting.talk.say(line));
+                Ok(Prepared::Check(Box::new(compiled)))
             }
             Work::Simulate {
                 scenario,
@@ -108,6 +113,30 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
     technique::judging::Judges::new(study, |_| true)?;
     every_proposition_is_expressed_somewhere(study, &prepared)?;
     Ok(prepared)
+}
+
+/// What was set to a count must be a constant of the model.
+fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<(), Problem> {
+    for calibrated in &entry.calibrated {
+        let Some(name) = &calibrated.constant else {
+            continue;
+        };
+        if compiled.constant(name).is_none() {
+            let problem = Problem::new(
+                "unknown-constant",
+                format!(
+                    "the model of {} has no number `{name}` among its constants",
+                    entry.id
+                ),
+            )
+            .at(&study.ledger_source, calibrated.span.clone());
+            return Err(match did_you_mean(name, compiled.constants()) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem.remedy("name a constant that the model defines"),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A name that no model of the study knows is a mistake, not an abstraction.
@@ -236,8 +265,7 @@ impl Runner<'_> {
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 for constant in counted {
                     let sample = [constant.sample.successes, constant.sample.trials];
-                    inputs.add(constant.name.as_bytes().escape_ascii().to_string().as_str(), &[]);
-                    inputs.add_json("counts", &sample);
+                    inputs.add_json(&constant.name, &sample);
                 }
             }
             (Prepared::Simulate(campaign), Work::Simulate { episodes, .. }) => {
@@ -336,6 +364,10 @@ pub fn use_colour() -> bool {
 /// The constants whose counts are uncertain, with the counts.
 fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConstant>, Problem> {
     let mut counted = Vec::new();
+    // A step on the way is not compared, so its uncertainty is not asked for.
+    if entry.intermediate {
+        return Ok(counted);
+    }
     for calibrated in entry.calibrated.iter().filter(|c| !c.held) {
         let Some(constant) = &calibrated.constant else {
             continue;
@@ -362,10 +394,6 @@ fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConst
                 ),
             )
             .remedy("calibrate from evidence that counts"));
-        };
-        let count = match calibration.subject {
-            // A requirement's count is of passes; a constant may be either.
-            Subject::Requirement(_) | Subject::FailureMode(_) => count,
         };
         let sample = stats::Sample::new(count, trials)
             .map_err(|error| Problem::new("bad-counts", error.to_string()))?;

@@ -3,11 +3,13 @@
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Simulate};
 use crate::outcome::Outcome;
-use crate::problem::Problem;
+use crate::problem::{Problem, write_whole};
+use crate::store::{Inputs, program_hash};
 use crate::study::{Study, Work};
 use crate::technique::simulation::{Campaign, Seeds, record};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::Path;
 
 /// What `simulate --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -53,10 +55,15 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
     let count = arguments.episodes.unwrap_or(*episodes);
     let numbers = arguments.first..arguments.first.saturating_add(count);
-    std::fs::create_dir_all(&arguments.out)
-        .map_err(|error| Problem::cannot_write(&arguments.out, &error))?;
-    refuse_other_recordings(arguments)?;
-    let stage = setting.talk.begin(&format!("{}: episodes", entry.id), count);
+    let mut inputs = Inputs::default();
+    campaign.inputs(&mut inputs);
+    inputs
+        .add("program", program_hash()?.as_bytes())
+        .add_json("seed", &seeds.of(0));
+    claim(&arguments.out, &inputs.hash())?;
+    let stage = setting
+        .talk
+        .begin(&format!("{}: episodes", entry.id), count);
     let files = record(
         &campaign,
         &seeds,
@@ -96,22 +103,31 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     })
 }
 
-/// Recordings that are already there may be of another seed or study: they
-/// are neither taken for ours nor overwritten.
-fn refuse_other_recordings(arguments: &Simulate) -> Result<(), Problem> {
-    let entries = std::fs::read_dir(&arguments.out)
-        .map_err(|error| Problem::cannot_read(&arguments.out, &error))?;
+/// The file that says which campaign a folder's recordings are of.
+const MARK: &str = "campaign";
+
+/// Recordings that are already there are gone on with if they are of the same
+/// campaign; others are neither taken for ours nor overwritten.
+fn claim(folder: &Path, campaign: &str) -> Result<(), Problem> {
+    std::fs::create_dir_all(folder).map_err(|error| Problem::cannot_write(folder, &error))?;
+    let mark = folder.join(MARK);
+    let entries =
+        std::fs::read_dir(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
     let occupied = entries
         .flatten()
         .any(|e| e.path().extension().is_some_and(|x| x == "mcap"));
-    if occupied {
+    let same = std::fs::read_to_string(&mark).is_ok_and(|text| text.trim() == campaign);
+    if occupied && !same {
         return Err(Problem::new(
             "folder-not-empty",
-            format!("{} already holds recordings", arguments.out.display()),
+            format!(
+                "{} already holds recordings of something else",
+                folder.display()
+            ),
         )
         .remedy("name a new folder with --out"));
     }
-    Ok(())
+    write_whole(&mark, format!("{campaign}\n").as_bytes())
 }
 
 #[cfg(test)]

@@ -103,6 +103,8 @@ pub struct Calibrated {
     pub constant: Option<String>,
     /// Whether the constant keeps its value although it was estimated.
     pub held: bool,
+    /// Its place in the ledger.
+    pub span: Range<usize>,
 }
 
 /// Figures that the source publication prints.
@@ -174,7 +176,7 @@ struct TablesText {
 #[serde(deny_unknown_fields)]
 struct CalibratedText {
     parameter: Option<String>,
-    constant: Option<String>,
+    constant: Option<Spanned<String>>,
     #[serde(default)]
     held: bool,
     from: Spanned<String>,
@@ -183,7 +185,7 @@ struct CalibratedText {
 }
 
 /// Reads `ledger.toml` and checks it against the rest of the study.
-pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<Vec<Entry>, Problem> {
+pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<(Vec<Entry>, Source), Problem> {
     let source = Source::read(&folder.join("ledger.toml"))?;
     let file: File =
         toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
@@ -194,7 +196,11 @@ pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<Vec<Entry>, P
         )
         .remedy("add an [[evidence]] with `id`, `technique` and its assets"));
     }
-    let all: BTreeSet<String> = file.evidence.iter().map(|e| e.id.get_ref().clone()).collect();
+    let all: BTreeSet<String> = file
+        .evidence
+        .iter()
+        .map(|e| e.id.get_ref().clone())
+        .collect();
     let reader = Reader {
         folder,
         source: &source,
@@ -215,7 +221,7 @@ pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<Vec<Entry>, P
         }
         entries.push(reader.entry(text, &seen)?);
     }
-    Ok(entries)
+    Ok((entries, source))
 }
 
 struct Reader<'a> {
@@ -300,9 +306,10 @@ impl Reader<'_> {
         }
         let (subject, named) = match (&text.failure_mode, &text.requirement) {
             (Some(mode), None) => (Subject::FailureMode(mode.get_ref().clone()), mode),
-            (None, Some(requirement)) => {
-                (Subject::Requirement(requirement.get_ref().clone()), requirement)
-            }
+            (None, Some(requirement)) => (
+                Subject::Requirement(requirement.get_ref().clone()),
+                requirement,
+            ),
             _ => {
                 return Err(self.problem(
                     "bad-calibration",
@@ -315,14 +322,17 @@ impl Reader<'_> {
         if self.forms.of(&subject).is_none() {
             return Err(self.problem(
                 "unknown-subject",
-                format!("requirements.toml declares no `{}` of this kind", named.get_ref()),
+                format!(
+                    "requirements.toml declares no `{}` of this kind",
+                    named.get_ref()
+                ),
                 named.span(),
                 "check the identifier",
             ));
         }
         let parameter = match (&text.parameter, &text.constant) {
             (Some(parameter), None) => parameter.clone(),
-            (None, Some(constant)) => constant.clone(),
+            (None, Some(constant)) => constant.get_ref().clone(),
             _ => {
                 return Err(self.problem(
                     "bad-calibration",
@@ -338,7 +348,11 @@ impl Reader<'_> {
                 from: text.from.get_ref().clone(),
                 subject,
             },
-            constant: text.constant.clone(),
+            span: text
+                .constant
+                .as_ref()
+                .map_or(text.from.span(), Spanned::span),
+            constant: text.constant.as_ref().map(|c| c.get_ref().clone()),
             held: text.held,
         })
     }
@@ -373,7 +387,10 @@ impl Reader<'_> {
         let episodes = text.episodes.as_ref().ok_or_else(|| {
             self.problem(
                 "missing-entry",
-                format!("the simulation `{}` does not say how many `episodes`", text.id.get_ref()),
+                format!(
+                    "the simulation `{}` does not say how many `episodes`",
+                    text.id.get_ref()
+                ),
                 text.id.span(),
                 "add for example `episodes = 100`, or `tables.…` to read published counts",
             )
@@ -404,9 +421,8 @@ impl Reader<'_> {
         };
         let span = tables.span();
         let tables = tables.get_ref();
-        let file = |path: &Option<Spanned<PathBuf>>| {
-            path.as_ref().map(|p| self.existing(p)).transpose()
-        };
+        let file =
+            |path: &Option<Spanned<PathBuf>>| path.as_ref().map(|p| self.existing(p)).transpose();
         let work = Work::Read {
             technique,
             cohort: file(&tables.cohort)?,

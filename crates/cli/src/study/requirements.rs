@@ -130,7 +130,10 @@ pub fn load(
     if file.requirement.is_empty() {
         return Err(Problem::new(
             "no-requirements",
-            format!("{} has no requirement, so there is nothing to verify", source.name),
+            format!(
+                "{} has no requirement, so there is nothing to verify",
+                source.name
+            ),
         )
         .remedy("add a [[requirement]] with `id`, `text`, and a `property` or a `monitor`"));
     }
@@ -302,7 +305,10 @@ impl Reader<'_> {
         })
     }
 
-    fn monitor(&self, monitor: Option<Spanned<MonitorSpec>>) -> Result<Option<MonitorSpec>, Problem> {
+    fn monitor(
+        &self,
+        monitor: Option<Spanned<MonitorSpec>>,
+    ) -> Result<Option<MonitorSpec>, Problem> {
         let Some(monitor) = monitor else {
             return Ok(None);
         };
@@ -313,7 +319,9 @@ impl Reader<'_> {
         })?;
         for name in compiled.propositions() {
             let place = self.place_of(name, &span);
-            let proposition = self.vocabulary.proposition(name, self.source, place.clone())?;
+            let proposition = self
+                .vocabulary
+                .proposition(name, self.source, place.clone())?;
             if proposition.trace.is_none() {
                 return Err(Problem::new(
                     "unbound-proposition",
@@ -340,7 +348,10 @@ impl Reader<'_> {
         if proposition.column.is_none() {
             return Err(Problem::new(
                 "unbound-proposition",
-                format!("`{}` is not bound to a column of the experiments", name.get_ref()),
+                format!(
+                    "`{}` is not bound to a column of the experiments",
+                    name.get_ref()
+                ),
             )
             .at(self.source, span)
             .remedy(format!(
@@ -376,7 +387,9 @@ impl Reader<'_> {
             }
             for (name, span) in quoted_names(&text.text) {
                 let place = text.span.start + span.start..text.span.start + span.end;
-                let proposition = self.vocabulary.proposition(&name, self.source, place.clone())?;
+                let proposition = self
+                    .vocabulary
+                    .proposition(&name, self.source, place.clone())?;
                 if proposition.model.is_none() {
                     return Err(Problem::new(
                         "unbound-proposition",
@@ -394,11 +407,7 @@ impl Reader<'_> {
     }
 
     /// Diagnostics of a property inside this file, at their place in the file.
-    fn shifted(
-        &self,
-        text: &FormText,
-        diagnostics: &[prism_lang::Diagnostic],
-    ) -> Option<Problem> {
+    fn shifted(&self, text: &FormText, diagnostics: &[prism_lang::Diagnostic]) -> Option<Problem> {
         let shifted: Vec<_> = diagnostics
             .iter()
             .map(|d| {
@@ -496,8 +505,17 @@ mod tests {
     fn thresholds_are_read_from_words() {
         let read = parse_threshold("at least 0.95").expect("a threshold");
         assert_eq!((read.direction, read.value), (Direction::AtLeast, 0.95));
-        assert_eq!(parse_threshold("at most 0.1").map(|t| t.direction), Some(Direction::AtMost));
-        for bad in ["0.95", "at least 1.5", "at least x", "at least -0.1", "at least NaN"] {
+        assert_eq!(
+            parse_threshold("at most 0.1").map(|t| t.direction),
+            Some(Direction::AtMost)
+        );
+        for bad in [
+            "0.95",
+            "at least 1.5",
+            "at least x",
+            "at least -0.1",
+            "at least NaN",
+        ] {
             assert!(parse_threshold(bad).is_none(), "{bad}");
         }
     }

@@ -77,7 +77,10 @@ impl Vocabulary {
                 .map(|error| predicate_problem(&source, &propositions, &error));
             // There is at least one error, or there would be a vocabulary.
             problems.next().unwrap_or_else(|| {
-                Problem::new("bad-predicate", format!("{} has a bad predicate", source.name))
+                Problem::new(
+                    "bad-predicate",
+                    format!("{} has a bad predicate", source.name),
+                )
             })
         })?;
         Ok(Self {
@@ -125,7 +128,11 @@ fn predicate_problem(
             let start = binding.span.start + error.span.start;
             problem.at(source, start..binding.span.start + error.span.end)
         }
-        None => match error.entry.as_ref().and_then(|name| source.text.find(name.as_str())) {
+        None => match error
+            .entry
+            .as_ref()
+            .and_then(|name| source.text.find(name.as_str()))
+        {
             Some(at) => problem.at(source, at..at + 1),
             None => problem,
         },

@@ -170,7 +170,10 @@ impl Tables {
             if let Some(other) = other
                 && other != total
             {
-                let cohort = self.cohort.as_ref().map_or("the cohort", |c| c.name.as_str());
+                let cohort = self
+                    .cohort
+                    .as_ref()
+                    .map_or("the cohort", |c| c.name.as_str());
                 return Err(Problem::new(
                     "tables-disagree",
                     format!("{cohort} counts {total} for `{id}`, another table of the same evidence {other}"),
@@ -219,8 +222,12 @@ impl Cohort {
             Some((header, code)) => {
                 let column = self.table.column(header.trim()).map_err(table_problem)?;
                 let code = code.trim();
-                let occurrences = |cell: &str| cell.split_whitespace().filter(|c| *c == code).count();
-                column.cells().map(|cell| occurrences(cell) as u64).collect()
+                let occurrences =
+                    |cell: &str| cell.split_whitespace().filter(|c| *c == code).count();
+                column
+                    .cells()
+                    .map(|cell| occurrences(cell) as u64)
+                    .collect()
             }
         };
         counted
@@ -280,7 +287,9 @@ impl Cohort {
         // The first column names the subject; codes of failures are no group.
         for column in self.table.columns().skip(1) {
             match column.as_numbers() {
-                Ok(values) if column.header() != "attempts" => numbers.push((column.header(), values)),
+                Ok(values) if column.header() != "attempts" => {
+                    numbers.push((column.header(), values))
+                }
                 Ok(_) => {}
                 Err(_) => {
                     let cells = column.as_texts();
@@ -345,7 +354,10 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
             .and_then(|c| c.as_counts())
             .map_err(table_problem)
     };
-    let ids = table.column("requirement").map_err(table_problem)?.as_texts();
+    let ids = table
+        .column("requirement")
+        .map_err(table_problem)?
+        .as_texts();
     let (covered, passed, failed) = (column("covered")?, column("passed")?, column("failed")?);
     let mut rows = Vec::new();
     for (row, id) in ids.iter().enumerate() {
@@ -401,7 +413,12 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
     Ok(rows)
 }
 
-fn known_subject(study: &Study, table: &Table, row: usize, subject: &Subject) -> Result<(), Problem> {
+fn known_subject(
+    study: &Study,
+    table: &Table,
+    row: usize,
+    subject: &Subject,
+) -> Result<(), Problem> {
     if study.forms.of(subject).is_some() {
         return Ok(());
     }

@@ -106,15 +106,19 @@ impl<'a> Judges<'a> {
         self.judges
             .iter()
             .map(|judge| {
-                let samples = sampled.times_secs.iter().enumerate().map(|(tick, time_secs)| {
-                    let value = {
-                        let sampled = &sampled;
-                        move |proposition: usize| {
-                            sampled.value(tick, judge.propositions[proposition])
-                        }
-                    };
-                    (*time_secs, value)
-                });
+                let samples = sampled
+                    .times_secs
+                    .iter()
+                    .enumerate()
+                    .map(|(tick, time_secs)| {
+                        let value = {
+                            let sampled = &sampled;
+                            move |proposition: usize| {
+                                sampled.value(tick, judge.propositions[proposition])
+                            }
+                        };
+                        (*time_secs, value)
+                    });
                 let report = judge.monitor.judge(samples, trace.complete);
                 Ok(Judgement {
                     subject: judge.subject,

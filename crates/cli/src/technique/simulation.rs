@@ -335,7 +335,12 @@ impl Tally {
             Subject::Requirement(_) => self.satisfied,
             Subject::FailureMode(_) => self.violated,
         };
-        super::counts(count, trials, None, super::confidence(study.about.confidence)?)
+        super::counts(
+            count,
+            trials,
+            None,
+            super::confidence(study.about.confidence)?,
+        )
     }
 }
 
@@ -347,8 +352,7 @@ fn read_scenario(path: &Path) -> Result<(Scenario, String), Problem> {
 
 fn read_parameters(path: &Path) -> Result<(Parameters, String), Problem> {
     let source = Source::read(path)?;
-    let parameters =
-        Parameters::parse(&source.text).map_err(|e| scenario_problem(&source, &e))?;
+    let parameters = Parameters::parse(&source.text).map_err(|e| scenario_problem(&source, &e))?;
     Ok((parameters, source.text))
 }
 
