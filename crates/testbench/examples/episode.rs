@@ -13,7 +13,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let seed: u64 = arguments.get(1).map_or(Ok(1), |text| text.parse())?;
     let topic = arguments.get(2).map_or("/robot", String::as_str);
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("case-studies/handover/simulation");
+    let file = root
+        .join("case-studies/handover/simulation")
+        .join(format!("{set}.toml"));
+    let folder = file.parent().ok_or("the parameter file is in no folder")?;
     let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
     let parameters = Parameters::parse(&std::fs::read_to_string(
         folder.join(format!("{set}.toml")),

@@ -17,6 +17,7 @@ struct DrivenJoint {
     drive: Drive,
     range_rad: [f64; 2],
     speed_limit_rad_s: f64,
+    speed_rad_s: f64,
     setpoint: Setpoint,
     target_rad: f64,
 }
@@ -129,15 +130,14 @@ impl Plant {
             HandCommand::Pregrasp => &self.hand_positions[1],
             HandCommand::Grasp => &self.hand_positions[2],
         };
-        let arm_speed = if commands.restricted {
-            self.arm.restricted_speed_rad_s
-        } else {
-            self.arm.reset_speed_rad_s
-        };
         for joint in &mut self.joints {
             let target = match joint.drive {
                 Drive::Arm => {
-                    joint.speed_limit_rad_s = arm_speed;
+                    joint.speed_rad_s = if commands.restricted {
+                        joint.speed_limit_rad_s.min(self.arm.restricted_speed_rad_s)
+                    } else {
+                        self.arm.reset_speed_rad_s
+                    };
                     // An arm drive refuses to leave its range; a finger is driven on to its stop.
                     let [low, high] = joint.range_rad;
                     commands
@@ -155,7 +155,7 @@ impl Plant {
     pub(crate) fn step(&mut self, wrench: &Wrench) {
         for (joint, control) in self.joints.iter_mut().zip(self.simulation.controls_mut()) {
             let limits = Limits {
-                speed_rad_s: joint.speed_limit_rad_s,
+                speed_rad_s: joint.speed_rad_s,
                 acceleration_rad_s2: match joint.drive {
                     Drive::Arm => self.arm.acceleration_rad_s2,
                     Drive::Hand => FINGER_ACCELERATION_RAD_S2,
@@ -282,6 +282,7 @@ fn driven_joints(scenario: &Scenario) -> Vec<DrivenJoint> {
             drive: joint.drive,
             range_rad: joint.range_rad,
             speed_limit_rad_s: joint.speed_limit_rad_s,
+            speed_rad_s: joint.speed_limit_rad_s,
             setpoint: Setpoint::at(target_rad),
             target_rad,
         })

@@ -1,0 +1,37 @@
+//! What the tests share: the engine, if it is there, and the handover's files.
+#![allow(dead_code, reason = "each test program uses a part")]
+
+use std::path::{Path, PathBuf};
+
+use testbench::{Engine, Parameters, Scenario};
+
+/// The repository's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The engine, or `None` with a note when the library is absent. Under `CI` it must be there.
+pub fn engine() -> Option<Engine> {
+    let library = root().join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
+    if !library.exists() && std::env::var_os("CI").is_none() {
+        println!("skipped: libmujoco not found (run tools/mujoco)");
+        return None;
+    }
+    Some(Engine::load(&library).expect("the pinned library loads"))
+}
+
+/// A file of the handover's simulation.
+pub fn handover_file(name: &str) -> String {
+    let path = root().join("case-studies/handover/simulation").join(name);
+    std::fs::read_to_string(path).expect("the case study's file is there")
+}
+
+/// The handover's scenario.
+pub fn scenario() -> Scenario {
+    Scenario::parse(&handover_file("scenario.toml")).expect("the scenario is sound")
+}
+
+/// A parameter set of the handover.
+pub fn parameters(name: &str) -> Parameters {
+    Parameters::parse(&handover_file(&format!("{name}.toml"))).expect("the parameters are sound")
+}

@@ -1,0 +1,213 @@
+//! Episodes of the handover: determinism, faults, and the human's other ways.
+
+mod common;
+
+use testbench::robot::Decision;
+use testbench::{Cancel, Distribution, Engine, Episode, Parameters, SimError, World, run_episode};
+use trace::Trace;
+
+fn world(engine: &Engine, parameters: &Parameters) -> World {
+    World::new(engine, &common::scenario(), parameters).expect("the scenario is sound")
+}
+
+fn run(world: &mut World, seed: u64) -> Episode {
+    run_episode(world, seed, &Cancel::default()).expect("the episode runs")
+}
+
+/// Parameters under which nothing but physics can go wrong: no glitch, no planner fault, a firm pull.
+fn faultless() -> Parameters {
+    let mut parameters = common::parameters("tuned");
+    parameters.tracking.glitch_rate_per_reading = 0.0;
+    parameters.planner.failure_rate_per_run = 0.0;
+    parameters.human.pull_forward_newtons = Distribution::Constant(12.0);
+    parameters.hand.friction = Distribution::Constant(0.8);
+    parameters
+}
+
+/// Every bit of a trace's numbers.
+fn bits(trace: &Trace) -> Vec<u64> {
+    let numbers = trace
+        .channels
+        .iter()
+        .flat_map(|channel| channel.times_secs.iter().chain(&channel.values));
+    numbers.map(|number| number.to_bits()).collect()
+}
+
+#[test]
+fn one_seed_gives_the_same_bits_in_a_used_world_a_fresh_one_and_on_two_threads() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let parameters = common::parameters("tuned");
+    let mut used = world(&engine, &parameters);
+    run(&mut used, 1);
+    let expected = run(&mut used, 2);
+    let fresh = run(&mut world(&engine, &parameters), 2);
+    assert_eq!(bits(&fresh.trace), bits(&expected.trace));
+    assert_eq!(fresh.trace.metadata, expected.trace.metadata);
+    assert_eq!(fresh.outcome, expected.outcome);
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..2)
+            .map(|_| scope.spawn(|| bits(&run(&mut world(&engine, &parameters), 2).trace)))
+            .collect();
+        for thread in threads {
+            assert_eq!(thread.join().expect("no panic"), bits(&expected.trace));
+        }
+    });
+    assert_ne!(
+        bits(&run(&mut used, 3).trace),
+        bits(&expected.trace),
+        "seeds matter"
+    );
+}
+
+#[test]
+fn without_faults_the_object_is_handed_over_and_the_trace_is_sound() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let episode = run(&mut world(&engine, &faultless()), 1);
+    assert!(episode.outcome.success, "{:?}", episode.outcome);
+    assert!(episode.outcome.object_with_human);
+    assert!(episode.trace.complete);
+    episode
+        .trace
+        .validate()
+        .expect("the trace keeps its own rules");
+    assert!((episode.sim_secs - episode.steps as f64 * 0.002).abs() < 1e-9);
+    for signal in [
+        "/robot.state",
+        "/robot.decision",
+        "/robot.crashed",
+        "/robot.hand_speed",
+        "/sensors.all_ok",
+        "/sensors.sensing_done",
+        "/tracking.object.x",
+        "/truth.in_hand",
+        "/truth.human_ready",
+        "/truth.human_distance",
+        "/truth.object_contacts_hand",
+        "/human.ready",
+    ] {
+        assert!(
+            episode.trace.signal(signal).is_some(),
+            "{signal} is missing"
+        );
+    }
+    assert_eq!(episode.trace.metadata["engine_version"], engine.version());
+    assert_eq!(episode.trace.metadata["seed"], "1");
+}
+
+#[test]
+fn an_unanswered_plan_crashes_the_robot_and_the_run_still_ends() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut parameters = faultless();
+    parameters.planner.failure_rate_per_run = 1.0;
+    let episode = run(&mut world(&engine, &parameters), 4);
+    assert!(episode.outcome.crashed);
+    assert_eq!(episode.outcome.decision, Decision::None);
+    assert!(!episode.outcome.success && episode.trace.complete);
+}
+
+#[test]
+fn without_friction_the_object_is_dropped() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut parameters = faultless();
+    parameters.hand.friction = Distribution::Constant(0.02);
+    let outcome = run(&mut world(&engine, &parameters), 1).outcome;
+    assert!(
+        outcome.grip_failure && !outcome.success && !outcome.object_with_human,
+        "{outcome:?}"
+    );
+}
+
+#[test]
+fn every_reading_glitched_fails_the_location_but_not_the_physics() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut parameters = faultless();
+    parameters.tracking.glitch_rate_per_reading = 1.0;
+    let outcome = run(&mut world(&engine, &parameters), 1).outcome;
+    assert_eq!(
+        (outcome.location_ok, outcome.decision),
+        (Some(false), Decision::Keep)
+    );
+    assert!(!outcome.grip_failure && outcome.human_was_ready);
+}
+
+#[test]
+fn a_human_who_is_not_ready_does_not_get_the_object() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let parameters = faultless();
+    for (test, decision, failing) in [
+        ("human looks away", Decision::Keep, 0),
+        ("human does not pull", Decision::Keep, 1),
+        ("human keeps the hand away", Decision::Keep, 2),
+        ("human never ready", Decision::TimeOut, 3),
+    ] {
+        let mut world = world(&engine, &parameters)
+            .with_test(test)
+            .expect("it is in the scenario");
+        let outcome = run(&mut world, 1).outcome;
+        assert_eq!(outcome.decision, decision, "{test}");
+        assert!(!outcome.human_was_ready, "{test}");
+        let sensors = [outcome.gaze_ok, outcome.pressure_ok, outcome.location_ok];
+        match sensors.get(failing) {
+            Some(sensor) => assert_eq!(*sensor, Some(false), "{test}"),
+            None => assert_eq!(sensors, [None; 3], "{test}"),
+        }
+    }
+}
+
+#[test]
+fn halving_the_time_step_moves_the_held_object_by_less_than_a_few_millimetres() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut placed = Vec::new();
+    for time_step_secs in [0.001, 0.002, 0.0025] {
+        let mut scenario = common::scenario();
+        scenario.simulation.time_step_secs = time_step_secs;
+        let mut world = World::new(&engine, &scenario, &faultless())
+            .and_then(|world| world.with_test("human never ready"))
+            .expect("the scenario is sound");
+        let episode = run(&mut world, 2);
+        assert!(!episode.outcome.grip_failure, "{time_step_secs}");
+        let truth = episode
+            .trace
+            .channel("/truth")
+            .expect("a topic of the trace");
+        let last = &truth.values[truth.values.len() - truth.fields.len()..];
+        placed.push([last[0], last[1], last[2]]);
+    }
+    for other in &placed[1..] {
+        let distance = (0..3)
+            .map(|axis| (other[axis] - placed[0][axis]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        assert!(distance < 0.005, "{distance} m: {placed:?}");
+    }
+}
+
+#[test]
+fn a_cancelled_episode_and_an_unknown_test_say_so() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut world = world(&engine, &faultless());
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert!(matches!(
+        run_episode(&mut world, 1, &cancel),
+        Err(SimError::Cancelled)
+    ));
+    let error = world.with_test("human sings").unwrap_err();
+    assert!(error.to_string().contains("human sings"));
+}
