@@ -169,37 +169,35 @@ fn draft(
     let mut comparison = blank(subject, left, right, margin);
     comparison.independent = fit.is_none();
     let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
-        (Ok(first), Ok(second)) => (
-            Some(Pair::new(first, second, margin)),
-            other_conditions(left, right),
-        ),
-        (first, second) => (
-            None,
-            Some(missing(
-                left,
-                right,
-                first.err().as_deref(),
-                second.err().as_deref(),
-            )),
-        ),
+        (Ok(first), Ok(second)) => {
+            let pair = Pair::new(first, second, margin);
+            describe(&mut comparison, &pair, study.levels.confidence);
+            (Some(pair), other_conditions(left, right))
+        }
+        (first, second) => {
+            let reasons = (first.err(), second.err());
+            (None, Some(missing(left, right, reasons)))
+        }
     };
-    if let Some(pair) = &pair {
-        let interval = pair.difference_interval(study.levels.confidence);
-        comparison.difference = Some(pair.difference());
-        comparison.difference_interval = Some(Interval {
-            low: interval.low,
-            high: interval.high,
-        });
-        comparison.p_difference = Some(pair.p_difference());
-        comparison.p_equivalence = pair.p_equivalence();
-        comparison.probability_within_margin = Some(pair.probability_within());
-    }
     Some(Draft {
         comparison,
         fit,
         pair,
         obstacle,
     })
+}
+
+/// Fills in the figures that do not depend on the other comparisons.
+fn describe(comparison: &mut Comparison, pair: &Pair, confidence: Confidence) {
+    let interval = pair.difference_interval(confidence);
+    comparison.difference = Some(pair.difference());
+    comparison.difference_interval = Some(Interval {
+        low: interval.low,
+        high: interval.high,
+    });
+    comparison.p_difference = Some(pair.p_difference());
+    comparison.p_equivalence = pair.p_equivalence();
+    comparison.probability_within_margin = Some(pair.probability_within());
 }
 
 fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> Comparison {
@@ -230,11 +228,10 @@ fn other_conditions(left: &Evidence, right: &Evidence) -> Option<String> {
     })
 }
 
-fn missing(left: &Evidence, right: &Evidence, first: Option<&str>, second: Option<&str>) -> String {
-    let side = |id: &str, why: Option<&str>| why.map(|why| sentence(&format!("{id}: {why}")));
-    [side(&left.id, first), side(&right.id, second)]
+fn missing(left: &Evidence, right: &Evidence, why: (Option<String>, Option<String>)) -> String {
+    [(&left.id, why.0), (&right.id, why.1)]
         .into_iter()
-        .flatten()
+        .filter_map(|(id, why)| Some(sentence(&format!("{id}: {}", why?))))
         .collect::<Vec<_>>()
         .join(" ")
 }

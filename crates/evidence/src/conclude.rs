@@ -85,7 +85,7 @@ fn conclusion(
     Conclusion {
         requirement: requirement.id.clone(),
         verdict,
-        statement: statement(verdict, &pieces, &stands, &among, threshold, bound, study),
+        statement: statement(verdict, &stands, &among, threshold, bound, study),
         common_lower_bound: bound,
         rests_on: pieces
             .iter()
@@ -235,7 +235,6 @@ fn common_lower_bound(
 
 fn statement(
     verdict: Verdict,
-    pieces: &[Piece<'_>],
     stands: &[Stand],
     among: &[&Comparison],
     threshold: Threshold,
@@ -245,20 +244,8 @@ fn statement(
     if verdict == Verdict::NotCovered {
         return "No current evidence says anything about it.".to_owned();
     }
-    let asked = stand::in_words(threshold);
-    let opening = match verdict {
-        Verdict::Satisfied => format!("It holds ({asked})."),
-        Verdict::Violated => format!("It does not hold ({asked})."),
-        Verdict::Conflicting => format!("The evidence contradicts itself ({asked})."),
-        _ => format!("The evidence does not decide ({asked})."),
-    };
-    let figures = list(
-        &stands
-            .iter()
-            .map(|stand| stand.words.clone())
-            .collect::<Vec<_>>(),
-    );
-    let mut words = format!("{opening} {figures}.");
+    let figures: Vec<String> = stands.iter().map(|stand| stand.words.clone()).collect();
+    let mut words = format!("{} {}.", opening(verdict, threshold), list(&figures));
     for conflict in among
         .iter()
         .filter(|comparison| comparison.outcome == Outcome::Conflicts)
@@ -270,21 +257,32 @@ fn statement(
         ));
     }
     if let Some(bound) = bound {
-        let ids: Vec<String> = pieces
-            .iter()
-            .map(|piece| piece.evidence.id.clone())
-            .collect();
-        let who = match ids.as_slice() {
-            [only] => format!("{only} supports"),
-            _ => format!("{} all support", list(&ids)),
-        };
-        let level = percent(study.levels.confidence.level());
-        let at_least = percent_down(bound);
-        words.push_str(&format!(
-            " {who} at least {at_least} with {level} confidence."
-        ));
+        words.push_str(&common_statement(stands, bound, study.levels.confidence));
     }
     words
+}
+
+fn opening(verdict: Verdict, threshold: Threshold) -> String {
+    let asked = stand::in_words(threshold);
+    match verdict {
+        Verdict::Satisfied => format!("It holds ({asked})."),
+        Verdict::Violated => format!("It does not hold ({asked})."),
+        Verdict::Conflicting => format!("The evidence contradicts itself ({asked})."),
+        _ => format!("The evidence does not decide ({asked})."),
+    }
+}
+
+fn common_statement(stands: &[Stand], bound: f64, confidence: Confidence) -> String {
+    let ids: Vec<String> = stands.iter().map(|stand| stand.id.clone()).collect();
+    let who = match ids.as_slice() {
+        [only] => format!("{only} supports"),
+        _ => format!("{} all support", list(&ids)),
+    };
+    let level = percent(confidence.level());
+    format!(
+        " {who} at least {} with {level} confidence.",
+        percent_down(bound)
+    )
 }
 
 /// A lower bound in percent, rounded down so that the sentence stays true.

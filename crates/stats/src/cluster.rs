@@ -60,42 +60,16 @@ impl Clustering {
 /// effective size is the number of clusters.
 pub fn clustering(clusters: &[Sample]) -> Result<Clustering, StatsError> {
     let total = crate::heterogeneity::pool(clusters)?;
-    let clusters: Vec<&Sample> = clusters
+    let clusters: Vec<EffectiveSample> = clusters
         .iter()
         .filter(|cluster| cluster.trials > 0)
+        .map(|cluster| (*cluster).into())
         .collect();
-    let count = clusters.len();
-    let (trials, successes) = (total.trials as f64, total.successes as f64);
-    if count < 2 {
-        return Err(StatsError::TooFew {
-            what: "clusters",
-            found: count,
-            needed: 2,
-        });
-    }
-    if total.trials as usize == count {
-        let what = "trials beyond one for each cluster";
-        return Err(StatsError::TooFew {
-            what,
-            found: 0,
-            needed: 1,
-        });
-    }
-    if total.successes == 0 || total.failures() == 0 {
-        return Err(StatsError::Constant { what: "outcomes" });
-    }
-    let size_squares: f64 = clusters.iter().map(|c| (c.trials as f64).powi(2)).sum();
-    let within: f64 = clusters
-        .iter()
-        .map(|c| c.successes as f64 * c.failures() as f64 / c.trials as f64)
-        .sum();
-    let between: f64 = clusters
-        .iter()
-        .map(|c| {
-            c.trials as f64 * (c.successes as f64 / c.trials as f64 - successes / trials).powi(2)
-        })
-        .sum();
-    let degrees = ((count - 1) as f64, trials - count as f64);
+    check(total, clusters.len())?;
+    let trials = total.trials as f64;
+    let size_squares: f64 = clusters.iter().map(|c| c.trials * c.trials).sum();
+    let degrees = ((clusters.len() - 1) as f64, trials - clusters.len() as f64);
+    let (between, within) = sums_of_squares(&clusters, total);
     let (mean_between, mean_within) = (between / degrees.0, within / degrees.1);
     let typical_size = (trials - size_squares / trials) / degrees.0;
     let icc = (mean_between - mean_within) / (mean_between + (typical_size - 1.0) * mean_within);
@@ -103,13 +77,48 @@ pub fn clustering(clusters: &[Sample]) -> Result<Clustering, StatsError> {
     let f_statistic = mean_between / mean_within;
     Ok(Clustering {
         total,
-        clusters: count,
+        clusters: clusters.len(),
         intraclass_correlation: icc,
         design_effect,
         effective_size: trials / design_effect,
         f_statistic,
         p_value: f_sf(f_statistic, degrees.0, degrees.1),
     })
+}
+
+fn check(total: Sample, clusters: usize) -> Result<(), StatsError> {
+    if clusters < 2 {
+        return Err(StatsError::TooFew {
+            what: "clusters",
+            found: clusters,
+            needed: 2,
+        });
+    }
+    if total.trials as usize == clusters {
+        return Err(StatsError::TooFew {
+            what: "trials beyond one for each cluster",
+            found: 0,
+            needed: 1,
+        });
+    }
+    if total.successes == 0 || total.failures() == 0 {
+        return Err(StatsError::Constant { what: "outcomes" });
+    }
+    Ok(())
+}
+
+/// Sums of squares between and within clusters.
+fn sums_of_squares(clusters: &[EffectiveSample], total: Sample) -> (f64, f64) {
+    let rate = total.successes as f64 / total.trials as f64;
+    let between = clusters
+        .iter()
+        .map(|c| c.trials * (c.successes / c.trials - rate).powi(2))
+        .sum();
+    let within = clusters
+        .iter()
+        .map(|c| c.successes * c.failures() / c.trials)
+        .sum();
+    (between, within)
 }
 
 #[cfg(test)]

@@ -44,38 +44,7 @@ impl Draws {
     /// Those of [`Draws::new`]; [`StatsError::LengthMismatch`]; [`StatsError::OutOfRange`] for a
     /// negative weight or when all are zero.
     pub fn weighted(values: &[f64], weights: &[f64]) -> Result<Self, StatsError> {
-        if values.len() != weights.len() {
-            return Err(StatsError::LengthMismatch {
-                left: values.len(),
-                right: weights.len(),
-            });
-        }
-        if values.is_empty() {
-            return Err(StatsError::TooFew {
-                what: "draws",
-                found: 0,
-                needed: 1,
-            });
-        }
-        if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-            return Err(StatsError::OutOfRange {
-                what: "draw",
-                value,
-                expected: "a finite number",
-            });
-        }
-        let total: f64 = weights.iter().sum();
-        let bad = weights
-            .iter()
-            .find(|weight| !weight.is_finite() || **weight < 0.0);
-        if let Some(&value) = bad.or((total <= 0.0).then_some(&total)) {
-            let expected = "a number that is not negative, and not all of them zero";
-            return Err(StatsError::OutOfRange {
-                what: "weight",
-                value,
-                expected,
-            });
-        }
+        let total = checked_total(values, weights)?;
         let mut sorted: Vec<(f64, f64)> = values
             .iter()
             .zip(weights)
@@ -154,6 +123,43 @@ impl Draws {
     }
 }
 
+/// The sum of the weights, once values and weights are known to be good.
+fn checked_total(values: &[f64], weights: &[f64]) -> Result<f64, StatsError> {
+    if values.len() != weights.len() {
+        return Err(StatsError::LengthMismatch {
+            left: values.len(),
+            right: weights.len(),
+        });
+    }
+    if values.is_empty() {
+        return Err(StatsError::TooFew {
+            what: "draws",
+            found: 0,
+            needed: 1,
+        });
+    }
+    if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
+        return Err(StatsError::OutOfRange {
+            what: "draw",
+            value,
+            expected: "a finite number",
+        });
+    }
+    let total: f64 = weights.iter().sum();
+    let bad = weights
+        .iter()
+        .find(|weight| !weight.is_finite() || **weight < 0.0);
+    if let Some(&value) = bad.or((total <= 0.0).then_some(&total)) {
+        let expected = "a number that is not negative, and not all of them zero";
+        return Err(StatsError::OutOfRange {
+            what: "weight",
+            value,
+            expected,
+        });
+    }
+    Ok(total)
+}
+
 /// How much of the variation of a result goes with one input alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VarianceShare {
@@ -164,12 +170,12 @@ pub struct VarianceShare {
 }
 
 /// The share of each input (a column of `inputs`, whose rows are points) in the variance of
-/// `outputs`.
+/// `outputs`. Outputs that do not vary (beyond rounding) give shares of zero: no input moves them.
 ///
 /// # Errors
 /// [`StatsError::LengthMismatch`] when there is not one output for each row or rows differ in
-/// length, [`StatsError::TooFew`] below 20 points, [`StatsError::Constant`] when the outputs do
-/// not vary, [`StatsError::OutOfRange`] for an output that is not finite.
+/// length, [`StatsError::TooFew`] below 20 points, [`StatsError::OutOfRange`] for an output that
+/// is not finite.
 pub fn variance_shares(
     inputs: &[Vec<f64>],
     outputs: &[f64],
@@ -187,13 +193,7 @@ pub fn variance_shares(
             needed: 20,
         });
     }
-    let total = Draws::new(outputs)?.variance();
-    let largest = outputs
-        .iter()
-        .fold(0.0_f64, |largest, y| largest.max(y.abs()));
-    if total.sqrt() <= 1e-14 * largest {
-        return Err(StatsError::Constant { what: "results" });
-    }
+    let constant = is_constant(outputs)?;
     let dimensions = inputs[0].len();
     if let Some(row) = inputs.iter().find(|row| row.len() != dimensions) {
         return Err(StatsError::LengthMismatch {
@@ -202,6 +202,12 @@ pub fn variance_shares(
         });
     }
     let share = |axis: usize| {
+        if constant {
+            return VarianceShare {
+                squared_correlation: 0.0,
+                first_order: 0.0,
+            };
+        }
         let column: Vec<f64> = inputs.iter().map(|row| row[axis]).collect();
         VarianceShare {
             squared_correlation: squared_correlation(&column, outputs),
@@ -209,6 +215,15 @@ pub fn variance_shares(
         }
     };
     Ok((0..dimensions).map(share).collect())
+}
+
+/// Whether values differ by no more than rounding.
+fn is_constant(values: &[f64]) -> Result<bool, StatsError> {
+    let deviation = Draws::new(values)?.variance().sqrt();
+    let largest = values
+        .iter()
+        .fold(0.0_f64, |largest, y| largest.max(y.abs()));
+    Ok(deviation <= 1e-14 * largest)
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -284,8 +299,15 @@ mod tests {
         assert!(Draws::new(&[f64::NAN]).is_err());
         assert!(Draws::weighted(&[1.0], &[-1.0]).is_err());
         assert!(Draws::weighted(&[1.0], &[0.0]).is_err());
-        assert!(variance_shares(&vec![vec![1.0]; 30], &[2.0; 30]).is_err());
+        assert!(variance_shares(&vec![vec![1.0]; 30], &[f64::NAN; 30]).is_err());
         assert!(variance_shares(&vec![vec![1.0]; 5], &[2.0; 5]).is_err());
+    }
+
+    #[test]
+    fn nothing_has_a_share_in_a_constant() {
+        let shares = variance_shares(&design(50, 2, 1), &[0.1 + 0.2; 50]).unwrap();
+        assert!(shares.iter().all(|share| share.first_order == 0.0));
+        assert_eq!(shares.len(), 2);
     }
 
     #[test]

@@ -157,7 +157,8 @@ struct RankedGroups {
     sizes: Vec<u64>,
     /// Doubled rank sums.
     rank_sums: Vec<u64>,
-    /// Products of all other group sizes, so that `sum R^2 / n` can be compared in integers.
+    /// The least common multiple of group sizes over each size, so that `sum R^2 / n` can be
+    /// compared in whole numbers.
     weights: Vec<u128>,
 }
 
@@ -189,18 +190,11 @@ impl RankedGroups {
             rest = others;
         }
         let sizes: Vec<u64> = groups.iter().map(|group| group.len() as u64).collect();
-        let common = sizes.iter().fold(1_u128, |lcm, &size| {
-            lcm / gcd(lcm, size.into()) * u128::from(size)
-        });
-        let weights = sizes
-            .iter()
-            .map(|&size| common / u128::from(size))
-            .collect();
         Ok(Self {
+            weights: weights(&sizes),
             ranking,
             sizes,
             rank_sums,
-            weights,
         })
     }
 
@@ -216,6 +210,15 @@ impl RankedGroups {
             .map(|(&sum, &weight)| u128::from(sum).pow(2).saturating_mul(weight))
             .fold(0, u128::saturating_add)
     }
+}
+
+/// The least common multiple of the sizes over each size.
+fn weights(sizes: &[u64]) -> Vec<u128> {
+    let sizes = || sizes.iter().map(|&size| u128::from(size));
+    let common = sizes().fold(1_u128, |lcm, size| {
+        (lcm / gcd(lcm, size)).saturating_mul(size)
+    });
+    sizes().map(|size| common / size).collect()
 }
 
 fn gcd(a: u128, b: u128) -> u128 {
