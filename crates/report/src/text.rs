@@ -8,7 +8,7 @@ use evidence::{Conclusion, Measure, Outcome, Requirement, StudyResult, Technique
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::number;
-use crate::view::View;
+use crate::view::{View, merged, unbroken};
 use crate::words::{self, Mark};
 
 /// Narrower than this nothing can be laid out.
@@ -58,7 +58,7 @@ impl Page {
     /// Wrapped text, its first line after `label`, the rest below its start.
     fn item(&mut self, label: &str, style: &str, text: &str) {
         let indent = label.width();
-        let lines = wrap(text, self.width.saturating_sub(indent).max(16));
+        let lines = wrap(&unbroken(text), self.width.saturating_sub(indent).max(16));
         for (i, line) in lines.iter().enumerate() {
             let start = if i == 0 {
                 self.styled(label, style)
@@ -84,6 +84,7 @@ fn style(mark: &Mark) -> &'static str {
         "good" => "36",
         "bad" => "31;1",
         "open" => "33",
+        "plain" => "",
         _ => "2",
     }
 }
@@ -245,6 +246,7 @@ fn figures(measure: &Measure, mark: &Mark, column: usize) -> String {
             let value = number::answer(answer);
             let wide = credible
                 .as_ref()
+                .filter(|c| c.interval.low < c.interval.high)
                 .map(|c| format!("{value} [{}]", number::interval(c.interval)));
             wide.into_iter().chain([value]).collect()
         }
@@ -286,20 +288,12 @@ fn outcomes(page: &mut Page, study: &StudyResult) {
 }
 
 fn agreement(page: &mut Page, conclusions: &[Conclusion]) {
-    let mut seen: Vec<&String> = Vec::new();
-    for conclusion in conclusions {
-        let independent = conclusion.independent_agreement.iter().map(|l| ("+ ", l));
-        let fitted = conclusion.fitted_agreement.iter().map(|l| ("~ ", l));
-        for (label, line) in independent.chain(fitted) {
-            if !seen.contains(&line) {
-                seen.push(line);
-                let kind = if label == "+ " {
-                    "Independent"
-                } else {
-                    "A fit"
-                };
-                page.item(label, "", &format!("{kind}: {line}"));
-            }
+    let independent = merged(conclusions, |c| &c.independent_agreement);
+    let fitted = merged(conclusions, |c| &c.fitted_agreement);
+    let labelled = [("+ ", "Independent", independent), ("~ ", "A fit", fitted)];
+    for (label, kind, lines) in labelled {
+        for (line, ids) in lines {
+            page.item(label, "", &format!("{kind}, {}: {line}", ids.join(" and ")));
         }
     }
 }

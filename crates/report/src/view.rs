@@ -1,7 +1,9 @@
 //! The study with its names looked up, and the small pieces of page that
 //! every section uses.
 
-use evidence::{Evidence, Interval, Measure, Requirement, StudyResult, Subject, Technique};
+use evidence::{
+    Conclusion, Evidence, Interval, Measure, Requirement, StudyResult, Subject, Technique,
+};
 use maud::{Markup, html};
 
 use crate::number;
@@ -220,4 +222,21 @@ pub fn prose(text: &str) -> Markup {
             p { (paragraph) }
         }
     }
+}
+
+/// Lines of all conclusions, each once, with the requirements that share it.
+pub fn merged<'a>(
+    conclusions: &'a [Conclusion],
+    lines: impl Fn(&'a Conclusion) -> &'a [String],
+) -> Vec<(&'a str, Vec<&'a str>)> {
+    let mut merged: Vec<(&str, Vec<&str>)> = Vec::new();
+    for conclusion in conclusions {
+        for line in lines(conclusion) {
+            match merged.iter_mut().find(|(text, _)| text == line) {
+                Some((_, ids)) => ids.push(&conclusion.requirement),
+                None => merged.push((line, vec![&conclusion.requirement])),
+            }
+        }
+    }
+    merged
 }

@@ -2,8 +2,8 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement, Technique,
-    Threshold, Verdict,
+    AssetRole, CERTAINTY, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement,
+    Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -15,7 +15,7 @@ pub struct Mark {
     pub symbol: &'static str,
     /// Said beside the symbol, or in its place to a screen reader.
     pub word: String,
-    /// Which of the four tones (`good`, `bad`, `open`, `none`) it takes.
+    /// Which of the tones (`good`, `bad`, `open`, `none`, `plain`) it takes.
     pub tone: &'static str,
 }
 
@@ -87,7 +87,8 @@ pub fn reading(requirement: &Requirement, measure: &Measure) -> Mark {
     }
     match (requirement.threshold, measure) {
         (None, Measure::Counts { count, trials, .. }) if count == trials => {
-            mark("✓", "no violation seen", "good")
+            // Trials alone never show certainty, however many pass.
+            mark("✓", "no violation seen", "plain")
         }
         (None, Measure::Counts { count, trials, .. }) => {
             let violations = number::count(trials.saturating_sub(*count));
@@ -116,12 +117,12 @@ fn certainty(measure: &Measure) -> Mark {
         Guarantee::Bounded { low, high } => (low, high),
         Guarantee::Estimated { .. } => return mark("?", "error unknown", "open"),
     };
-    let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) && high >= 1.0;
+    let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) || low < 1.0;
     match (low, high) {
-        (_, high) if high < 1.0 => mark("✗", "not certain", "bad"),
-        (low, _) if low >= 1.0 && !short_of_one => mark("✓", "certain", "good"),
-        (low, _) if low >= 1.0 => mark("?", "certain but for the shortfall", "open"),
-        _ => mark("?", "1 is within the bounds", "open"),
+        (_, high) if high < 1.0 - CERTAINTY => mark("✗", "not certain", "bad"),
+        (low, _) if low < 1.0 - CERTAINTY => mark("?", "1 is within the bounds", "open"),
+        _ if short_of_one => mark("✓", "practically certain", "good"),
+        _ => mark("✓", "certain", "good"),
     }
 }
 
@@ -130,12 +131,21 @@ fn against(direction: Direction, value: f64, measure: &Measure) -> Mark {
         return mark("○", "not covered", "none");
     };
     let level = number::level(value);
-    let (above, below) = (interval.low >= value, interval.high < value);
+    // As the conclusions read a computed probability.
+    let slack = match measure {
+        Measure::Probability { credible: None, .. } => CERTAINTY,
+        _ => 0.0,
+    };
+    let (above, below) = (interval.low >= value - slack, interval.high < value - slack);
     match direction {
         Direction::AtLeast if above => mark("✓", format!("above {level}"), "good"),
         Direction::AtLeast if below => mark("✗", format!("below {level}"), "bad"),
-        Direction::AtMost if interval.high <= value => mark("✓", format!("below {level}"), "good"),
-        Direction::AtMost if interval.low > value => mark("✗", format!("above {level}"), "bad"),
+        Direction::AtMost if interval.high <= value + slack => {
+            mark("✓", format!("below {level}"), "good")
+        }
+        Direction::AtMost if interval.low > value + slack => {
+            mark("✗", format!("above {level}"), "bad")
+        }
         _ => mark("?", format!("spans {level}"), "open"),
     }
 }
@@ -271,13 +281,26 @@ mod tests {
         };
         let exact = || Guarantee::Exact { rational: None };
         assert_eq!(tone(1.0, Some(0.0), exact()), "good");
-        assert_eq!(tone(1.0, Some(1e-53), exact()), "open");
         assert_eq!(tone(0.998, None, exact()), "bad");
-        let bounds = Guarantee::Bounded {
-            low: 1.0 - 1e-12,
-            high: 1.0,
-        };
-        assert_eq!(tone(1.0, None, bounds), "open");
+        let bounded = |low, high| Guarantee::Bounded { low, high };
+        assert_eq!(tone(1.0, None, bounded(1.0 - 1e-12, 1.0)), "good");
+        assert_eq!(tone(1.0, None, bounded(0.9, 1.0)), "open");
+        assert_eq!(tone(0.9, None, bounded(0.8, 0.95)), "bad");
+    }
+
+    #[test]
+    fn a_shortfall_is_not_called_certain_and_trials_are_not_called_proof() {
+        let exact = Guarantee::Exact { rational: None };
+        let short = probability(1.0, Some(1e-53), exact);
+        assert_eq!(
+            reading(&requirement(None), &short).word,
+            "practically certain"
+        );
+        let passed = reading(&requirement(None), &counts(93, 93, 0.96, 1.0));
+        assert_eq!(
+            (passed.word.as_str(), passed.tone),
+            ("no violation seen", "plain")
+        );
     }
 
     #[test]

@@ -41,8 +41,8 @@ fn the_verdict_comes_first_and_names_its_symbol() {
 fn fits_and_conflicts_are_said() {
     let text = report::text(&fixture::study(), 200, false);
     for part in [
-        "A fit: E3 and E4",
-        "Independent: E2",
+        "A fit, 1a and 1b: E3 and E4",
+        "Independent, 1a and 1b: E2",
         "requirement model inaccuracy, still open",
         "mended in E5",
         "Covered by nothing",

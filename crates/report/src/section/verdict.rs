@@ -4,7 +4,7 @@ use evidence::{Conclusion, Discrepancy, StudyResult};
 use maud::{Markup, html};
 
 use crate::number;
-use crate::view::{View, chip, section, unbroken};
+use crate::view::{View, chip, merged, section, unbroken};
 use crate::words;
 
 /// The section.
@@ -66,23 +66,6 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
             }
         }
     }
-}
-
-/// Lines of all conclusions, each once, with the requirements that share it.
-fn merged<'a>(
-    conclusions: &'a [Conclusion],
-    lines: impl Fn(&'a Conclusion) -> &'a [String],
-) -> Vec<(&'a str, Vec<&'a str>)> {
-    let mut merged: Vec<(&str, Vec<&str>)> = Vec::new();
-    for conclusion in conclusions {
-        for line in lines(conclusion) {
-            match merged.iter_mut().find(|(text, _)| text == line) {
-                Some((_, ids)) => ids.push(&conclusion.requirement),
-                None => merged.push((line, vec![&conclusion.requirement])),
-            }
-        }
-    }
-    merged
 }
 
 fn agreement(study: &StudyResult) -> Markup {
