@@ -6,8 +6,15 @@ use num_traits::{One, Pow, Signed, ToPrimitive, Zero};
 
 use crate::number::{Number, Rational};
 
-/// Largest exponent for which a rational power is computed exactly.
-const MAX_RATIONAL_EXPONENT: i64 = 100_000;
+/// Largest size, in bits, of numerator or denominator of a rational power.
+const MAX_POWER_BITS: u64 = 1 << 24;
+/// Beyond this size, in bits, a [`Number`] gives up exactness: a text must not be able to exhaust the memory.
+const MAX_EXACT_BITS: u64 = 1 << 17;
+
+/// The size of a rational, in bits.
+fn bits(value: &Rational) -> u64 {
+    value.numer().bits().max(value.denom().bits())
+}
 
 /// A number domain: `f64` (fast, rounded) or [`Rational`] (exact).
 pub trait Arithmetic: Clone + PartialOrd + Debug + Send + Sync + 'static {
@@ -128,10 +135,11 @@ impl Arithmetic for Rational {
             return None;
         }
         let exponent = exponent.to_i64()?;
-        if exponent.abs() > MAX_RATIONAL_EXPONENT || (exponent < 0 && Zero::is_zero(self)) {
+        let size = bits(self).checked_mul(exponent.unsigned_abs())?;
+        if size > MAX_POWER_BITS || (exponent < 0 && Zero::is_zero(self)) {
             return None;
         }
-        Some(Pow::pow(self, exponent as i32))
+        Some(Pow::pow(self, i32::try_from(exponent).ok()?))
     }
     fn log(&self, _base: &Self) -> Option<Self> {
         None
@@ -224,6 +232,7 @@ impl Number {
         rounded: impl Fn(f64, f64) -> Option<f64>,
     ) -> Option<Self> {
         if let (Some(a), Some(b)) = (self.exact(), other.exact())
+            && bits(a).max(bits(b)) <= MAX_EXACT_BITS
             && let Some(result) = exact(a, b)
         {
             return Some(Self::from_rational(result));
@@ -269,6 +278,18 @@ mod tests {
         assert_eq!(log(1, 2), Number::from_i64(0));
         assert_eq!(log(7, 2).to_f64(), 7f64.ln() / 2f64.ln());
         assert!(Arithmetic::log(&Number::from_i64(-1), &Number::from_i64(2)).is_none());
+    }
+
+    #[test]
+    fn huge_powers_give_up_exactness_and_not_memory() {
+        let mut number = Number::parse("1.0000001").unwrap();
+        for _ in 0..40 {
+            number = Arithmetic::mul(&number, &number);
+        }
+        assert_eq!(number.exact(), None);
+        let base = Number::parse("0.999").unwrap();
+        let power = Arithmetic::pow(&base, &Number::from_i64(100_000_000)).unwrap();
+        assert_eq!((power.exact(), power.to_f64()), (None, 0.0));
     }
 
     #[test]

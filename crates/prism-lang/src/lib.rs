@@ -1,4 +1,52 @@
 //! The PRISM language: text to typed models and properties, with spans.
+//!
+//! Reading takes two steps. *Parsing* ([`parse_model`], [`parse_properties`]) turns text into a syntax tree
+//! ([`ast`]) and never fails: it returns all mistakes, each with its place and a remedy. *Resolving*
+//! ([`resolve()`], [`resolve_properties`]) binds names, checks types, evaluates constants, and returns a
+//! [`resolved::Model`] or [`NamedProperty`]s, over which nothing is left to look up. Syntax trees print back
+//! to text.
+//!
+//! ```
+//! use prism_lang::{Constants, Property, parse_model, parse_properties, resolve, resolve_properties};
+//!
+//! let text = "
+//!     dtmc
+//!     const double p;
+//!     module coin
+//!       side : [0..2] init 0;
+//!       [] side=0 -> p:(side'=1) + 1-p:(side'=2);
+//!     endmodule
+//!     label \"heads\" = side=1;
+//! ";
+//! let given = Constants::parse("p=0.3").unwrap();
+//! let model = resolve(&parse_model(text).into_result().unwrap(), &given).unwrap();
+//! let update = &model.modules[0].commands[0].updates[1];
+//! assert_eq!(update.probability.eval_number::<f64>(&[0]).unwrap(), 0.7);
+//!
+//! let file = parse_properties("P>=0.25 [ F<=1 \"heads\" ]").into_result().unwrap();
+//! let properties = resolve_properties(&file, &model, &given).unwrap();
+//! assert!(matches!(properties[0].property, Property::Probability { bound: Some(_), .. }));
+//!
+//! // Mistakes come with a place and a remedy.
+//! let mistake = &parse_model("dtmc modul m endmodule").diagnostics[0];
+//! assert_eq!(mistake.span.of("dtmc modul m endmodule"), "modul");
+//! assert_eq!(mistake.remedy.as_deref(), Some("Did you mean `module`?"));
+//! ```
+//!
+//! # What is supported
+//!
+//! Models: all model types are parsed; constants, formulas, labels, global variables, modules and renamed
+//! copies, synchronisation, reward structures and `init ... endinit`. Properties: `P` with a bound or `=?`
+//! over full LTL with step bounds, nested bounded `P`, labels, and references to earlier properties. Not
+//! supported, with a diagnostic that says so: `system`, clocks and invariants, unbounded `int` variables,
+//! intervals of probabilities, observables, the preprocessor; `R`, `S`, `A`, `E`, `Pmin`, `Pmax`, filters,
+//! `multi` and strategies.
+//!
+//! # Where it deviates from PRISM
+//!
+//! Real numbers are exact as long as they are rational: `1-0.95` is one twentieth, and `3*0.1=0.3` holds.
+//! Integers have 64 bits. A command's probabilities must sum to 1 to within 1e-12: PRISM rescales sums that
+//! are off by up to 1e-5. See [`resolve()`] and [`Expr::eval_bool`].
 
 mod arithmetic;
 pub mod ast;
