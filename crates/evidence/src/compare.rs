@@ -122,6 +122,61 @@ impl<'a> Study<'a> {
 /// have a finding, in the order of subjects and then of the ledger.
 ///
 /// Requirements that are the same quantity as another are compared once, under the other's name.
+///
+/// ```
+/// use evidence::*;
+///
+/// let subject = Subject::FailureMode("slip".into());
+/// let evidence = |id: &str, technique, count, trials| Evidence {
+///     id: id.into(),
+///     title: id.into(),
+///     technique,
+///     tool: Tool { name: "any".into(), version: "1".into(), settings: String::new() },
+///     assets: vec![],
+///     conditions: "typical".into(),
+///     changed: String::new(),
+///     calibrated: vec![],
+///     intermediate: false,
+///     published: false,
+///     reproduced_by: None,
+///     findings: vec![Finding {
+///         subject: subject.clone(),
+///         measure: Measure::Counts {
+///             count,
+///             trials,
+///             effective_trials: None,
+///             interval: Interval { low: 0.0, high: 1.0 },
+///         },
+///         undecided: 0,
+///         witnesses: vec![],
+///         readings: vec![],
+///     }],
+///     clusters: None,
+///     inputs: String::new(),
+/// };
+/// let ledger = [
+///     evidence("sim", Technique::Simulation, 20, 100),
+///     evidence("lab", Technique::Experiment, 2, 100),
+/// ];
+/// let slip = FailureMode {
+///     id: "slip".into(),
+///     name: "Slip".into(),
+///     meaning: "The object slips; counted per grasp.".into(),
+///     margin: 0.05,
+/// };
+/// let influences = Influences::learn(&ledger);
+/// let study = Study {
+///     requirements: &[],
+///     failure_modes: &[slip],
+///     evidence: &ledger,
+///     influences: &influences,
+///     levels: Levels::new(0.95, 0.95)?,
+/// };
+/// let comparisons = compare(&study);
+/// assert_eq!(comparisons[0].outcome, Outcome::Conflicts);
+/// assert!(comparisons[0].reason.starts_with("They differ by 18 points, beyond chance"));
+/// # Ok::<(), stats::StatsError>(())
+/// ```
 pub fn compare(study: &Study<'_>) -> Vec<Comparison> {
     let lineage = study.lineage();
     let mut drafts = Vec::new();

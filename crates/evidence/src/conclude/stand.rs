@@ -131,3 +131,116 @@ pub(super) fn in_words(threshold: Threshold) -> String {
         Direction::AtMost => format!("it asks for at most {}", percent(threshold.value)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stats::{BetaPosterior, Sample};
+
+    fn standing(belief: &Belief, direction: Direction, value: f64) -> Standing {
+        let threshold = Threshold { direction, value };
+        Stand::of("E", belief, threshold, Confidence::P95).standing
+    }
+
+    fn counts(successes: u64, trials: u64) -> Belief {
+        let sample = Sample { successes, trials };
+        Belief::Counts {
+            sample,
+            effective: sample.into(),
+        }
+    }
+
+    fn known(low: f64, high: f64) -> Belief {
+        Belief::Known {
+            value: low,
+            bounds: Interval { low, high },
+        }
+    }
+
+    #[test]
+    fn counts_need_the_exact_test_to_speak() {
+        use Direction::{AtLeast, AtMost};
+        // 0.95^59 = 0.048 and 0.95^58 = 0.051: 59 of 59 is the least that shows 95 %.
+        assert_eq!(standing(&counts(59, 59), AtLeast, 0.95), Standing::Supports);
+        assert_eq!(standing(&counts(58, 58), AtLeast, 0.95), Standing::Neither);
+        assert_eq!(standing(&counts(0, 59), AtMost, 0.05), Standing::Supports);
+        assert_eq!(standing(&counts(0, 58), AtMost, 0.05), Standing::Neither);
+        assert_eq!(standing(&counts(88, 100), AtLeast, 0.95), Standing::Denies);
+        assert_eq!(standing(&counts(12, 100), AtMost, 0.05), Standing::Denies);
+    }
+
+    #[test]
+    fn certainty_takes_one_failure_to_deny_and_no_trials_to_show() {
+        use Direction::{AtLeast, AtMost};
+        assert_eq!(
+            standing(&counts(1_000_000, 1_000_000), AtLeast, 1.0),
+            Standing::Neither
+        );
+        assert_eq!(
+            standing(&counts(999_999, 1_000_000), AtLeast, 1.0),
+            Standing::Denies
+        );
+        assert_eq!(
+            standing(&counts(0, 1_000_000), AtMost, 0.0),
+            Standing::Neither
+        );
+        assert_eq!(
+            standing(&counts(1, 1_000_000), AtMost, 0.0),
+            Standing::Denies
+        );
+    }
+
+    #[test]
+    fn bounds_that_straddle_the_threshold_say_nothing() {
+        use Direction::{AtLeast, AtMost};
+        assert_eq!(
+            standing(&known(0.94, 0.96), AtLeast, 0.95),
+            Standing::Neither
+        );
+        assert_eq!(
+            standing(&known(0.96, 0.97), AtLeast, 0.95),
+            Standing::Supports
+        );
+        assert_eq!(
+            standing(&known(0.93, 0.94), AtLeast, 0.95),
+            Standing::Denies
+        );
+        assert_eq!(standing(&known(0.96, 0.97), AtMost, 0.95), Standing::Denies);
+        assert_eq!(standing(&known(0.0, 0.0), AtMost, 0.0), Standing::Supports);
+        assert_eq!(
+            standing(&known(1.0 - 1e-12, 1.0), AtLeast, 1.0),
+            Standing::Supports
+        );
+        assert_eq!(
+            standing(&known(0.998, 0.998), AtLeast, 1.0),
+            Standing::Denies
+        );
+    }
+
+    #[test]
+    fn distributions_speak_by_their_tails() {
+        let posterior = BetaPosterior::new(86.7, 13.3).unwrap();
+        let belief = Belief::Distribution {
+            value: 0.88,
+            posterior,
+        };
+        use Direction::AtLeast;
+        assert_eq!(standing(&belief, AtLeast, 0.6), Standing::Supports);
+        assert_eq!(standing(&belief, AtLeast, 0.87), Standing::Neither);
+        assert_eq!(standing(&belief, AtLeast, 0.95), Standing::Denies);
+        let words = Stand::of(
+            "E5",
+            &belief,
+            Threshold {
+                direction: AtLeast,
+                value: 0.95,
+            },
+            Confidence::P95,
+        )
+        .words;
+        assert!(
+            words.starts_with("E5 computes 88 % (probability"),
+            "{words}"
+        );
+    }
+}
