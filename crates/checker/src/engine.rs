@@ -7,7 +7,7 @@ use crate::graph::{Qualitative, qualitative};
 use crate::rounding::{Bounds, LEAST_ENTRY_ERROR};
 use crate::sound::Probability;
 use crate::state_space::Csr;
-use crate::{exact, prism_default, sound};
+use crate::{exact, prism_default, sound, steps};
 
 /// Why bounds computed from probabilities of unknown accuracy are none.
 pub(crate) const UNKNOWN_ENTRY_ERROR: &str = "the model computes probabilities with irrational \
@@ -109,23 +109,32 @@ pub(crate) trait Engine {
                     .collect();
                 let start = right.iter().map(|right| Self::indicator(*right)).collect();
                 let steps = last.saturating_sub(first);
-                (
-                    steps_back::<Self>(matrix, start, &active, steps, context)?,
-                    0,
-                )
+                (Self::steps_back(matrix, start, &active, steps, context)?, 0)
             }
         };
         if first > 0 {
             let outside = left.iter().map(|left| !left);
-            values = steps_back::<Self>(matrix, values, left, 1, context)?;
+            values = Self::steps_back(matrix, values, left, 1, context)?;
             for (value, outside) in values.iter_mut().zip(outside) {
                 if outside {
                     *value = Self::indicator(false);
                 }
             }
-            values = steps_back::<Self>(matrix, values, left, first - 1, context)?;
+            values = Self::steps_back(matrix, values, left, first - 1, context)?;
         }
         Ok((values, iterations))
+    }
+
+    /// Replaces the values of the active states by the mean over their transitions, `steps` times.
+    fn steps_back(
+        matrix: &Csr<Self::Entry>,
+        values: Vec<Self::Value>,
+        active: &[bool],
+        steps: u64,
+        context: &Context<'_>,
+    ) -> Result<Vec<Self::Value>, CheckError> {
+        let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
+        step_by_step::<Self>(matrix, values, &states, steps, context)
     }
 
     /// The probability that the next state is in `operand`, in all states.
@@ -146,28 +155,25 @@ pub(crate) trait Engine {
     }
 }
 
-/// Replaces the values of the active states by the mean over their transitions, `steps` times.
+/// One step back at a time, by the technique's mean.
 ///
 /// Ends early when nothing changes any more, since then nothing ever will.
-fn steps_back<E: Engine + ?Sized>(
+fn step_by_step<E: Engine + ?Sized>(
     matrix: &Csr<E::Entry>,
     mut values: Vec<E::Value>,
-    active: &[bool],
+    states: &[usize],
     steps: u64,
     context: &Context<'_>,
 ) -> Result<Vec<E::Value>, CheckError> {
-    let active: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
     let mut next = values.clone();
     for step in 0..steps {
         if step % 16 == 0 {
             context.options.check_cancelled()?;
         }
         let mut changed = false;
-        for state in &active {
-            let new = E::mean(
-                matrix.row(*state).map(|(target, p)| (p, &values[target])),
-                context,
-            );
+        for state in states {
+            let transitions = matrix.row(*state).map(|(target, p)| (p, &values[target]));
+            let new = E::mean(transitions, context);
             changed |= new != values[*state];
             next[*state] = new;
         }
@@ -207,6 +213,20 @@ impl Engine for Sound {
         context: &Context<'_>,
     ) -> Result<(Vec<Probability>, u64), CheckError> {
         sound::reachability(matrix, sets, context)
+    }
+
+    fn steps_back(
+        matrix: &Csr<f64>,
+        values: Vec<Probability>,
+        active: &[bool],
+        steps: u64,
+        context: &Context<'_>,
+    ) -> Result<Vec<Probability>, CheckError> {
+        let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
+        match steps::back(matrix, &values, &states, steps, context)? {
+            Some(values) => Ok(values),
+            None => step_by_step::<Self>(matrix, values, &states, steps, context),
+        }
     }
 
     fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {

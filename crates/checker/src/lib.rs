@@ -48,6 +48,7 @@ mod rounding;
 mod sample;
 mod sound;
 pub mod state_space;
+mod steps;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
 pub use check::{check, check_exact, check_space};

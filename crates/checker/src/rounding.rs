@@ -88,6 +88,13 @@ impl Bounds {
     /// most `relative_error` (to first order; twice that is allowed for).
     #[must_use]
     pub fn widened(self, relative_error: f64) -> Self {
+        // Twice the first-order term covers the higher orders only up to here; also not a number ends here.
+        if relative_error.is_nan() || relative_error > 1.0 {
+            return Self {
+                low: 0.0,
+                high: 1.0,
+            };
+        }
         let margin = 2.0 * relative_error + 4.0 * UNIT;
         let low = (self.low * (1.0 - margin)).next_down();
         let high = (self.high.max(SMALLEST_VALUE) * (1.0 + margin)).next_up();

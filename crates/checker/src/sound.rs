@@ -80,6 +80,14 @@ impl Probability {
         Self { value, complement }
     }
 
+    /// Like [`Self::widened`], but sums that are 0 are exact: they had no positive term.
+    pub(crate) fn from_sums(value: Bounds, complement: Bounds, error: f64) -> Self {
+        if value == Bounds::ZERO || complement == Bounds::ZERO {
+            return Self::indicator(complement == Bounds::ZERO);
+        }
+        Self::widened(value, complement, error)
+    }
+
     /// The mean over a state's transitions, one step before; its bounds allow for rounding.
     pub(crate) fn mean<'a>(
         transitions: impl Iterator<Item = (&'a f64, &'a Self)>,
@@ -91,10 +99,7 @@ impl Probability {
             accumulate(&mut complement, *p, target.complement);
             entries += 1;
         }
-        if value == Bounds::ZERO || complement == Bounds::ZERO {
-            return Self::indicator(complement == Bounds::ZERO);
-        }
-        Self::widened(value, complement, entry_error + (entries + 1) as f64 * UNIT)
+        Self::from_sums(value, complement, entry_error + (entries + 1) as f64 * UNIT)
     }
 }
 
