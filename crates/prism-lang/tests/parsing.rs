@@ -136,6 +136,18 @@ fn properties_are_read_with_names_texts_and_places() {
 }
 
 #[test]
+fn semicolons_may_be_left_out_between_lines() {
+    let parsed = parse_properties(
+        "P>0.5 [ F x=1 ]\nx=1\n(x=2) | y\n!y\n\"n\": P=? [ x=0 R x=1 ]\nR=? [ F x=1 ]",
+    );
+    let codes: Vec<_> = parsed.diagnostics.iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["unsupported"]);
+    assert_eq!(parsed.tree.properties.len(), 6);
+    let joined = parse_properties("P>0.5 [ F x=1 ] x=1");
+    assert_eq!(joined.diagnostics[0].code, "syntax");
+}
+
+#[test]
 fn deep_texts_are_refused_and_long_ones_are_not() {
     let deep = format!(
         "formula f = {}x{};",

@@ -44,9 +44,18 @@ impl Parser<'_> {
         Ok(self.temporal_binary(context)?.expr)
     }
 
-    /// Reads a property: no temporal operator may stand outside of `P`.
+    /// Reads a property: no temporal operator may stand outside of `P`, so that `R` starts the next property.
     pub(super) fn property_formula(&mut self) -> Parse<Expr> {
-        Ok(self.temporal_binary(Context::State)?.expr)
+        if self.temporal_operator(temporal_prefix).is_some() {
+            return self.expression(Context::State);
+        }
+        let formula = self.if_then_else(Context::State)?.expr;
+        if self.is_keyword("U") || self.is_keyword("W") {
+            let operator = self.advance();
+            self.require_path(Context::State, &operator);
+            return Err(Reported);
+        }
+        Ok(formula)
     }
 
     fn temporal_binary(&mut self, context: Context) -> Parse<Node> {

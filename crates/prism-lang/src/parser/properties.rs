@@ -77,7 +77,7 @@ impl Parser<'_> {
         let next_starts = match token.kind {
             TokenKind::End | TokenKind::Quoted => true,
             TokenKind::Keyword => !matches!(token.text, "U" | "W" | "endmodule"),
-            _ => self.is_symbol(";"),
+            _ => self.is_symbol(";") || self.starts_property_on_new_line(),
         };
         if next_starts {
             return Ok(());
@@ -89,5 +89,20 @@ impl Parser<'_> {
             return Err(super::Reported);
         }
         Err(self.expected("an operator or `;`"))
+    }
+
+    /// Whether what follows stands on a line of its own and can start a formula.
+    fn starts_property_on_new_line(&self) -> bool {
+        let token = self.peek();
+        let between = self.previous_span().end..token.span.start;
+        let new_line = self
+            .text
+            .get(between)
+            .is_some_and(|blanks| blanks.contains('\n'));
+        let starts = match token.kind {
+            TokenKind::Name | TokenKind::Integer | TokenKind::Real => true,
+            _ => matches!(token.text, "(" | "!"),
+        };
+        new_line && starts
     }
 }
