@@ -76,6 +76,13 @@ pub fn percent(rate: f64) -> String {
     with_unit(percentage(rate, 1))
 }
 
+/// A lower bound as a percentage with one decimal: rounded down, so that what
+/// is printed is a lower bound too.
+pub fn lower_bound(rate: f64) -> String {
+    // The sliver keeps 0.795 * 1000 from falling below 795.
+    percent((rate * 1000.0 + 1e-9).floor() / 1000.0)
+}
+
 /// A threshold or a confidence level: no more digits than were declared.
 pub fn level(value: f64) -> String {
     if !value.is_finite() {
@@ -238,6 +245,14 @@ mod tests {
         ] {
             assert_eq!(plain(percent(rate)), text);
         }
+    }
+
+    #[test]
+    fn a_lower_bound_is_rounded_down() {
+        assert_eq!(plain(lower_bound(0.7538)), "75.3 %");
+        assert_eq!(plain(lower_bound(0.795)), "79.5 %");
+        assert_eq!(plain(lower_bound(0.99999)), "99.9 %");
+        assert_eq!(plain(lower_bound(1.0)), "100 %");
     }
 
     #[test]

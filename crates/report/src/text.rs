@@ -14,7 +14,7 @@ use crate::words::{self, Mark};
 /// Narrower than this nothing can be laid out.
 const LEAST_WIDTH: usize = 40;
 /// Discrepancies listed; the rest are counted.
-const DISCREPANCIES_SHOWN: usize = 6;
+const DISCREPANCIES_SHOWN: usize = 8;
 
 /// The summary.
 pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {

@@ -185,7 +185,7 @@ pub fn figures(measure: &Measure) -> Markup {
             },
             Measure::Probability { answer, credible, .. } => {
                 b { (number::answer(answer)) }
-                @match credible {
+                @match credible.as_ref().filter(|c| c.interval.low < c.interval.high) {
                     Some(credible) => {
                         " " (range(credible.interval))
                         " " span class="counts" { "credible" }

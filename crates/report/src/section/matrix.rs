@@ -90,7 +90,7 @@ fn detail(measure: &Measure) -> Markup {
                 p { b { (number::percent(*count as f64 / *trials as f64)) } " " (range(*interval)) }
                 p class="counts" { (number::count(*count)) " passed of " (number::count(*trials)) " covered" }
             },
-            Measure::Probability { answer, credible: Some(credible), .. } => {
+            Measure::Probability { answer, credible: Some(credible), .. } if credible.interval.low < credible.interval.high => {
                 p { b { (number::answer(answer)) } " " (range(credible.interval)) }
                 p class="counts" { "credible interval; solver " (number::guarantee(&answer.guarantee)) }
             },

@@ -7,6 +7,9 @@ use crate::number;
 use crate::view::{View, chip, merged, section, unbroken};
 use crate::words;
 
+/// Discrepancies named with the verdict; the section on them has them all.
+const FIRST: usize = 10;
+
 /// The section.
 pub fn render(view: View) -> Markup {
     let study = view.study;
@@ -60,7 +63,7 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                         "Rests on " (view.links(&conclusion.rests_on)) ". "
                     }
                     @if let Some(bound) = conclusion.common_lower_bound {
-                        "All of it together supports at least " (number::percent(bound)) "."
+                        "All of it together supports at least " (number::lower_bound(bound)) "."
                     }
                 }
             }
@@ -106,7 +109,7 @@ fn first_discrepancies(view: View, discrepancies: &[Discrepancy]) -> Markup {
         @if !discrepancies.is_empty() {
             h3 { "Where the evidence disagrees, and why" }
             ol class="headlines" {
-                @for (i, discrepancy) in discrepancies.iter().enumerate() {
+                @for (i, discrepancy) in discrepancies.iter().take(FIRST).enumerate() {
                     li {
                         a href={ "#discrepancy-" (i + 1) } { (discrepancy.title) }
                         span class="small" {
@@ -117,6 +120,11 @@ fn first_discrepancies(view: View, discrepancies: &[Discrepancy]) -> Markup {
                             }
                         }
                     }
+                }
+            }
+            @if discrepancies.len() > FIRST {
+                p class="small" {
+                    a href="#discrepancies" { "and " (discrepancies.len() - FIRST) " more" }
                 }
             }
         }
