@@ -286,7 +286,7 @@ fn other_conditions(left: &Evidence, right: &Evidence) -> Option<String> {
 fn missing(left: &Evidence, right: &Evidence, why: (Option<String>, Option<String>)) -> String {
     [(&left.id, why.0), (&right.id, why.1)]
         .into_iter()
-        .filter_map(|(id, why)| Some(sentence(&format!("{id}: {}", why?))))
+        .filter_map(|(id, why)| Some(sentence(&format!("{id} {}", why?))))
         .collect::<Vec<_>>()
         .join(" ")
 }
@@ -363,7 +363,7 @@ impl Draft {
     fn conflict_in_words(&self, corrected: f64, family: usize) -> String {
         let size = points(self.comparison.difference.unwrap_or(0.0).abs());
         format!(
-            "They differ by {size}, beyond chance (p = {}; {} after correction for {family} \
+            "They differ by {size}, beyond chance (p {}; {} after correction for {family} \
              comparisons).",
             p_value(self.comparison.p_difference.unwrap_or(1.0)),
             p_value(corrected)
@@ -372,7 +372,7 @@ impl Draft {
 
     fn doubt_in_words(&mut self, pair: &Pair, levels: &Levels, family: usize) -> String {
         let mut words = format!(
-            "Neither a difference (p = {}) nor agreement within {} ({}) is shown.",
+            "Neither a difference (p {}) nor agreement within {} ({}) is shown.",
             p_value(self.comparison.p_difference.unwrap_or(1.0)),
             points(self.comparison.margin),
             self.test_in_words()
@@ -394,6 +394,13 @@ impl Draft {
                 " {left} further trials in {} and {right} in {} would probably decide.",
                 self.comparison.left, self.comparison.right
             ));
+        } else if self
+            .comparison
+            .further_trials
+            .iter()
+            .all(|further| further.trials.is_none())
+        {
+            words.push_str(" Further trials alone would not decide.");
         }
         words
     }
@@ -402,7 +409,7 @@ impl Draft {
         let within = probability(self.comparison.probability_within_margin.unwrap_or(0.0));
         match self.comparison.p_equivalence {
             Some(p) => format!(
-                "two one-sided tests p = {}, probability of a smaller difference {within}",
+                "two one-sided tests p {}, probability of a smaller difference {within}",
                 p_value(p)
             ),
             None => format!("probability of a smaller difference {within}"),

@@ -85,7 +85,7 @@ fn conclusion(
     Conclusion {
         requirement: requirement.id.clone(),
         verdict,
-        statement: statement(verdict, &stands, &among, threshold, bound, study),
+        statement: statement(verdict, &pieces, &stands, &among, threshold, bound, study),
         common_lower_bound: bound,
         rests_on: pieces
             .iter()
@@ -122,19 +122,9 @@ fn current<'a>(
     let finding = |piece: &'a Evidence| -> Option<&'a Finding> {
         piece.finding(&own).or_else(|| piece.finding(quantity))
     };
-    let mut by_conditions: BTreeMap<&str, BTreeMap<Technique, usize>> = BTreeMap::new();
-    for (index, piece) in evidence.iter().enumerate() {
-        let counts = !piece.intermediate && piece.reproduced_by.is_none();
-        if counts && finding(piece).is_some_and(|f| Belief::of(&f.measure).is_ok()) {
-            let latest = by_conditions.entry(&piece.conditions).or_default();
-            latest.insert(piece.technique, index);
-        }
-    }
-    let most = by_conditions
-        .into_values()
-        .max_by_key(|latest| (latest.len(), latest.values().max().copied()));
-    let mut indices: Vec<usize> = most.unwrap_or_default().into_values().collect();
-    indices.sort_unstable();
+    let indices = latest_of_each_technique(evidence, |piece| {
+        finding(piece).is_some_and(|f| Belief::of(&f.measure).is_ok())
+    });
     indices
         .into_iter()
         .filter_map(|index| {
@@ -145,6 +135,27 @@ fn current<'a>(
             })
         })
         .collect()
+}
+
+/// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
+/// reproduced by another, under the conditions that most techniques share.
+fn latest_of_each_technique(
+    evidence: &[Evidence],
+    counts: impl Fn(&Evidence) -> bool,
+) -> Vec<usize> {
+    let mut by_conditions: BTreeMap<&str, BTreeMap<Technique, usize>> = BTreeMap::new();
+    for (index, piece) in evidence.iter().enumerate() {
+        if !piece.intermediate && piece.reproduced_by.is_none() && counts(piece) {
+            let latest = by_conditions.entry(&piece.conditions).or_default();
+            latest.insert(piece.technique, index);
+        }
+    }
+    let most = by_conditions
+        .into_values()
+        .max_by_key(|latest| (latest.len(), latest.values().max().copied()));
+    let mut indices: Vec<usize> = most.unwrap_or_default().into_values().collect();
+    indices.sort_unstable();
+    indices
 }
 
 /// Positions of the pieces that rest on none of those accepted before, roots first.
@@ -235,6 +246,7 @@ fn common_lower_bound(
 
 fn statement(
     verdict: Verdict,
+    pieces: &[Piece<'_>],
     stands: &[Stand],
     among: &[&Comparison],
     threshold: Threshold,
@@ -256,6 +268,12 @@ fn statement(
             conflict.left, conflict.right
         ));
     }
+    let trials_alone = pieces
+        .iter()
+        .all(|piece| matches!(piece.belief, Belief::Counts { .. }));
+    if verdict == Verdict::Undecided && threshold.value >= 1.0 && trials_alone {
+        words.push_str(" Trials alone cannot show certainty.");
+    }
     if let Some(bound) = bound {
         words.push_str(&common_statement(stands, bound, study.levels.confidence));
     }
@@ -276,6 +294,7 @@ fn common_statement(stands: &[Stand], bound: f64, confidence: Confidence) -> Str
     let ids: Vec<String> = stands.iter().map(|stand| stand.id.clone()).collect();
     let who = match ids.as_slice() {
         [only] => format!("{only} supports"),
+        [_, _] => format!("{} both support", list(&ids)),
         _ => format!("{} all support", list(&ids)),
     };
     let level = percent(confidence.level());

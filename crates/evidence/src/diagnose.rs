@@ -15,18 +15,24 @@
 //! * *system model*: a failure mode whose rates conflict, or that one asset
 //!   cannot express although others show it.
 //!
+//! The conflicts on one subject are edges between pieces of evidence. They
+//! are covered by as few pieces as a greedy search finds: the piece with most
+//! conflicts is the odd one out, its conflicts are one discrepancy, and the
+//! rest is searched again. Published evidence that other evidence reproduces
+//! is spoken for by that evidence and takes part only against it.
+//!
 //! A conflict on a requirement that none of these explains is reported as
-//! undetermined, so that no conflict goes unmentioned.
+//! undetermined.
 //!
 //! # Guarantee
-//! Every comparison with the outcome *conflicts* between evidence that is not
-//! intermediate is named in at least one discrepancy.
+//! Every comparison with the outcome *conflicts* between evidence that takes
+//! part is named in at least one discrepancy.
 
 use crate::{
     Comparison, Discrepancy, Evidence, Finding, Guarantee, Inaccuracy, Measure, MethodAnswer,
     Outcome, Reading, Subject,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Answers of two methods may differ by rounding; below this distance from
 /// the bounds nothing is reported.
@@ -38,40 +44,54 @@ const ROUNDING: f64 = 1e-12;
 /// `evidence` is in the ledger's order; `comparisons` are its pairs; `alpha`
 /// is the level of the tests (0.05 for a confidence of 0.95).
 pub fn diagnose(evidence: &[Evidence], comparisons: &[Comparison], alpha: f64) -> Vec<Discrepancy> {
+    let ledger = Ledger {
+        evidence,
+        conflicts: conflicts(evidence, comparisons),
+        alpha,
+    };
     let mut found = tool_inaccuracies(evidence);
-    found.extend(requirement_inaccuracies(evidence, comparisons, alpha));
-    found.extend(system_inaccuracies(evidence, comparisons));
-    found.extend(missing_behaviour(evidence));
-    let unexplained = unexplained(comparisons, &found);
-    found.extend(unexplained);
+    found.extend(ledger.requirement_inaccuracies());
+    found.extend(ledger.missing_behaviour());
+    found.extend(ledger.differing_rates());
+    let conflicting = ledger.conflicting_requirements(&found);
+    found.extend(conflicting);
     found
 }
 
 fn tool_inaccuracies(evidence: &[Evidence]) -> Vec<Discrepancy> {
-    let mut found: Vec<Discrepancy> = Vec::new();
+    let mut found = Vec::new();
     for piece in evidence {
+        let mut by_method: BTreeMap<&str, Vec<Stopped>> = BTreeMap::new();
         for finding in &piece.findings {
             let Measure::Probability { answer, others, .. } = &finding.measure else {
                 continue;
             };
             for other in others {
-                let Some(distance) = distance_from_bounds(answer, other) else {
-                    continue;
-                };
-                let title = format!(
-                    "{}'s {} is where the solver stopped, not a probability",
-                    piece.id, other.value
-                );
-                match found.iter_mut().find(|d| d.title == title) {
-                    Some(same) => same.subjects.push(finding.subject.clone()),
-                    None => found.push(tool_inaccuracy(
-                        piece, finding, answer, other, distance, title,
-                    )),
+                if let Some(distance) = distance_from_bounds(answer, other) {
+                    by_method.entry(&other.method).or_default().push(Stopped {
+                        subject: &finding.subject,
+                        sound: answer,
+                        other,
+                        distance,
+                    });
                 }
             }
         }
+        found.extend(
+            by_method
+                .values()
+                .filter_map(|all| tool_inaccuracy(piece, all)),
+        );
     }
     found
+}
+
+/// An answer that lies outside the bounds of a sound one.
+struct Stopped<'a> {
+    subject: &'a Subject,
+    sound: &'a MethodAnswer,
+    other: &'a MethodAnswer,
+    distance: f64,
 }
 
 /// How far an answer lies outside the bounds of a sound one, if it does.
@@ -86,14 +106,9 @@ fn distance_from_bounds(sound: &MethodAnswer, other: &MethodAnswer) -> Option<f6
     (estimated && distance > ROUNDING).then_some(distance)
 }
 
-fn tool_inaccuracy(
-    piece: &Evidence,
-    finding: &Finding,
-    sound: &MethodAnswer,
-    other: &MethodAnswer,
-    distance: f64,
-    title: String,
-) -> Discrepancy {
+fn tool_inaccuracy(piece: &Evidence, all: &[Stopped]) -> Option<Discrepancy> {
+    let first = all.first()?;
+    let (sound, other) = (first.sound, first.other);
     let stopped = match &other.guarantee {
         Guarantee::Estimated { reason } => format!(" ({reason})"),
         _ => String::new(),
@@ -102,85 +117,432 @@ fn tool_inaccuracy(
         Some(rest) if rest > 0.0 && rest < 1e-6 => format!("1 - {rest:.3e}"),
         _ => format!("{}", sound.value),
     };
-    Discrepancy {
+    let subjects: Vec<Subject> = all.iter().map(|s| s.subject.clone()).collect();
+    let rest = match subjects.len() {
+        1 => String::new(),
+        n => format!(" So it is with {n} subjects of {}.", piece.id),
+    };
+    Some(Discrepancy {
         inaccuracy: Inaccuracy::Tool,
-        title,
-        explanation: format!(
-            "The method `{}` answers {}{stopped}. The method `{}` answers {truth} on the same model and property, \
-             with bounds that hold. The difference of at least {distance:.2e} says nothing about the robot: \
-             it is the error of the iteration when it stopped.",
-            other.method, other.value, sound.method
+        title: format!(
+            "{}'s {} is where the solver stopped, not a probability",
+            piece.id, other.value
         ),
-        subjects: vec![finding.subject.clone()],
+        explanation: format!(
+            "For {}, the method `{}` answers {}{stopped}. The method `{}` answers {truth} on the same model \
+             and property, with bounds that hold. The difference of at least {:.2e} says nothing about the \
+             robot: it is the error of the iteration when it stopped.{rest}",
+            name_of(first.subject),
+            other.method,
+            other.value,
+            sound.method,
+            first.distance
+        ),
+        subjects,
         evidence: vec![piece.id.clone()],
         witnesses: Vec::new(),
-        resolved_by: None,
+        // The answer that counts in this evidence is that of the sound method.
+        resolved_by: Some(piece.id.clone()),
         proposal: Some(format!(
             "Report the answer of the method `{}`.",
             sound.method
         )),
-    }
+    })
 }
 
-fn requirement_inaccuracies(
-    evidence: &[Evidence],
-    comparisons: &[Comparison],
+/// The conflicts between pieces that take part, by subject in their order.
+fn conflicts<'a>(evidence: &'a [Evidence], comparisons: &'a [Comparison]) -> Vec<&'a Comparison> {
+    let spoken_for = |id: &str, other: &str| {
+        let piece = evidence.iter().find(|e| e.id == id);
+        piece.is_some_and(|e| e.reproduced_by.as_deref().is_some_and(|ours| ours != other))
+    };
+    comparisons
+        .iter()
+        .filter(|c| c.outcome == Outcome::Conflicts)
+        .filter(|c| !spoken_for(&c.left, &c.right) && !spoken_for(&c.right, &c.left))
+        .collect()
+}
+
+/// One piece of evidence with all that it conflicts with on a subject.
+struct OddOneOut<'a> {
+    subject: &'a Subject,
+    id: &'a str,
+    others: Vec<&'a str>,
+    conflicts: Vec<&'a Comparison>,
+}
+
+struct Ledger<'a> {
+    evidence: &'a [Evidence],
+    conflicts: Vec<&'a Comparison>,
     alpha: f64,
-) -> Vec<Discrepancy> {
-    let mut found = Vec::new();
-    for piece in evidence.iter().filter(|e| !e.intermediate) {
-        for finding in &piece.findings {
-            for reading in finding.readings.iter().filter(|r| r.differing > 0) {
-                let conflicts = conflicts_of(comparisons, &finding.subject, &piece.id);
-                found.push(requirement_inaccuracy(
-                    evidence, piece, finding, reading, &conflicts, alpha,
-                ));
+}
+
+impl<'a> Ledger<'a> {
+    fn piece(&self, id: &str) -> Option<&'a Evidence> {
+        self.evidence.iter().find(|e| e.id == id)
+    }
+
+    fn place(&self, id: &str) -> usize {
+        self.evidence
+            .iter()
+            .position(|e| e.id == id)
+            .unwrap_or(usize::MAX)
+    }
+
+    /// Covers the conflicts on each wanted subject by odd ones out.
+    fn odd_ones_out(&self, wanted: impl Fn(&Subject) -> bool) -> Vec<OddOneOut<'a>> {
+        let mut subjects: Vec<&Subject> = Vec::new();
+        for conflict in self.conflicts.iter().filter(|c| wanted(&c.subject)) {
+            if !subjects.contains(&&conflict.subject) {
+                subjects.push(&conflict.subject);
             }
         }
+        let mut found = Vec::new();
+        for subject in subjects {
+            let mut left: Vec<&'a Comparison> = self
+                .conflicts
+                .iter()
+                .copied()
+                .filter(|c| &c.subject == subject)
+                .collect();
+            while let Some(odd) = self.oddest(subject, &left) {
+                left.retain(|c| c.left != odd.id && c.right != odd.id);
+                found.push(odd);
+            }
+        }
+        found
     }
-    found
-}
 
-fn requirement_inaccuracy(
-    evidence: &[Evidence],
-    piece: &Evidence,
-    finding: &Finding,
-    reading: &Reading,
-    conflicts: &[&str],
-    alpha: f64,
-) -> Discrepancy {
-    let requirement = finding.subject.id();
-    let mut explanation = format!(
-        "On the same traces of {}, {}. The verdicts differ on {} runs.",
-        piece.id,
-        readings_in_words(finding, reading),
-        reading.differing
-    );
-    let mut touched = vec![piece.id.clone()];
-    for other in conflicts {
-        if let Some(sentence) = explains(evidence, finding, reading, other, alpha) {
-            explanation.push(' ');
-            explanation.push_str(&sentence);
-            touched.push((*other).to_owned());
+    /// The piece with most conflicts; of equals the earlier in the ledger.
+    fn oddest(&self, subject: &'a Subject, conflicts: &[&'a Comparison]) -> Option<OddOneOut<'a>> {
+        let mut count: BTreeMap<&'a str, usize> = BTreeMap::new();
+        for conflict in conflicts {
+            *count.entry(&conflict.left).or_default() += 1;
+            *count.entry(&conflict.right).or_default() += 1;
+        }
+        let (id, _) = count
+            .into_iter()
+            .min_by_key(|(id, count)| (usize::MAX - count, self.place(id)))?;
+        let conflicts: Vec<&'a Comparison> = conflicts
+            .iter()
+            .copied()
+            .filter(|c| c.left == id || c.right == id)
+            .collect();
+        let others = conflicts
+            .iter()
+            .map(|c| {
+                if c.left == id {
+                    c.right.as_str()
+                } else {
+                    c.left.as_str()
+                }
+            })
+            .collect();
+        Some(OddOneOut {
+            subject,
+            id,
+            others,
+            conflicts,
+        })
+    }
+
+    /// Later evidence of the same technique that none of the others conflicts
+    /// with.
+    fn mended_by(&self, odd: &OddOneOut) -> Option<String> {
+        let piece = self.piece(odd.id)?;
+        let conflicting = |id: &str| {
+            self.conflicts.iter().any(|c| {
+                &c.subject == odd.subject
+                    && odd.others.iter().any(|other| {
+                        *other != id
+                            && ((c.left == id && c.right == *other)
+                                || (c.right == id && c.left == *other))
+                    })
+            })
+        };
+        self.evidence
+            .iter()
+            .skip(self.place(odd.id) + 1)
+            .filter(|e| e.technique == piece.technique && !e.intermediate && !e.published)
+            .filter(|e| {
+                e.finding(odd.subject)
+                    .is_some_and(|f| f.measure.estimate().is_some())
+            })
+            .find(|e| !conflicting(&e.id))
+            .map(|e| e.id.clone())
+    }
+
+    fn rates(&self, odd: &OddOneOut) -> String {
+        let rate = |id: &str| {
+            let finding = self.piece(id).and_then(|e| e.finding(odd.subject));
+            match finding.map(|f| &f.measure) {
+                Some(Measure::Counts { count, trials, .. }) => {
+                    format!("{count} of {trials} in {id}")
+                }
+                Some(Measure::Probability { answer, .. }) => format!("{:.4} in {id}", answer.value),
+                _ => format!("nothing in {id}"),
+            }
+        };
+        let others: Vec<String> = odd.others.iter().map(|id| rate(id)).collect();
+        format!("{} against {}.", rate(odd.id), others.join(", "))
+    }
+
+    fn witnesses(&self, odd: &OddOneOut) -> Vec<String> {
+        let finding = self.piece(odd.id).and_then(|e| e.finding(odd.subject));
+        finding.map_or_else(Vec::new, |f| f.witnesses.clone())
+    }
+
+    fn requirement_inaccuracies(&self) -> Vec<Discrepancy> {
+        let mut merged: Vec<Discrepancy> = Vec::new();
+        for piece in self.evidence.iter().filter(|e| !e.intermediate) {
+            for finding in &piece.findings {
+                for reading in finding.readings.iter().filter(|r| r.differing > 0) {
+                    let one = self.requirement_inaccuracy(piece, finding, reading);
+                    match merged
+                        .iter_mut()
+                        .find(|d| d.subjects == one.subjects && d.proposal == one.proposal)
+                    {
+                        Some(same) => merge(same, one),
+                        None => merged.push(one),
+                    }
+                }
+            }
+        }
+        merged.sort_by_key(|d| d.evidence.len() < 2);
+        merged
+    }
+
+    fn requirement_inaccuracy(
+        &self,
+        piece: &Evidence,
+        finding: &Finding,
+        reading: &Reading,
+    ) -> Discrepancy {
+        let requirement = finding.subject.id();
+        let mut explanation = format!(
+            "On the same traces of {}, {}; the verdicts differ on {} runs.",
+            piece.id,
+            readings_in_words(finding, reading),
+            reading.differing
+        );
+        let mut touched = BTreeSet::from([piece.id.clone()]);
+        for other in self.in_conflict_with(&finding.subject, &piece.id) {
+            if let Some(sentence) = self.explains(finding, reading, other) {
+                explanation.push(' ');
+                explanation.push_str(&sentence);
+                touched.insert(other.to_owned());
+            }
+        }
+        let meaning = reading.meaning.trim_end_matches('.');
+        Discrepancy {
+            inaccuracy: Inaccuracy::RequirementModel,
+            title: if touched.len() > 1 {
+                format!("Requirement {requirement} conflicts because of what its monitor reads")
+            } else {
+                format!("Requirement {requirement} has two readings with different verdicts")
+            },
+            explanation,
+            subjects: vec![finding.subject.clone()],
+            evidence: touched.into_iter().collect(),
+            witnesses: reading
+                .witnesses
+                .iter()
+                .map(|w| format!("{} {w}", piece.id))
+                .collect(),
+            resolved_by: None,
+            proposal: Some(format!(
+                "Decide which reading is meant. The reading `{}`: {meaning}.",
+                reading.name
+            )),
         }
     }
-    let conflicting = touched.len() > 1;
-    Discrepancy {
-        inaccuracy: Inaccuracy::RequirementModel,
-        title: if conflicting {
-            format!("Requirement {requirement} conflicts because of how its monitor reads the text")
+
+    /// Says whether the other reading removes the conflict with `other`.
+    fn explains(&self, finding: &Finding, reading: &Reading, other: &str) -> Option<String> {
+        let other_finding = self.piece(other)?.finding(&finding.subject)?;
+        let ours = stats::Sample::new(reading.count, reading.trials).ok()?;
+        let (theirs, p, test) = match &other_finding.measure {
+            Measure::Counts { count, trials, .. } => {
+                let sample = stats::Sample::new(*count, *trials).ok()?;
+                let words = format!("{count} of {trials}");
+                (
+                    words,
+                    stats::fisher_exact(ours, sample),
+                    "Fisher's exact test",
+                )
+            }
+            Measure::Probability { answer, .. } => {
+                let p = stats::binomial_test_two_sided(ours, answer.value);
+                (format!("{:.4}", answer.value), p, "exact binomial test")
+            }
+            _ => return None,
+        };
+        let verdict = if p >= self.alpha {
+            "the conflict is gone"
         } else {
-            format!("Requirement {requirement} has two readings with different verdicts")
-        },
-        explanation,
-        subjects: vec![finding.subject.clone()],
-        evidence: touched,
-        witnesses: reading.witnesses.clone(),
-        resolved_by: None,
-        proposal: Some(format!(
-            "Decide which reading is meant; `{}`: {}",
-            reading.name, reading.meaning
-        )),
+            "they still differ"
+        };
+        Some(format!(
+            "Against {other}'s {theirs}, {verdict} under that reading ({test}, p = {p:.2})."
+        ))
+    }
+
+    fn in_conflict_with(&self, subject: &Subject, id: &str) -> Vec<&'a str> {
+        self.conflicts
+            .iter()
+            .filter(|c| &c.subject == subject)
+            .filter_map(|c| match (c.left == id, c.right == id) {
+                (true, _) => Some(c.right.as_str()),
+                (_, true) => Some(c.left.as_str()),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn differing_rates(&self) -> Vec<Discrepancy> {
+        self.odd_ones_out(|subject| matches!(subject, Subject::FailureMode(_)))
+            .iter()
+            .map(|odd| Discrepancy {
+                inaccuracy: Inaccuracy::SystemModel,
+                title: format!("{} differs in {}", odd.id, name_of(odd.subject)),
+                explanation: format!("{} {}", self.rates(odd), reasons(odd)),
+                subjects: vec![odd.subject.clone()],
+                evidence: pieces(odd),
+                witnesses: self.witnesses(odd),
+                resolved_by: self.mended_by(odd),
+                proposal: Some(format!(
+                    "Look at what decides {} in the system model of {}.",
+                    name_of(odd.subject),
+                    odd.id
+                )),
+            })
+            .collect()
+    }
+
+    /// Failure modes that occur in some evidence and that a model of the
+    /// ledger cannot express.
+    fn missing_behaviour(&self) -> Vec<Discrepancy> {
+        let mut found = Vec::new();
+        for piece in self.evidence.iter().filter(|e| !e.intermediate) {
+            for finding in &piece.findings {
+                let (Subject::FailureMode(_), Measure::NotExpressible { reason }) =
+                    (&finding.subject, &finding.measure)
+                else {
+                    continue;
+                };
+                let shown = self.shown_by(&finding.subject);
+                if !shown.is_empty() {
+                    found.push(self.missing(piece, &finding.subject, &shown, reason));
+                }
+            }
+        }
+        found
+    }
+
+    fn missing(
+        &self,
+        piece: &Evidence,
+        subject: &Subject,
+        shown: &[String],
+        reason: &str,
+    ) -> Discrepancy {
+        let resolved = self
+            .evidence
+            .iter()
+            .skip(self.place(&piece.id) + 1)
+            .filter(|e| e.technique == piece.technique && !e.intermediate)
+            .find(|e| {
+                e.finding(subject)
+                    .is_some_and(|f| f.measure.estimate().is_some())
+            });
+        Discrepancy {
+            inaccuracy: Inaccuracy::SystemModel,
+            title: format!("{} does not know {}", piece.id, name_of(subject)),
+            explanation: format!("It occurs: {}. {reason}", shown.join(", ")),
+            subjects: vec![subject.clone()],
+            evidence: vec![piece.id.clone()],
+            witnesses: Vec::new(),
+            resolved_by: resolved.map(|e| e.id.clone()),
+            proposal: Some(format!("Add {} to the system model.", name_of(subject))),
+        }
+    }
+
+    fn shown_by(&self, subject: &Subject) -> Vec<String> {
+        self.evidence
+            .iter()
+            .filter_map(|e| match e.finding(subject)?.measure {
+                Measure::Counts { count, trials, .. } if count > 0 => {
+                    Some(format!("{count} of {trials} in {}", e.id))
+                }
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Conflicts on requirements, but for those that a reading explains.
+    fn conflicting_requirements(&self, found: &[Discrepancy]) -> Vec<Discrepancy> {
+        let explained = |conflict: &Comparison| {
+            found.iter().any(|d| {
+                d.inaccuracy == Inaccuracy::RequirementModel
+                    && d.subjects.contains(&conflict.subject)
+                    && d.evidence.contains(&conflict.left)
+                    && d.evidence.contains(&conflict.right)
+            })
+        };
+        self.odd_ones_out(|subject| matches!(subject, Subject::Requirement(_)))
+            .iter()
+            .filter(|odd| !odd.conflicts.iter().all(|c| explained(c)))
+            .map(|odd| self.conflicting_requirement(odd, found))
+            .collect()
+    }
+
+    fn conflicting_requirement(&self, odd: &OddOneOut, found: &[Discrepancy]) -> Discrepancy {
+        // A conflict on a rate of success is the sum of what the failure modes do.
+        let causes: Vec<&str> = found
+            .iter()
+            .filter(|d| d.inaccuracy == Inaccuracy::SystemModel)
+            .filter(|d| d.evidence.first().is_some_and(|id| id == odd.id))
+            .map(|d| d.title.as_str())
+            .collect();
+        let (inaccuracy, cause) = if causes.is_empty() {
+            let unknown = "No other method, reading or failure mode at hand separates the cause.";
+            (Inaccuracy::Undetermined, unknown.to_owned())
+        } else {
+            (
+                Inaccuracy::SystemModel,
+                format!("One level down: {}.", causes.join("; ")),
+            )
+        };
+        Discrepancy {
+            inaccuracy,
+            title: format!(
+                "{} conflicts with {} on {}",
+                odd.id,
+                odd.others.join(", "),
+                name_of(odd.subject)
+            ),
+            explanation: format!("{} {} {cause}", self.rates(odd), reasons(odd)),
+            subjects: vec![odd.subject.clone()],
+            evidence: pieces(odd),
+            witnesses: self.witnesses(odd),
+            resolved_by: self.mended_by(odd),
+            proposal: None,
+        }
+    }
+}
+
+fn merge(into: &mut Discrepancy, other: Discrepancy) {
+    into.explanation.push(' ');
+    into.explanation.push_str(&other.explanation);
+    let conflicting = other.evidence.len() > 1;
+    for id in other.evidence {
+        if !into.evidence.contains(&id) {
+            into.evidence.push(id);
+        }
+    }
+    into.witnesses.extend(other.witnesses);
+    if conflicting {
+        into.title = other.title;
     }
 }
 
@@ -190,249 +552,37 @@ fn readings_in_words(finding: &Finding, reading: &Reading) -> String {
         _ => "no run is covered".to_owned(),
     };
     format!(
-        "{main} as the monitor reads the requirement, and {} of {} under the reading `{}` ({})",
-        reading.count,
-        reading.trials,
-        reading.name,
-        reading.meaning.trim_end_matches('.')
+        "{main} as the monitor reads the requirement, and {} of {} under the reading `{}`",
+        reading.count, reading.trials, reading.name
     )
 }
 
-/// Says whether the other reading removes the conflict with `other`.
-fn explains(
-    evidence: &[Evidence],
-    finding: &Finding,
-    reading: &Reading,
-    other: &str,
-    alpha: f64,
-) -> Option<String> {
-    let other_finding = evidence
-        .iter()
-        .find(|e| e.id == other)?
-        .finding(&finding.subject)?;
-    let Measure::Counts { count, trials, .. } = other_finding.measure else {
-        return None;
-    };
-    let ours = stats::Sample::new(reading.count, reading.trials).ok()?;
-    let theirs = stats::Sample::new(count, trials).ok()?;
-    let p = stats::fisher_exact(ours, theirs);
-    let verdict = if p >= alpha {
-        "the conflict is gone"
-    } else {
-        "they still differ"
-    };
-    Some(format!(
-        "Under that reading and {other}'s {count} of {trials}, {verdict} (Fisher's exact test, p = {p:.2})."
-    ))
+fn name_of(subject: &Subject) -> String {
+    match subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => id.replace('_', " "),
+    }
 }
 
-fn system_inaccuracies(evidence: &[Evidence], comparisons: &[Comparison]) -> Vec<Discrepancy> {
-    comparisons
-        .iter()
-        .filter(|c| c.outcome == Outcome::Conflicts)
-        .filter(|c| matches!(c.subject, Subject::FailureMode(_)))
-        .map(|c| Discrepancy {
-            inaccuracy: Inaccuracy::SystemModel,
-            title: format!(
-                "{} and {} differ in {}",
-                c.left,
-                c.right,
-                c.subject.id().replace('_', " ")
-            ),
-            explanation: format!("{} {}", rates_in_words(evidence, c), c.reason),
-            subjects: vec![c.subject.clone()],
-            evidence: vec![c.left.clone(), c.right.clone()],
-            witnesses: witnesses(evidence, c),
-            resolved_by: mended_by(evidence, comparisons, c),
-            proposal: Some(format!(
-                "Look at what decides {} in the asset that is further from the experiments.",
-                c.subject.id().replace('_', " ")
-            )),
-        })
+fn pieces(odd: &OddOneOut) -> Vec<String> {
+    std::iter::once(odd.id)
+        .chain(odd.others.iter().copied())
+        .map(str::to_owned)
         .collect()
 }
 
-fn rates_in_words(evidence: &[Evidence], comparison: &Comparison) -> String {
-    let rate = |id: &str| {
-        let measure = evidence
-            .iter()
-            .find(|e| e.id == id)
-            .and_then(|e| e.finding(&comparison.subject))
-            .map(|f| &f.measure);
-        match measure {
-            Some(Measure::Counts { count, trials, .. }) => format!("{count} of {trials} in {id}"),
-            Some(Measure::Probability { answer, .. }) => format!("{:.4} in {id}", answer.value),
-            _ => format!("nothing in {id}"),
-        }
-    };
-    format!("{}, {}.", rate(&comparison.left), rate(&comparison.right))
-}
-
-fn witnesses(evidence: &[Evidence], comparison: &Comparison) -> Vec<String> {
-    [&comparison.left, &comparison.right]
-        .into_iter()
-        .filter_map(|id| evidence.iter().find(|e| &e.id == id))
-        .filter_map(|e| e.finding(&comparison.subject))
-        .flat_map(|f| f.witnesses.iter().take(3).cloned())
-        .collect()
-}
-
-/// Later evidence of the same technique as one side that no longer conflicts
-/// with the other side on the subject.
-fn mended_by(
-    evidence: &[Evidence],
-    comparisons: &[Comparison],
-    conflict: &Comparison,
-) -> Option<String> {
-    let place = |id: &str| evidence.iter().position(|e| e.id == id);
-    [
-        (&conflict.left, &conflict.right),
-        (&conflict.right, &conflict.left),
-    ]
-    .into_iter()
-    .filter_map(|(mended, kept)| {
-        let from = place(mended)?;
-        evidence[from + 1..]
-            .iter()
-            .filter(|e| e.technique == evidence[from].technique)
-            .filter(|e| !e.intermediate && !e.published && &e.id != kept)
-            .find(|e| {
-                comparisons.iter().any(|c| {
-                    c.subject == conflict.subject
-                        && is_pair(c, &e.id, kept)
-                        && matches!(c.outcome, Outcome::Corroborates | Outcome::Inconclusive)
-                })
-            })
-    })
-    .map(|e| e.id.clone())
-    .next()
-}
-
-fn is_pair(comparison: &Comparison, one: &str, other: &str) -> bool {
-    (comparison.left == one && comparison.right == other)
-        || (comparison.left == other && comparison.right == one)
-}
-
-/// Failure modes that occur in some evidence and that a formal model of the
-/// ledger cannot express.
-fn missing_behaviour(evidence: &[Evidence]) -> Vec<Discrepancy> {
-    let mut found = Vec::new();
-    for piece in evidence.iter().filter(|e| !e.intermediate) {
-        for finding in &piece.findings {
-            let (Subject::FailureMode(mode), Measure::NotExpressible { reason }) =
-                (&finding.subject, &finding.measure)
-            else {
-                continue;
-            };
-            let shown = shown_by(evidence, &finding.subject);
-            if shown.is_empty() {
-                continue;
-            }
-            let later = evidence.iter().skip_while(|e| e.id != piece.id).skip(1);
-            let resolved = later
-                .filter(|e| e.technique == piece.technique && !e.intermediate)
-                .find(|e| {
-                    e.finding(&finding.subject)
-                        .is_some_and(|f| f.measure.estimate().is_some())
-                });
-            found.push(Discrepancy {
-                inaccuracy: Inaccuracy::SystemModel,
-                title: format!("{} does not know {}", piece.id, mode.replace('_', " ")),
-                explanation: format!("It occurs: {}. {reason}", shown.join(", ")),
-                subjects: vec![finding.subject.clone()],
-                evidence: vec![piece.id.clone()],
-                witnesses: Vec::new(),
-                resolved_by: resolved.map(|e| e.id.clone()),
-                proposal: Some("Add the event to the system model.".into()),
-            });
+/// The reasons of the conflicts, each once.
+fn reasons(odd: &OddOneOut) -> String {
+    let mut reasons: Vec<&str> = Vec::new();
+    for conflict in &odd.conflicts {
+        let reason = conflict.reason.as_str();
+        if !reasons.contains(&reason) {
+            reasons.push(reason);
         }
     }
-    found
-}
-
-fn shown_by(evidence: &[Evidence], subject: &Subject) -> Vec<String> {
-    evidence
-        .iter()
-        .filter_map(|e| match e.finding(subject)?.measure {
-            Measure::Counts { count, trials, .. } if count > 0 => {
-                Some(format!("{count} of {trials} in {}", e.id))
-            }
-            _ => None,
-        })
-        .collect()
-}
-
-/// The evidence that conflicts with `id` on a subject.
-fn conflicts_of<'a>(comparisons: &'a [Comparison], subject: &Subject, id: &str) -> Vec<&'a str> {
-    comparisons
-        .iter()
-        .filter(|c| c.outcome == Outcome::Conflicts && &c.subject == subject)
-        .filter_map(|c| match (c.left == id, c.right == id) {
-            (true, _) => Some(c.right.as_str()),
-            (_, true) => Some(c.left.as_str()),
-            _ => None,
-        })
-        .collect()
-}
-
-/// Conflicts on requirements that no discrepancy found so far speaks of.
-fn unexplained(comparisons: &[Comparison], found: &[Discrepancy]) -> Vec<Discrepancy> {
-    let explained: BTreeSet<(&Subject, &str, &str)> = comparisons
-        .iter()
-        .filter(|c| {
-            found.iter().any(|d| {
-                d.subjects.contains(&c.subject)
-                    && d.evidence.contains(&c.left)
-                    && d.evidence.contains(&c.right)
-            })
-        })
-        .map(|c| (&c.subject, c.left.as_str(), c.right.as_str()))
-        .collect();
-    comparisons
-        .iter()
-        .filter(|c| c.outcome == Outcome::Conflicts)
-        .filter(|c| !explained.contains(&(&c.subject, c.left.as_str(), c.right.as_str())))
-        .map(|c| unexplained_conflict(c, found))
-        .collect()
-}
-
-fn unexplained_conflict(conflict: &Comparison, found: &[Discrepancy]) -> Discrepancy {
-    // A conflict on a rate of success is the sum of what the failure modes do.
-    let causes: Vec<String> = found
-        .iter()
-        .filter(|d| d.inaccuracy == Inaccuracy::SystemModel)
-        .filter(|d| d.evidence.contains(&conflict.left) || d.evidence.contains(&conflict.right))
-        .filter(|d| {
-            d.evidence
-                .iter()
-                .all(|id| id == &conflict.left || id == &conflict.right)
-        })
-        .map(|d| d.title.clone())
-        .collect();
-    let (inaccuracy, cause) = if causes.is_empty() {
-        (
-            Inaccuracy::Undetermined,
-            "No other method, reading or failure mode at hand separates the cause.".to_owned(),
-        )
-    } else {
-        (
-            Inaccuracy::SystemModel,
-            format!("One level down: {}.", causes.join("; ")),
-        )
-    };
-    Discrepancy {
-        inaccuracy,
-        title: format!(
-            "{} and {} conflict on requirement {}",
-            conflict.left,
-            conflict.right,
-            conflict.subject.id()
-        ),
-        explanation: format!("{} {cause}", conflict.reason),
-        subjects: vec![conflict.subject.clone()],
-        evidence: vec![conflict.left.clone(), conflict.right.clone()],
-        witnesses: Vec::new(),
-        resolved_by: None,
-        proposal: None,
+    match reasons.as_slice() {
+        [] => String::new(),
+        [only] => (*only).to_owned(),
+        [first, rest @ ..] => format!("{first} Likewise the {} others.", rest.len()),
     }
 }

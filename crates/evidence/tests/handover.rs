@@ -159,7 +159,7 @@ fn subjects_of_the_cohort() -> f64 {
 
 fn experiments() -> Evidence {
     let not_covered = Measure::NotCovered {
-        reason: "the person was always ready".to_owned(),
+        reason: "The person was always ready".to_owned(),
     };
     piece(
         "E3",
@@ -233,7 +233,7 @@ fn revised_model() -> Evidence {
 
 fn ledger() -> Vec<Evidence> {
     let unknown = Measure::NotExpressible {
-        reason: "the model has no such event".to_owned(),
+        reason: "The model has no such event".to_owned(),
     };
     let first_model = vec![
         computed(requirement("1a"), 1.0, None),
@@ -376,7 +376,7 @@ fn other_conditions_are_not_comparable_but_their_figures_are_shown() {
     assert_eq!(first.outcome, Outcome::NotComparable);
     assert_eq!(
         first.reason,
-        "E1: cannot express it; the model has no such event."
+        "E1 cannot express it. The model has no such event."
     );
 }
 
@@ -496,7 +496,7 @@ fn gaps_name_what_nothing_covers_and_what_one_side_does_not() {
     assert_eq!(silent[0].evidence, ["E3"]);
     assert_eq!(
         silent[0].reason,
-        "E3: never covered it; the person was always ready."
+        "E3 never covered it. The person was always ready."
     );
 }
 

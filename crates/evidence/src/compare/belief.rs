@@ -43,8 +43,8 @@ impl Belief {
             Measure::Probability {
                 answer, credible, ..
             } => computed(answer, credible.as_ref()),
-            Measure::NotExpressible { reason } => Err(format!("cannot express it; {reason}")),
-            Measure::NotCovered { reason } => Err(format!("never covered it; {reason}")),
+            Measure::NotExpressible { reason } => Err(format!("cannot express it. {reason}")),
+            Measure::NotCovered { reason } => Err(format!("never covered it. {reason}")),
         }
     }
 
@@ -129,7 +129,8 @@ impl Belief {
 }
 
 fn counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Belief, String> {
-    let sample = Sample::new(count, trials).map_err(|error| error.to_string())?;
+    let sample = Sample::new(count, trials)
+        .map_err(|error| format!("has counts that contradict each other: {error}"))?;
     if trials == 0 {
         return Err("never covered it".to_owned());
     }
@@ -162,7 +163,7 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
             },
         }),
         Guarantee::Estimated { reason } => Err(format!(
-            "its error is unknown ({reason}); use a method with bounds"
+            "has an answer whose error is unknown: {reason}; use a method with bounds"
         )),
     }
 }

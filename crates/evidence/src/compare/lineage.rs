@@ -13,6 +13,7 @@
 //! neither a model nor a declaration tells counts as bearing, so that independence is never
 //! claimed without a reason.
 
+use super::words::list;
 use crate::{Calibration, Evidence, Measure, Subject};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -109,6 +110,9 @@ fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
 /// A source: evidence and what was counted in it.
 type Source = (String, Subject);
 
+/// Sources, each with the evidence and the parameter that were set to it.
+type Sources = BTreeMap<Source, BTreeSet<(String, String)>>;
+
 /// The calibrations of a ledger, with what is known of their bearing.
 pub(crate) struct Lineage<'a> {
     evidence: BTreeMap<&'a str, &'a Evidence>,
@@ -131,23 +135,9 @@ impl<'a> Lineage<'a> {
     pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
         let ours = self.sources(first, subject);
         let theirs = self.sources(second, subject);
-        let direct = |sources: &BTreeMap<Source, String>, other: &str| {
-            sources
-                .iter()
-                .find(|((id, _), _)| id == other)
-                .map(|(_, words)| words.clone())
-        };
-        if let Some(words) = direct(&theirs, first).or_else(|| direct(&ours, second)) {
-            return Some(words);
-        }
-        let shared = ours
-            .iter()
-            .find(|(source, _)| theirs.contains_key(source))?;
-        let (id, counted) = shared.0;
-        Some(format!(
-            "both rest on {id}'s {}",
-            counted.id().replace('_', " ")
-        ))
+        taken_from(&theirs, first)
+            .or_else(|| taken_from(&ours, second))
+            .or_else(|| shared(&ours, &theirs))
     }
 
     /// Whether the evidence rests on no other on this subject.
@@ -155,9 +145,9 @@ impl<'a> Lineage<'a> {
         self.sources(id, subject).is_empty()
     }
 
-    /// All sources, each with the calibration that names it, in words.
-    fn sources(&self, id: &str, subject: &Subject) -> BTreeMap<Source, String> {
-        let mut found = BTreeMap::new();
+    /// All sources, each with the calibrations that name it.
+    fn sources(&self, id: &str, subject: &Subject) -> Sources {
+        let mut found = Sources::new();
         let mut seen = BTreeSet::from([(id.to_owned(), subject.clone())]);
         let mut open = vec![(id.to_owned(), subject.clone())];
         while let Some((holder, about)) = open.pop() {
@@ -166,9 +156,8 @@ impl<'a> Lineage<'a> {
             };
             for calibration in self.bearing(piece, &about) {
                 let source = (calibration.from.clone(), calibration.subject.clone());
-                found
-                    .entry(source.clone())
-                    .or_insert_with(|| in_words(&holder, calibration));
+                let taken = (holder.clone(), calibration.parameter.clone());
+                found.entry(source.clone()).or_default().insert(taken);
                 if seen.insert(source.clone()) {
                     open.push(source);
                 }
@@ -199,13 +188,39 @@ impl<'a> Lineage<'a> {
     }
 }
 
-fn in_words(holder: &str, calibration: &Calibration) -> String {
-    format!(
-        "{holder}'s {} was set to {}'s {}",
-        calibration.parameter,
-        calibration.from,
-        calibration.subject.id().replace('_', " ")
-    )
+/// Which parameters of whom were set to counts of `from`, in words.
+fn taken_from(sources: &Sources, from: &str) -> Option<String> {
+    let mut by_holder: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for ((_, _), takers) in sources.iter().filter(|((id, _), _)| id == from) {
+        for (holder, parameter) in takers {
+            by_holder.entry(holder).or_default().insert(parameter);
+        }
+    }
+    let sentences: Vec<String> = by_holder
+        .into_iter()
+        .map(|(holder, parameters)| {
+            let parameters: Vec<String> =
+                parameters.into_iter().map(|p| format!("`{p}`")).collect();
+            format!("{holder} takes {} from {from}", list(&parameters))
+        })
+        .collect();
+    (!sentences.is_empty()).then(|| list(&sentences))
+}
+
+/// The counts on which both rest, in words.
+fn shared(first: &Sources, second: &Sources) -> Option<String> {
+    let mut by_evidence: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for (id, subject) in first.keys().filter(|source| second.contains_key(*source)) {
+        by_evidence.entry(id).or_default().insert(subject.id());
+    }
+    let counts: Vec<String> = by_evidence
+        .into_iter()
+        .map(|(id, subjects)| {
+            let subjects: Vec<String> = subjects.into_iter().map(|s| s.replace('_', " ")).collect();
+            format!("{id}'s {}", list(&subjects))
+        })
+        .collect();
+    (!counts.is_empty()).then(|| format!("both rest on {}", list(&counts)))
 }
 
 #[cfg(test)]
@@ -260,7 +275,7 @@ mod tests {
         let influences = Influences::default();
         let lineage = Lineage::new(&ledger, &influences);
         let words = lineage.dependence("A", "C", &mode("slip")).unwrap();
-        assert_eq!(words, "B's constant was set to A's slip");
+        assert_eq!(words, "B takes `constant` from A");
         assert_eq!(lineage.dependence("A", "C", &mode("gaze")), None);
         assert_eq!(lineage.dependence("C", "D", &mode("slip")), None);
         assert!(lineage.is_root("A", &mode("slip")) && !lineage.is_root("C", &mode("slip")));

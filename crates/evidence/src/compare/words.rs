@@ -1,12 +1,11 @@
 //! Numbers in running text.
 
-/// A p-value to three decimals, or in powers of ten when it is small.
+/// A p-value with its relation sign: `= 0.042`, `= 2.2e-4`, `< 1e-300`.
 pub(crate) fn p_value(p: f64) -> String {
     match p {
-        p if p <= 0.0 => "0".to_owned(),
-        p if p < 1e-300 => "below 1e-300".to_owned(),
-        p if p < 0.001 => format!("{p:.1e}"),
-        p => format!("{p:.3}"),
+        p if p < 1e-300 => "< 1e-300".to_owned(),
+        p if p < 0.001 => format!("= {p:.1e}"),
+        p => format!("= {p:.3}"),
     }
 }
 
@@ -84,9 +83,9 @@ mod tests {
 
     #[test]
     fn numbers_never_round_to_certainty() {
-        assert_eq!(p_value(0.0), "0");
-        assert_eq!(p_value(0.10125), "0.101");
-        assert_eq!(p_value(2.24e-4), "2.2e-4");
+        assert_eq!(p_value(0.0), "< 1e-300");
+        assert_eq!(p_value(0.10125), "= 0.101");
+        assert_eq!(p_value(2.24e-4), "= 2.2e-4");
         assert_eq!(probability(0.99999), "above 0.999");
         assert_eq!(probability(1.0), "1");
         assert_eq!(percent(0.88), "88 %");

@@ -1,36 +1,27 @@
 //! What evidence does not cover.
 
+use super::latest_of_each_technique;
 use crate::compare::Study;
 use crate::compare::words::sentence;
-use crate::{CoverageGap, Evidence, Finding, Measure, Subject, Technique};
-use std::collections::BTreeMap;
+use crate::{CoverageGap, Evidence, Finding, Measure, Subject};
 
 /// Requirements and failure modes about which no current evidence has a number (`evidence` is
 /// then empty), and those that the current evidence of some technique cannot express, never
 /// covered, or was not asked about.
 ///
-/// Current is the latest evidence of each technique under each of the study's conditions, without
-/// intermediate evidence and evidence that another reproduces. A subject that a technique's
+/// Current is the latest evidence of each technique under the conditions that most techniques
+/// share, without intermediate evidence and evidence that another reproduces. A subject that a technique's
 /// evidence lacks altogether is only a gap if that evidence speaks about subjects of this kind.
 pub fn coverage_gaps(study: &Study<'_>) -> Vec<CoverageGap> {
-    let current = current(study.evidence);
+    let current: Vec<&Evidence> = latest_of_each_technique(study.evidence, |_| true)
+        .into_iter()
+        .map(|index| &study.evidence[index])
+        .collect();
     study
         .subjects()
         .into_iter()
         .flat_map(|(subject, _)| gaps(&current, &subject))
         .collect()
-}
-
-fn current(evidence: &[Evidence]) -> Vec<&Evidence> {
-    let mut latest: BTreeMap<(Technique, &str), usize> = BTreeMap::new();
-    for (index, piece) in evidence.iter().enumerate() {
-        if !piece.intermediate && piece.reproduced_by.is_none() {
-            latest.insert((piece.technique, &piece.conditions), index);
-        }
-    }
-    let mut indices: Vec<usize> = latest.into_values().collect();
-    indices.sort_unstable();
-    indices.into_iter().map(|index| &evidence[index]).collect()
 }
 
 fn gaps(current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
@@ -49,13 +40,13 @@ fn gaps(current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
             .map(|(id, why)| CoverageGap {
                 subject: subject.clone(),
                 evidence: vec![id.to_owned()],
-                reason: sentence(&format!("{id}: {why}")),
+                reason: sentence(&format!("{id} {why}")),
             })
             .collect();
     }
     let reasons: Vec<String> = silent
         .iter()
-        .map(|(id, why)| sentence(&format!("{id}: {why}")))
+        .map(|(id, why)| sentence(&format!("{id} {why}")))
         .collect();
     let reason = match reasons.as_slice() {
         [] => "No evidence was asked about it.".to_owned(),
@@ -87,8 +78,8 @@ fn same_kind(one: &Subject, other: &Subject) -> bool {
 
 fn why_no_number(finding: &Finding) -> Option<String> {
     match &finding.measure {
-        Measure::NotExpressible { reason } => Some(format!("cannot express it; {reason}")),
-        Measure::NotCovered { reason } => Some(format!("never covered it; {reason}")),
+        Measure::NotExpressible { reason } => Some(format!("cannot express it. {reason}")),
+        Measure::NotCovered { reason } => Some(format!("never covered it. {reason}")),
         Measure::Counts { trials: 0, .. } => Some("never covered it".to_owned()),
         Measure::Counts { .. } | Measure::Probability { .. } => None,
     }

@@ -104,8 +104,8 @@ fn words(id: &str, belief: &Belief, threshold: Threshold, met: f64, missed: f64)
                 (1.0, 0) => "no failure".to_owned(),
                 (1.0, 1) => "1 failure".to_owned(),
                 (1.0, failures) => format!("{failures} failures"),
-                _ if met <= missed => format!("p = {} for missing it", p_value(met)),
-                _ => format!("p = {} for meeting it", p_value(missed)),
+                _ if met <= missed => format!("p {} for missing it", p_value(met)),
+                _ => format!("p {} for meeting it", p_value(missed)),
             };
             format!(
                 "{id} has {} of {}{size} ({test})",
