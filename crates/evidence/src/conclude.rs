@@ -32,7 +32,7 @@ mod stand;
 use crate::compare::words::{list, percent, points};
 use crate::compare::{Belief, Lineage, Study};
 use crate::{
-    Comparison, Conclusion, Direction, Evidence, Finding, Outcome, Requirement, Subject, Technique,
+    Comparison, Conclusion, Direction, Evidence, Outcome, Requirement, Subject, Technique,
     Threshold, Verdict,
 };
 use stand::{Stand, Standing};
@@ -119,20 +119,16 @@ fn current<'a>(
     quantity: &Subject,
 ) -> Vec<Piece<'a>> {
     let own = Subject::Requirement(requirement.id.clone());
-    let finding = |piece: &'a Evidence| -> Option<&'a Finding> {
-        piece.finding(&own).or_else(|| piece.finding(quantity))
+    let belief = |piece: &Evidence| {
+        let finding = piece.finding(&own).or_else(|| piece.finding(quantity))?;
+        Belief::of(&finding.measure).ok()
     };
-    let indices = latest_of_each_technique(evidence, |piece| {
-        finding(piece).is_some_and(|f| Belief::of(&f.measure).is_ok())
-    });
+    let indices = latest_of_each_technique(evidence, |piece| belief(piece).is_some());
     indices
         .into_iter()
         .filter_map(|index| {
-            let belief = Belief::of(&finding(&evidence[index])?.measure).ok()?;
-            Some(Piece {
-                evidence: &evidence[index],
-                belief,
-            })
+            let evidence = &evidence[index];
+            belief(evidence).map(|belief| Piece { evidence, belief })
         })
         .collect()
 }
