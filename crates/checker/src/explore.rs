@@ -19,21 +19,21 @@
 mod code;
 mod command;
 mod error;
+mod fault;
 mod intern;
 
 use std::ops::Range;
 
 use prism_lang::resolved::{Init, Model, ModelType};
-use prism_lang::{Arithmetic, EvalError, EvalErrorKind, Expr, Span};
+use prism_lang::{Arithmetic, Expr, Span};
 
 use crate::state_space::{Csr, LabelStates, Layout, StateSpace, describe};
 use code::Code;
-use command::{BadProbability, Commands, CompiledCommand};
+use command::{Commands, CompiledCommand};
 pub use error::ExploreError;
+use fault::{bad_probability, check_sum, in_range, no_value};
 use intern::Interner;
 
-/// How far from 1 the probabilities of a command may sum up, in a domain that is not exact.
-const SUM_TOLERANCE: f64 = 1e-12;
 /// How many states `init ... endinit` may be tried on.
 const MAX_CANDIDATES: u64 = 100_000_000;
 /// How many states are explored between two calls of the progress function.
@@ -122,16 +122,23 @@ struct Scratch<N> {
     /// Updates of the enabled commands: probability, roundings, and a range of `writes`.
     updates: Vec<(N, Option<u32>, Range<usize>)>,
     writes: Vec<(usize, i64)>,
-    /// The enabled commands of an action, for each module: ranges of `updates`.
+    /// The state itself, packed.
+    packed: Vec<u64>,
+    /// The enabled commands of an action, for each module, by index.
+    ready: Vec<Vec<usize>>,
+    /// The same as ranges of `updates`.
     options: Vec<Vec<Range<usize>>>,
+    /// The command that is chosen for each module.
+    picked: Vec<Range<usize>>,
     /// The products of the updates chosen so far: packed targets, probability, roundings.
     partial: Vec<(N, Option<u32>)>,
+    next_partial: Vec<(N, Option<u32>)>,
     partial_targets: Vec<u64>,
     next_targets: Vec<u64>,
     /// Outcomes of all choices: target, probability, roundings.
     outcomes: Vec<(u32, N, Option<u32>)>,
-    /// Target and action (0: none) of all outcomes.
-    labelled: Vec<(u32, u32)>,
+    /// Target (high half) and action (low half, 0 for none) of all outcomes.
+    labelled: Vec<u64>,
 }
 
 impl<'m, N: Arithmetic> Explorer<'m, N> {
@@ -150,8 +157,12 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 key: Vec::new(),
                 updates: Vec::new(),
                 writes: Vec::new(),
+                packed: vec![0; layout.words()],
+                ready: Vec::new(),
                 options: Vec::new(),
+                picked: Vec::new(),
                 partial: Vec::new(),
+                next_partial: Vec::new(),
                 partial_targets: Vec::new(),
                 next_targets: Vec::new(),
                 outcomes: Vec::new(),
@@ -231,8 +242,11 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
 
     /// Finds all transitions of a state and appends its row.
     fn expand(&mut self, state: usize) -> Result<(), ExploreError> {
-        let packed = self.interner.state(state).to_vec();
-        self.layout.unpack(&packed, &mut self.scratch.values);
+        self.scratch
+            .packed
+            .copy_from_slice(self.interner.state(state));
+        self.layout
+            .unpack(&self.scratch.packed, &mut self.scratch.values);
         self.scratch.outcomes.clear();
         self.scratch.labelled.clear();
         let mut choices = 0i64;
@@ -243,11 +257,13 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             if let Some(updates) = enabled(command, &mut self.scratch, self.model)? {
                 let span = command.source.span;
                 choices += 1;
-                self.choose(&packed, &[updates], 0, span)?;
+                self.scratch.picked.clear();
+                self.scratch.picked.push(updates);
+                self.choose(0, span)?;
             }
         }
         for action in 0..self.commands.together.len() {
-            choices += self.synchronise(&packed, action)?;
+            choices += self.synchronise(action)?;
         }
         if choices == 0 {
             self.deadlocks.push(state);
@@ -259,81 +275,82 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
     }
 
     /// Makes the choices of an action; returns how many there are.
-    fn synchronise(&mut self, packed: &[u64], action: usize) -> Result<i64, ExploreError> {
-        let mut options = std::mem::take(&mut self.scratch.options);
-        let found = self.options(action, &mut options)?;
+    fn synchronise(&mut self, action: usize) -> Result<i64, ExploreError> {
+        if !self.find_ready(action)? {
+            return Ok(0);
+        }
+        self.find_options(action)?;
         let span = self.commands.together[action][0][0].source.span;
+        let options = std::mem::take(&mut self.scratch.options);
+        let modules = self.commands.together[action].len();
+        let mut picks = vec![0; modules];
         let mut choices = 0;
-        if found {
-            let mut picks = vec![0; options.len()];
-            loop {
-                let picked: Vec<Range<usize>> = options
-                    .iter()
-                    .zip(&picks)
-                    .map(|(o, p)| o[*p].clone())
-                    .collect();
-                choices += 1;
-                self.choose(packed, &picked, action as u32 + 1, span)?;
-                let Some(module) = (0..picks.len()).find(|m| picks[*m] + 1 < options[*m].len())
-                else {
-                    break;
-                };
-                picks[module] += 1;
-                picks[..module].fill(0);
+        loop {
+            self.scratch.picked.clear();
+            for (ranges, pick) in options.iter().zip(&picks) {
+                self.scratch.picked.push(ranges[*pick].clone());
             }
+            choices += 1;
+            self.choose(action as u32 + 1, span)?;
+            let Some(module) = (0..modules).find(|m| picks[*m] + 1 < options[*m].len()) else {
+                break;
+            };
+            picks[module] += 1;
+            picks[..module].fill(0);
         }
         self.scratch.options = options;
         Ok(choices)
     }
 
-    /// The enabled commands of each module for an action; false if some module has none.
-    fn options(
-        &mut self,
-        action: usize,
-        options: &mut Vec<Vec<Range<usize>>>,
-    ) -> Result<bool, ExploreError> {
-        let modules = &mut self.commands.together[action];
-        // Guards first: most actions are blocked in most states.
-        for commands in modules.iter() {
-            let mut blocked = true;
-            for command in commands {
+    /// Finds the enabled commands of each module for an action; false if some module has none.
+    fn find_ready(&mut self, action: usize) -> Result<bool, ExploreError> {
+        let modules = &self.commands.together[action];
+        let ready = &mut self.scratch.ready;
+        ready.resize(modules.len().max(ready.len()), Vec::new());
+        for (commands, ready) in modules.iter().zip(ready) {
+            ready.clear();
+            for (index, command) in commands.iter().enumerate() {
                 if holds(command, &self.scratch.values, self.model)? {
-                    blocked = false;
-                    break;
+                    ready.push(index);
                 }
             }
-            if blocked {
+            if ready.is_empty() {
                 return Ok(false);
             }
         }
-        self.scratch.updates.clear();
-        self.scratch.writes.clear();
-        options.resize(modules.len(), Vec::new());
-        for (commands, enabled_commands) in modules.iter_mut().zip(options.iter_mut()) {
-            enabled_commands.clear();
-            for command in commands {
-                enabled_commands.extend(enabled(command, &mut self.scratch, self.model)?);
-            }
-        }
-        Ok(true)
+        Ok(!modules.is_empty())
     }
 
-    /// Adds the outcomes of one choice: the products of its commands' updates.
-    fn choose(
-        &mut self,
-        packed: &[u64],
-        commands: &[Range<usize>],
-        action: u32,
-        span: Span,
-    ) -> Result<(), ExploreError> {
-        let words = packed.len();
+    /// Evaluates the updates of the enabled commands.
+    fn find_options(&mut self, action: usize) -> Result<(), ExploreError> {
+        let ready = std::mem::take(&mut self.scratch.ready);
+        let mut options = std::mem::take(&mut self.scratch.options);
+        self.scratch.updates.clear();
+        self.scratch.writes.clear();
+        let modules = &mut self.commands.together[action];
+        options.resize(modules.len().max(options.len()), Vec::new());
+        for ((commands, ready), ranges) in modules.iter_mut().zip(&ready).zip(&mut options) {
+            ranges.clear();
+            for index in ready {
+                let updates = evaluate(&mut commands[*index], &mut self.scratch, self.model)?;
+                ranges.push(updates);
+            }
+        }
+        self.scratch.ready = ready;
+        self.scratch.options = options;
+        Ok(())
+    }
+
+    /// Adds the outcomes of one choice: the products of the picked commands' updates.
+    fn choose(&mut self, action: u32, span: Span) -> Result<(), ExploreError> {
+        let words = self.layout.words();
         let scratch = &mut self.scratch;
         scratch.partial.clear();
         scratch.partial.push((N::one(), Some(0)));
         scratch.partial_targets.clear();
-        scratch.partial_targets.extend_from_slice(packed);
-        for updates in commands {
-            let mut next = Vec::with_capacity(scratch.partial.len() * updates.len());
+        scratch.partial_targets.extend_from_slice(&scratch.packed);
+        for updates in &scratch.picked {
+            scratch.next_partial.clear();
             scratch.next_targets.clear();
             for (at, (probability, roundings)) in scratch.partial.iter().enumerate() {
                 for (factor, factor_roundings, writes) in &scratch.updates[updates.clone()] {
@@ -344,13 +361,11 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                         self.layout
                             .store(*variable, *value, &mut scratch.next_targets[from..]);
                     }
-                    next.push(product(
-                        (probability, *roundings),
-                        (factor, *factor_roundings),
-                    ));
+                    let joint = product((probability, *roundings), (factor, *factor_roundings));
+                    scratch.next_partial.push(joint);
                 }
             }
-            scratch.partial = next;
+            std::mem::swap(&mut scratch.partial, &mut scratch.next_partial);
             std::mem::swap(&mut scratch.partial_targets, &mut scratch.next_targets);
         }
         self.collect_outcomes(words, action, span)
@@ -370,7 +385,9 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 return Err(ExploreError::Underflow { state, span });
             }
             let target = self.intern(target)?;
-            self.scratch.labelled.push((target, action));
+            self.scratch
+                .labelled
+                .push(u64::from(target) << 32 | u64::from(action));
             let outcome = (target, probability.clone(), *roundings);
             self.scratch.outcomes.push(outcome);
         }
@@ -464,7 +481,7 @@ fn holds<N>(
     }
 }
 
-/// The updates of a command if it is enabled; those of probability 0 left out.
+/// The updates of a command if it is enabled.
 fn enabled<N: Arithmetic>(
     command: &mut CompiledCommand<'_, N>,
     scratch: &mut Scratch<N>,
@@ -473,6 +490,15 @@ fn enabled<N: Arithmetic>(
     if !holds(command, &scratch.values, model)? {
         return Ok(None);
     }
+    evaluate(command, scratch, model).map(Some)
+}
+
+/// The updates of an enabled command, those of probability 0 left out: a range of `scratch.updates`.
+fn evaluate<N: Arithmetic>(
+    command: &mut CompiledCommand<'_, N>,
+    scratch: &mut Scratch<N>,
+    model: &Model,
+) -> Result<Range<usize>, ExploreError> {
     let first = scratch.updates.len();
     let mut sum = N::zero();
     for (index, update) in command.updates.iter_mut().enumerate() {
@@ -504,73 +530,5 @@ fn enabled<N: Arithmetic>(
         check_sum(&sum, command.source.span, &scratch.values, model)?;
         command.sum_known = command.is_constant();
     }
-    Ok(Some(first..scratch.updates.len()))
-}
-
-fn check_sum<N: Arithmetic>(
-    sum: &N,
-    span: Span,
-    values: &[i64],
-    model: &Model,
-) -> Result<(), ExploreError> {
-    let fits = if N::EXACT {
-        *sum == N::one()
-    } else {
-        (sum.to_f64() - 1.0).abs() <= SUM_TOLERANCE
-    };
-    if fits {
-        return Ok(());
-    }
-    Err(ExploreError::ProbabilitySum {
-        sum: sum.to_f64(),
-        state: describe(&model.variables, values),
-        span,
-    })
-}
-
-fn in_range(
-    variable: usize,
-    value: i64,
-    span: Span,
-    values: &[i64],
-    model: &Model,
-) -> Result<(), ExploreError> {
-    let declared = &model.variables[variable];
-    let (low, high) = declared.kind.bounds();
-    if low <= value && value <= high {
-        return Ok(());
-    }
-    Err(ExploreError::OutOfRange {
-        variable: declared.name.clone(),
-        value,
-        low,
-        high,
-        state: describe(&model.variables, values),
-        span,
-    })
-}
-
-fn bad_probability(bad: BadProbability, span: Span, values: &[i64], model: &Model) -> ExploreError {
-    let state = describe(&model.variables, values);
-    match bad {
-        BadProbability::NoValue(error) => ExploreError::NoValue { error, state },
-        BadProbability::Negative(value) => ExploreError::NotAProbability { value, state, span },
-        BadProbability::Underflow => ExploreError::Underflow { state, span },
-    }
-}
-
-/// Why an expression has no value: its slow evaluation tells.
-fn no_value(expr: &Expr, values: &[i64], model: &Model) -> ExploreError {
-    let slow = match expr.ty {
-        prism_lang::ast::Type::Bool => expr.eval_bool(values).map(i64::from),
-        _ => expr.eval_int(values),
-    };
-    let ill_typed = EvalError {
-        kind: EvalErrorKind::IllTyped,
-        span: expr.span,
-    };
-    ExploreError::NoValue {
-        error: slow.err().unwrap_or(ill_typed),
-        state: describe(&model.variables, values),
-    }
+    Ok(first..scratch.updates.len())
 }
