@@ -363,8 +363,7 @@ impl Draft {
     fn conflict_in_words(&self, corrected: f64, family: usize) -> String {
         let size = points(self.comparison.difference.unwrap_or(0.0).abs());
         format!(
-            "They differ by {size}, beyond chance (p {}; {} after correction for {family} \
-             comparisons).",
+            "They differ by {size}, beyond chance (p {}; corrected for {family} comparisons p {}).",
             p_value(self.comparison.p_difference.unwrap_or(1.0)),
             p_value(corrected)
         )
