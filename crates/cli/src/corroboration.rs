@@ -4,7 +4,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::published;
 use crate::study::{Entry, Study};
-use crate::technique::Produced;
+use crate::technique::{Influence, Produced};
 use evidence::{
     Asset, Cost, Discrepancy, Evidence, Inaccuracy, Measure, StudyResult, Subject, Technique,
     Verdict,
@@ -24,6 +24,8 @@ pub struct Piece {
     pub headline: String,
     /// Figures of the source publication, beside ours.
     pub published: Vec<evidence::PublishedFigure>,
+    /// What a formal model tells of failure modes and requirements.
+    pub influences: Vec<Influence>,
     /// Constants that do not have the value of the counts they were set to.
     pub drifted: Vec<Discrepancy>,
 }
@@ -71,6 +73,7 @@ pub fn piece(
         cost,
         headline,
         published,
+        influences: produced.influences,
         drifted: Vec::new(),
     }
 }
@@ -106,15 +109,21 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     let mut costs = Vec::new();
     let mut published = Vec::new();
     let mut drifted = Vec::new();
+    let mut declared = Vec::new();
     for piece in pieces {
         evidence.push(piece.evidence);
         costs.push(piece.cost);
         published.extend(piece.published);
         drifted.extend(piece.drifted);
+        declared.extend(piece.influences);
     }
     let levels = evidence::Levels::new(study.about.confidence, study.about.agreement)
         .map_err(|error| Problem::new("bad-level", error.to_string()))?;
-    let influences = evidence::Influences::learn(&evidence);
+    let influences = declared
+        .iter()
+        .fold(evidence::Influences::learn(&evidence), |known, one| {
+            known.declare(&one.requirement, &one.failure_mode, one.bears)
+        });
     let to_compare = evidence::Study {
         requirements: &study.requirements,
         failure_modes: &study.failure_modes,

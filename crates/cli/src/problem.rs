@@ -193,11 +193,6 @@ impl Problem {
         }
     }
 
-    /// The message alone, without place.
-    pub fn message(&self) -> &str {
-        &self.message
-    }
-
     /// The problem as it is shown to the user.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour {

@@ -23,8 +23,21 @@ pub struct Produced {
     pub findings: Vec<Finding>,
     /// Clustering, for trials by subject.
     pub clusters: Option<ClusterTests>,
+    /// What a formal model tells of failure modes and requirements.
+    pub influences: Vec<Influence>,
     /// What it took.
     pub cost: Cost,
+}
+
+/// Whether a failure mode makes runs fail a requirement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Influence {
+    /// The requirement.
+    pub requirement: String,
+    /// The failure mode.
+    pub failure_mode: String,
+    /// Whether it does.
+    pub bears: bool,
 }
 
 /// A file of the study as an asset.

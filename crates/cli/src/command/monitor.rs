@@ -57,6 +57,8 @@ pub struct SubjectVerdict {
     pub failed_at_secs: Option<f64>,
     /// The proposition that should have held then.
     pub failed_proposition: Option<String>,
+    /// What that proposition means.
+    pub failed_meaning: Option<String>,
 }
 
 /// One monitor over all recordings.
@@ -108,7 +110,10 @@ pub fn monitor(arguments: &Monitor, setting: &Setting) -> Result<Done, Problem> 
             file: file.display().to_string(),
             complete: trace.complete,
             lost,
-            verdicts: judgements.iter().map(subject_verdict).collect(),
+            verdicts: judgements
+                .iter()
+                .map(|j| subject_verdict(&study, j))
+                .collect(),
         });
         judged.push(judgements);
         stage.advance();
@@ -163,9 +168,10 @@ fn read(path: &Path) -> Result<(Trace, Option<String>), Problem> {
     Ok((outcome.trace, outcome.lost))
 }
 
-fn subject_verdict(judgement: &Judgement) -> SubjectVerdict {
+fn subject_verdict(study: &Study, judgement: &Judgement) -> SubjectVerdict {
     let report = &judgement.report;
     let failure = report.first_failure.as_ref();
+    let meaning = failure.and_then(|f| study.vocabulary.propositions.get(&f.proposition));
     SubjectVerdict {
         subject: judgement.subject.id().to_owned(),
         reading: judgement.reading.map(str::to_owned),
@@ -175,6 +181,7 @@ fn subject_verdict(judgement: &Judgement) -> SubjectVerdict {
         failed: report.failed,
         failed_at_secs: failure.map(|f| f.time_secs),
         failed_proposition: failure.map(|f| f.proposition.clone()),
+        failed_meaning: meaning.map(|p| p.meaning.clone()),
     }
 }
 
@@ -241,11 +248,12 @@ fn text(report: &MonitorReport) -> String {
             .filter(|v| v.verdict == "violated")
         {
             output.push_str(&format!(
-                "{}: {} violated at {:.3} s ({})\n",
+                "{}: {} violated at {:.3} s, `{}` is false: {}\n",
                 recording.file,
                 label(&verdict.subject, verdict.reading.as_deref()),
                 verdict.failed_at_secs.unwrap_or(0.0),
-                verdict.failed_proposition.as_deref().unwrap_or("")
+                verdict.failed_proposition.as_deref().unwrap_or(""),
+                verdict.failed_meaning.as_deref().unwrap_or("")
             ));
         }
         if let Some(lost) = &recording.lost {

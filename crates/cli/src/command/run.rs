@@ -264,7 +264,11 @@ impl Runner<'_> {
                 inputs.add_json("methods", methods);
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 for constant in counted {
-                    let sample = [constant.sample.successes, constant.sample.trials];
+                    let sample = (
+                        constant.sample.successes,
+                        constant.sample.trials,
+                        constant.held,
+                    );
                     inputs.add_json(&constant.name, &sample);
                 }
             }
@@ -368,7 +372,7 @@ fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConst
     if entry.intermediate {
         return Ok(counted);
     }
-    for calibrated in entry.calibrated.iter().filter(|c| !c.held) {
+    for calibrated in &entry.calibrated {
         let Some(constant) = &calibrated.constant else {
             continue;
         };
@@ -400,6 +404,8 @@ fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConst
         counted.push(CountedConstant {
             name: constant.clone(),
             sample,
+            subject: calibration.subject.clone(),
+            held: calibrated.held,
         });
     }
     Ok(counted)

@@ -99,6 +99,7 @@ impl Tables {
             },
             findings,
             clusters: clusters.flatten(),
+            influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),
                 ..Cost::default()

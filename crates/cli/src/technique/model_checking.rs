@@ -11,7 +11,7 @@
 //! each point of a low-discrepancy design, with all questions answered on the same
 //! points (common random numbers).
 
-use super::Produced;
+use super::{Influence, Produced};
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::{FormText, Method, Study, quoted_names};
@@ -33,6 +33,9 @@ use std::time::Instant;
 /// On the handover's last model the ends of the interval move by less than
 /// 0.002 when this is doubled.
 const SOLVES: usize = 500;
+
+/// A change of a probability below this is rounding.
+const NO_EFFECT: f64 = 1e-9;
 
 /// A model and the study's questions to it.
 #[derive(Debug)]
@@ -65,6 +68,10 @@ pub struct CountedConstant {
     pub name: String,
     /// The counts.
     pub sample: stats::Sample,
+    /// Whose rate the counts are.
+    pub subject: Subject,
+    /// Whether it keeps its value; then only its bearing is found out.
+    pub held: bool,
 }
 
 impl<'a> Compiled<'a> {
@@ -223,9 +230,11 @@ impl<'a> Compiled<'a> {
             });
         }
         self.say_what_is_missing(&mut findings);
-        if !counted.is_empty() {
-            self.carry_uncertainty(id, counted, &mut findings, interrupt, begin)?;
+        let (held, varied): (Vec<_>, Vec<_>) = counted.iter().cloned().partition(|c| c.held);
+        if !varied.is_empty() {
+            self.carry_uncertainty(id, &varied, &mut findings, interrupt, begin)?;
         }
+        let influences = self.influences(&held, &cancel)?;
         let cost = Cost {
             evidence: id.to_owned(),
             wall_secs: began.elapsed().as_secs_f64(),
@@ -237,8 +246,38 @@ impl<'a> Compiled<'a> {
             tool: tool(methods),
             findings,
             clusters: None,
+            influences,
             cost,
         })
+    }
+
+    /// Which failure modes, through constants that are held, bear on which
+    /// requirement: those whose constant moves its probability.
+    fn influences(
+        &self,
+        held: &[CountedConstant],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Influence>, Problem> {
+        let mut influences = Vec::new();
+        for constant in held {
+            let posterior = stats::BetaPosterior::jeffreys(constant.sample);
+            let as_written = self.solve_at(&[], &[], cancel)?;
+            let moved =
+                self.solve_at(std::slice::from_ref(constant), &[posterior.mean()], cancel)?;
+            for (place, question) in self.questions.iter().enumerate() {
+                if let (Subject::Requirement(requirement), Subject::FailureMode(mode)) =
+                    (question.subject, &constant.subject)
+                    && let (Some(before), Some(after)) = (as_written[place], moved[place])
+                {
+                    influences.push(Influence {
+                        requirement: requirement.clone(),
+                        failure_mode: mode.clone(),
+                        bears: (before - after).abs() > NO_EFFECT,
+                    });
+                }
+            }
+        }
+        Ok(influences)
     }
 
     /// Requirements without a property are not expressible by any model.

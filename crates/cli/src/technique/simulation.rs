@@ -224,6 +224,7 @@ pub fn produce(
         tool: campaign.tool(),
         findings: findings(study, &judgements, &numbers)?,
         clusters: None,
+        influences: Vec::new(),
         cost,
     })
 }
