@@ -7,8 +7,10 @@
 
 mod expression;
 mod model;
+mod module;
 pub(crate) mod operator;
 mod properties;
+mod quantifier;
 
 use crate::ast::Name;
 use crate::diagnostic::{Diagnostic, Span};
