@@ -23,51 +23,64 @@
 use crate::elimination::System;
 use crate::rounding::{Bounds, UNIT};
 
-/// The two problems solved side by side: right-hand sides 1, 2 and 3, 4 of the system.
-pub(crate) const PROBLEMS: usize = 2;
+/// The bounds of one state: lower and upper one of the value, then of the contrary's.
+pub(crate) type Enclosure = [f64; 4];
 
 /// Equations in compact form, and the bounds found so far.
 pub(crate) struct Iteration {
     row_start: Vec<usize>,
     column: Vec<u32>,
     probability: Vec<f64>,
-    /// `s_i`.
-    total: Vec<f64>,
+    /// `1 / s_i`.
+    inverse_total: Vec<f64>,
     /// Relative error of one update.
     error: Vec<f64>,
-    rhs: Vec<[f64; 5]>,
-    /// For each problem, the bounds of each state.
-    pub low: [Vec<f64>; PROBLEMS],
-    /// See `low`.
-    pub high: [Vec<f64>; PROBLEMS],
+    rhs: Vec<Enclosure>,
+    /// The bounds of each state.
+    pub bounds: Vec<Enclosure>,
     /// Rounds so far.
     pub rounds: u64,
 }
 
+/// What a round has brought.
+struct Progress {
+    /// Whether some lower bound rose by more than the share that was asked about.
+    rising: bool,
+    /// Whether any bound moved.
+    moved: bool,
+    /// Whether all bounds are close enough.
+    close: bool,
+}
+
 impl Iteration {
-    /// Starts with the values outside; `outside` holds the least and greatest for each problem.
-    pub fn new(system: &System<f64, 5>, outside: [Bounds; PROBLEMS]) -> Self {
+    /// Starts with the least and greatest values outside, for the value and for the contrary.
+    pub fn new(system: &System<f64, 5>, outside: [Bounds; 2]) -> Self {
         let states = system.rows.len();
         let mut row_start = vec![0];
         let (mut column, mut probability) = (Vec::new(), Vec::new());
-        let (mut total, mut error) = (Vec::new(), Vec::new());
+        let (mut inverse_total, mut error) = (Vec::new(), Vec::new());
         for (row, rhs) in system.rows.iter().zip(&system.rhs) {
             column.extend(row.iter().map(|(column, _)| *column));
             probability.extend(row.iter().map(|(_, value)| *value));
             row_start.push(column.len());
-            total.push(row.iter().map(|(_, value)| value).sum::<f64>() + rhs[0]);
-            // Both sums and the division, doubled for the higher orders.
-            error.push(2.0 * (2.0 * row.len() as f64 + 6.0) * UNIT);
+            inverse_total.push(1.0 / (row.iter().map(|(_, value)| value).sum::<f64>() + rhs[0]));
+            // Both sums, the inverse and the product, doubled for the higher orders.
+            error.push(2.0 * (2.0 * row.len() as f64 + 7.0) * UNIT);
         }
+        let [value, contrary] = outside;
+        let start = [value.low, value.high, contrary.low, contrary.high];
         Self {
             row_start,
             column,
             probability,
-            total,
+            inverse_total,
             error,
-            rhs: system.rhs.clone(),
-            low: outside.map(|bounds| vec![bounds.low; states]),
-            high: outside.map(|bounds| vec![bounds.high; states]),
+            rhs: system
+                .rhs
+                .iter()
+                .map(|[_, a, b, c, d]| [*a, *b, *c, *d])
+                .collect(),
+            bounds: vec![start; states],
             rounds: 0,
         }
     }
@@ -75,112 +88,117 @@ impl Iteration {
     /// Iterates until the relative width is at most `tolerance` everywhere or `max_rounds` have passed;
     /// whether it converged.
     pub fn run(&mut self, tolerance: f64, max_rounds: u64, cancelled: &dyn Fn() -> bool) -> bool {
-        let last = self.rounds + max_rounds;
+        let last = self.rounds.saturating_add(max_rounds);
         let mut patience = tolerance / 10.0;
         while self.rounds < last {
-            if self.rounds.is_multiple_of(64) && cancelled() {
+            if self.rounds.is_multiple_of(16) && cancelled() {
                 return false;
             }
-            let mut change = 0f64;
-            let mut moved = false;
-            for problem in 0..PROBLEMS {
-                let (low_change, high_moved) = self.round(problem);
-                change = change.max(low_change);
-                moved |= low_change > 0.0 || high_moved;
-            }
-            self.rounds += 1;
-            if self.width() <= tolerance {
+            let progress = self.round(tolerance, patience);
+            if progress.close {
                 return true;
             }
-            if change <= patience {
-                (0..PROBLEMS).for_each(|problem| self.guess(problem, tolerance));
-                if self.width() <= tolerance {
+            if !progress.rising {
+                if self.guess(tolerance) {
                     return true;
                 }
                 patience /= 4.0;
             }
-            if !moved {
+            if !progress.moved {
                 return false;
             }
         }
         false
     }
 
-    /// The greatest relative width.
-    fn width(&self) -> f64 {
-        let pairs = self.low.iter().flatten().zip(self.high.iter().flatten());
-        pairs.fold(0.0, |widest, (low, high)| {
-            let bounds = Bounds {
-                low: *low,
-                high: *high,
-            };
-            widest.max(bounds.relative_width())
-        })
-    }
-
-    /// One round for both bounds; the greatest relative change of the lower one, and whether the upper moved.
-    fn round(&mut self, problem: usize) -> (f64, bool) {
-        let mut low = std::mem::take(&mut self.low[problem]);
-        let mut high = std::mem::take(&mut self.high[problem]);
-        let (mut change, mut moved) = (0f64, false);
-        for state in self.order() {
-            let better = self.apply(state, 1 + 2 * problem, &low) * (1.0 - self.error[state]);
-            if better > low[state] {
-                change = change.max((better - low[state]) / better);
-                low[state] = better;
-            }
-            let better = self.apply(state, 2 + 2 * problem, &high) * (1.0 + self.error[state]);
-            if better < high[state] {
-                high[state] = better;
-                moved = true;
+    /// Updates all bounds once.
+    fn round(&mut self, tolerance: f64, patience: f64) -> Progress {
+        let mut progress = Progress {
+            rising: false,
+            moved: false,
+            close: true,
+        };
+        for position in 0..self.bounds.len() {
+            let state = self.in_order(position);
+            let new = self.apply(state, &self.bounds);
+            let (down, up) = (1.0 - self.error[state], 1.0 + self.error[state]);
+            let known = &mut self.bounds[state];
+            for (low, high) in [(0, 1), (2, 3)] {
+                let (better_low, better_high) = (new[low] * down, new[high] * up);
+                progress.rising |= better_low - known[low] > patience * better_low;
+                progress.moved |= better_low > known[low] || better_high < known[high];
+                known[low] = known[low].max(better_low);
+                known[high] = known[high].min(better_high);
+                progress.close &= is_close(known[low], known[high], tolerance);
             }
         }
-        self.low[problem] = low;
-        self.high[problem] = high;
-        (change, moved)
+        self.rounds += 1;
+        progress
     }
 
-    /// States forwards in even, backwards in odd rounds.
-    fn order(&self) -> Box<dyn Iterator<Item = usize>> {
-        let states = self.total.len();
+    /// The states forwards in even, backwards in odd rounds.
+    fn in_order(&self, position: usize) -> usize {
         if self.rounds.is_multiple_of(2) {
-            Box::new(0..states)
+            position
         } else {
-            Box::new((0..states).rev())
+            self.bounds.len() - 1 - position
         }
     }
 
     /// `F(x)` at a state, rounded to nearest.
-    fn apply(&self, state: usize, rhs: usize, x: &[f64]) -> f64 {
+    fn apply(&self, state: usize, x: &[Enclosure]) -> Enclosure {
         let range = self.row_start[state]..self.row_start[state + 1];
-        let terms = self.column[range.clone()]
+        let mut sum = self.rhs[state];
+        for (column, p) in self.column[range.clone()]
             .iter()
-            .zip(&self.probability[range]);
-        let inside: f64 = terms.map(|(column, p)| p * x[*column as usize]).sum();
-        (inside + self.rhs[state][rhs]) / self.total[state]
-    }
-
-    /// Tries an upper bound just above the lower one.
-    fn guess(&mut self, problem: usize, tolerance: f64) {
-        const ROUNDS: usize = 8;
-        let factor = 1.0 + 0.9 * tolerance;
-        let above = self.low[problem].iter().zip(&self.high[problem]);
-        let mut guess: Vec<f64> = above.map(|(low, high)| (low * factor).min(*high)).collect();
-        for _ in 0..ROUNDS {
-            let mut inductive = true;
-            for state in self.order() {
-                let next = self.apply(state, 2 + 2 * problem, &guess) * (1.0 + self.error[state]);
-                inductive &= next <= guess[state];
-                guess[state] = next;
-            }
-            if inductive {
-                let high = self.high[problem].iter_mut();
-                high.zip(&guess)
-                    .for_each(|(high, guess)| *high = high.min(*guess));
-                return;
+            .zip(&self.probability[range])
+        {
+            let target = &x[*column as usize];
+            for (sum, target) in sum.iter_mut().zip(target) {
+                *sum += p * target;
             }
         }
+        sum.map(|sum| sum * self.inverse_total[state])
     }
+
+    /// Tries upper bounds just above the lower ones; whether both held, so that all bounds are close.
+    fn guess(&mut self, tolerance: f64) -> bool {
+        const ROUNDS: usize = 8;
+        let factor = 1.0 + 0.9 * tolerance;
+        let above = |[a, b, c, d]: &Enclosure| [*a, (a * factor).min(*b), *c, (c * factor).min(*d)];
+        let mut guess: Vec<Enclosure> = self.bounds.iter().map(above).collect();
+        let mut held = [false; 2];
+        for _ in 0..ROUNDS {
+            let mut inductive = [true; 2];
+            for position in 0..guess.len() {
+                let state = self.in_order(position);
+                let next = self.apply(state, &guess);
+                for (problem, high) in [(0, 1), (1, 3)] {
+                    let next = next[high] * (1.0 + self.error[state]);
+                    inductive[problem] &= next <= guess[state][high];
+                    guess[state][high] = next;
+                }
+            }
+            for (problem, high) in [(0, 1), (1, 3)] {
+                if inductive[problem] && !held[problem] {
+                    held[problem] = true;
+                    let pairs = self.bounds.iter_mut().zip(&guess);
+                    pairs.for_each(|(known, guess)| known[high] = known[high].min(guess[high]));
+                }
+            }
+            if held == [true; 2] {
+                break;
+            }
+        }
+        let close =
+            |[a, b, c, d]: &Enclosure| is_close(*a, *b, tolerance) && is_close(*c, *d, tolerance);
+        self.bounds.iter().all(close)
+    }
+}
+
+/// Whether the relative width is at most `tolerance`.
+fn is_close(low: f64, high: f64, tolerance: f64) -> bool {
+    high - low <= tolerance * low
 }
 
 #[cfg(test)]
@@ -206,9 +224,9 @@ mod tests {
         let mut iteration = Iteration::new(&cycle(100, 1e-3), outside);
         assert!(iteration.run(1e-9, 100_000, &|| false));
         for state in 0..100 {
-            assert!(iteration.low[0][state] <= 0.25 && 0.25 <= iteration.high[0][state]);
-            assert!(iteration.low[1][state] <= 0.75 && 0.75 <= iteration.high[1][state]);
-            assert!(iteration.high[0][state] - iteration.low[0][state] < 1e-9);
+            assert!(iteration.bounds[state][0] <= 0.25 && 0.25 <= iteration.bounds[state][1]);
+            assert!(iteration.bounds[state][2] <= 0.75 && 0.75 <= iteration.bounds[state][3]);
+            assert!(iteration.bounds[state][1] - iteration.bounds[state][0] < 1e-9);
         }
     }
 
@@ -221,9 +239,9 @@ mod tests {
         let mut iteration = Iteration::new(&cycle(10, 1e-4), outside);
         for _ in 0..50 {
             iteration.run(1e-12, 1, &|| false);
-            assert!(iteration.low[0].iter().all(|low| *low <= 0.25));
-            assert!(iteration.high[0].iter().all(|high| *high >= 0.25));
+            assert!(iteration.bounds.iter().all(|bounds| bounds[0] <= 0.25));
+            assert!(iteration.bounds.iter().all(|bounds| bounds[1] >= 0.25));
         }
-        assert!(iteration.low[0][0] > 0.0);
+        assert!(iteration.bounds[0][0] > 0.0);
     }
 }

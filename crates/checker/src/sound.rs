@@ -232,11 +232,14 @@ impl Solver<'_> {
             self.context.options.check_cancelled()?;
         }
         self.iterations += iteration.rounds;
-        for (position, state) in component.iter().enumerate() {
-            let [value, complement] = [0, 1].map(|problem| Bounds {
-                low: iteration.low[problem][position],
-                high: iteration.high[problem][position],
-            });
+        for (state, [low, high, contrary_low, contrary_high]) in
+            component.iter().zip(iteration.bounds)
+        {
+            let value = Bounds { low, high };
+            let complement = Bounds {
+                low: contrary_low,
+                high: contrary_high,
+            };
             self.store(*state as usize, value, complement, input_error);
         }
         Ok(())
