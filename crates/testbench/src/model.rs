@@ -187,11 +187,10 @@ fn contact_geom(
     let hand = &parameters.hand;
     put!(
         text,
-        r#"<geom name="{CONTACT_GEOM_PREFIX}{}" {} priority="1" condim="4" friction="{} {} 0.0001" solref="{} 1" mass="0" {HAND_MASK}/>"#,
+        r#"<geom name="{CONTACT_GEOM_PREFIX}{}" {} priority="1" condim="3" friction="{} 0.005 0.0001" solref="{} 1" mass="0" {HAND_MASK}/>"#,
         body.name,
         geom_shape(shape, body.shape_position_m),
         draws.friction,
-        hand.torsional_friction_m,
         hand.contact_time_constant_secs
     );
 }
@@ -253,7 +252,7 @@ fn object(text: &mut String, scenario: &Scenario, parameters: &Parameters, draws
     let end = half - object.radius_m - END_CLEARANCE_M;
     put!(
         text,
-        r#"<geom name="{OBJECT_GEOM}" type="capsule" fromto="0 0 {} 0 0 {end}" size="{}" condim="4" mass="0" {OBJECT_GRIP_MASK}/>"#,
+        r#"<geom name="{OBJECT_GEOM}" type="capsule" fromto="0 0 {} 0 0 {end}" size="{}" condim="3" mass="0" {OBJECT_GRIP_MASK}/>"#,
         -end,
         object.radius_m
     );

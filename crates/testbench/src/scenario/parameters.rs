@@ -60,7 +60,6 @@ pub struct ObjectParameters {
 )]
 pub struct HandParameters {
     pub friction: Distribution,
-    pub torsional_friction_m: f64,
     pub contact_time_constant_secs: f64,
     pub stiffness_nm_rad: f64,
     pub damping_nms_rad: f64,
@@ -157,15 +156,9 @@ impl Parameters {
     }
 
     /// The plain numbers, each with the range it must lie in.
-    fn numbers(&self) -> [(&'static str, f64, f64, f64); 13] {
+    fn numbers(&self) -> [(&'static str, f64, f64, f64); 12] {
         let (hand, arm) = (&self.hand, &self.arm);
         [
-            (
-                "hand.torsional_friction_m",
-                hand.torsional_friction_m,
-                0.0,
-                1.0,
-            ),
             (
                 "hand.contact_time_constant_secs",
                 hand.contact_time_constant_secs,
