@@ -1,0 +1,203 @@
+//! What an answer says: on small models whose values are known in closed form.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use checker::explore::explore;
+use checker::{Answer, AnswerValue, CheckError, Guarantee, Method, Options, check};
+use prism_lang::resolved::Model;
+use prism_lang::{
+    Constants, Property, Rational, parse_model, parse_properties, resolve, resolve_properties,
+};
+
+fn model(text: &str) -> Model {
+    let parsed = parse_model(text);
+    assert_eq!(parsed.diagnostics, []);
+    resolve(&parsed.tree, &Constants::new()).unwrap()
+}
+
+fn property(text: &str, model: &Model) -> Property {
+    let parsed = parse_properties(text);
+    assert_eq!(parsed.diagnostics, []);
+    let properties = resolve_properties(&parsed.tree, model, &Constants::new()).unwrap();
+    properties.into_iter().next().unwrap().property
+}
+
+fn answer(model: &Model, text: &str, options: &Options<'_>) -> Result<Answer, CheckError> {
+    let space = explore::<f64>(model).unwrap();
+    check(&space, model, &property(text, model), options)
+}
+
+fn exact(model: &Model, text: &str) -> AnswerValue {
+    answer(model, text, &Options::with_method(Method::Exact))
+        .unwrap()
+        .value
+}
+
+fn ratio(above: i64, below: i64) -> AnswerValue {
+    AnswerValue::Exact(Rational::new(above.into(), below.into()))
+}
+
+/// Knuth and Yao's die from a fair coin.
+const DIE: &str = "dtmc
+module die
+  s : [0..7] init 0;
+  d : [0..6] init 0;
+  [] s=0 -> 0.5:(s'=1) + 0.5:(s'=2);
+  [] s=1 -> 0.5:(s'=3) + 0.5:(s'=4);
+  [] s=2 -> 0.5:(s'=5) + 0.5:(s'=6);
+  [] s=3 -> 0.5:(s'=1) + 0.5:(s'=7)&(d'=1);
+  [] s=4 -> 0.5:(s'=7)&(d'=2) + 0.5:(s'=7)&(d'=3);
+  [] s=5 -> 0.5:(s'=7)&(d'=4) + 0.5:(s'=7)&(d'=5);
+  [] s=6 -> 0.5:(s'=2) + 0.5:(s'=7)&(d'=6);
+  [] s=7 -> true;
+endmodule
+label \"done\" = s=7;";
+
+#[test]
+fn the_die_is_fair_by_every_method() {
+    let die = model(DIE);
+    assert_eq!(exact(&die, "P=? [ F s=7 & d=3 ]"), ratio(1, 6));
+    let sound = answer(&die, "P=? [ F s=7 & d=3 ]", &Options::default()).unwrap();
+    let Guarantee::Bounded { low, high } = sound.guarantee else {
+        panic!("{sound:?}");
+    };
+    assert!(low < 1.0 / 6.0 && 1.0 / 6.0 < high && high - low < 1e-14);
+    let options = Options::with_method(Method::PrismDefault);
+    let prism = answer(&die, "P=? [ F s=7 & d=3 ]", &options).unwrap();
+    let AnswerValue::Number(value) = prism.value else {
+        panic!("{prism:?}");
+    };
+    // Stopped early, from below.
+    assert!(value < 1.0 / 6.0 && value > 1.0 / 6.0 - 1e-6 && prism.iterations > 5);
+    assert!(matches!(prism.guarantee, Guarantee::Estimated { .. }));
+}
+
+#[test]
+fn windows_and_nesting_have_the_values_worked_out_by_hand() {
+    let die = model(DIE);
+    // Done after three throws of the coin unless both of the first round's detours are taken: 1 - 1/4.
+    assert_eq!(exact(&die, "P=? [ F<=3 \"done\" ]"), ratio(3, 4));
+    assert_eq!(exact(&die, "P=? [ F<4 \"done\" ]"), ratio(3, 4));
+    assert_eq!(exact(&die, "P=? [ F[4,5] \"done\" ]"), ratio(1, 1));
+    assert_eq!(
+        exact(&die, "P=? [ !\"done\" U[4,5] \"done\" ]"),
+        ratio(3, 16)
+    );
+    assert_eq!(exact(&die, "P=? [ G<=3 !\"done\" ]"), ratio(1, 4));
+    assert_eq!(exact(&die, "P=? [ X s=1 ]"), ratio(1, 2));
+    assert_eq!(exact(&die, "P=? [ F G d=6 ]"), ratio(1, 6));
+    assert_eq!(exact(&die, "P=? [ X (X (X d=2)) ]"), ratio(1, 8));
+    assert_eq!(exact(&die, "P=? [ (F d=1) | (F d=2) ]"), ratio(1, 3));
+    assert_eq!(exact(&die, "P=? [ s<7 W d=1 ]"), ratio(1, 6));
+    // From s=1 the numbers 1 to 3 follow, from s=2 the others.
+    assert_eq!(exact(&die, "P=? [ X P>=1 [ F d<=3 & d>0 ] ]"), ratio(1, 2));
+}
+
+#[test]
+fn bounds_that_floating_point_leaves_open_are_decided_exactly() {
+    let die = model(DIE);
+    for (text, holds) in [
+        ("P>=1/6 [ F d=3 ]", true),
+        ("P>1/6 [ F d=3 ]", false),
+        ("P>=0.1666 [ F d=3 ]", true),
+    ] {
+        let decided = answer(&die, text, &Options::default()).unwrap();
+        assert_eq!(decided.value, AnswerValue::Truth(holds), "{text}");
+        assert_eq!(decided.guarantee, Guarantee::Exact);
+        let open = text.contains("1/6");
+        assert_eq!(decided.method == Method::Exact, open, "{text}");
+        assert_eq!(decided.notes.len(), usize::from(open));
+    }
+    let options = Options {
+        exact_limit: 3,
+        ..Options::default()
+    };
+    let undecided = answer(&die, "P>=1/6 [ F d=3 ]", &options).unwrap_err();
+    assert!(matches!(undecided, CheckError::Undecided { .. }));
+    assert!(
+        undecided.to_string().contains("use the exact method"),
+        "{undecided}"
+    );
+}
+
+#[test]
+fn several_initial_states_give_a_range() {
+    let walk = model(
+        "dtmc module w x : [0..4]; [] x>0&x<4 -> 1/2:(x'=x-1) + 1/2:(x'=x+1); endmodule
+         init x>0 & x<4 endinit",
+    );
+    let low = Rational::new(1.into(), 4.into());
+    let high = Rational::new(3.into(), 4.into());
+    assert_eq!(
+        exact(&walk, "P=? [ F x=4 ]"),
+        AnswerValue::ExactRange { low, high }
+    );
+    let sound = answer(&walk, "P=? [ F x=4 ]", &Options::default()).unwrap();
+    assert_eq!(sound.initial.len(), 3);
+    assert_eq!(sound.complement, None);
+    let Guarantee::Bounded { low, high } = sound.guarantee else {
+        panic!("{sound:?}");
+    };
+    assert!(low <= 0.25 && high >= 0.75 && low > 0.24 && high < 0.76);
+    // Holds only if it holds in all of them.
+    let all = answer(&walk, "P>0.3 [ F x=4 ]", &Options::default()).unwrap();
+    assert_eq!(all.value, AnswerValue::Truth(false));
+    assert_eq!(
+        all.initial
+            .iter()
+            .filter(|i| i.value == AnswerValue::Truth(true))
+            .count(),
+        2
+    );
+}
+
+#[test]
+fn a_check_can_be_cancelled_and_options_are_checked() {
+    let die = model(DIE);
+    let asked = AtomicU64::new(0);
+    let cancel = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
+    let options = Options {
+        cancel: Some(&cancel),
+        ..Options::default()
+    };
+    let long = answer(
+        &die,
+        "P=? [ G<=1000000000 s<7 | P<0.5 [ F<=1000000000 d=1 ] ]",
+        &options,
+    );
+    // The die is settled long before: both steps end early unless they are cancelled.
+    assert!(
+        matches!(long, Ok(_) | Err(CheckError::Cancelled)),
+        "{long:?}"
+    );
+    let options = Options {
+        cancel: Some(&|| true),
+        ..Options::default()
+    };
+    assert_eq!(
+        answer(&die, "P=? [ F d=1 ]", &options),
+        Err(CheckError::Cancelled)
+    );
+    for precision in [0.0, -1.0, 2.0, f64::NAN] {
+        let options = Options {
+            precision,
+            ..Options::default()
+        };
+        let error = answer(&die, "P=? [ F d=1 ]", &options).unwrap_err();
+        assert!(
+            error.to_string().contains("must lie between 0 and 1"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn an_iteration_that_does_not_converge_is_an_error() {
+    let die = model(DIE);
+    let options = Options {
+        max_iters: 2,
+        ..Options::with_method(Method::PrismDefault)
+    };
+    let error = answer(&die, "P=? [ F d=1 ]", &options).unwrap_err();
+    assert!(error.to_string().contains("after 2 rounds"), "{error}");
+}
