@@ -1,7 +1,5 @@
 //! What an answer says: on small models whose values are known in closed form.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use checker::explore::explore;
 use checker::{Answer, AnswerValue, CheckError, Guarantee, Method, Options, check};
 use prism_lang::resolved::Model;
@@ -78,7 +76,8 @@ fn windows_and_nesting_have_the_values_worked_out_by_hand() {
     // Done after three throws of the coin unless both of the first round's detours are taken: 1 - 1/4.
     assert_eq!(exact(&die, "P=? [ F<=3 \"done\" ]"), ratio(3, 4));
     assert_eq!(exact(&die, "P=? [ F<4 \"done\" ]"), ratio(3, 4));
-    assert_eq!(exact(&die, "P=? [ F[4,5] \"done\" ]"), ratio(1, 1));
+    // Each detour costs two throws more and is taken with 1/4.
+    assert_eq!(exact(&die, "P=? [ F[4,5] \"done\" ]"), ratio(15, 16));
     assert_eq!(
         exact(&die, "P=? [ !\"done\" U[4,5] \"done\" ]"),
         ratio(3, 16)
@@ -154,22 +153,6 @@ fn several_initial_states_give_a_range() {
 #[test]
 fn a_check_can_be_cancelled_and_options_are_checked() {
     let die = model(DIE);
-    let asked = AtomicU64::new(0);
-    let cancel = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let options = Options {
-        cancel: Some(&cancel),
-        ..Options::default()
-    };
-    let long = answer(
-        &die,
-        "P=? [ G<=1000000000 s<7 | P<0.5 [ F<=1000000000 d=1 ] ]",
-        &options,
-    );
-    // The die is settled long before: both steps end early unless they are cancelled.
-    assert!(
-        matches!(long, Ok(_) | Err(CheckError::Cancelled)),
-        "{long:?}"
-    );
     let options = Options {
         cancel: Some(&|| true),
         ..Options::default()
