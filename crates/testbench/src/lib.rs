@@ -1,4 +1,79 @@
 //! One scenario and one seed give one trace, bit for bit.
+//!
+//! This crate simulates a robot that hands an object to a human: the robot's own code
+//! ([`robot::Controller`]) runs against a simulated body, its sensors and a simulated human, in the
+//! physics engine MuJoCo. What happens is recorded as a [`trace::Trace`], to be judged by monitors
+//! elsewhere. Grip failures, slips and pulls too weak to be felt come out of contact physics.
+//! Tracking glitches and unanswered motion plans are modelled faults with declared rates.
+//!
+//! # Use
+//!
+//! A [`Scenario`] says what is there, [`Parameters`] what tuning may change; both are TOML. The
+//! physics library is loaded at run time from a path the caller gives (`tools/mujoco` fetches the
+//! pinned release and prints it); everything else works without it.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use std::path::Path;
+//! use testbench::{Cancel, Engine, Parameters, Scenario, World, run_episode};
+//!
+//! let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+//! let folder = root.join("case-studies/handover/simulation");
+//! let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
+//! let tuned = Parameters::parse(&std::fs::read_to_string(folder.join("tuned.toml"))?)?;
+//!
+//! // With the physics library: run the episode with seed 7.
+//! let library = root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
+//! if library.exists() {
+//!     let engine = Engine::load(&library)?;
+//!     let mut world = World::new(&engine, &scenario, &tuned)?;
+//!     let episode = run_episode(&mut world, 7, &Cancel::default())?;
+//!     assert_eq!(episode.trace.metadata["seed"], "7");
+//!     assert!(episode.trace.signal("/truth.human_ready").is_some());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `examples/campaign.rs` runs many episodes and prints rates, `examples/episode.rs` prints one
+//! topic of one episode as CSV, or its physical model.
+//!
+//! # Determinism
+//!
+//! Each purpose (object, pose, human, tracking, planner) draws from a random stream of its own
+//! under the episode's seed, every rate is counted in whole time steps, and an episode builds its
+//! physics afresh. The same seed gives the same bits in a used world, a fresh one, and on any
+//! thread. Across machines the bits may differ: the C library chooses code by processor.
+//!
+//! # What a trace holds
+//!
+//! | topic | rate | signals |
+//! |---|---|---|
+//! | `/robot` | 50 Hz, after each tick | `state`, `decision` (`none`, `release`, `keep`, `time_out`), `crashed`, `ended`, `planning`, `hand_command`, `restricted`, `announcing`, `hand.x` to `.z`, `hand_speed` |
+//! | `/sensors` | 10 Hz | `sensing`, `sensing_done`, `gaze_ok`, `pressure_ok`, `location_ok`, `all_ok`, `finger_displacement`, the reported `object` |
+//! | `/tracking` | 20 of 100 Hz | reported `object`, `human_hand`, `human_head` |
+//! | `/truth` | 50 Hz | `object`, `object_attitude`, `object_speed`, `in_hand`, `object_contacts_hand`, `hand_contacts`, `grip_force`, `human_hand`, `human_head`, `human_distance`, `pull`, `gaze`, `pressure`, `location`, `human_ready`, `human_holds`, `tracking_glitch` |
+//! | `/human` | 50 Hz | `activated`, `ready`, `gaze`, `pressure`, `location` as the abstract test applies them, `gave_up` |
+//!
+//! `/truth.human_ready` is whether the human really looks, pulls and has the hand there;
+//! `/sensors.all_ok` is what the robot believes. A requirement about the human should read the
+//! former. `/truth.human_distance` is between the centre of the robot's wrist and the centre of the
+//! human's hand or head, whichever is nearer.
+//!
+//! # Performance
+//!
+//! PERFORMANCE_TEXT
+//!
+//! # What is modelled how
+//!
+//! * Arm: position servos with the published gains; drives follow trapezoidal speed profiles. The
+//!   arm's weight is carried by feed-forward. Joints that never move in the scenario are fixed.
+//! * Hand: ten finger joints with torque-limited servos and dry friction; segments are capsules.
+//! * Object: an upright cylinder, a capsule to the fingers; on the pedestal it stands on four feet.
+//! * Human: moved on given paths; acts on the object by a force whose line of action runs at the
+//!   height of the robot's grip (the wrist keeps the leg upright), later by a limited spring.
+//! * Not modelled: contact of the arm or hand with the pedestal, of the object with the arm, of the
+//!   human with the robot; compliance of the arm's links; latency of tracking.
 
 pub mod geometry;
 mod model;

@@ -160,3 +160,128 @@ pub(crate) fn pressure_satisfied(rules: &Sensors, baseline: &[i64], counts: &[i6
         moved > low && moved < high
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{IDENTITY, Pose, Vector, about};
+    use crate::robot::PlannerStatus;
+
+    fn rules() -> Sensors {
+        Sensors {
+            finger_counts_per_rad: 1000.0,
+            pressure_counts: [8, 4000],
+            gaze_head_radius_m: 0.1,
+            gaze_half_angle_rad: 40.0_f64.to_radians(),
+            location_offset_m: [0.0, 0.0, -0.1],
+            location_tolerance_m: [0.3; 3],
+            gaze_rule: SensorRule::Any,
+            pressure_rule: SensorRule::Any,
+            location_rule: SensorRule::Last,
+        }
+    }
+
+    fn tracked(object_m: Vector, human_hand_m: Vector, yaw_rad: f64) -> TrackedPoses {
+        let orientation = if yaw_rad == 0.0 {
+            IDENTITY
+        } else {
+            about([0.0, 0.0, 1.0], yaw_rad)
+        };
+        let human_head = Pose {
+            position_m: [0.0; 3],
+            orientation,
+        };
+        TrackedPoses {
+            time_secs: 0.0,
+            object_m,
+            human_hand_m,
+            human_head,
+        }
+    }
+
+    #[test]
+    fn the_gaze_cone_ends_where_its_closed_form_says() {
+        let looks =
+            |object_m, yaw_rad| gaze_satisfied(&rules(), &tracked(object_m, [0.0; 3], yaw_rad));
+        for distance_m in [0.2, 1.0, 3.0] {
+            // tan 40 degrees is 0.8390996.
+            let edge_m = 0.1 + 0.839_099_6 * distance_m;
+            assert!(looks([distance_m, 0.0, edge_m - 1e-6], 0.0));
+            assert!(!looks([distance_m, 0.0, edge_m + 1e-6], 0.0));
+            assert!(!looks([-distance_m, 0.0, 0.0], 0.0), "behind the head");
+        }
+        // Facing along y, an object on the x axis is a quarter turn away.
+        assert!(!looks([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2));
+        assert!(looks([0.0, 1.0, 0.0], std::f64::consts::FRAC_PI_2));
+    }
+
+    #[test]
+    fn the_location_box_is_centred_below_the_object() {
+        let there = |hand_m| location_satisfied(&rules(), &tracked([1.0, 2.0, 3.0], hand_m, 0.0));
+        assert!(there([1.29, 1.71, 2.61]) && there([0.71, 2.29, 3.19]));
+        for outside in [
+            [1.31, 2.0, 2.9],
+            [1.0, 2.31, 2.9],
+            [1.0, 2.0, 3.21],
+            [1.0, 2.0, 2.59],
+        ] {
+            assert!(!there(outside), "{outside:?}");
+        }
+    }
+
+    #[test]
+    fn pressure_needs_more_than_the_lower_and_fewer_than_the_upper_count() {
+        for (moved, expected) in [
+            (8, false),
+            (9, true),
+            (-9, true),
+            (3999, true),
+            (4000, false),
+        ] {
+            assert_eq!(
+                pressure_satisfied(&rules(), &[0, 50], &[0, 50 + moved]),
+                expected,
+                "{moved}"
+            );
+        }
+    }
+
+    #[test]
+    fn fingers_count_from_their_first_reading_and_each_rule_reports_its_own_way() {
+        let mut nodes = SensorNodes::begin(&rules(), 1.0, 10.0);
+        let good = tracked([1.0, 0.0, 0.0], [1.0, 0.0, -0.1], 0.0);
+        let glitched = tracked([-1.0, 0.0, 0.0], [1.0, 0.0, -0.1], 0.0);
+        let mut read = |clock_secs: f64, counts: &[i64], tracking: &TrackedPoses| {
+            nodes.read(&Readings {
+                clock_secs,
+                arm_rad: &[],
+                finger_counts: counts,
+                tracking: Some(tracking),
+                activated: true,
+                human_ready: true,
+                planner: PlannerStatus::Idle,
+            });
+            nodes.report()
+        };
+        assert_eq!(
+            read(10.5, &[0], &good).pressure,
+            None,
+            "before the baseline"
+        );
+        assert_eq!(
+            read(11.0, &[100], &good).pressure,
+            Some(false),
+            "the baseline itself"
+        );
+        assert_eq!(read(11.1, &[120], &good).pressure, Some(true));
+        let last = read(11.2, &[100], &glitched);
+        assert_eq!(last.pressure, Some(true), "any");
+        assert_eq!(
+            (last.gaze, last.location),
+            (Some(true), Some(false)),
+            "any, last"
+        );
+        assert!(last.complete() && !last.all_satisfied());
+        assert_eq!(nodes.largest_displacement_counts(), 20);
+    }
+}
