@@ -1,6 +1,8 @@
 //! What several tests of the whole project need.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub mod program;
+pub mod schema;
 pub mod source;
 
 use cargo_metadata::{Metadata, MetadataCommand};

@@ -1,0 +1,486 @@
+//! Whatever is wrong with an input: exit code 2, one clear message with its place and a remedy, and nothing written.
+
+mod support;
+
+use support::program::{Said, Study, corroborate};
+use support::root;
+
+/// The message is about `code`, contains `place`, and says what to do.
+#[track_caller]
+fn assert_refused(said: &Said, code: &str, place: &str) {
+    assert_eq!(said.code, 2, "exit code: {said:?}");
+    assert!(said.out.is_empty(), "something was printed: {said:?}");
+    let errors = said.talk.matches("error[").count();
+    assert_eq!(errors, 1, "one message:\n{}", said.talk);
+    assert!(
+        said.talk.contains(&format!("error[{code}]")),
+        "expected {code}:\n{}",
+        said.talk
+    );
+    assert!(
+        said.talk.contains(place),
+        "expected the place {place}:\n{}",
+        said.talk
+    );
+    // A remedy stands on a line of its own, or ends the message behind a semicolon or colon.
+    let remedy =
+        said.talk.contains("= help: ") || said.talk.contains("; ") || said.talk.contains(": guard");
+    assert!(remedy, "no remedy:\n{}", said.talk);
+    assert!(!said.talk.contains("panicked"), "{}", said.talk);
+}
+
+/// Spoils a fresh study, runs it, and expects a refusal that leaves nothing behind.
+#[track_caller]
+fn refuses(spoil: impl FnOnce(&Study), code: &str, place: &str) {
+    let study = Study::new();
+    spoil(&study);
+    let before = study.contents();
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, code, place);
+    assert_eq!(study.contents(), before, "files were written or changed");
+    assert!(!study.path("results").exists(), "a folder was left behind");
+}
+
+#[test]
+fn a_syntax_error_in_a_model() {
+    refuses(
+        |s| {
+            s.edit("model.prism", "->", "-");
+        },
+        "syntax",
+        "study/model.prism:1",
+    );
+}
+
+#[test]
+fn a_probability_above_one() {
+    refuses(
+        |s| {
+            s.edit("model.prism", "0.95", "1.95");
+        },
+        "not-a-probability",
+        "study/model.prism:19:23",
+    );
+}
+
+#[test]
+fn a_constant_without_value() {
+    refuses(
+        |s| {
+            s.edit("model.prism", " = 0.95", "");
+        },
+        "undefined-constant",
+        "study/model.prism:10",
+    );
+}
+
+#[test]
+fn an_unknown_name_in_a_binding() {
+    refuses(
+        |s| {
+            s.edit("vocabulary.toml", "robot=approach", "robot=aproach");
+        },
+        "unknown-name",
+        "study/vocabulary.toml:8:10",
+    );
+}
+
+#[test]
+fn a_property_over_an_unknown_label() {
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "F \"docked\"", "F \"dokced\"");
+        },
+        "unknown-proposition",
+        "study/requirements.toml:14",
+    );
+}
+
+#[test]
+fn a_study_without_requirements() {
+    refuses(
+        |s| {
+            s.write("requirements.toml", "# none\n");
+        },
+        "no-requirements",
+        "study/requirements.toml",
+    );
+    refuses(
+        |s| std::fs::remove_file(s.path("requirements.toml")).expect("removed"),
+        "cannot-read",
+        "study/requirements.toml",
+    );
+}
+
+#[test]
+fn a_missing_column() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "successes", "good");
+        },
+        "bad-table",
+        "study/attempts.csv",
+    );
+}
+
+#[test]
+fn counts_that_are_none() {
+    for count in ["1e30", "-3", "many", "99999999999999999999"] {
+        refuses(
+            |s| {
+                s.edit("attempts.csv", "1,19,", &format!("1,{count},"));
+            },
+            "bad-table",
+            "study/attempts.csv, line 2",
+        );
+    }
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "1,19,", "1,25,");
+        },
+        "bad-counts",
+        "study/attempts.csv, line 2",
+    );
+    refuses(
+        |s| {
+            s.edit("failure_modes.csv", ",4,100", ",400,100");
+        },
+        "bad-counts",
+        "study/failure_modes.csv, line 2",
+    );
+}
+
+#[test]
+fn a_row_with_too_few_cells() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "20,M\n", "20\n");
+        },
+        "bad-table",
+        "study/attempts.csv, line 2",
+    );
+}
+
+#[test]
+fn tables_that_contradict_each_other() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", ",M\n", ",\n");
+        },
+        "tables-disagree",
+        "study/attempts.csv",
+    );
+}
+
+#[test]
+fn empty_files() {
+    for (file, code) in [
+        ("study.toml", "bad-study-file"),
+        ("ledger.toml", "empty-ledger"),
+        ("vocabulary.toml", "unknown-proposition"),
+        ("attempts.csv", "bad-table"),
+        ("model.prism", "unknown-name"),
+    ] {
+        refuses(
+            |s| {
+                s.write(file, "");
+            },
+            code,
+            "study/",
+        );
+    }
+}
+
+#[test]
+fn a_file_that_is_no_text() {
+    refuses(
+        |s| {
+            s.write("study.toml", [0xff, 0xfe, 0x00]);
+        },
+        "not-text",
+        "study/study.toml",
+    );
+    refuses(
+        |s| {
+            s.write("model.prism", [b'd', 0xc3, 0x28]);
+        },
+        "not-text",
+        "study/model.prism",
+    );
+}
+
+#[test]
+fn huge_numbers() {
+    refuses(
+        |s| {
+            s.edit("study.toml", "confidence = 0.95", "confidence = 1e400");
+        },
+        "bad-study-file",
+        "study/study.toml:9:14",
+    );
+    refuses(
+        |s| {
+            s.edit("study.toml", "seed = 1", "seed = 99999999999999999999");
+        },
+        "bad-study-file",
+        "study/study.toml:6:8",
+    );
+    refuses(
+        |s| {
+            s.edit("model.prism", "[0..3]", "[0..99999999999999999999]");
+        },
+        "literal-too-large",
+        "study/model.prism:14",
+    );
+}
+
+#[test]
+fn levels_margins_and_thresholds_that_are_none() {
+    refuses(
+        |s| {
+            s.edit("study.toml", "confidence = 0.95", "confidence = 95");
+        },
+        "bad-level",
+        "study/study.toml:9",
+    );
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "margin = 0.10", "margin = -1");
+        },
+        "bad-margin",
+        "study/requirements.toml:13:10",
+    );
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "at least 0.9", "at least 7");
+        },
+        "bad-threshold",
+        "study/requirements.toml:12:13",
+    );
+}
+
+#[test]
+fn wrong_names_in_the_ledger() {
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "id = \"E2\"", "id = \"E1\"");
+        },
+        "duplicate-id",
+        "study/ledger.toml:12:6",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "model.prism", "modle.prism");
+        },
+        "missing-file",
+        "study/ledger.toml:8:9",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "\"typical\"", "\"tipical\"");
+        },
+        "unknown-conditions",
+        "study/ledger.toml:7:14",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "changed", "chnaged");
+        },
+        "bad-study-file",
+        "study/ledger.toml:",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "model-checking", "guessing");
+        },
+        "bad-study-file",
+        "study/ledger.toml:6:13",
+    );
+}
+
+#[test]
+fn an_update_that_leaves_its_range_in_a_state_that_is_reached_late() {
+    let study = Study::new();
+    study.edit("model.prism", "attempts<3", "attempts<=3");
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, "cannot-explore", "study/model.prism:17");
+    assert!(
+        !study.path("results/report.html").exists(),
+        "a report was left behind"
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_written() {
+    let study = Study::new();
+    // Below a file, and below a folder of the system: refused to everyone, also to root.
+    let before = study.contents();
+    let said = study.run(&["run", "study", "--out", "study/study.toml/results"]);
+    assert_refused(&said, "cannot-write", "study/study.toml/results");
+    let said = study.run(&["run", "study", "--out", "/proc/corroborate"]);
+    assert_refused(&said, "cannot-write", "/proc/corroborate");
+    let said = study.run(&["init", "study/model.prism/new"]);
+    assert_refused(&said, "cannot-write", "study/model.prism/new");
+    assert_eq!(study.contents(), before, "files were written or changed");
+}
+
+#[test]
+fn a_results_folder_that_is_a_file() {
+    let study = Study::new();
+    study.write("results", "mine");
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, "cannot-write", "study/results");
+    assert_eq!(
+        std::fs::read(study.path("results")).expect("still there"),
+        b"mine"
+    );
+}
+
+#[test]
+fn what_is_not_there() {
+    let study = Study::new();
+    assert_refused(&study.run(&["run", "nowhere"]), "no-study", "nowhere");
+    assert_refused(
+        &study.run(&["run", "study", "--only", "E9"]),
+        "unknown-evidence",
+        "E9",
+    );
+    assert_refused(&study.run(&["report", "study"]), "not-run", "study/results");
+    assert_refused(
+        &study.run(&["compare", "study"]),
+        "not-run",
+        "study/results",
+    );
+    assert_refused(
+        &study.run(&["simulate", "study", "E1", "--out", "x"]),
+        "not-a-simulation",
+        "E1",
+    );
+    assert_refused(
+        &study.run(&["explain", "nonsense"]),
+        "unknown-topic",
+        "nonsense",
+    );
+    assert_refused(&study.run(&["init", "study"]), "folder-not-empty", "study");
+    assert_refused(
+        &study.run(&["check", "nothing.prism"]),
+        "cannot-read",
+        "nothing.prism",
+    );
+    assert_refused(&study.run(&["check", "study"]), "cannot-read", "study");
+}
+
+#[test]
+fn bad_recordings() {
+    let study = Study::new();
+    let file = |name: &str, content: &[u8]| {
+        std::fs::write(study.beside().join(name), content).expect("written")
+    };
+    file("empty.mcap", b"");
+    file("zeros.mcap", &[0; 300]);
+    file("head.mcap", b"\x89MCAP0\r\n");
+    file("table.csv", b"time_secs,/robot.x\n0,1\n");
+    file(
+        "untimed.csv",
+        b"/robot.state,/battery.charging\napproach,false\n",
+    );
+    for (name, code, place) in [
+        ("empty.mcap", "bad-recording", "empty.mcap"),
+        ("zeros.mcap", "bad-recording", "zeros.mcap"),
+        ("missing.mcap", "bad-recording", "missing.mcap"),
+        ("untimed.csv", "bad-recording", "untimed.csv"),
+        ("table.csv", "bad-predicate", "study/vocabulary.toml:9"),
+    ] {
+        let said = study.run(&["monitor", "study", name]);
+        assert_refused(&said, code, place);
+    }
+    let said = study.run(&["monitor", "study", "head.mcap"]);
+    assert!(matches!(said.code, 2 | 3), "{said:?}");
+}
+
+/// `corroborate check` on the wrong models of `conformance/bad`: each of their mistakes is shown with its line.
+#[test]
+fn check_shows_every_mistake_of_a_model_at_once() {
+    let folder = root().join("conformance/bad");
+    let said = corroborate(&folder, &["check", "names.prism"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    for line in [
+        "names.prism:6:34",
+        "names.prism:7:6",
+        "names.prism:8:17",
+        "names.prism:10:25",
+    ] {
+        assert!(
+            said.talk.contains(line),
+            "{line} is missing:\n{}",
+            said.talk
+        );
+    }
+    assert!(
+        said.talk.contains("did you mean") || said.talk.contains("Did you mean"),
+        "{}",
+        said.talk
+    );
+}
+
+#[test]
+fn check_names_the_place_in_a_property_of_the_command_line() {
+    let folder = root().join("conformance/models");
+    let said = corroborate(
+        &folder,
+        &["check", "knuth_die.prism", "P=? [ F \"finished\" ]"],
+    );
+    assert_refused(&said, "unknown-label", "<property>:1:9");
+    let said = corroborate(&folder, &["check", "knuth_die.prism", "P=? [ F s=7"]);
+    assert_refused(&said, "syntax", "<property>:1:");
+    let said = corroborate(&folder, &["check", "knuth_die.prism", "missing.props"]);
+    assert_refused(&said, "cannot-read", "missing.props");
+}
+
+#[test]
+fn check_refuses_constants_that_do_not_fit() {
+    let folder = root().join("conformance/models");
+    let check = |constants| {
+        corroborate(
+            &folder,
+            &[
+                "check",
+                "gambler.prism",
+                "P=? [ F money=0 ]",
+                "--const",
+                constants,
+            ],
+        )
+    };
+    assert_refused(
+        &check("N=3,k=1,p=1.5"),
+        "not-a-probability",
+        "gambler.prism:11:27",
+    );
+    assert_refused(
+        &check("N=3,k=9,p=0.5"),
+        "init-out-of-range",
+        "gambler.prism:10",
+    );
+    assert_refused(&check("N=3,k=1,p=0.5,q=1"), "unknown-constant", "q");
+    assert_refused(&check("N=1e30,k=1,p=0.5"), "type", "gambler.prism:5");
+    assert_refused(&check("N=,k=1"), "bad-constants", "--const");
+}
+
+#[test]
+fn a_call_that_is_wrong_says_what_is_right() {
+    let study = Study::new();
+    for arguments in [
+        &["chekc"][..],
+        &["check"],
+        &["run", "study", "--treads", "2"],
+        &["run", "study", "-j", "0"],
+    ] {
+        let said = study.run(arguments);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(
+            said.out.is_empty() && said.talk.contains("--help") || said.talk.contains("Usage"),
+            "{said:?}"
+        );
+    }
+}
