@@ -211,3 +211,16 @@ fn a_cancelled_episode_and_an_unknown_test_say_so() {
     let error = world.with_test("human sings").unwrap_err();
     assert!(error.to_string().contains("human sings"));
 }
+
+#[test]
+fn an_episode_cut_short_by_its_longest_time_says_so_in_its_trace() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut scenario = common::scenario();
+    scenario.simulation.longest_secs = 1.0;
+    let mut world = World::new(&engine, &scenario, &faultless()).expect("the scenario is sound");
+    let episode = run(&mut world, 1);
+    assert!(!episode.trace.complete);
+    assert!((episode.sim_secs - 1.0).abs() < 1e-9);
+}

@@ -352,7 +352,7 @@ pub struct Human {
     pub pull_secs: f64,
     pub pull_onset_secs: f64,
     pub pull_travel_m: f64,
-    pub grip_depth_m: f64,
+    pub pull_line_m: f64,
     pub patience_secs: f64,
     pub hold_stiffness_n_m: f64,
     pub hold_damping_ns_m: f64,

@@ -400,7 +400,9 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
+    /// Closes the recording; it counts as cut short when the robot was still at it.
     fn finish(mut self) -> Result<Episode, SimError> {
+        let complete = self.is_over();
         self.record()?;
         if self.plant.warning_count() > 0 {
             return Err(SimError::Unstable {
@@ -413,7 +415,7 @@ impl<'a> Run<'a> {
             self.outcome.finish(truth, &self.controller, lowest_m);
         }
         Ok(Episode {
-            trace: self.recorder.finish(true),
+            trace: self.recorder.finish(complete),
             outcome: self.outcome,
             steps: self.plant.steps(),
             sim_secs: self.plant.now_secs(),

@@ -290,7 +290,7 @@ impl Human {
     pub(crate) fn wrench(&self, now_secs: f64, object: &ObjectState) -> Wrench {
         let Some(held) = self.held else {
             let force_newtons = self.pull_newtons(now_secs);
-            let lever = rotate(object.pose.orientation, [0.0, 0.0, -self.body.grip_depth_m]);
+            let lever = rotate(object.pose.orientation, [0.0, 0.0, self.body.pull_line_m]);
             return Wrench {
                 force_newtons,
                 torque_nm: cross(lever, force_newtons),
@@ -365,7 +365,7 @@ mod tests {
             pull_secs: 3.0,
             pull_onset_secs: 0.5,
             pull_travel_m: 0.08,
-            grip_depth_m: 0.0,
+            pull_line_m: 0.0,
             patience_secs: 20.0,
             hold_stiffness_n_m: 300.0,
             hold_damping_ns_m: 25.0,
