@@ -96,29 +96,21 @@ fn the_published_digits_of_v1_and_v2_are_where_the_iteration_stops() {
     }
 }
 
-#[test]
-fn the_failures_of_v1_and_v2_are_tiny_and_exact_to_the_last_digits() {
-    for (version, failure) in [(1, 1.12e-53), (2, 3.67e-59)] {
-        let model = model(version);
-        let space: StateSpace<Rational> = explore(&model).expect("it explores");
-        let options = Options::with_method(Method::Exact);
-        let exact = check_exact(&space, &property(&model, SUCCESS), &options).expect("an answer");
-        let AnswerValue::Exact(success) = exact.value else {
-            panic!("v{version}: {exact:?}");
-        };
-        let exact = rational_to_f64(&(Rational::from_integer(1.into()) - success));
-        assert!(
-            (exact / failure - 1.0).abs() < 0.01,
-            "v{version}: {exact:e}"
-        );
+/// The exact failure probability of v1, computed once with
+/// `corroborate check --method exact`, which takes minutes on this model.
+const EXACT_FAILURE_OF_V1: f64 = 1.1245666762974378e-53;
 
+#[test]
+fn the_failures_of_v1_and_v2_are_tiny_and_have_sound_bounds() {
+    for (version, failure) in [(1, 1.12e-53), (2, 3.67e-59)] {
         let sound = answer(version, SUCCESS, Method::Sound);
         let (low, high) = sound.complement_bounds.expect("the complement has bounds");
-        assert!(
-            low <= exact && exact <= high,
-            "v{version}: {low:e} to {high:e}, exact {exact:e}"
-        );
         assert!((high - low) / low < 1e-6, "v{version}: {low:e} to {high:e}");
+        assert!((low / failure - 1.0).abs() < 0.01, "v{version}: {low:e}");
+        if version == 1 {
+            let exact = EXACT_FAILURE_OF_V1;
+            assert!(low <= exact && exact <= high, "{low:e} to {high:e}");
+        }
     }
 }
 
