@@ -50,7 +50,7 @@
 //! | topic | rate | signals |
 //! |---|---|---|
 //! | `/robot` | 50 Hz, after each tick | `state`, `decision` (`none`, `release`, `keep`, `time_out`), `crashed`, `ended`, `planning`, `hand_command`, `restricted`, `announcing`, `hand.x` to `.z`, `hand_speed` |
-//! | `/sensors` | 10 Hz | `sensing`, `sensing_done`, `gaze_ok`, `pressure_ok`, `location_ok`, `all_ok`, `finger_displacement`, the reported `object` |
+//! | `/sensors` | 10 Hz and at every change | `sensing`, `sensing_done`, `gaze_ok`, `pressure_ok`, `location_ok`, `all_ok`, `finger_displacement`, the reported `object` |
 //! | `/tracking` | 20 of 100 Hz | reported `object`, `human_hand`, `human_head` |
 //! | `/truth` | 50 Hz | `object`, `object_attitude`, `object_speed`, `in_hand`, `object_contacts_hand`, `hand_contacts`, `grip_force`, `human_hand`, `human_head`, `human_distance`, `pull`, `gaze`, `pressure`, `location`, `human_ready`, `human_holds`, `tracking_glitch` |
 //! | `/human` | 50 Hz | `activated`, `ready`, `gaze`, `pressure`, `location` as the abstract test applies them, `gave_up` |
@@ -62,7 +62,24 @@
 //!
 //! # Performance
 //!
-//! PERFORMANCE_TEXT
+//! Six handovers of 35 s each, steps of 2 ms, contact physics throughout, recording included, took
+//! 3.3 s of processor time on one core (of a machine busy with other work): 63 times real time,
+//! 32 microseconds a step. Measure it with `examples/campaign.rs`, which prints the wall-clock ratio.
+//!
+//! Of that time 95 % is spent inside MuJoCo, 4 % in the C library's memory and mathematics routines,
+//! under 1 % in this crate. Inside MuJoCo: about a quarter for the Hessian of contacts that slide
+//! (elliptic cones), a quarter for the rest of the Newton solver, a tenth for collision, the rest
+//! for kinematics and dynamics. A step with nothing in the hand costs 18 microseconds, one that
+//! holds the object by six contacts 34.
+//!
+//! What mattered, measured on a held object:
+//!
+//! * A solver tolerance of 1e-10 instead of 1e-8: 20 % less time, because a converged step is the
+//!   next one's starting point (one Newton iteration instead of four). 1e-4 takes five times as long.
+//! * Friction without a torsional part: 10 times less creep and 20 % less time.
+//! * An impedance ratio of 300 in place of no-slip iterations, which spoil the warm start.
+//! * Shapes that MuJoCo collides in closed form (see below). Sparse algebra, CG and PGS are slower
+//!   at this size; pyramidal cones drop the object.
 //!
 //! # What is modelled how
 //!

@@ -224,3 +224,31 @@ fn an_episode_cut_short_by_its_longest_time_says_so_in_its_trace() {
     assert!(!episode.trace.complete);
     assert!((episode.sim_secs - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn the_trace_shows_the_end_of_sensing_no_later_than_the_decision() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let trace = run(&mut world(&engine, &faultless()), 1).trace;
+    let first_time = |topic: &str, field: &str| {
+        let channel = trace.channel(topic).expect("a topic of the trace");
+        let index = channel
+            .fields
+            .iter()
+            .position(|f| f.name == field)
+            .expect("a field");
+        let mut rows = channel
+            .times_secs
+            .iter()
+            .zip(channel.values.chunks(channel.fields.len()));
+        *rows
+            .find(|(_, row)| row[index] > 0.0)
+            .expect("it comes about")
+            .0
+    };
+    let decided_secs = first_time("/robot", "decision");
+    assert_eq!(first_time("/sensors", "sensing_done"), decided_secs);
+    assert!(first_time("/sensors", "all_ok") <= decided_secs);
+    assert!(first_time("/truth", "human_ready") < decided_secs);
+}

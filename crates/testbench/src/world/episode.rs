@@ -19,7 +19,9 @@ use super::tracking::{Reading, Tracker, TruePoses};
 use crate::model::{PhysicalDraws, standing_pose};
 use crate::mujoco::{Engine, EngineError};
 use crate::random::{Purpose, Stream};
-use crate::robot::{Controller, HandCommand, PlannerStatus, Readings, ResetPose, State};
+use crate::robot::{
+    Controller, HandCommand, PlannerStatus, Readings, ResetPose, SensorReport, State,
+};
 use crate::scenario::{AbstractTest, Parameters, Rates, Scenario};
 
 /// A flag by which a caller ends an episode early, from any thread.
@@ -218,6 +220,14 @@ struct Periods {
     tracking_record: u64,
 }
 
+/// What the robot's sensors said when they were last written down.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct SensorsSaid {
+    sensing: bool,
+    done: bool,
+    report: Option<SensorReport>,
+}
+
 /// An episode in progress.
 struct Run<'a> {
     world: &'a World,
@@ -237,6 +247,7 @@ struct Run<'a> {
     truth: Option<Truth>,
     arm_rad: Vec<f64>,
     finger_counts: Vec<i64>,
+    sensors_said: SensorsSaid,
 }
 
 impl<'a> Run<'a> {
@@ -275,6 +286,7 @@ impl<'a> Run<'a> {
             truth: None,
             arm_rad: Vec::new(),
             finger_counts: Vec::new(),
+            sensors_said: SensorsSaid::default(),
         })
     }
 
@@ -300,11 +312,7 @@ impl<'a> Run<'a> {
         if due(self.periods.truth_record) {
             self.record()?;
         }
-        if due(self.periods.sensors) {
-            let now = self.plant.now_secs();
-            self.recorder
-                .sensors(now, &self.controller, self.reading.as_ref())?;
-        }
+        self.record_sensors(due(self.periods.sensors))?;
         if due(CANCEL_CHECK_STEPS) && self.plant.warning_count() > 0 {
             return Err(SimError::Unstable {
                 seed: self.seed,
@@ -377,6 +385,24 @@ impl<'a> Run<'a> {
         if self.controller.state().is_final() && self.ended_at_secs.is_none() {
             self.ended_at_secs = Some(clock_secs);
         }
+    }
+
+    /// Writes the sensors down when a row is due, and at once when what they say has changed: a
+    /// monitor must not see the end of sensing later than the hand that opens because of it.
+    fn record_sensors(&mut self, due: bool) -> Result<(), SimError> {
+        let controller = &self.controller;
+        let said = SensorsSaid {
+            sensing: controller.state() == State::Sense,
+            done: controller.sensing_done(),
+            report: controller.sensor_report(),
+        };
+        if due || said != self.sensors_said {
+            self.sensors_said = said;
+            let now_secs = self.plant.now_secs();
+            self.recorder
+                .sensors(now_secs, controller, self.reading.as_ref())?;
+        }
+        Ok(())
     }
 
     /// Judges the moment and writes it down.
