@@ -141,7 +141,9 @@ pub fn lines_with(code: &str, wanted: &str) -> Vec<usize> {
     let stands_alone = |line: &str, at: usize| {
         let before = line[..at].chars().next_back();
         let after = line[at + wanted.len()..].chars().next();
-        !before.is_some_and(is_word) && !(after.is_some_and(is_word) && wanted.ends_with(is_word))
+        let longer_before = before.is_some_and(is_word);
+        let longer_after = after.is_some_and(is_word) && wanted.ends_with(is_word);
+        !longer_before && !longer_after
     };
     let has = |line: &str| {
         line.match_indices(wanted)
