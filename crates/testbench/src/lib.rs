@@ -79,7 +79,7 @@
 //! * Friction without a torsional part: 10 times less creep and 20 % less time.
 //! * An impedance ratio of 300 in place of no-slip iterations, which spoil the warm start.
 //! * Shapes that MuJoCo collides in closed form (see below). Sparse algebra, CG and PGS are slower
-//!   at this size; pyramidal cones drop the object.
+//!   at this size; pyramidal cones dropped the object in trials.
 //!
 //! # What is modelled how
 //!
