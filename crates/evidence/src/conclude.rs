@@ -318,10 +318,11 @@ fn agreement(among: &[&Comparison], independent: bool) -> Vec<String> {
         .filter(|comparison| comparison.outcome == Outcome::Corroborates)
         .filter(|comparison| comparison.independent == independent)
         .map(|comparison| {
-            format!(
-                "{} and {}: {}",
-                comparison.left, comparison.right, comparison.reason
-            )
+            let pair = format!("{} and {}", comparison.left, comparison.right);
+            match comparison.reason.strip_prefix("They ") {
+                Some(rest) => format!("{pair} {rest}"),
+                None => format!("{pair}: {}", comparison.reason),
+            }
         })
         .collect()
 }

@@ -29,8 +29,11 @@ pub struct Cost {
     pub wall_secs: f64,
     /// Seconds of simulated time, for simulations.
     pub simulated_secs: Option<f64>,
-    /// Processor seconds spent simulating, over all threads.
+    /// Processor seconds spent simulating and judging, over all threads.
     pub cpu_secs: Option<f64>,
+    /// Simulated seconds for each processor second, monitors and recording
+    /// included: how many times faster than real time one core is.
+    pub real_time_factor: Option<f64>,
     /// States of the model.
     pub states: Option<u64>,
     /// Transitions of the model.

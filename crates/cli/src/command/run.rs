@@ -312,7 +312,11 @@ impl Runner<'_> {
         is_new: bool,
     ) -> Result<Piece, Problem> {
         let how = if is_new {
-            format!("{:.1} s", produced.cost.wall_secs)
+            let speed = produced.cost.real_time_factor;
+            let speed = speed.map_or(String::new(), |f| {
+                format!(", {f:.0} times real time on a core")
+            });
+            format!("{:.1} s{speed}", produced.cost.wall_secs)
         } else {
             "kept".into()
         };

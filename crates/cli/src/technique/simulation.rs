@@ -36,7 +36,14 @@ pub struct Campaign {
 #[derive(Clone, Copy, Debug, Default)]
 struct Effort {
     simulated_secs: f64,
-    cpu_secs: f64,
+    /// Processor seconds of this thread; `None` if the recording was read.
+    cpu_secs: Option<f64>,
+}
+
+/// Processor seconds that this thread has used.
+fn thread_cpu_secs() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 impl Campaign {
@@ -108,8 +115,10 @@ impl Campaign {
                         return Err(Problem::interrupted());
                     }
                     let path = folder.join(episode_name(number));
-                    let began = Instant::now();
-                    let trace = match recorded(&path) {
+                    let began = thread_cpu_secs();
+                    let recorded = recorded(&path);
+                    let is_new = recorded.is_none();
+                    let trace = match recorded {
                         Some(trace) => trace,
                         None => {
                             let trace = self.simulate(world, seeds.of(number), interrupt)?;
@@ -121,7 +130,7 @@ impl Campaign {
                     stage.advance();
                     let effort = Effort {
                         simulated_secs: trace.end_secs().unwrap_or(0.0),
-                        cpu_secs: began.elapsed().as_secs_f64(),
+                        cpu_secs: is_new.then(|| thread_cpu_secs() - began),
                     };
                     Ok((result, effort))
                 },
@@ -216,9 +225,7 @@ pub fn produce(
     let cost = Cost {
         evidence: id.to_owned(),
         wall_secs: began.elapsed().as_secs_f64(),
-        simulated_secs: Some(efforts.iter().map(|e| e.simulated_secs).sum()),
-        cpu_secs: Some(efforts.iter().map(|e| e.cpu_secs).sum()),
-        ..Cost::default()
+        ..cost_of(&efforts)
     };
     Ok(Produced {
         tool: campaign.tool(),
@@ -227,6 +234,24 @@ pub fn produce(
         influences: Vec::new(),
         cost,
     })
+}
+
+/// The cost of episodes; processor time and speed are of those that were not
+/// read from an earlier run.
+fn cost_of(efforts: &[Effort]) -> Cost {
+    let (mut simulated_secs, mut cpu_secs) = (0.0, 0.0);
+    for effort in efforts {
+        if let Some(used) = effort.cpu_secs {
+            simulated_secs += effort.simulated_secs;
+            cpu_secs += used;
+        }
+    }
+    Cost {
+        simulated_secs: Some(efforts.iter().map(|e| e.simulated_secs).sum()),
+        cpu_secs: Some(cpu_secs),
+        real_time_factor: (cpu_secs > 0.0).then(|| simulated_secs / cpu_secs),
+        ..Cost::default()
+    }
 }
 
 /// Sums up judgements of many traces, one finding for each subject.

@@ -27,6 +27,7 @@ fn table(view: View) -> Markup {
                     th scope="col" class="n" { "Elapsed" }
                     th scope="col" class="n" { "Simulated" }
                     th scope="col" class="n" { "Processor" }
+                    th scope="col" class="n" { "Real time" }
                     th scope="col" class="n" { "States" }
                     th scope="col" class="n" { "Transitions" }
                     th scope="col" { "As published" }
@@ -46,6 +47,7 @@ fn row(view: View, cost: &Cost) -> Markup {
             td class="n" { (number::duration(cost.wall_secs)) }
             td class="n" { (time(cost.simulated_secs)) }
             td class="n" { (time(cost.cpu_secs)) }
+            td class="n" { (cost.real_time_factor.map_or(number::NONE.to_owned(), |f| format!("× {f:.0}"))) }
             td class="n" { (size(cost.states)) }
             td class="n" { (size(cost.transitions)) }
             td class="words" { (cost.published.as_deref().unwrap_or(number::NONE)) }
