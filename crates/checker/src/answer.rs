@@ -200,6 +200,12 @@ pub enum CheckError {
         /// The threshold that was not met.
         epsilon: f64,
     },
+    /// The iteration that imitates PRISM divided by zero: 1 less the probability of staying in a state
+    /// rounds to 0.
+    NotFinite {
+        /// The state's number.
+        state: usize,
+    },
     /// Whether a bound is met cannot be told from the computed bounds.
     Undecided {
         /// The comparison, written out.
@@ -232,6 +238,11 @@ impl fmt::Display for CheckError {
                 formatter,
                 "the iteration still changes by more than {epsilon} after {iterations} rounds; use \
                  the sound or the exact method, or raise the limit of iterations"
+            ),
+            Self::NotFinite { state } => write!(
+                formatter,
+                "the probability of leaving state {state} is too small for this method, which takes it \
+                 for 0 and divides by it; use the sound or the exact method"
             ),
             Self::Undecided { comparison, bounds } => write!(
                 formatter,

@@ -45,6 +45,9 @@ pub(crate) fn reachability(
         let mut change = 0f64;
         for state in &open {
             let new = jacobi(matrix, *state, &x);
+            if !new.is_finite() {
+                return Err(CheckError::NotFinite { state: *state });
+            }
             // As in PRISM, 0/0 is no change.
             change = change.max((new - x[*state]).abs() / new);
             next[*state] = new;
@@ -98,6 +101,16 @@ mod tests {
             iterations > 50 && error > 1e-7 && error < 1e-5,
             "{iterations} {error}"
         );
+        let never_left = vec![vec![(0, 1.0), (1, 1e-30)], vec![(1, 1.0)]];
+        let matrix_of = Csr::from_rows(never_left);
+        let open = Qualitative {
+            surely: vec![false, true],
+            never: vec![false; 2],
+        };
+        assert!(matches!(
+            reachability(&matrix_of, &open, &Options::default()),
+            Err(CheckError::NotFinite { state: 0 })
+        ));
         let short = Options {
             max_iters: 3,
             ..Options::default()

@@ -187,7 +187,8 @@ Examples:
   corroborate monitor case-studies/handover recordings --only 3 --format json
 
 Judges on the clock of the recording. Exits 1 if a requirement is violated, 3
-if a recording is cut short or a verdict is open.")]
+if a verdict is open. A recording that was cut short is an error, unless
+--partial says to judge what there is; then it exits 3.")]
 pub struct Monitor {
     /// The study whose requirements and failure modes are monitored.
     pub study: PathBuf,
@@ -197,6 +198,9 @@ pub struct Monitor {
     /// Only this requirement or failure mode (may be repeated).
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
+    /// Judge recordings that were cut short as far as they go.
+    #[arg(long)]
+    pub partial: bool,
     /// How the verdicts are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

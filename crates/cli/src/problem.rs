@@ -135,6 +135,12 @@ impl Problem {
         self
     }
 
+    /// Names what the problem was met with, for example a recording.
+    pub fn about(mut self, name: &str) -> Self {
+        self.message = format!("{name}: {}", self.message);
+        self
+    }
+
     /// Adds what to do.
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into());

@@ -28,6 +28,7 @@
 //! Every comparison with the outcome *conflicts* between evidence that takes
 //! part is named in at least one discrepancy.
 
+use crate::compare::words::p_value;
 use crate::{
     Comparison, Discrepancy, Evidence, Finding, Guarantee, Inaccuracy, Measure, MethodAnswer,
     Outcome, Reading, Subject,
@@ -189,10 +190,10 @@ impl<'a> Ledger<'a> {
             .unwrap_or(usize::MAX)
     }
 
-    /// Covers the conflicts on each wanted subject by odd ones out.
-    fn odd_ones_out(&self, wanted: impl Fn(&Subject) -> bool) -> Vec<OddOneOut<'a>> {
+    /// Covers the wanted conflicts on each subject by odd ones out.
+    fn odd_ones_out(&self, wanted: impl Fn(&Comparison) -> bool) -> Vec<OddOneOut<'a>> {
         let mut subjects: Vec<&Subject> = Vec::new();
-        for conflict in self.conflicts.iter().filter(|c| wanted(&c.subject)) {
+        for conflict in self.conflicts.iter().filter(|c| wanted(c)) {
             if !subjects.contains(&&conflict.subject) {
                 subjects.push(&conflict.subject);
             }
@@ -203,7 +204,7 @@ impl<'a> Ledger<'a> {
                 .conflicts
                 .iter()
                 .copied()
-                .filter(|c| &c.subject == subject)
+                .filter(|c| &c.subject == subject && wanted(c))
                 .collect();
             while let Some(odd) = self.oddest(subject, &left) {
                 left.retain(|c| c.left != odd.id && c.right != odd.id);
@@ -327,10 +328,12 @@ impl<'a> Ledger<'a> {
         );
         let mut touched = BTreeSet::from([piece.id.clone()]);
         for other in self.in_conflict_with(&finding.subject, &piece.id) {
-            if let Some(sentence) = self.explains(finding, reading, other) {
+            if let Some((sentence, is_gone)) = self.explains(finding, reading, other) {
                 explanation.push(' ');
                 explanation.push_str(&sentence);
-                touched.insert(other.to_owned());
+                if is_gone {
+                    touched.insert(other.to_owned());
+                }
             }
         }
         let meaning = reading.meaning.trim_end_matches('.');
@@ -357,8 +360,14 @@ impl<'a> Ledger<'a> {
         }
     }
 
-    /// Says whether the other reading removes the conflict with `other`.
-    fn explains(&self, finding: &Finding, reading: &Reading, other: &str) -> Option<String> {
+    /// Whether the other reading removes the conflict with `other`, in words
+    /// and as a fact.
+    fn explains(
+        &self,
+        finding: &Finding,
+        reading: &Reading,
+        other: &str,
+    ) -> Option<(String, bool)> {
         let other_finding = self.piece(other)?.finding(&finding.subject)?;
         let ours = stats::Sample::new(reading.count, reading.trials).ok()?;
         let (theirs, p, test) = match &other_finding.measure {
@@ -377,14 +386,16 @@ impl<'a> Ledger<'a> {
             }
             _ => return None,
         };
-        let verdict = if p >= self.alpha {
+        let is_gone = p >= self.alpha;
+        let verdict = if is_gone {
             "the conflict is gone"
         } else {
             "they still differ"
         };
-        Some(format!(
-            "Against {other}'s {theirs}, {verdict} under that reading ({test}, p = {p:.2})."
-        ))
+        let p = p_value(p);
+        let sentence =
+            format!("Against {other}'s {theirs}, {verdict} under that reading ({test}, p {p}).");
+        Some((sentence, is_gone))
     }
 
     fn in_conflict_with(&self, subject: &Subject, id: &str) -> Vec<&'a str> {
@@ -400,7 +411,7 @@ impl<'a> Ledger<'a> {
     }
 
     fn differing_rates(&self) -> Vec<Discrepancy> {
-        self.odd_ones_out(|subject| matches!(subject, Subject::FailureMode(_)))
+        self.odd_ones_out(|c| matches!(c.subject, Subject::FailureMode(_)))
             .iter()
             .map(|odd| Discrepancy {
                 inaccuracy: Inaccuracy::SystemModel,
@@ -481,19 +492,29 @@ impl<'a> Ledger<'a> {
 
     /// Conflicts on requirements, but for those that a reading explains.
     fn conflicting_requirements(&self, found: &[Discrepancy]) -> Vec<Discrepancy> {
-        let explained = |conflict: &Comparison| {
-            found.iter().any(|d| {
-                d.inaccuracy == Inaccuracy::RequirementModel
-                    && d.subjects.contains(&conflict.subject)
-                    && d.evidence.contains(&conflict.left)
-                    && d.evidence.contains(&conflict.right)
+        self.odd_ones_out(|c| {
+            matches!(c.subject, Subject::Requirement(_)) && !self.is_explained_by_reading(c)
+        })
+        .iter()
+        .map(|odd| self.conflicting_requirement(odd, found))
+        .collect()
+    }
+
+    /// Whether another reading of the requirement, on the traces of one side,
+    /// removes the conflict with the other side.
+    fn is_explained_by_reading(&self, conflict: &Comparison) -> bool {
+        let (left, right) = (&conflict.left, &conflict.right);
+        [(left, right), (right, left)]
+            .into_iter()
+            .any(|(id, other)| {
+                let finding = self.piece(id).and_then(|e| e.finding(&conflict.subject));
+                finding.is_some_and(|finding| {
+                    finding.readings.iter().any(|reading| {
+                        self.explains(finding, reading, other)
+                            .is_some_and(|(_, is_gone)| is_gone)
+                    })
+                })
             })
-        };
-        self.odd_ones_out(|subject| matches!(subject, Subject::Requirement(_)))
-            .iter()
-            .filter(|odd| !odd.conflicts.iter().all(|c| explained(c)))
-            .map(|odd| self.conflicting_requirement(odd, found))
-            .collect()
     }
 
     fn conflicting_requirement(&self, odd: &OddOneOut, found: &[Discrepancy]) -> Discrepancy {

@@ -105,7 +105,16 @@ pub fn monitor(arguments: &Monitor, setting: &Setting) -> Result<Done, Problem> 
     for file in &files {
         setting.go_on()?;
         let (trace, lost) = read(file)?;
-        let judgements = judges.judge(&trace)?;
+        if let (Some(lost), false) = (&lost, arguments.partial) {
+            return Err(Problem::new(
+                "recording-cut-short",
+                format!("{} was cut short: {lost}", file.display()),
+            )
+            .remedy("record it again, or judge what there is with --partial"));
+        }
+        let judgements = judges
+            .judge(&trace)
+            .map_err(|problem| problem.about(&file.display().to_string()))?;
         report.recordings.push(RecordingVerdicts {
             file: file.display().to_string(),
             complete: trace.complete,

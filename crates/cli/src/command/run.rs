@@ -5,7 +5,7 @@ use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Run};
 use crate::corroboration::{self, Piece};
 use crate::outcome::Outcome;
-use crate::problem::{Problem, did_you_mean};
+use crate::problem::{Problem, Source, did_you_mean};
 use crate::store::{Inputs, Store, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::Tables;
@@ -63,9 +63,24 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     if !arguments.only.is_empty() {
         return Ok(only_some(&pieces));
     }
-    let result = runner.study_result(pieces)?;
+    let inputs = runner.study_inputs(&pieces)?;
+    let result = match runner.store.fresh::<StudyResult>(STUDY, &inputs) {
+        Some(result) => {
+            setting.talk.say("nothing has changed since the last run");
+            result
+        }
+        None => {
+            let result = corroboration::corroborate(&study, pieces)?;
+            runner.store.keep(STUDY, &inputs, &result)?;
+            result
+        }
+    };
     runner.write(&result, arguments.format)
 }
+
+/// The file that keeps the result of comparing, with the hash of what it was
+/// compared from.
+const STUDY: &str = "evidence/study.json";
 
 /// Where a study's results are.
 pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {
@@ -332,8 +347,24 @@ impl Runner<'_> {
         Ok(piece)
     }
 
-    fn study_result(&self, pieces: Vec<Piece>) -> Result<StudyResult, Problem> {
-        corroboration::corroborate(self.study, pieces)
+    /// The hash of everything that comparing and concluding depend on.
+    fn study_inputs(&self, pieces: &[Piece]) -> Result<String, Problem> {
+        let mut inputs = Inputs::default();
+        inputs.add("program", self.program.as_bytes());
+        for piece in pieces {
+            inputs.add(&piece.evidence.id, piece.evidence.inputs.as_bytes());
+            inputs.add_json("cost", &piece.cost);
+        }
+        for name in [
+            "study.toml",
+            "requirements.toml",
+            "vocabulary.toml",
+            "ledger.toml",
+        ] {
+            let source = Source::read(&self.study.folder.join(name))?;
+            inputs.add(name, source.text.as_bytes());
+        }
+        Ok(inputs.hash())
     }
 
     fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {

@@ -121,7 +121,8 @@ fn predicate_problem(
     propositions: &BTreeMap<String, Proposition>,
     error: &trace::PredicateError,
 ) -> Problem {
-    let problem = Problem::new("bad-predicate", error.kind.to_string());
+    let problem = Problem::new("bad-predicate", error.kind.to_string())
+        .remedy("correct the predicate in the vocabulary, or judge a recording that has the signals it names");
     let entry = error.entry.as_ref().and_then(|name| propositions.get(name));
     match entry.and_then(|p| p.trace.as_ref()) {
         Some(binding) => {

@@ -142,7 +142,12 @@ impl<'a> Compiled<'a> {
                 .flatten()
                 .flat_map(|text| quoted_names(&text.text))
                 .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
-                .map(|reason| format!("The model does not express it: {reason}."));
+                .map(|reason| {
+                    format!(
+                        "The model does not express it: {}.",
+                        reason.trim_end_matches('.')
+                    )
+                });
             if missing.is_none() {
                 for text in texts.into_iter().flatten() {
                     self.property(&self.model, text)?;

@@ -169,7 +169,7 @@ impl<'a> Scope<'a> {
         let message =
             format!("constant `{name}` is declared as {ty}, but it was given the value {value}.");
         let error = Diagnostic::error("type", constant.name.span, message);
-        self.report(error.remedy(format!("Give a value that is a {ty}.")));
+        self.report(error.remedy(format!("Give a value of type {ty}.")));
         Symbol::Broken
     }
 

@@ -1,0 +1,213 @@
+//! The simulation as a user meets it: recorded, judged again, at any number of threads.
+//!
+//! Needs the physics library. Without it the tests are skipped with a line that says so, except
+//! in continuous integration, where nothing is skipped.
+
+mod support;
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use support::program::{Said, command};
+use support::root;
+
+/// Two simulations of the handover, few episodes each.
+const LEDGER: &str = r#"
+[[evidence]]
+id = "E2"
+title = "Simulation, untuned"
+technique = "simulation"
+conditions = "typical"
+scenario = "simulation/scenario.toml"
+parameters = "simulation/untuned.toml"
+episodes = 3
+changed = "The first simulation."
+
+[[evidence]]
+id = "E4"
+title = "Simulation, tuned"
+technique = "simulation"
+conditions = "typical"
+scenario = "simulation/scenario.toml"
+parameters = "simulation/tuned.toml"
+episodes = 4
+changed = "Tuned."
+"#;
+
+fn library() -> Option<PathBuf> {
+    let tools = root().join(".tools");
+    let folders = std::fs::read_dir(tools).ok()?.flatten().map(|e| e.path());
+    let mut found: Vec<PathBuf> = folders
+        .filter_map(|folder| std::fs::read_dir(folder).ok())
+        .flat_map(|entries| entries.flatten().map(|e| e.path()))
+        .filter(|path| path.to_string_lossy().contains("libmujoco.so"))
+        .collect();
+    found.sort();
+    let found = found.pop();
+    if found.is_none() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "the physics library is missing (run tools/mujoco)"
+        );
+        eprintln!("skipped: the physics library is missing (run tools/mujoco)");
+    }
+    found
+}
+
+/// The handover's study with a ledger of two short simulations.
+fn study() -> tempfile::TempDir {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let from = root().join("case-studies/handover");
+    for name in ["study.toml", "requirements.toml", "vocabulary.toml"] {
+        std::fs::copy(from.join(name), folder.path().join(name)).expect("copied");
+    }
+    let simulation = folder.path().join("simulation");
+    std::fs::create_dir(&simulation).expect("made");
+    for name in ["scenario.toml", "untuned.toml", "tuned.toml"] {
+        let source = from.join("simulation").join(name);
+        std::fs::copy(source, simulation.join(name)).expect("copied");
+    }
+    std::fs::write(folder.path().join("ledger.toml"), LEDGER).expect("written");
+    folder
+}
+
+fn run(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
+    let output = command(folder, arguments)
+        .env("CORROBORATE_MUJOCO", library)
+        .output()
+        .expect("the program starts");
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        out: String::from_utf8(output.stdout).expect("it prints text"),
+        talk: String::from_utf8(output.stderr).expect("it says text"),
+    }
+}
+
+/// The recordings below a folder, with their content.
+fn recordings(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".mcap") {
+            found.insert(name, std::fs::read(entry.path()).expect("a recording"));
+        }
+    }
+    found
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The result without what it took, which differs from run to run.
+fn result(folder: &Path) -> Value {
+    let text = std::fs::read_to_string(folder.join("study.json")).expect("a result");
+    let mut result = json(&text);
+    result.as_object_mut().expect("an object").remove("costs");
+    result
+}
+
+#[test]
+fn episodes_have_the_same_bytes_at_any_number_of_threads_and_are_judged_alike_again() {
+    let Some(library) = library() else {
+        return;
+    };
+    let folder = study();
+    for threads in ["1", "2"] {
+        let said = run(
+            &library,
+            folder.path(),
+            &["run", ".", "-j", threads, "--out", threads],
+        );
+        assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    }
+    for evidence in ["E2", "E4"] {
+        let of = |threads: &str| {
+            let episodes = folder.path().join(threads).join("episodes").join(evidence);
+            recordings(&episodes)
+        };
+        assert!(of("1").len() >= 3, "{evidence} has no recordings");
+        assert!(
+            of("1") == of("2"),
+            "{evidence} depends on the number of threads"
+        );
+    }
+    let first = result(&folder.path().join("1"));
+    assert!(first == result(&folder.path().join("2")));
+
+    let said = run(
+        &library,
+        folder.path(),
+        &["monitor", ".", "1/episodes/E4", "--format", "json"],
+    );
+    let totals = json(&said.out)["totals"]
+        .as_array()
+        .expect("totals")
+        .clone();
+    let mut compared = 0;
+    for finding in first["evidence"][1]["findings"]
+        .as_array()
+        .expect("findings")
+    {
+        let id = &finding["subject"]["id"];
+        let total = totals
+            .iter()
+            .find(|t| &t["subject"] == id && t["reading"].is_null())
+            .unwrap_or_else(|| panic!("{id} was not judged again"));
+        if finding["measure"]["kind"] == "counts" {
+            let is_mode = finding["subject"]["kind"] == "failure-mode";
+            let count = if is_mode {
+                &total["failed"]
+            } else {
+                &total["passed"]
+            };
+            assert_eq!(&finding["measure"]["count"], count, "{id}");
+            assert_eq!(finding["measure"]["trials"], total["covered"], "{id}");
+            compared += 1;
+        } else {
+            assert_eq!(total["covered"], 0, "{id}");
+        }
+    }
+    assert!(compared >= 8, "only {compared} subjects were covered");
+}
+
+#[test]
+fn a_recording_that_is_missing_or_damaged_is_made_again_with_the_same_bytes() {
+    let Some(library) = library() else {
+        return;
+    };
+    let folder = study();
+    let arguments = ["run", ".", "--only", "E2"];
+    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    let episodes = folder.path().join("results/episodes/E2");
+    let before = recordings(&episodes);
+    let names: Vec<&String> = before.keys().collect();
+    std::fs::remove_file(episodes.join(names[0])).expect("removed");
+    let half = &before[names[1]][..before[names[1]].len() / 2];
+    std::fs::write(episodes.join(names[1]), half).expect("cut short");
+    std::fs::remove_file(folder.path().join("results/evidence/E2.json")).expect("removed");
+    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    assert!(recordings(&episodes) == before);
+}
+
+#[test]
+fn a_recording_cut_short_is_judged_as_far_as_it_goes_and_says_so() {
+    let Some(library) = library() else {
+        return;
+    };
+    let folder = study();
+    let arguments = ["simulate", ".", "E4", "-n", "1", "--out", "one"];
+    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    let file = folder.path().join("one/episode-00001.mcap");
+    let whole = std::fs::read(&file).expect("a recording");
+    std::fs::write(&file, &whole[..whole.len() * 2 / 3]).expect("cut short");
+    let said = run(
+        &library,
+        folder.path(),
+        &["monitor", ".", "one", "--format", "json"],
+    );
+    let report = json(&said.out);
+    assert_eq!(report["recordings"][0]["complete"], false, "{}", said.out);
+    assert!(report["recordings"][0]["lost"].is_string(), "{}", said.out);
+    assert!([1, 3].contains(&said.code), "{said:?}");
+}
