@@ -191,7 +191,7 @@ fn a_recording_that_is_missing_or_damaged_is_made_again_with_the_same_bytes() {
 }
 
 #[test]
-fn a_recording_cut_short_is_judged_as_far_as_it_goes_and_says_so() {
+fn a_recording_cut_short_is_refused_unless_a_part_is_asked_for() {
     let Some(library) = library() else {
         return;
     };
@@ -201,11 +201,16 @@ fn a_recording_cut_short_is_judged_as_far_as_it_goes_and_says_so() {
     let file = folder.path().join("one/episode-00001.mcap");
     let whole = std::fs::read(&file).expect("a recording");
     std::fs::write(&file, &whole[..whole.len() * 2 / 3]).expect("cut short");
-    let said = run(
-        &library,
-        folder.path(),
-        &["monitor", ".", "one", "--format", "json"],
+    let refused = run(&library, folder.path(), &["monitor", ".", "one"]);
+    assert_eq!((refused.code, refused.out.as_str()), (2, ""), "{refused:?}");
+    assert!(
+        refused.talk.contains("episode-00001.mcap was cut short"),
+        "{refused:?}"
     );
+    assert!(refused.talk.contains("--partial"), "{refused:?}");
+
+    let arguments = ["monitor", ".", "one", "--partial", "--format", "json"];
+    let said = run(&library, folder.path(), &arguments);
     let report = json(&said.out);
     assert_eq!(report["recordings"][0]["complete"], false, "{}", said.out);
     assert!(report["recordings"][0]["lost"].is_string(), "{}", said.out);

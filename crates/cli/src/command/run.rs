@@ -80,7 +80,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
 
 /// The file that keeps the result of comparing, with the hash of what it was
 /// compared from.
-const STUDY: &str = "evidence/study.json";
+const STUDY: &str = "comparison.json";
 
 /// Where a study's results are.
 pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {
