@@ -1,5 +1,6 @@
 //! The command line, as plain data.
 
+use crate::study::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -62,18 +63,6 @@ pub enum Format {
     Json,
 }
 
-/// A method of model checking.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum MethodName {
-    /// Bounds that hold, to a relative width of `--precision`.
-    #[default]
-    Sound,
-    /// Rational arithmetic, without any rounding.
-    Exact,
-    /// The stopping rule of PRISM's default settings: an estimate.
-    PrismDefault,
-}
-
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -129,8 +118,8 @@ pub struct Check {
     #[arg(long = "const", short = 'c', value_name = "VALUES")]
     pub constants: Vec<String>,
     /// How the answer is computed.
-    #[arg(long, value_enum, default_value_t)]
-    pub method: MethodName,
+    #[arg(long, value_enum, default_value_t = Method::Sound)]
+    pub method: Method,
     /// Relative width of the bounds of the sound method.
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
     pub precision: f64,

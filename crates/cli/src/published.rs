@@ -4,7 +4,7 @@
 //! Counts of random runs must be statistically consistent: Fisher's exact
 //! test, corrected by Holm over the figures of one pair of evidence.
 
-use crate::study::{Entry, Method, Study};
+use crate::study::{Entry, Study};
 use crate::technique::Produced;
 use evidence::{
     Discrepancy, Evidence, Inaccuracy, Measure, MethodAnswer, PublishedFigure, Subject,
@@ -39,7 +39,7 @@ pub fn figures(study: &Study, entry: &Entry, produced: &Produced) -> Vec<Publish
     }
     if let (Some(success), Some(first)) = (&published.success, study.requirements.first()) {
         let subject = Subject::Requirement(first.id.clone());
-        let method = method_name(success.method);
+        let method = success.method.name();
         let quantity = format!("requirement {} by the method `{method}`", first.id);
         let ours = method_answer(produced, &subject, method);
         figures.push(probability(entry, quantity, &success.value, ours));
@@ -50,14 +50,6 @@ pub fn figures(study: &Study, entry: &Entry, produced: &Produced) -> Vec<Publish
         figures.push(probability(entry, format!("requirement {id}"), value, ours));
     }
     figures
-}
-
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Sound => "sound",
-        Method::Exact => "exact",
-        Method::PrismDefault => "prism-default",
-    }
 }
 
 fn method_answer<'a>(

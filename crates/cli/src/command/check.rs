@@ -2,12 +2,13 @@
 //! lines.
 
 use super::{Done, Setting, json};
-use crate::args::{Check, Format, MethodName};
+use crate::args::{Check, Format};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
+use crate::study::Method;
 use crate::technique::model_checking::warning_line;
 use checker::state_space::StateSpace;
-use checker::{Answer, AnswerValue, Guarantee, Method, Options};
+use checker::{Answer, AnswerValue, Guarantee, Options};
 use prism_lang::{Constants, NamedProperty, Rational, resolved};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -93,7 +94,7 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
     }
     let asked = properties(arguments, &model, &given)?;
     let report = match arguments.method {
-        MethodName::Exact => {
+        Method::Exact => {
             let began = Instant::now();
             let space = explore::<Rational>(&source, &model, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
@@ -214,11 +215,7 @@ fn report<N>(
     answer: impl Fn(&NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
 ) -> Result<CheckReport, Problem> {
     let cancel = || setting.interrupt.is_set();
-    let mut options = Options::with_method(match arguments.method {
-        MethodName::Sound => Method::Sound,
-        MethodName::Exact => Method::Exact,
-        MethodName::PrismDefault => Method::PrismDefault,
-    });
+    let mut options = Options::with_method(arguments.method.of_checker());
     options.precision = arguments.precision;
     options.epsilon = arguments.epsilon;
     options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
@@ -286,7 +283,7 @@ fn property_report(
     prop_idx: usize,
     property: &NamedProperty,
     answered: Result<Answer, checker::CheckError>,
-    method: MethodName,
+    method: Method,
     check_secs: f64,
 ) -> PropertyReport {
     let mut report = PropertyReport {
@@ -301,7 +298,7 @@ fn property_report(
         high: None,
         abs_err: None,
         exact: false,
-        method: method_name(method).into(),
+        method: method.name().into(),
         iterations: 0,
         notes: Vec::new(),
         error: None,
@@ -352,14 +349,6 @@ fn fill(report: &mut PropertyReport, answer: Answer) {
         }
     };
     report.guarantee = Some(guarantee.into());
-}
-
-fn method_name(method: MethodName) -> &'static str {
-    match method {
-        MethodName::Sound => "sound",
-        MethodName::Exact => "exact",
-        MethodName::PrismDefault => "prism-default",
-    }
 }
 
 fn outcome(report: &CheckReport) -> Outcome {

@@ -82,15 +82,35 @@ impl Work {
 }
 
 /// A method of model checking.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Bounds that hold.
+    /// Bounds that hold, to a relative width (for `check`: `--precision`).
     Sound,
-    /// Rational arithmetic.
+    /// Rational arithmetic, without any rounding.
     Exact,
-    /// The stopping rule of PRISM's default settings.
+    /// The stopping rule of PRISM's default settings: an estimate.
     PrismDefault,
+}
+
+impl Method {
+    /// The checker's method.
+    pub fn of_checker(self) -> checker::Method {
+        match self {
+            Method::Sound => checker::Method::Sound,
+            Method::Exact => checker::Method::Exact,
+            Method::PrismDefault => checker::Method::PrismDefault,
+        }
+    }
+
+    /// Its name in evidence, reports and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Sound => "sound",
+            Method::Exact => "exact",
+            Method::PrismDefault => "prism-default",
+        }
+    }
 }
 
 /// A number of the assets that was set to another evidence's count.

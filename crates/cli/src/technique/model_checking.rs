@@ -6,36 +6,25 @@
 //! express (because it has no such variable or constant) is no error: the
 //! subjects that need it are reported as not expressible.
 //!
-//! Constants that were set to another evidence's counts are uncertain. Their
-//! Jeffreys posteriors are pushed through the model by solving it again for
-//! each point of a low-discrepancy design, with all questions answered on the same
-//! points (common random numbers).
+//! The uncertainty of constants that were set to counts is carried through in
+//! [`uncertainty`].
 
-use super::{Influence, Produced};
+mod answer;
+mod uncertainty;
+
+pub use answer::explore;
+
+use super::Produced;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::{FormText, Method, Study, quoted_names};
 use crate::talk::{Interrupt, Stage};
-use checker::explore::{ExploreError, ExploreOptions, explore_with};
 use checker::state_space::StateSpace;
-use checker::{AnswerValue, Options};
-use evidence::{
-    Cost, CredibleInterval, Finding, Guarantee, Interval, Measure, MethodAnswer, Spread, Subject,
-    Tool,
-};
-use prism_lang::{Constants, Diagnostic, Number, Property, Rational, Value, resolved};
-use rayon::prelude::*;
+use evidence::{Cost, Finding, Measure, Subject, Tool};
+use prism_lang::{Constants, Diagnostic, Property, Rational, Value, resolved};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
-
-/// How many times a model is solved to carry the uncertainty of its constants.
-/// On the handover's last model the ends of the interval move by less than
-/// 0.002 when this is doubled.
-const SOLVES: usize = 500;
-
-/// A change of a probability below this is rounding.
-const NO_EFFECT: f64 = 1e-9;
 
 /// A model and the study's questions to it.
 #[derive(Debug)]
@@ -256,35 +245,6 @@ impl<'a> Compiled<'a> {
         })
     }
 
-    /// Which failure modes, through constants that are held, bear on which
-    /// requirement: those whose constant moves its probability.
-    fn influences(
-        &self,
-        held: &[CountedConstant],
-        cancel: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Vec<Influence>, Problem> {
-        let mut influences = Vec::new();
-        for constant in held {
-            let posterior = stats::BetaPosterior::jeffreys(constant.sample);
-            let as_written = self.solve_at(&[], &[], cancel)?;
-            let moved =
-                self.solve_at(std::slice::from_ref(constant), &[posterior.mean()], cancel)?;
-            for (place, question) in self.questions.iter().enumerate() {
-                if let (Subject::Requirement(requirement), Subject::FailureMode(mode)) =
-                    (question.subject, &constant.subject)
-                    && let (Some(before), Some(after)) = (as_written[place], moved[place])
-                {
-                    influences.push(Influence {
-                        requirement: requirement.clone(),
-                        failure_mode: mode.clone(),
-                        bears: (before - after).abs() > NO_EFFECT,
-                    });
-                }
-            }
-        }
-        Ok(influences)
-    }
-
     /// Requirements without a property are not expressible by any model.
     fn say_what_is_missing(&self, findings: &mut Vec<Finding>) {
         for form in &self.study.forms.subjects {
@@ -316,7 +276,7 @@ impl<'a> Compiled<'a> {
         for method in methods {
             let answer = |text: &FormText| {
                 let property = self.property(&self.model, text)?;
-                answer(&property, *method, space, exact_space, cancel)
+                answer::answer(&property, *method, space, exact_space, cancel)
                     .map_err(|problem| problem.at(&self.study.forms.source, text.span.clone()))
             };
             let occurs = answer(question.property)?;
@@ -329,7 +289,7 @@ impl<'a> Compiled<'a> {
                             reason: "In the model, the opportunity has probability 0.".into(),
                         });
                     }
-                    quotient(&occurs, &opportunity)
+                    answer::quotient(&occurs, &opportunity)
                 }
             });
         }
@@ -339,102 +299,6 @@ impl<'a> Compiled<'a> {
             others: answers,
             credible: None,
         })
-    }
-
-    fn carry_uncertainty(
-        &self,
-        id: &str,
-        counted: &[CountedConstant],
-        findings: &mut [Finding],
-        interrupt: &Interrupt,
-        begin: &dyn Fn(&str, u64) -> Stage,
-    ) -> Result<(), Problem> {
-        let level = super::confidence(self.study.about.confidence)?;
-        let points = points(counted, self.study.about.seed);
-        let stage = begin(
-            &format!("{id}: uncertainty of its constants"),
-            SOLVES as u64,
-        );
-        let rows: Vec<Vec<Option<f64>>> = points
-            .par_iter()
-            .map(|point| {
-                if interrupt.is_set() {
-                    return Err(Problem::interrupted());
-                }
-                let row = self.solve_at(counted, point, &|| interrupt.is_set());
-                stage.advance();
-                row
-            })
-            .collect::<Result<_, _>>()?;
-        for (place, question) in self.questions.iter().enumerate() {
-            let values: Option<Vec<f64>> = rows.iter().map(|row| row[place]).collect();
-            let finding = findings.iter_mut().find(|f| &f.subject == question.subject);
-            if let (
-                Some(values),
-                Some(Finding {
-                    measure: Measure::Probability { credible, .. },
-                    ..
-                }),
-            ) = (values, finding)
-            {
-                *credible = Some(summary(counted, &points, &values, level)?);
-            }
-        }
-        Ok(())
-    }
-
-    /// The questions' values with the counted constants at one point; `None`
-    /// for questions that the model does not express.
-    fn solve_at(
-        &self,
-        counted: &[CountedConstant],
-        point: &[f64],
-        cancel: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Vec<Option<f64>>, Problem> {
-        let mut overrides = Constants::new();
-        for (constant, value) in counted.iter().zip(point) {
-            overrides.set(
-                constant.name.clone(),
-                Value::Double(Number::from_approximate(*value)),
-            );
-        }
-        let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
-            .map_err(|found| unplaced(&found))?;
-        let space = explore::<f64>(&self.source, &model, cancel)?;
-        let value = |text: &FormText| -> Result<f64, Problem> {
-            let property = self.property(&model, text)?;
-            Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
-        };
-        let mut known: BTreeMap<&str, f64> = BTreeMap::new();
-        let mut row = Vec::new();
-        for question in &self.questions {
-            if question.missing.is_some() {
-                row.push(None);
-                continue;
-            }
-            let mut parts = [None, None];
-            for (part, text) in parts
-                .iter_mut()
-                .zip([Some(question.property), question.opportunity])
-            {
-                if let Some(text) = text {
-                    let found = match known.get(text.text.as_str()) {
-                        Some(found) => *found,
-                        None => value(text)?,
-                    };
-                    known.insert(&text.text, found);
-                    *part = Some(found);
-                }
-            }
-            row.push(match parts {
-                [Some(occurs), Some(opportunity)] if opportunity > 0.0 => {
-                    Some(occurs / opportunity)
-                }
-                [occurs, None] => occurs,
-                _ => None,
-            });
-        }
-        Ok(row)
     }
 
     /// What the answers depend on: the model, the questions and the bindings
@@ -499,119 +363,8 @@ pub fn warning_line(source: &Source, warning: &Diagnostic) -> String {
     )
 }
 
-/// Builds the state space of a model whose text is in `source`.
-pub fn explore<N: prism_lang::Arithmetic>(
-    source: &Source,
-    model: &resolved::Model,
-    cancel: &dyn Fn() -> bool,
-) -> Result<StateSpace<N>, Problem> {
-    let go_on = |_states: usize| !cancel();
-    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| {
-        if error == ExploreError::Cancelled {
-            return Problem::interrupted();
-        }
-        let problem = Problem::new("cannot-explore", error.to_string());
-        match error.span() {
-            Some(span) => problem.at(source, span.start..span.end),
-            None => problem,
-        }
-    })
-}
-
-/// The answer to a `P=?` property in the form of evidence.
-fn answer(
-    property: &Property,
-    method: Method,
-    space: &StateSpace<f64>,
-    exact_space: Option<&StateSpace<Rational>>,
-    cancel: &(dyn Fn() -> bool + Sync),
-) -> Result<MethodAnswer, Problem> {
-    let mut options = Options::with_method(match method {
-        Method::Sound => checker::Method::Sound,
-        Method::Exact => checker::Method::Exact,
-        Method::PrismDefault => checker::Method::PrismDefault,
-    });
-    options.cancel = Some(cancel);
-    let answer = match (method, exact_space) {
-        (Method::Exact, Some(space)) => checker::check_exact(space, property, &options),
-        _ => checker::check_space(space, property, &options),
-    };
-    let answer = answer.map_err(|error| match error {
-        checker::CheckError::Cancelled => Problem::interrupted(),
-        other => Problem::new("cannot-check", other.to_string()),
-    })?;
-    let (value, rational) = match &answer.value {
-        AnswerValue::Number(value) => (*value, None),
-        AnswerValue::Exact(value) => (prism_lang::rational_to_f64(value), Some(value.to_string())),
-        _ => {
-            return Err(Problem::new(
-                "several-initial-states",
-                "the model has several initial states, so the property has no single value",
-            )
-            .remedy("give the model one initial state"));
-        }
-    };
-    Ok(MethodAnswer {
-        method: method_name(method).to_owned(),
-        value,
-        complement: answer.complement,
-        guarantee: match &answer.guarantee {
-            checker::Guarantee::Exact => Guarantee::Exact {
-                rational: rational.filter(|text| text.len() <= 60),
-            },
-            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded {
-                low: *low,
-                high: *high,
-            },
-            checker::Guarantee::Estimated { reason } => Guarantee::Estimated {
-                reason: reason.clone(),
-            },
-            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
-                reason: "a statistical answer".into(),
-            },
-        },
-        iterations: (answer.iterations > 0).then_some(answer.iterations),
-    })
-}
-
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Sound => "sound",
-        Method::Exact => "exact",
-        Method::PrismDefault => "prism-default",
-    }
-}
-
-/// The quotient of two probabilities, with the bounds that theirs imply.
-fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnswer {
-    let bounds = |answer: &MethodAnswer| match &answer.guarantee {
-        Guarantee::Exact { .. } => Some((answer.value, answer.value)),
-        Guarantee::Bounded { low, high } => Some((*low, *high)),
-        Guarantee::Estimated { .. } => None,
-    };
-    let guarantee = match (bounds(occurs), bounds(opportunity)) {
-        (Some((low, high)), Some((opportunity_low, opportunity_high))) if opportunity_low > 0.0 => {
-            Guarantee::Bounded {
-                // One step outwards each: the divisions round.
-                low: (low / opportunity_high).next_down().max(0.0),
-                high: (high / opportunity_low).next_up(),
-            }
-        }
-        _ => Guarantee::Estimated {
-            reason: "the quotient of two estimates".into(),
-        },
-    };
-    MethodAnswer {
-        method: occurs.method.clone(),
-        value: occurs.value / opportunity.value,
-        complement: None,
-        guarantee,
-        iterations: occurs.iterations.max(opportunity.iterations),
-    }
-}
-
 fn tool(methods: &[Method]) -> Tool {
-    let names: Vec<&str> = methods.iter().map(|m| method_name(*m)).collect();
+    let names: Vec<&str> = methods.iter().map(|m| m.name()).collect();
     Tool {
         name: "corroborate checker".into(),
         version: env!("CARGO_PKG_VERSION").into(),
@@ -620,50 +373,6 @@ fn tool(methods: &[Method]) -> Tool {
             names.join(", ")
         ),
     }
-}
-
-/// Points of the constants' Jeffreys posteriors.
-fn points(counted: &[CountedConstant], seed: u64) -> Vec<Vec<f64>> {
-    let posteriors: Vec<_> = counted
-        .iter()
-        .map(|constant| stats::BetaPosterior::jeffreys(constant.sample))
-        .collect();
-    stats::posterior_design(&posteriors, SOLVES, seed)
-}
-
-fn summary(
-    counted: &[CountedConstant],
-    points: &[Vec<f64>],
-    values: &[f64],
-    level: stats::Confidence,
-) -> Result<CredibleInterval, Problem> {
-    let draws = stats::Draws::new(values)
-        .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
-    // A result that no constant moves has no variance to share.
-    let shares = stats::variance_shares(points, values).unwrap_or_default();
-    let mut spread: Vec<Spread> = counted
-        .iter()
-        .zip(shares)
-        .map(|(constant, share)| Spread {
-            constant: constant.name.clone(),
-            share: share.first_order,
-        })
-        .collect();
-    spread.sort_by(|a, b| b.share.total_cmp(&a.share));
-    let interval = draws.interval(level);
-    Ok(CredibleInterval {
-        // A sum of many ones may round to more than one.
-        mean: draws.mean().clamp(draws.quantile(0.0), draws.quantile(1.0)),
-        interval: Interval {
-            low: interval.low,
-            high: interval.high,
-        },
-        solves: values.len() as u64,
-        spread,
-        quantiles: (0..100)
-            .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
-            .collect(),
-    })
 }
 
 /// A diagnostic inside a composed text, at its place in the user's file.

@@ -1,0 +1,108 @@
+//! One answer of the checker in the form of evidence.
+
+use crate::problem::{Problem, Source};
+use crate::study::Method;
+use checker::explore::{ExploreError, ExploreOptions, explore_with};
+use checker::state_space::StateSpace;
+use checker::{AnswerValue, Options};
+use evidence::{Guarantee, MethodAnswer};
+use prism_lang::{Property, Rational, resolved};
+
+/// Builds the state space of a model whose text is in `source`.
+pub fn explore<N: prism_lang::Arithmetic>(
+    source: &Source,
+    model: &resolved::Model,
+    cancel: &dyn Fn() -> bool,
+) -> Result<StateSpace<N>, Problem> {
+    let go_on = |_states: usize| !cancel();
+    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| {
+        if error == ExploreError::Cancelled {
+            return Problem::interrupted();
+        }
+        let problem = Problem::new("cannot-explore", error.to_string());
+        match error.span() {
+            Some(span) => problem.at(source, span.start..span.end),
+            None => problem,
+        }
+    })
+}
+
+/// The answer to a `P=?` property in the form of evidence.
+pub fn answer(
+    property: &Property,
+    method: Method,
+    space: &StateSpace<f64>,
+    exact_space: Option<&StateSpace<Rational>>,
+    cancel: &(dyn Fn() -> bool + Sync),
+) -> Result<MethodAnswer, Problem> {
+    let mut options = Options::with_method(method.of_checker());
+    options.cancel = Some(cancel);
+    let answer = match (method, exact_space) {
+        (Method::Exact, Some(space)) => checker::check_exact(space, property, &options),
+        _ => checker::check_space(space, property, &options),
+    };
+    let answer = answer.map_err(|error| match error {
+        checker::CheckError::Cancelled => Problem::interrupted(),
+        other => Problem::new("cannot-check", other.to_string()),
+    })?;
+    let (value, rational) = match &answer.value {
+        AnswerValue::Number(value) => (*value, None),
+        AnswerValue::Exact(value) => (prism_lang::rational_to_f64(value), Some(value.to_string())),
+        _ => {
+            return Err(Problem::new(
+                "several-initial-states",
+                "the model has several initial states, so the property has no single value",
+            )
+            .remedy("give the model one initial state"));
+        }
+    };
+    Ok(MethodAnswer {
+        method: method.name().to_owned(),
+        value,
+        complement: answer.complement,
+        guarantee: match &answer.guarantee {
+            checker::Guarantee::Exact => Guarantee::Exact {
+                rational: rational.filter(|text| text.len() <= 60),
+            },
+            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded {
+                low: *low,
+                high: *high,
+            },
+            checker::Guarantee::Estimated { reason } => Guarantee::Estimated {
+                reason: reason.clone(),
+            },
+            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
+                reason: "a statistical answer".into(),
+            },
+        },
+        iterations: (answer.iterations > 0).then_some(answer.iterations),
+    })
+}
+
+/// The quotient of two probabilities, with the bounds that theirs imply.
+pub fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnswer {
+    let bounds = |answer: &MethodAnswer| match &answer.guarantee {
+        Guarantee::Exact { .. } => Some((answer.value, answer.value)),
+        Guarantee::Bounded { low, high } => Some((*low, *high)),
+        Guarantee::Estimated { .. } => None,
+    };
+    let guarantee = match (bounds(occurs), bounds(opportunity)) {
+        (Some((low, high)), Some((opportunity_low, opportunity_high))) if opportunity_low > 0.0 => {
+            Guarantee::Bounded {
+                // One step outwards each: the divisions round.
+                low: (low / opportunity_high).next_down().max(0.0),
+                high: (high / opportunity_low).next_up(),
+            }
+        }
+        _ => Guarantee::Estimated {
+            reason: "the quotient of two estimates".into(),
+        },
+    };
+    MethodAnswer {
+        method: occurs.method.clone(),
+        value: occurs.value / opportunity.value,
+        complement: None,
+        guarantee,
+        iterations: occurs.iterations.max(opportunity.iterations),
+    }
+}
