@@ -1,7 +1,7 @@
 //! State space of a PRISM model, value of a property, and the guarantee of that value.
 //!
 //! * [`explore::explore`] builds the reachable states of a `dtmc` ([`state_space::StateSpace`]);
-//! * [`check`] answers a property with a value and what is known of it ([`Guarantee`]);
+//! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`sample_path`] draws a random path, the same for the same seed.
 //!
 //! Three methods ([`Method`]): sound (the default: floating point with bounds that hold, rounding included),

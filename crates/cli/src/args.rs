@@ -126,6 +126,9 @@ pub struct Check {
     /// When the method of PRISM's default settings stops: relative change.
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
     pub epsilon: f64,
+    /// How many states the model may have.
+    #[arg(long, value_name = "N", default_value_t = 20_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
+    pub max_states: u64,
     /// How many iterations a method may take.
     #[arg(long = "maxiters", value_name = "N")]
     pub max_iterations: Option<u64>,
@@ -152,7 +155,7 @@ pub struct Simulate {
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub episodes: Option<u64>,
     /// Number of the first episode.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub first: u64,
     /// Seed instead of the study's.
     #[arg(long, value_name = "N")]
@@ -201,7 +204,9 @@ pub struct Monitor {
 Examples:
   corroborate compare case-studies/handover
   corroborate compare case-studies/handover E3 E4
-  corroborate compare case-studies/handover E3 E4 --format json")]
+  corroborate compare case-studies/handover E3 E4 --format json
+
+Exits 1 if a pair shown conflicts, 3 if one is inconclusive.")]
 pub struct Compare {
     /// The study's folder.
     pub study: PathBuf,

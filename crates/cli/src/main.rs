@@ -32,7 +32,11 @@ fn main() -> ExitCode {
     match command::carry_out(&parsed.command, &setting) {
         Ok(done) => finish(&done),
         Err(problem) => {
-            eprintln!("{}", problem.render(colour));
+            let problem = match parsed.command {
+                args::Command::Run(_) | args::Command::Simulate(_) => problem.resumable(),
+                _ => problem,
+            };
+            talk::to_stderr(&problem.render(colour));
             ExitCode::from(problem.exit_code())
         }
     }
@@ -47,7 +51,7 @@ fn finish(done: &command::Done) -> ExitCode {
     match printed {
         // The reader of a pipe may stop early; that is no fault of ours.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            eprintln!("the result could not be printed: {error}");
+            talk::to_stderr(&format!("the result could not be printed: {error}"));
             ExitCode::from(outcome::Outcome::DataLost.exit_code())
         }
         _ => ExitCode::from(done.outcome.exit_code()),

@@ -85,7 +85,15 @@ impl Problem {
             kind: Kind::Interrupted,
             ..Self::new("interrupted", "interrupted")
         }
-        .remedy("run the same command again to go on where it stopped")
+    }
+
+    /// An interruption of work whose finished parts are kept.
+    pub fn resumable(self) -> Self {
+        if self.kind == Kind::Interrupted {
+            self.remedy("run the same command again to go on where it stopped")
+        } else {
+            self
+        }
     }
 
     /// Work was done but a result could not be kept: exit code 3.

@@ -22,6 +22,8 @@ pub struct Store {
 pub struct Stored<T> {
     /// Hash of everything the content depends on, in hexadecimal.
     pub inputs: String,
+    /// Hash of the content, so that an edited result is not taken for ours.
+    pub digest: String,
     /// The result.
     pub content: T,
 }
@@ -57,17 +59,23 @@ impl Store {
     }
 
     /// The stored result, if it is there, readable and fresh.
-    pub fn fresh<T: for<'de> Deserialize<'de>>(&self, name: &str, inputs: &str) -> Option<T> {
+    pub fn fresh<T: for<'de> Deserialize<'de> + Serialize>(
+        &self,
+        name: &str,
+        inputs: &str,
+    ) -> Option<T> {
         let bytes = std::fs::read(self.folder.join(name)).ok()?;
         // A file that cannot be read back is as good as none: it is made again.
         let stored: Stored<T> = serde_json::from_slice(&bytes).ok()?;
-        (stored.inputs == inputs).then_some(stored.content)
+        let is_fresh = stored.inputs == inputs && stored.digest == digest(&stored.content)?;
+        is_fresh.then_some(stored.content)
     }
 
     /// Keeps a result.
     pub fn keep<T: Serialize>(&self, name: &str, inputs: &str, content: T) -> Result<(), Problem> {
         let stored = Stored {
             inputs: inputs.to_owned(),
+            digest: digest(&content).unwrap_or_default(),
             content,
         };
         let mut bytes = serde_json::to_vec_pretty(&stored)
@@ -100,6 +108,10 @@ impl Store {
         }
         Ok(folder)
     }
+}
+
+fn digest(content: &impl Serialize) -> Option<String> {
+    Some(hash_of(&serde_json::to_vec(content).ok()?))
 }
 
 /// Collects what a result depends on.
@@ -162,6 +174,16 @@ mod tests {
         assert_eq!(store.fresh::<u64>("a.json", "one"), Some(42));
         assert_eq!(store.fresh::<u64>("a.json", "two"), None);
         assert_eq!(store.fresh::<u64>("b.json", "one"), None);
+    }
+
+    #[test]
+    fn an_edited_result_is_made_again() {
+        let (folder, store) = store();
+        store.keep("a.json", "one", 42_u64).expect("kept");
+        let path = folder.path().join("a.json");
+        let text = std::fs::read_to_string(&path).expect("text");
+        std::fs::write(&path, text.replace("42", "43")).expect("written");
+        assert_eq!(store.fresh::<u64>("a.json", "one"), None);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! line elsewhere.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use testbench::Cancel;
@@ -39,6 +39,12 @@ impl Interrupt {
     }
 }
 
+/// Writes a line to standard error. Where nobody can be told (it is closed, or
+/// the disk behind it is full), the work goes on all the same.
+pub fn to_stderr(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
 /// Says what is going on.
 #[derive(Clone, Debug)]
 pub struct Talk {
@@ -58,7 +64,7 @@ impl Talk {
     /// Says one line.
     pub fn say(&self, line: &str) {
         if !self.quiet {
-            eprintln!("{line}");
+            to_stderr(line);
         }
     }
 
@@ -103,7 +109,7 @@ impl Stage {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let tenth = |steps: u64| steps * 10 / self.total.max(1);
         if self.lines && tenth(done) != tenth(done - 1) {
-            eprintln!("{}: {done} of {}", self.title, self.total);
+            to_stderr(&format!("{}: {done} of {}", self.title, self.total));
         }
     }
 }

@@ -161,6 +161,55 @@ fn a_row_with_too_few_cells() {
     );
 }
 
+/// Which of two rows counts must not depend on their order.
+#[test]
+fn a_row_that_stands_twice() {
+    refuses(
+        |s| {
+            s.edit(
+                "failure_modes.csv",
+                ",4,100",
+                ",4,100\nmissed_contact,8,200",
+            );
+        },
+        "duplicate-row",
+        "study/failure_modes.csv, line 3",
+    );
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "2,20,20,", "1,20,20,");
+        },
+        "duplicate-row",
+        "study/attempts.csv, line 3",
+    );
+}
+
+/// A misspelt code would go uncounted.
+#[test]
+fn a_code_that_nothing_counts() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "2,20,20,", "2,20,20,Q");
+        },
+        "unknown-code",
+        "study/attempts.csv, line 3, column \"failure_modes\"",
+    );
+}
+
+#[test]
+fn a_cohort_without_attempts() {
+    refuses(
+        |s| {
+            s.write(
+                "attempts.csv",
+                "session,successes,attempts,failure_modes\n1,0,0,\n",
+            );
+        },
+        "bad-counts",
+        "study/attempts.csv",
+    );
+}
+
 #[test]
 fn tables_that_contradict_each_other() {
     refuses(

@@ -354,3 +354,30 @@ fn without_the_physics_library_simulation_says_how_to_get_it_and_all_else_works(
     assert_eq!(said.code, 0, "{said:?}");
     assert!(folder.path().join("results/evidence/rig.json").exists());
 }
+
+/// Where nobody can be told, the work is done all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_error_is_no_bug() {
+    let study = Study::new();
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let status = command(study.beside(), &["run", "study"])
+        .stdout(std::process::Stdio::null())
+        .stderr(full.expect("it is there"))
+        .status();
+    assert_eq!(status.expect("it ends").code(), Some(0));
+    assert!(study.path("results/report.html").exists());
+}
+
+#[test]
+fn results_do_not_depend_on_where_the_study_lies_or_how_it_is_named() {
+    let (one, other) = (Study::new(), Study::new());
+    assert_eq!(one.run(&["run", "study"]).code, 0);
+    assert_eq!(other.run(&["run", "./study/../study"]).code, 0);
+    let result = |study: &Study| {
+        let mut result = json(&read(&study.path("results/study.json")));
+        result.as_object_mut().expect("an object").remove("costs");
+        result
+    };
+    assert!(result(&one) == result(&other));
+}

@@ -93,10 +93,17 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
         setting.talk.say(&warning_line(&source, warning));
     }
     let asked = properties(arguments, &model, &given)?;
+    if asked.is_empty() && (arguments.properties.is_some() || !arguments.property_texts.is_empty())
+    {
+        setting
+            .talk
+            .say("warning: no property was given, so nothing is checked");
+    }
+    let max_states = usize::try_from(arguments.max_states).unwrap_or(usize::MAX);
     let report = match arguments.method {
         Method::Exact => {
             let began = Instant::now();
-            let space = explore::<Rational>(&source, &model, setting)?;
+            let space = explore::<Rational>(&source, &model, max_states, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
                 |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
@@ -104,7 +111,7 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
         }
         _ => {
             let began = Instant::now();
-            let space = explore::<f64>(&source, &model, setting)?;
+            let space = explore::<f64>(&source, &model, max_states, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
                 |p: &NamedProperty, o: &Options| checker::check_space(&space, &p.property, o);
@@ -201,9 +208,12 @@ fn given_property(text: &str) -> Source {
 fn explore<N: prism_lang::Arithmetic>(
     source: &Source,
     model: &resolved::Model,
+    max_states: usize,
     setting: &Setting,
 ) -> Result<StateSpace<N>, Problem> {
-    crate::technique::model_checking::explore(source, model, &|| setting.interrupt.is_set())
+    crate::technique::model_checking::explore(source, model, max_states, &|| {
+        setting.interrupt.is_set()
+    })
 }
 
 fn report<N>(

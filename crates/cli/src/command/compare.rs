@@ -7,6 +7,17 @@ use crate::args::{Compare, Format};
 use crate::outcome::Outcome;
 use crate::problem::Problem;
 use evidence::{Comparison, StudyResult};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What `compare --format json` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CompareReport {
+    /// Version of this form.
+    pub format: String,
+    /// The pairs that were asked for.
+    pub comparisons: Vec<Comparison>,
+}
 
 /// Prints comparisons.
 pub fn compare(arguments: &Compare) -> Result<Done, Problem> {
@@ -40,7 +51,10 @@ pub fn compare(arguments: &Compare) -> Result<Done, Problem> {
         Outcome::Holds
     };
     let output = match arguments.format {
-        Format::Json => json(&chosen)?,
+        Format::Json => json(&CompareReport {
+            format: "1.0".into(),
+            comparisons: chosen.into_iter().cloned().collect(),
+        })?,
         Format::Text => text(&result, &chosen),
     };
     Ok(Done { output, outcome })
@@ -92,5 +106,16 @@ fn outcome_name(comparison: &Comparison) -> &'static str {
         evidence::Outcome::Conflicts => "conflicts",
         evidence::Outcome::Inconclusive => "inconclusive",
         evidence::Outcome::NotComparable => "not comparable",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(CompareReport).into();
+        crate::command::tests::assert_schema_is_committed("compare.schema.json", &schema);
     }
 }

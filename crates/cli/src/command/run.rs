@@ -13,7 +13,6 @@ use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::simulation::{self, Campaign};
 use crate::technique::{self, Produced};
 use evidence::{AssetRole, Measure, StudyResult};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What an entry needs, read and checked before anything runs.
@@ -61,7 +60,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         return Err(problem);
     }
     if !arguments.only.is_empty() {
-        return Ok(only_some(&pieces));
+        return only_some(&pieces, arguments.format);
     }
     let inputs = runner.study_inputs(&pieces)?;
     let result = match runner.store.fresh::<StudyResult>(STUDY, &inputs) {
@@ -474,17 +473,19 @@ fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem>
         .collect()
 }
 
-fn only_some(pieces: &[Piece]) -> Done {
-    let lines: BTreeMap<&str, &str> = pieces
-        .iter()
-        .map(|p| (p.evidence.id.as_str(), p.headline.as_str()))
-        .collect();
-    let output = lines
-        .into_iter()
-        .map(|(id, headline)| format!("{id}: {headline}\n"))
-        .collect();
-    Done {
+fn only_some(pieces: &[Piece], format: Format) -> Result<Done, Problem> {
+    let output = match format {
+        Format::Json => {
+            let evidence: Vec<&evidence::Evidence> = pieces.iter().map(|p| &p.evidence).collect();
+            json(&evidence)?
+        }
+        Format::Text => pieces
+            .iter()
+            .map(|p| format!("{}: {}\n", p.evidence.id, p.headline))
+            .collect(),
+    };
+    Ok(Done {
         output,
         outcome: Outcome::Holds,
-    }
+    })
 }

@@ -54,7 +54,7 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     let campaign = Campaign::new(&study, scenario, parameters, library)?;
     let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
     let count = arguments.episodes.unwrap_or(*episodes);
-    let numbers = arguments.first..arguments.first.saturating_add(count);
+    let numbers = arguments.first..arguments.first + count;
     let mut inputs = Inputs::default();
     campaign.inputs(&mut inputs);
     inputs

@@ -14,8 +14,12 @@ use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Study, SubjectForm};
 use evidence::{ClusterTests, Cost, Finding, Measure, Subject, Technique, Tool};
+use std::collections::BTreeMap;
 use std::path::Path;
 use trace::Table;
+
+/// More trials than any experiment has, and few enough for exact sums.
+const MOST_TRIALS: u64 = 1_000_000_000_000;
 
 /// The tables of one piece of evidence, checked.
 #[derive(Debug)]
@@ -56,7 +60,10 @@ impl Tables {
     ) -> Result<Self, Problem> {
         let open = |path: &Path| Table::read(&study.folder.join(path)).map_err(table_problem);
         let tables = Self {
-            cohort: cohort.map(|p| open(p).and_then(Cohort::new)).transpose()?,
+            cohort: match cohort {
+                Some(path) => Some(Cohort::new(study, open(path)?)?),
+                None => None,
+            },
             requirements: match requirements {
                 Some(path) => verdict_rows(study, &open(path)?)?,
                 None => Vec::new(),
@@ -187,8 +194,17 @@ impl Tables {
 
     /// What the findings depend on.
     pub fn inputs(&self, study: &Study, inputs: &mut Inputs) {
-        // Tables are small; their parsed content is hashed whole.
-        inputs.add("tables", format!("{self:?}").as_bytes());
+        if let Some(cohort) = &self.cohort {
+            for column in cohort.table.columns() {
+                inputs.add(column.header(), column.as_texts().join("\n").as_bytes());
+            }
+        }
+        for row in &self.requirements {
+            inputs.add_json(&row.requirement, &(row.covered, row.passed));
+        }
+        for row in &self.failure_modes {
+            inputs.add_json(&row.mode, &(row.occurrences, row.opportunities));
+        }
         for form in &study.forms.subjects {
             inputs.add("subject", form.subject.id().as_bytes());
             if let Some(proposition) = &form.experiment {
@@ -201,16 +217,68 @@ impl Tables {
 }
 
 impl Cohort {
-    fn new(table: Table) -> Result<Self, Problem> {
+    fn new(study: &Study, table: Table) -> Result<Self, Problem> {
         let attempts = table
             .column("attempts")
             .and_then(|c| c.as_counts())
             .map_err(table_problem)?;
-        Ok(Self {
+        let total = attempts
+            .iter()
+            .try_fold(0_u64, |sum, n| sum.checked_add(*n));
+        if !total.is_some_and(|total| (1..=MOST_TRIALS).contains(&total)) {
+            return Err(Problem::new(
+                "bad-counts",
+                format!(
+                    "{}: the column \"attempts\" has no usable sum",
+                    table.name()
+                ),
+            )
+            .remedy("there must be at least one attempt and at most 10^12"));
+        }
+        if let Some(first) = table.columns().next() {
+            check_unique(&table, &first.as_texts())?;
+        }
+        let cohort = Self {
             name: table.name().to_owned(),
             attempts,
             table,
-        })
+        };
+        cohort.check_codes(study)?;
+        Ok(cohort)
+    }
+
+    /// Every code in a column of codes must be one that the vocabulary counts;
+    /// a misspelt one would go uncounted.
+    fn check_codes(&self, study: &Study) -> Result<(), Problem> {
+        let mut known: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for proposition in study.vocabulary.propositions.values() {
+            let binding = proposition.column.as_ref();
+            if let Some((header, code)) = binding.and_then(|b| b.text.split_once(':')) {
+                known.entry(header.trim()).or_default().push(code.trim());
+            }
+        }
+        for (header, codes) in known {
+            let Ok(column) = self.table.column(header) else {
+                continue;
+            };
+            for (row, cell) in column.cells().enumerate() {
+                if let Some(unknown) = cell.split_whitespace().find(|c| !codes.contains(c)) {
+                    return Err(Problem::new(
+                        "unknown-code",
+                        format!(
+                            "{}, line {}, column \"{header}\": no proposition counts the code `{unknown}`",
+                            self.name,
+                            row + 2
+                        ),
+                    )
+                    .remedy(format!(
+                        "the vocabulary counts {}; correct the code, or bind it with `column = \"{header}: {unknown}\"`",
+                        codes.join(", ")
+                    )));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Counts by row of a binding: a column of counts, or `column: code`.
@@ -360,10 +428,11 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
         .map_err(table_problem)?
         .as_texts();
     let (covered, passed, failed) = (column("covered")?, column("passed")?, column("failed")?);
+    check_unique(table, &ids)?;
     let mut rows = Vec::new();
     for (row, id) in ids.iter().enumerate() {
         known_subject(study, table, row, &Subject::Requirement((*id).to_owned()))?;
-        if passed[row] + failed[row] != covered[row] {
+        if passed[row].checked_add(failed[row]) != Some(covered[row]) {
             return Err(Problem::new(
                 "bad-counts",
                 format!(
@@ -395,6 +464,7 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
     };
     let ids = table.column("mode").map_err(table_problem)?.as_texts();
     let (occurrences, opportunities) = (column("occurrences")?, column("opportunities")?);
+    check_unique(table, &ids)?;
     let mut rows = Vec::new();
     for (row, id) in ids.iter().enumerate() {
         known_subject(study, table, row, &Subject::FailureMode((*id).to_owned()))?;
@@ -412,6 +482,25 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
         });
     }
     Ok(rows)
+}
+
+/// Two rows about one thing would leave open which of them counts.
+fn check_unique(table: &Table, ids: &[&str]) -> Result<(), Problem> {
+    for (row, id) in ids.iter().enumerate() {
+        if let Some(first) = ids[..row].iter().position(|other| other == id) {
+            return Err(Problem::new(
+                "duplicate-row",
+                format!(
+                    "{}, line {}: `{id}` stands in line {} already",
+                    table.name(),
+                    row + 2,
+                    first + 2
+                ),
+            )
+            .remedy("keep one row for each, with all its counts"));
+        }
+    }
+    Ok(())
 }
 
 fn known_subject(

@@ -26,6 +26,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
 
+/// The most states that a model of a study may have: about 2 GB of memory.
+const MAX_STATES: usize = 20_000_000;
+
 /// A model and the study's questions to it.
 #[derive(Debug)]
 pub struct Compiled<'a> {
@@ -201,9 +204,14 @@ impl<'a> Compiled<'a> {
     ) -> Result<Produced, Problem> {
         let began = Instant::now();
         let cancel = || interrupt.is_set();
-        let space = explore::<f64>(&self.source, &self.model, &cancel)?;
+        let space = explore::<f64>(&self.source, &self.model, MAX_STATES, &cancel)?;
         let exact_space = if methods.contains(&Method::Exact) {
-            Some(explore::<Rational>(&self.source, &self.model, &cancel)?)
+            Some(explore::<Rational>(
+                &self.source,
+                &self.model,
+                MAX_STATES,
+                &cancel,
+            )?)
         } else {
             None
         };

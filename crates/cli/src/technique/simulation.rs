@@ -116,7 +116,7 @@ impl Campaign {
                     }
                     let path = folder.join(episode_name(number));
                     let began = thread_cpu_secs();
-                    let recorded = recorded(&path);
+                    let recorded = recorded(&path, seeds.of(number));
                     let is_new = recorded.is_none();
                     let trace = match recorded {
                         Some(trace) => trace,
@@ -386,10 +386,12 @@ fn scenario_problem(source: &Source, error: &ScenarioError) -> Problem {
     Problem::new("bad-scenario", format!("{}: {error}", source.name))
 }
 
-fn recorded(path: &Path) -> Option<Trace> {
-    // A recording that is missing, damaged or cut short is made again.
-    let outcome = path.exists().then(|| trace::read_mcap(path))?.ok()?;
-    outcome.trace.complete.then_some(outcome.trace)
+fn recorded(path: &Path, seed: u64) -> Option<Trace> {
+    // A recording that is missing, damaged, cut short or of another episode is
+    // made again.
+    let trace = path.exists().then(|| trace::read_mcap(path))?.ok()?.trace;
+    let is_ours = trace.metadata.get("seed") == Some(&seed.to_string());
+    (trace.complete && is_ours).then_some(trace)
 }
 
 fn write_problem(error: trace::WriteError) -> Problem {

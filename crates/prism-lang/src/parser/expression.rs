@@ -422,7 +422,11 @@ impl Parser<'_> {
         }
     }
 
+    /// Reports the depth once: every node above the limit would say the same.
     fn too_deep(&mut self, span: Span) -> Reported {
+        if std::mem::replace(&mut self.is_too_deep, true) {
+            return Reported;
+        }
         let message = format!("this expression is nested more than {MAX_DEPTH} deep.");
         let error = Diagnostic::error("too-deep", span, message);
         self.report(error.remedy("Split it with `formula name = ...;`."));

@@ -35,6 +35,8 @@ struct Parser<'t> {
     tokens: Vec<Token<'t>>,
     at: usize,
     depth: usize,
+    /// Whether too deep a nesting has been reported.
+    is_too_deep: bool,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -46,6 +48,7 @@ impl<'t> Parser<'t> {
             tokens,
             at: 0,
             depth: 0,
+            is_too_deep: false,
             diagnostics,
         }
     }

@@ -12,10 +12,11 @@ use prism_lang::{Property, Rational, resolved};
 pub fn explore<N: prism_lang::Arithmetic>(
     source: &Source,
     model: &resolved::Model,
+    max_states: usize,
     cancel: &dyn Fn() -> bool,
 ) -> Result<StateSpace<N>, Problem> {
     let go_on = |_states: usize| !cancel();
-    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| {
+    explore_with(model, ExploreOptions { max_states }, &go_on).map_err(|error| {
         if error == ExploreError::Cancelled {
             return Problem::interrupted();
         }

@@ -12,7 +12,7 @@
 //! None but convergence: the quantiles are estimates from [`SOLVES`] points.
 
 use super::answer::{answer, explore};
-use super::{Compiled, CountedConstant, unplaced};
+use super::{Compiled, CountedConstant, MAX_STATES, unplaced};
 use crate::problem::Problem;
 use crate::study::{FormText, Method};
 use crate::talk::{Interrupt, Stage};
@@ -119,7 +119,7 @@ impl Compiled<'_> {
         }
         let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
             .map_err(|found| unplaced(&found))?;
-        let space = explore::<f64>(&self.source, &model, cancel)?;
+        let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
         let value = |text: &FormText| -> Result<f64, Problem> {
             let property = self.property(&model, text)?;
             Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
