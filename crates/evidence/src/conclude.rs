@@ -45,7 +45,7 @@ pub const CERTAINTY: f64 = 1e-9;
 
 /// Draws a conclusion about every requirement, in their order.
 ///
-/// `comparisons` are those of [`crate::compare`] on the same study.
+/// `comparisons` are those of [`crate::compare()`] on the same study.
 pub fn conclude(study: &Study<'_>, comparisons: &[Comparison]) -> Vec<Conclusion> {
     let lineage = study.lineage();
     study
