@@ -126,7 +126,8 @@ impl Pair {
 
     /// Trials that would show agreement or a difference, whichever takes fewer, if the rates seen
     /// are the true ones. Conflicts are planned at Bonferroni's level for the number of
-    /// comparisons, which is a little more than Holm's correction asks for.
+    /// comparisons, which is a little more than Holm's correction asks for. Plans by normal theory
+    /// are raised until the tests that decide would decide at the expected counts.
     pub fn plan(&self, levels: &Levels, family: usize) -> Plan {
         let arms = (self.first.arm(), self.second.arm());
         let effects = (self.first.design_effect(), self.second.design_effect());
@@ -139,7 +140,10 @@ impl Pair {
         let conflict = (Goal::Difference, levels.confidence.simultaneous(family));
         let plans: Vec<Needed> = [agreement, conflict]
             .into_iter()
-            .filter_map(|(goal, level)| needed(goal, arms, effects, level, levels.power))
+            .filter_map(|(goal, level)| {
+                let plan = needed(goal, arms, effects, level, levels.power)?;
+                Some(self.raised(plan, goal, level))
+            })
             .collect();
         let fewest = |pick: fn(&Needed) -> Option<u64>| plans.iter().filter_map(pick).min();
         Plan {
@@ -150,6 +154,65 @@ impl Pair {
                 .filter_map(|plan| plan.both)
                 .min_by_key(|both| both.0 + both.1),
         }
+    }
+}
+
+impl Pair {
+    /// The plan with sizes at which the goal's own test decides, if the rates stay as they are.
+    fn raised(&self, plan: Needed, goal: Goal, level: Confidence) -> Needed {
+        let decides = |first: u64, second: u64| {
+            let extended = Self::new(
+                extended(&self.first, first),
+                extended(&self.second, second),
+                self.margin,
+            );
+            match goal {
+                Goal::Equivalence { .. } => extended.shows_agreement(level),
+                Goal::Difference => extended.p_difference() <= level.alpha(),
+            }
+        };
+        let both = plan.both.and_then(|(first, second)| {
+            let of = |factor: f64, trials: u64| (trials as f64 * factor).ceil() as u64;
+            let factors =
+                std::iter::successors(Some(1.0), |f| (*f < MOST_RAISED).then_some(f * STEP));
+            factors
+                .map(|f| (of(f, first), of(f, second)))
+                .find(|(first, second)| decides(*first, *second))
+        });
+        Needed {
+            first: plan.first.and_then(|n| raise(n, |n| decides(n, 0))),
+            second: plan.second.and_then(|n| raise(n, |n| decides(0, n))),
+            both,
+        }
+    }
+}
+
+/// By how much a plan is raised at a time, and at most.
+const STEP: f64 = 1.25;
+const MOST_RAISED: f64 = 1e4;
+
+/// The first size from `planned` on, in steps, for which the test decides.
+fn raise(planned: u64, decides: impl Fn(u64) -> bool) -> Option<u64> {
+    let most = (planned.max(100) as f64 * MOST_RAISED) as u64;
+    let next = |n: &u64| (*n < most).then_some((*n as f64 * STEP).ceil() as u64 + 1);
+    std::iter::successors(Some(planned), next).find(|n| decides(*n))
+}
+
+/// The belief after `extra` more trials at the same rate and with the same clustering.
+fn extended(belief: &Belief, extra: u64) -> Belief {
+    let Belief::Counts { sample, effective } = belief else {
+        return belief.clone();
+    };
+    let trials = sample.trials.saturating_add(extra);
+    let growth = trials as f64 / sample.trials as f64;
+    let successes = ((sample.successes as f64 * growth).round() as u64).min(trials);
+    let more = Sample { successes, trials };
+    match EffectiveSample::at_size(more, effective.trials * growth) {
+        Ok(effective) => Belief::Counts {
+            sample: more,
+            effective,
+        },
+        Err(_) => belief.clone(),
     }
 }
 

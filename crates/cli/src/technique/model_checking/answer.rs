@@ -92,7 +92,11 @@ pub fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnsw
             Guarantee::Bounded {
                 // One step outwards each: the divisions round.
                 low: (low / opportunity_high).next_down().max(0.0),
-                high: (high / opportunity_low).next_up(),
+                high: if high > 0.0 {
+                    (high / opportunity_low).next_up()
+                } else {
+                    0.0
+                },
             }
         }
         _ => Guarantee::Estimated {
