@@ -340,7 +340,10 @@ impl<'a> Ledger<'a> {
         Discrepancy {
             inaccuracy: Inaccuracy::RequirementModel,
             title: if touched.len() > 1 {
-                format!("Requirement {requirement} conflicts because of what its monitor reads")
+                format!(
+                    "Requirement {requirement} conflicts because of what its monitor reads; {}, it does not",
+                    in_lower_case(meaning)
+                )
             } else {
                 format!("Requirement {requirement} has two readings with different verdicts")
             },
@@ -578,6 +581,15 @@ fn readings_in_words(finding: &Finding, reading: &Reading) -> String {
     )
 }
 
+/// A sentence as part of another.
+fn in_lower_case(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    match letters.next() {
+        Some(first) => first.to_lowercase().chain(letters).collect(),
+        None => String::new(),
+    }
+}
+
 fn name_of(subject: &Subject) -> String {
     match subject {
         Subject::Requirement(id) => format!("requirement {id}"),
@@ -604,6 +616,7 @@ fn reasons(odd: &OddOneOut) -> String {
     match reasons.as_slice() {
         [] => String::new(),
         [only] => (*only).to_owned(),
+        [first, _] => format!("{first} Likewise the other."),
         [first, rest @ ..] => format!("{first} Likewise the {} others.", rest.len()),
     }
 }
