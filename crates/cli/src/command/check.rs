@@ -6,7 +6,7 @@ use crate::args::{Check, Format};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
-use crate::technique::model_checking::warning_line;
+use crate::technique::model_checking::{sharp_complement, warning_line};
 use checker::state_space::StateSpace;
 use checker::{Answer, AnswerValue, Guarantee, Options};
 use prism_lang::{Constants, NamedProperty, Rational, resolved};
@@ -335,7 +335,7 @@ fn fill(report: &mut PropertyReport, answer: Answer) {
     };
     report.result = Some(result);
     report.value = value;
-    report.complement = answer.complement;
+    report.complement = sharp_complement(&answer);
     report.iterations = answer.iterations;
     report.notes = answer.notes;
     let guarantee = match answer.guarantee {

@@ -12,7 +12,7 @@
 mod answer;
 mod uncertainty;
 
-pub use answer::explore;
+pub use answer::{explore, sharp_complement};
 
 use super::Produced;
 use crate::problem::{Problem, Source};

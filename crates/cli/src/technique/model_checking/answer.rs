@@ -60,7 +60,7 @@ pub fn answer(
     Ok(MethodAnswer {
         method: method.name().to_owned(),
         value,
-        complement: answer.complement,
+        complement: sharp_complement(&answer),
         guarantee: match &answer.guarantee {
             checker::Guarantee::Exact => Guarantee::Exact {
                 rational: rational.filter(|text| text.len() <= 60),
@@ -79,6 +79,18 @@ pub fn answer(
         iterations: (answer.iterations > 0).then_some(answer.iterations),
     })
 }
+
+/// One minus the probability, unless its bounds are so far apart that its digits
+/// mean nothing.
+pub fn sharp_complement(answer: &checker::Answer) -> Option<f64> {
+    match answer.complement_bounds {
+        Some((low, high)) if high - low > low * SHARP => None,
+        _ => answer.complement,
+    }
+}
+
+/// Relative width up to which a complement is shown.
+const SHARP: f64 = 1e-3;
 
 /// The quotient of two probabilities, with the bounds that theirs imply.
 pub fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnswer {
