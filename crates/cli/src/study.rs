@@ -32,6 +32,8 @@ pub struct Study {
     pub folder: PathBuf,
     /// `study.toml`.
     pub about: About,
+    /// The file that holds it.
+    pub about_source: Source,
     /// What is required, in the order of the file.
     pub requirements: Vec<Requirement>,
     /// What can go wrong, in the order of the file.
@@ -77,13 +79,14 @@ impl Study {
                     .remedy("name a study's folder, or make one with `corroborate init FOLDER`"),
             );
         }
-        let about = read_about(folder)?;
+        let (about, about_source) = read_about(folder)?;
         let vocabulary = Vocabulary::load(folder)?;
         let (requirements, failure_modes, forms) = requirements::load(folder, &vocabulary)?;
         let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
         Ok(Self {
             folder: folder.to_owned(),
             about,
+            about_source,
             requirements,
             failure_modes,
             forms,
@@ -106,7 +109,7 @@ impl Study {
     }
 }
 
-fn read_about(folder: &Path) -> Result<About, Problem> {
+fn read_about(folder: &Path) -> Result<(About, Source), Problem> {
     let path = folder.join("study.toml");
     if !path.exists() {
         return Err(Problem::new(
@@ -132,5 +135,5 @@ fn read_about(folder: &Path) -> Result<About, Problem> {
             .remedy("choose a level between 0.5 and 1, for example 0.95"));
         }
     }
-    Ok(about)
+    Ok((about, source))
 }

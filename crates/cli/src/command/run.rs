@@ -5,7 +5,7 @@ use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Run};
 use crate::corroboration::{self, Piece};
 use crate::outcome::Outcome;
-use crate::problem::{Problem, Source, did_you_mean};
+use crate::problem::{Problem, did_you_mean};
 use crate::store::{Inputs, Store, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::Tables;
@@ -13,6 +13,7 @@ use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::simulation::{self, Campaign};
 use crate::technique::{self, Produced};
 use evidence::{AssetRole, Measure, StudyResult};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// What an entry needs, read and checked before anything runs.
@@ -33,6 +34,13 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         study.entry(id)?;
     }
     let prepared = prepare(&study, setting)?;
+    // Hashed before anything runs, so that an edit meanwhile is not taken for
+    // what was run.
+    let assets = study
+        .ledger
+        .iter()
+        .map(|entry| Ok((entry.id.as_str(), assets(&study, entry)?)))
+        .collect::<Result<BTreeMap<_, _>, Problem>>()?;
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
     let store = Store::open(&folder)?;
     let runner = Runner {
@@ -40,6 +48,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         store: &store,
         setting,
         program: program_hash()?,
+        assets,
     };
     let mut pieces: Vec<Piece> = Vec::new();
     let mut skipped: Vec<(&str, Problem)> = Vec::new();
@@ -62,7 +71,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     if !arguments.only.is_empty() {
         return only_some(&pieces, arguments.format);
     }
-    let inputs = runner.study_inputs(&pieces)?;
+    let inputs = runner.study_inputs(&pieces);
     let result = match runner.store.fresh::<StudyResult>(STUDY, &inputs) {
         Some(result) => {
             setting.talk.say("nothing has changed since the last run");
@@ -189,6 +198,8 @@ struct Runner<'a> {
     store: &'a Store,
     setting: &'a Setting,
     program: String,
+    /// What each entry rests on.
+    assets: BTreeMap<&'a str, Vec<evidence::Asset>>,
 }
 
 impl Runner<'_> {
@@ -334,7 +345,11 @@ impl Runner<'_> {
         } else {
             "kept".into()
         };
-        let assets = assets(self.study, entry)?;
+        let assets = self
+            .assets
+            .get(entry.id.as_str())
+            .cloned()
+            .unwrap_or_default();
         let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
         if let Prepared::Check(compiled) = prepared {
             piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), before);
@@ -347,23 +362,24 @@ impl Runner<'_> {
     }
 
     /// The hash of everything that comparing and concluding depend on.
-    fn study_inputs(&self, pieces: &[Piece]) -> Result<String, Problem> {
+    fn study_inputs(&self, pieces: &[Piece]) -> String {
         let mut inputs = Inputs::default();
         inputs.add("program", self.program.as_bytes());
         for piece in pieces {
             inputs.add(&piece.evidence.id, piece.evidence.inputs.as_bytes());
             inputs.add_json("cost", &piece.cost);
         }
-        for name in [
-            "study.toml",
-            "requirements.toml",
-            "vocabulary.toml",
-            "ledger.toml",
+        // The texts that were loaded: the files may have been edited since.
+        let study = self.study;
+        for source in [
+            &study.about_source,
+            &study.forms.source,
+            &study.vocabulary.source,
+            &study.ledger_source,
         ] {
-            let source = Source::read(&self.study.folder.join(name))?;
-            inputs.add(name, source.text.as_bytes());
+            inputs.add("file", source.text.as_bytes());
         }
-        Ok(inputs.hash())
+        inputs.hash()
     }
 
     fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {
