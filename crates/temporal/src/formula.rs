@@ -48,6 +48,7 @@ mod lexer;
 mod parser;
 mod print;
 mod report;
+pub mod semantics;
 mod settings;
 
 pub use ast::{AtomId, Bound, Formula, Interval, MAX_BOUND, TimeUnit, Window};
