@@ -1,0 +1,108 @@
+//! Publishing into a DDS domain.
+
+use super::raw::{RawAdapter, without_header};
+use super::{DdsOptions, join, names, quality, stamp};
+use crate::{Durability, LiveError, Outgoing, PublicationId, Publisher, Qos, Reliability};
+use rustdds::no_key::DataWriter;
+use rustdds::{DomainParticipant, QosPolicyBuilder, TopicKind};
+
+/// How many messages of a topic are kept for readers that missed them.
+const SAMPLES_KEPT: i32 = 1024;
+
+/// A participant that publishes. Messages are sent reliably to readers that ask for it, with the publisher's stamps.
+pub struct DdsPublisher {
+    publisher: rustdds::Publisher,
+    participant: DomainParticipant,
+    writers: Vec<(String, DataWriter<Vec<u8>, RawAdapter>)>,
+}
+
+impl DdsPublisher {
+    /// Joins the domain in order to publish. The options' queue is not used.
+    ///
+    /// # Errors
+    /// As [`connect`](super::connect).
+    pub fn new(options: &DdsOptions) -> Result<Self, LiveError> {
+        let participant = join(options)?;
+        let publisher = participant
+            .create_publisher(&QosPolicyBuilder::new().build())
+            .map_err(|error| LiveError::Transport(error.to_string()))?;
+        Ok(Self {
+            publisher,
+            participant,
+            writers: Vec::new(),
+        })
+    }
+
+    /// How many readers of other participants there are for the topic called `name`.
+    pub fn readers(&self, name: &str) -> usize {
+        let dds_name = names::dds_topic(name);
+        let readers = self.participant.discovered_readers();
+        readers
+            .iter()
+            .filter(|reader| *reader.subscription_topic_data.topic_name() == dds_name)
+            .count()
+    }
+}
+
+impl Publisher for DdsPublisher {
+    fn advertise(&mut self, topic: &Outgoing) -> Result<PublicationId, LiveError> {
+        if topic.encoding != "cdr" {
+            return Err(LiveError::Unsupported(format!(
+                "{} cannot be published over DDS as {}: DDS carries cdr",
+                topic.name, topic.encoding
+            )));
+        }
+        let policies = quality::policies(offered(topic.latched), false, SAMPLES_KEPT);
+        let dds_type = names::dds_type(&topic.type_name);
+        let writer = self
+            .participant
+            .create_topic(
+                names::dds_topic(&topic.name),
+                dds_type,
+                &policies,
+                TopicKind::NoKey,
+            )
+            .and_then(|made| {
+                self.publisher
+                    .create_datawriter_no_key(&made, Some(policies))
+            })
+            .map_err(|error| LiveError::Transport(error.to_string()))?;
+        self.writers.push((topic.name.clone(), writer));
+        Ok(PublicationId(self.writers.len() - 1))
+    }
+
+    fn publish(
+        &mut self,
+        publication: PublicationId,
+        publish_nanos: i64,
+        data: &[u8],
+    ) -> Result<(), LiveError> {
+        let Some((name, writer)) = self.writers.get(publication.0) else {
+            return Err(LiveError::Option(
+                "this publication is of another publisher".to_owned(),
+            ));
+        };
+        let message = without_header(data).ok_or_else(|| {
+            LiveError::Encoding(format!(
+                "a message on {name} does not begin with the header 00 01 of little-endian CDR"
+            ))
+        })?;
+        writer
+            .write(message.to_vec(), stamp::stamp(publish_nanos))
+            .map_err(|error| LiveError::Send {
+                topic: name.clone(),
+                reason: error.to_string(),
+            })
+    }
+}
+
+fn offered(latched: bool) -> Qos {
+    Qos {
+        reliability: Reliability::Reliable,
+        durability: if latched {
+            Durability::TransientLocal
+        } else {
+            Durability::Volatile
+        },
+    }
+}

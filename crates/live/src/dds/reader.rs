@@ -1,0 +1,184 @@
+//! The reader of one topic.
+
+use super::quality;
+use super::raw::RawAdapter;
+use super::sequence::{Numbered, Numbers};
+use super::stamp::unix_nanos;
+use crate::stream::Outlet;
+use crate::{Event, LossCause, Message, Qos, Topic};
+use rustdds::dds::CreateError;
+use rustdds::dds::result::ReadError;
+use rustdds::mio1;
+use rustdds::no_key::{DeserializedCacheChange, SimpleDataReader};
+use rustdds::{DomainParticipant, GUID, QosPolicyBuilder, Subscriber, TopicKind};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// How many messages of a topic are taken before those of other topics get their turn.
+const TAKEN_AT_ONCE: usize = 1024;
+
+/// A message as the stack hands it out.
+pub(super) type Sample = DeserializedCacheChange<Vec<u8>>;
+
+/// What a reader is made for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Wanted {
+    pub(super) dds_name: String,
+    pub(super) dds_type: String,
+    pub(super) type_name: String,
+    pub(super) qos: Qos,
+    pub(super) exclusive: bool,
+}
+
+/// A topic that is listened to.
+pub(super) struct Listened {
+    pub(super) topic: Arc<Topic>,
+    pub(super) wanted: Wanted,
+    pub(super) writers: BTreeSet<GUID>,
+    /// Since when nobody publishes it, in nanoseconds on the source's clock.
+    pub(super) away_since_nanos: Option<i64>,
+    reader: SimpleDataReader<Vec<u8>, RawAdapter>,
+    numbers: Numbers<GUID>,
+    /// Messages that were not understood and whose numbers will therefore be missing.
+    undecodable: u64,
+}
+
+/// Makes the stack's reader.
+pub(super) fn make_reader(
+    participant: &DomainParticipant,
+    subscriber: &Subscriber,
+    wanted: &Wanted,
+) -> Result<SimpleDataReader<Vec<u8>, RawAdapter>, CreateError> {
+    let samples = quality::samples_kept(&wanted.type_name);
+    let policies = quality::policies(wanted.qos, wanted.exclusive, samples);
+    let topic = participant.create_topic(
+        wanted.dds_name.clone(),
+        wanted.dds_type.clone(),
+        &QosPolicyBuilder::new().build(),
+        TopicKind::NoKey,
+    )?;
+    subscriber.create_simple_datareader_no_key(&topic, Some(policies))
+}
+
+impl Listened {
+    pub(super) fn new(
+        topic: Arc<Topic>,
+        wanted: Wanted,
+        reader: SimpleDataReader<Vec<u8>, RawAdapter>,
+    ) -> Self {
+        Self {
+            topic,
+            wanted,
+            writers: BTreeSet::new(),
+            away_since_nanos: None,
+            reader,
+            numbers: Numbers::new(),
+            undecodable: 0,
+        }
+    }
+
+    /// Replaces the reader by one with another quality of service. The numbers stay, so what both would hand out is
+    /// handed out once, and what neither gets is counted.
+    pub(super) fn replace(
+        &mut self,
+        wanted: Wanted,
+        reader: SimpleDataReader<Vec<u8>, RawAdapter>,
+    ) {
+        self.wanted = wanted;
+        self.reader = reader;
+    }
+
+    pub(super) fn register(
+        &mut self,
+        registry: &mio1::Registry,
+        token: mio1::Token,
+    ) -> std::io::Result<()> {
+        registry.register(&mut self.reader, token, mio1::Interest::READABLE)
+    }
+
+    /// Takes what has arrived into `samples`, with `index` to know them by. True if more may wait.
+    pub(super) fn take(
+        &mut self,
+        index: usize,
+        samples: &mut Vec<(usize, Sample)>,
+        outlet: &Outlet,
+    ) -> Result<bool, ReadError> {
+        self.reader.drain_read_notifications();
+        for _ in 0..TAKEN_AT_ONCE {
+            match self.reader.try_take_one() {
+                Ok(Some(sample)) => samples.push((index, sample)),
+                Ok(None) => return Ok(false),
+                Err(ReadError::Deserialization { .. } | ReadError::UnknownKey { .. }) => {
+                    self.undecodable += 1;
+                    self.tell_lost(1, LossCause::Undecodable, outlet);
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(true)
+    }
+
+    /// Checks a message's number and hands it out.
+    pub(super) fn hand_out(&mut self, sample: Sample, outlet: &Outlet) {
+        let sequence = i64::from(sample.sequence_number);
+        match self.numbers.note(sample.writer_guid, sequence) {
+            Numbered::Repeated => return,
+            Numbered::Next => {}
+            Numbered::First { sent_before } => outlet.queue.push_event(Event::PublisherJoined {
+                topic: self.topic.clone(),
+                sent_before,
+            }),
+            Numbered::After { missing } => {
+                let told = missing.min(self.undecodable);
+                self.undecodable -= told;
+                if missing > told {
+                    self.tell_lost(missing - told, LossCause::Transport, outlet);
+                }
+            }
+        }
+        let clock = &outlet.queue.clock;
+        let arrived = unix_nanos(sample.receive_instant);
+        outlet.queue.push_message(Message {
+            topic: self.topic.clone(),
+            publish_nanos: sample.source_timestamp().and_then(unix_nanos),
+            received_nanos: arrived.map_or_else(
+                || clock.now_nanos(),
+                |nanos| clock.from_recent_wall_stamp(nanos),
+            ),
+            sequence: Some(sequence),
+            data: sample.into_value(),
+        });
+    }
+
+    fn tell_lost(&self, count: u64, cause: LossCause, outlet: &Outlet) {
+        outlet.queue.push_event(Event::Lost {
+            topic: Some(self.topic.clone()),
+            count,
+            cause,
+        });
+    }
+
+    /// Takes note of the writers that are there now, and says if all are gone or some are back.
+    pub(super) fn note_writers(&mut self, present: BTreeSet<GUID>, outlet: &Outlet) {
+        let now = outlet.queue.clock.now_nanos();
+        match (present.is_empty(), self.away_since_nanos) {
+            (true, None) => {
+                self.away_since_nanos = Some(now);
+                outlet.queue.push_event(Event::Disconnected {
+                    topic: Some(self.topic.clone()),
+                    reason: "nobody publishes it any more".to_owned(),
+                });
+            }
+            (false, Some(since)) => {
+                self.away_since_nanos = None;
+                outlet.queue.push_event(Event::Reconnected {
+                    topic: Some(self.topic.clone()),
+                    away_nanos: now - since,
+                });
+            }
+            _ => {}
+        }
+        self.numbers.forget_gone(&present);
+        self.writers = present;
+    }
+}

@@ -1,0 +1,30 @@
+//! Attach to a running system without installing its software.
+//!
+//! A running robot is listened to over **DDS** (ROS 2, [`dds`]) or a **Foxglove WebSocket** ([`foxglove`]). Both give
+//! a [`Source`]: one stream of raw messages, each with its topic, the publisher's time and the time of arrival, and of
+//! events: topics that appear, messages that were lost, connections that broke and came back. Nothing is decoded here.
+//!
+//! The way back is a [`Publisher`]; a [`Bridge`] joins both, so that a robot's part runs in the loop with a simulated
+//! rest: some topics come from outside, some from the test bench, paced by the wall clock, all in one stream.
+
+mod bridge;
+mod clock;
+pub mod dds;
+mod error;
+pub mod foxglove;
+mod pace;
+mod publish;
+mod queue;
+mod source;
+mod stream;
+mod topic;
+
+pub use bridge::Bridge;
+pub use clock::Clock;
+pub use error::LiveError;
+pub use pace::{Pacer, Punctuality};
+pub use publish::{Outgoing, PublicationId, Publisher};
+pub use queue::QueueLimits;
+pub use source::{Event, Incoming, LossCause, Message, Source, Totals};
+pub use stream::LiveStream;
+pub use topic::{Durability, Origin, Qos, Reliability, SchemaText, Topic, TopicFilter};
