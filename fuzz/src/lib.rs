@@ -106,19 +106,19 @@ pub fn predicate(bytes: &[u8]) {
 
 /// Reads a recording; what could be read is written, and comes back the same.
 pub fn mcap(bytes: &[u8]) {
-    let Ok(outcome) = trace::from_mcap(bytes) else {
+    let Ok(outcome) = recording::from_mcap(bytes) else {
         return;
     };
     // What a foreign file holds may be more than we write (infinite numbers, names without a slash).
-    let Ok(written) = trace::to_mcap(&outcome.trace) else {
+    let Ok(written) = recording::to_mcap(&outcome.trace) else {
         return;
     };
-    let again = trace::from_mcap(&written).expect("what we write, we read");
+    let again = recording::from_mcap(&written).expect("what we write, we read");
     assert_eq!(
         again.complete, outcome.trace.complete,
         "whether it was cut short is kept"
     );
-    let rewritten = trace::to_mcap(&again.trace).expect("what we read, we write");
+    let rewritten = recording::to_mcap(&again.trace).expect("what we read, we write");
     assert!(written == rewritten, "writing again gives other bytes");
 }
 

@@ -1,4 +1,4 @@
-//! Timed signals: read, write, resample, evaluate predicates.
+//! Timed signals: hold, resample, evaluate predicates.
 //!
 //! A [`Trace`] is what a run of a system left behind: for each topic a [`Channel`] with named
 //! [`Field`]s (unit, frame, kind) and rows of values over time. It comes from a simulation, which
@@ -7,7 +7,6 @@
 //! | what | how |
 //! |---|---|
 //! | record | [`Trace::add_channel`], [`Channel::push`] |
-//! | MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 //! | CSV tables of signals | [`read_csv_trace`] |
 //! | CSV tables of anything | [`Table`] |
 //! | values at a time, with zero-order hold | [`Cursor`] |
@@ -23,7 +22,7 @@
 //! # Example
 //! A robot is recorded, and afterwards asked whether it was slow near the human.
 //! ```
-//! use trace::{Field, Sampling, Trace, Valuations, Vocabulary, from_mcap, to_mcap};
+//! use trace::{Field, Sampling, Trace, Valuations, Vocabulary};
 //!
 //! // A simulation records rows; a topic has its own rate.
 //! let mut trace = Trace::new();
@@ -42,11 +41,6 @@
 //!     }
 //! }
 //!
-//! // It goes to a file and comes back as it was.
-//! let outcome = from_mcap(&to_mcap(&trace)?)?;
-//! assert!(outcome.complete);
-//! assert_eq!(outcome.trace, trace);
-//!
 //! // Propositions are defined once, looked up in the trace once, and then evaluated at each tick.
 //! let vocabulary = Vocabulary::new([
 //!     ("near", "/human.distance < 0.1"),
@@ -61,12 +55,11 @@
 //! # Speed
 //! On one core of a server, for a minute of two topics at 100 Hz and one at 10 Hz, 27 fields most
 //! of which hold random digits, 12,600 rows: recording 1 ms; evaluating 11 propositions at 20 Hz
-//! 0.25 ms; writing MCAP about 40 ms, two thirds of it formatting numbers; reading it about 20 ms.
+//! 0.25 ms.
 
 mod channel;
 mod csv_trace;
 mod file;
-mod mcap_file;
 mod predicate;
 mod sampling;
 mod signal;
@@ -77,9 +70,6 @@ mod vocabulary;
 pub use channel::{Channel, Field, FieldKind, TraceError};
 pub use csv_trace::{CsvTraceError, read_csv_trace, trace_of_table};
 pub use file::{FileError, read_file, read_text, write_file};
-pub use mcap_file::{
-    ReadError, ReadOutcome, ReadProblem, WriteError, from_mcap, read_mcap, to_mcap, write_mcap,
-};
 pub use predicate::{
     BoundPredicate, BoundQuantity, Predicate, PredicateError, PredicateErrorKind, Quantity,
 };

@@ -172,8 +172,8 @@ fn read(path: &Path) -> Result<(Trace, Option<String>), Problem> {
             .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
         return Ok((trace, None));
     }
-    let outcome =
-        trace::read_mcap(path).map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+    let outcome = recording::read_mcap(path)
+        .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
     Ok((outcome.trace, outcome.lost))
 }
 

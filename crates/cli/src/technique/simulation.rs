@@ -122,7 +122,7 @@ impl Campaign {
                         Some(trace) => trace,
                         None => {
                             let trace = self.simulate(world, seeds.of(number), interrupt)?;
-                            trace::write_mcap(&path, &trace).map_err(write_problem)?;
+                            recording::write_mcap(&path, &trace).map_err(write_problem)?;
                             trace
                         }
                     };
@@ -389,12 +389,16 @@ fn scenario_problem(source: &Source, error: &ScenarioError) -> Problem {
 fn recorded(path: &Path, seed: u64) -> Option<Trace> {
     // A recording that is missing, damaged, cut short or of another episode is
     // made again.
-    let trace = path.exists().then(|| trace::read_mcap(path))?.ok()?.trace;
+    let trace = path
+        .exists()
+        .then(|| recording::read_mcap(path))?
+        .ok()?
+        .trace;
     let is_ours = trace.metadata.get("seed") == Some(&seed.to_string());
     (trace.complete && is_ours).then_some(trace)
 }
 
-fn write_problem(error: trace::WriteError) -> Problem {
+fn write_problem(error: recording::TraceWriteError) -> Problem {
     Problem::data_lost("cannot-record", error.to_string())
         .remedy("make room on the disk or choose another folder, and run the command again")
 }

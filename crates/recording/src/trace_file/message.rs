@@ -7,7 +7,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Vis
 
 use super::TIME_ENTRY;
 use super::schema::Shape;
-use crate::channel::{Field, FieldKind};
+use trace::{Field, FieldKind};
 
 /// A message to be read, with the row that takes its values.
 pub(super) struct Message<'a> {

@@ -10,16 +10,16 @@ use mcap::{Compression, McapError, WriteOptions, Writer};
 
 use super::schema::{Shape, quoted, schema_text};
 use super::{FORMAT, METADATA_RECORD, TIME_ENTRY, TRACE_RECORD, nanos_of_secs, secs_of_nanos};
-use crate::channel::{Channel, FieldKind, TraceError};
-use crate::file::{FileError, write_file};
-use crate::signal::Trace;
+use trace::Trace;
+use trace::{Channel, FieldKind, TraceError};
+use trace::{FileError, write_file};
 
 /// Size of a chunk before compression, in bytes; what a damaged place can cost.
 const CHUNK_BYTES: u64 = 256 * 1024;
 
 /// Why a trace could not be written.
 #[derive(Debug)]
-pub enum WriteError {
+pub enum TraceWriteError {
     /// The trace is not well-formed.
     Trace(TraceError),
     /// The trace has more topics, or more text, than the format can hold.
@@ -28,57 +28,57 @@ pub enum WriteError {
     File(FileError),
 }
 
-impl fmt::Display for WriteError {
+impl fmt::Display for TraceWriteError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            WriteError::Trace(error) => write!(out, "the trace cannot be written: {error}"),
-            WriteError::Format(problem) => {
+            TraceWriteError::Trace(error) => write!(out, "the trace cannot be written: {error}"),
+            TraceWriteError::Format(problem) => {
                 write!(
                     out,
                     "the trace does not fit into an MCAP file: {problem}; split it"
                 )
             }
-            WriteError::File(error) => error.fmt(out),
+            TraceWriteError::File(error) => error.fmt(out),
         }
     }
 }
 
-impl std::error::Error for WriteError {
+impl std::error::Error for TraceWriteError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
-            WriteError::Trace(error) => Some(error),
-            WriteError::Format(_) => None,
-            WriteError::File(error) => Some(error),
+            TraceWriteError::Trace(error) => Some(error),
+            TraceWriteError::Format(_) => None,
+            TraceWriteError::File(error) => Some(error),
         }
     }
 }
 
-impl From<McapError> for WriteError {
+impl From<McapError> for TraceWriteError {
     fn from(error: McapError) -> Self {
-        WriteError::Format(error.to_string())
+        TraceWriteError::Format(error.to_string())
     }
 }
 
 /// Writes `trace` to the file at `path`, which appears complete or not at all.
 ///
 /// # Errors
-/// [`WriteError`] if the trace is not well-formed or the file cannot be written.
-pub fn write_mcap(path: &Path, trace: &Trace) -> Result<(), WriteError> {
-    write_file(path, &to_mcap(trace)?).map_err(WriteError::File)
+/// [`TraceWriteError`] if the trace is not well-formed or the file cannot be written.
+pub fn write_mcap(path: &Path, trace: &Trace) -> Result<(), TraceWriteError> {
+    write_file(path, &to_mcap(trace)?).map_err(TraceWriteError::File)
 }
 
 /// The bytes of `trace` as an MCAP file; the same trace always gives the same bytes.
 ///
 /// # Errors
-/// [`WriteError`] if the trace is not well-formed or has more than 65535 topics.
-pub fn to_mcap(trace: &Trace) -> Result<Vec<u8>, WriteError> {
-    trace.validate().map_err(WriteError::Trace)?;
+/// [`TraceWriteError`] if the trace is not well-formed or has more than 65535 topics.
+pub fn to_mcap(trace: &Trace) -> Result<Vec<u8>, TraceWriteError> {
+    trace.validate().map_err(TraceWriteError::Trace)?;
     if trace
         .channels
         .iter()
         .any(|channel| channel.field_index(TIME_ENTRY).is_some())
     {
-        return Err(WriteError::Trace(TraceError::BadName {
+        return Err(TraceWriteError::Trace(TraceError::BadName {
             name: TIME_ENTRY.to_owned(),
             problem: "is the name of a field, but stands for the exact time in files; rename it",
         }));
@@ -101,7 +101,7 @@ pub fn to_mcap(trace: &Trace) -> Result<Vec<u8>, WriteError> {
 
 type Output = Writer<Cursor<Vec<u8>>>;
 
-fn write_metadata(writer: &mut Output, trace: &Trace) -> Result<(), WriteError> {
+fn write_metadata(writer: &mut Output, trace: &Trace) -> Result<(), TraceWriteError> {
     let about = BTreeMap::from([
         ("format".to_owned(), FORMAT.to_owned()),
         ("complete".to_owned(), trace.complete.to_string()),
@@ -119,10 +119,11 @@ fn write_metadata(writer: &mut Output, trace: &Trace) -> Result<(), WriteError> 
 }
 
 /// Writes the schemas and channels and returns the identifiers of the channels.
-fn write_channels(writer: &mut Output, trace: &Trace) -> Result<Vec<u16>, WriteError> {
+fn write_channels(writer: &mut Output, trace: &Trace) -> Result<Vec<u16>, TraceWriteError> {
     let mut ids = Vec::with_capacity(trace.channels.len());
     for channel in &trace.channels {
-        let text = schema_text(channel).map_err(|error| WriteError::Format(error.to_string()))?;
+        let text =
+            schema_text(channel).map_err(|error| TraceWriteError::Format(error.to_string()))?;
         let schema = writer.add_schema(&channel.topic, "jsonschema", text.as_bytes())?;
         ids.push(writer.add_channel(schema, &channel.topic, "json", &BTreeMap::new())?);
     }
@@ -132,7 +133,7 @@ fn write_channels(writer: &mut Output, trace: &Trace) -> Result<Vec<u16>, WriteE
 }
 
 /// Writes all rows in order of time, and for equal times of channel.
-fn write_messages(writer: &mut Output, trace: &Trace, ids: &[u16]) -> Result<(), WriteError> {
+fn write_messages(writer: &mut Output, trace: &Trace, ids: &[u16]) -> Result<(), TraceWriteError> {
     let shapes: Vec<Shape> = trace
         .channels
         .iter()

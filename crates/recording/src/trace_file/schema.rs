@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::{Deserialize, Serialize};
 
 use super::TIME_ENTRY;
-use crate::channel::{Channel, Field, FieldKind};
+use trace::{Channel, Field, FieldKind};
 
 /// The part of the schema that is our own.
 #[derive(Serialize, Deserialize)]

@@ -11,9 +11,9 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use super::message::Message;
 use super::schema::{SchemaText, Shape};
 use super::{FORMAT, METADATA_RECORD, TRACE_RECORD, secs_of_nanos};
-use crate::channel::{Channel, Field, TraceError};
-use crate::file::{FileError, read_file};
-use crate::signal::Trace;
+use trace::Trace;
+use trace::{Channel, Field, TraceError};
+use trace::{FileError, read_file};
 
 /// The largest record or chunk that is read, in bytes. It bounds what a damaged length can cost.
 const RECORD_LIMIT_BYTES: usize = 512 * 1024 * 1024;
@@ -32,16 +32,16 @@ pub struct ReadOutcome {
 
 /// A recording cannot be read.
 #[derive(Debug)]
-pub struct ReadError {
+pub struct TraceReadError {
     /// The file, if it was read from one.
     pub path: Option<PathBuf>,
     /// What is wrong.
-    pub problem: ReadProblem,
+    pub problem: TraceReadProblem,
 }
 
 /// What is wrong with a recording.
 #[derive(Debug)]
-pub enum ReadProblem {
+pub enum TraceReadProblem {
     /// The file cannot be opened or read.
     File(FileError),
     /// There are no bytes.
@@ -79,9 +79,9 @@ pub enum ReadProblem {
     Trace(TraceError),
 }
 
-impl fmt::Display for ReadError {
+impl fmt::Display for TraceReadError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let ReadProblem::File(error) = &self.problem {
+        if let TraceReadProblem::File(error) = &self.problem {
             return error.fmt(out);
         }
         match &self.path {
@@ -92,34 +92,34 @@ impl fmt::Display for ReadError {
     }
 }
 
-impl fmt::Display for ReadProblem {
+impl fmt::Display for TraceReadProblem {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            ReadProblem::File(error) => error.fmt(out),
-            ReadProblem::Empty => out.write_str("it is empty; record it again"),
-            ReadProblem::NotMcap => {
+            TraceReadProblem::File(error) => error.fmt(out),
+            TraceReadProblem::Empty => out.write_str("it is empty; record it again"),
+            TraceReadProblem::NotMcap => {
                 out.write_str("it is not an MCAP file; give a recording that ends in .mcap")
             }
-            ReadProblem::NothingLeft(problem) => write!(
+            TraceReadProblem::NothingLeft(problem) => write!(
                 out,
                 "{problem}, before its first topic; copy it again from where it was made"
             ),
-            ReadProblem::Version(version) => write!(
+            TraceReadProblem::Version(version) => write!(
                 out,
                 "it has layout version \"{version}\", and this program knows version {FORMAT}; \
                  use the program that wrote it, or a later one"
             ),
-            ReadProblem::Encoding { topic, encoding } => write!(
+            TraceReadProblem::Encoding { topic, encoding } => write!(
                 out,
                 "encoding \"{encoding}\" of topic {topic} is not readable yet; convert the \
                  recording to JSON messages or to a CSV table"
             ),
-            ReadProblem::Undescribed { topic } => write!(
+            TraceReadProblem::Undescribed { topic } => write!(
                 out,
                 "topic {topic} has no description of its fields (\"x-corroborate\" in its JSON \
                  schema), and such topics are not readable yet; convert the recording to a CSV table"
             ),
-            ReadProblem::Message {
+            TraceReadProblem::Message {
                 topic,
                 row,
                 problem,
@@ -128,17 +128,19 @@ impl fmt::Display for ReadProblem {
                 "message {row} of topic {topic} does not fit the topic's schema: {problem}; \
                  record it again"
             ),
-            ReadProblem::Stray => out.write_str("a message belongs to no topic; record it again"),
-            ReadProblem::Trace(error) => error.fmt(out),
+            TraceReadProblem::Stray => {
+                out.write_str("a message belongs to no topic; record it again")
+            }
+            TraceReadProblem::Trace(error) => error.fmt(out),
         }
     }
 }
 
-impl std::error::Error for ReadError {
+impl std::error::Error for TraceReadError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match &self.problem {
-            ReadProblem::File(error) => Some(error),
-            ReadProblem::Trace(error) => Some(error),
+            TraceReadProblem::File(error) => Some(error),
+            TraceReadProblem::Trace(error) => Some(error),
             _ => None,
         }
     }
@@ -147,33 +149,33 @@ impl std::error::Error for ReadError {
 /// Reads the recording at `path`, or what can be recovered of it.
 ///
 /// # Errors
-/// [`ReadError`] if there is nothing to recover, or it is not a recording that can be read.
-pub fn read_mcap(path: &Path) -> Result<ReadOutcome, ReadError> {
-    let error = |problem| ReadError {
+/// [`TraceReadError`] if there is nothing to recover, or it is not a recording that can be read.
+pub fn read_mcap(path: &Path) -> Result<ReadOutcome, TraceReadError> {
+    let error = |problem| TraceReadError {
         path: Some(path.to_owned()),
         problem,
     };
-    let bytes = read_file(path).map_err(|source| error(ReadProblem::File(source)))?;
+    let bytes = read_file(path).map_err(|source| error(TraceReadProblem::File(source)))?;
     read(&bytes).map_err(error)
 }
 
 /// Reads a recording from the bytes of an MCAP file.
 ///
 /// # Errors
-/// [`ReadError`] if there is nothing to recover, or it is not a recording that can be read.
-pub fn from_mcap(bytes: &[u8]) -> Result<ReadOutcome, ReadError> {
-    read(bytes).map_err(|problem| ReadError {
+/// [`TraceReadError`] if there is nothing to recover, or it is not a recording that can be read.
+pub fn from_mcap(bytes: &[u8]) -> Result<ReadOutcome, TraceReadError> {
+    read(bytes).map_err(|problem| TraceReadError {
         path: None,
         problem,
     })
 }
 
-fn read(bytes: &[u8]) -> Result<ReadOutcome, ReadProblem> {
+fn read(bytes: &[u8]) -> Result<ReadOutcome, TraceReadProblem> {
     if bytes.is_empty() {
-        return Err(ReadProblem::Empty);
+        return Err(TraceReadProblem::Empty);
     }
     if !bytes.starts_with(mcap::MAGIC) {
-        return Err(ReadProblem::NotMcap);
+        return Err(TraceReadProblem::NotMcap);
     }
     let mut builder = Builder::default();
     let lost = match feed(bytes, &mut builder) {
@@ -184,7 +186,7 @@ fn read(bytes: &[u8]) -> Result<ReadOutcome, ReadProblem> {
     let mut trace = builder.trace;
     if let Some(problem) = lost {
         if trace.channels.is_empty() {
-            return Err(ReadProblem::NothingLeft(problem));
+            return Err(TraceReadProblem::NothingLeft(problem));
         }
         trace.complete = false;
         let lost = Some(match trace.end_secs() {
@@ -209,11 +211,11 @@ enum Stop {
     /// The bytes are damaged; what came before is good.
     Damage(String),
     /// The contents are not what can be read.
-    Problem(ReadProblem),
+    Problem(TraceReadProblem),
 }
 
-impl From<ReadProblem> for Stop {
-    fn from(problem: ReadProblem) -> Self {
+impl From<TraceReadProblem> for Stop {
+    fn from(problem: TraceReadProblem) -> Self {
         Stop::Problem(problem)
     }
 }
@@ -297,7 +299,7 @@ impl Builder {
                 Some(version) if version == FORMAT => {}
                 version => {
                     let version = version.cloned().unwrap_or_default();
-                    return Err(ReadProblem::Version(version).into());
+                    return Err(TraceReadProblem::Version(version).into());
                 }
             }
             self.trace.complete = record
@@ -314,7 +316,7 @@ impl Builder {
             if known.record == record {
                 return Ok(());
             }
-            return Err(ReadProblem::Trace(TraceError::BadName {
+            return Err(TraceReadProblem::Trace(TraceError::BadName {
                 name: record.topic,
                 problem: "is described twice, in different ways; record it again",
             })
@@ -327,7 +329,7 @@ impl Builder {
         let channel = self
             .trace
             .add_channel(topic, fields)
-            .map_err(ReadProblem::Trace)?;
+            .map_err(TraceReadProblem::Trace)?;
         self.topics.insert(
             record.id,
             Topic {
@@ -341,11 +343,11 @@ impl Builder {
     }
 
     /// The fields of a channel as its schema describes them.
-    fn fields_of(&self, record: &ChannelRecord) -> Result<Vec<Field>, ReadProblem> {
+    fn fields_of(&self, record: &ChannelRecord) -> Result<Vec<Field>, TraceReadProblem> {
         let topic = record.topic.clone();
         if record.message_encoding != "json" {
             let encoding = record.message_encoding.clone();
-            return Err(ReadProblem::Encoding { topic, encoding });
+            return Err(TraceReadProblem::Encoding { topic, encoding });
         }
         let schema = self
             .schemas
@@ -359,13 +361,13 @@ impl Builder {
                 .into_iter()
                 .map(Field::from)
                 .collect()),
-            Err(_) => Err(ReadProblem::Undescribed { topic }),
+            Err(_) => Err(TraceReadProblem::Undescribed { topic }),
         }
     }
 
     fn take_message(&mut self, id: u16, nanos: u64, data: &[u8]) -> Result<(), Stop> {
         let Some(topic) = self.topics.get_mut(&id) else {
-            return Err(ReadProblem::Stray.into());
+            return Err(TraceReadProblem::Stray.into());
         };
         let channel: &mut Channel = &mut self.trace.channels[topic.channel];
         topic.row.fill(f64::NAN);
@@ -374,15 +376,17 @@ impl Builder {
             shape: &topic.shape,
             row: &mut topic.row,
         };
-        let exact_secs = message.read(data).map_err(|error| ReadProblem::Message {
-            topic: channel.topic.clone(),
-            row: channel.len(),
-            problem: error.to_string(),
-        })?;
+        let exact_secs = message
+            .read(data)
+            .map_err(|error| TraceReadProblem::Message {
+                topic: channel.topic.clone(),
+                row: channel.len(),
+                problem: error.to_string(),
+            })?;
         let time_secs = exact_secs.unwrap_or_else(|| secs_of_nanos(nanos));
         channel
             .push(time_secs, &topic.row)
-            .map_err(ReadProblem::Trace)?;
+            .map_err(TraceReadProblem::Trace)?;
         Ok(())
     }
 }

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
-use trace::{
-    Channel, Field, FieldKind, ReadProblem, Trace, WriteError, from_mcap, read_mcap, to_mcap,
-    write_mcap,
-};
+use recording::{TraceReadProblem, TraceWriteError, from_mcap, read_mcap, to_mcap, write_mcap};
+use trace::{Channel, Field, FieldKind, Trace};
 
 /// The trace with each number as its bits, so that -0.0 differs from 0.0 and NaN equals NaN.
 type Bits = (
@@ -165,7 +163,9 @@ fn cut_at_any_byte_it_is_refused_or_marked_incomplete() {
             }
             Err(error) => assert!(matches!(
                 error.problem,
-                ReadProblem::Empty | ReadProblem::NotMcap | ReadProblem::NothingLeft(_)
+                TraceReadProblem::Empty
+                    | TraceReadProblem::NotMcap
+                    | TraceReadProblem::NothingLeft(_)
             )),
         }
     }
@@ -298,12 +298,12 @@ fn messages_that_do_not_fit_are_refused() {
 fn malformed_traces_are_not_written() {
     let mut trace = handover();
     trace.channels[1].values[0] = f64::INFINITY;
-    assert!(matches!(to_mcap(&trace), Err(WriteError::Trace(_))));
+    assert!(matches!(to_mcap(&trace), Err(TraceWriteError::Trace(_))));
     let mut trace = Trace::new();
     trace
         .channels
         .push(Channel::new("/a", vec![Field::number("_time_secs", "s")]));
-    assert!(matches!(to_mcap(&trace), Err(WriteError::Trace(_))));
+    assert!(matches!(to_mcap(&trace), Err(TraceWriteError::Trace(_))));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Traces as MCAP files, which open in Foxglove and other viewers.
 //!
 //! # Layout
-//! MCAP is the container of <https://mcap.dev/spec>. Each [`Channel`](crate::Channel) is one MCAP
+//! MCAP is the container of <https://mcap.dev/spec>. Each [`Channel`](trace::Channel) is one MCAP
 //! channel with message encoding `json` and a schema of encoding `jsonschema`. The schema holds,
 //! beside what viewers need, the fields in their order with unit, frame and kind under the key
 //! `x-corroborate`, so that reading gives back the channel that was written.
@@ -28,8 +28,8 @@ mod read;
 mod schema;
 mod write;
 
-pub use read::{ReadError, ReadOutcome, ReadProblem, from_mcap, read_mcap};
-pub use write::{WriteError, to_mcap, write_mcap};
+pub use read::{ReadOutcome, TraceReadError, TraceReadProblem, from_mcap, read_mcap};
+pub use write::{TraceWriteError, to_mcap, write_mcap};
 
 /// The version of the layout.
 const FORMAT: &str = "1";

@@ -1,0 +1,35 @@
+//! Recordings of robots, read and written.
+//!
+//! | what | how |
+//! |---|---|
+//! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
+
+mod reader;
+mod schema;
+mod trace_file;
+
+pub use reader::{
+    Encoding, Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
+};
+pub use schema::{Constant, MessageField, MessageType, Primitive, Schema, SchemaError, Type};
+pub use trace_file::{
+    ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, read_mcap, to_mcap,
+    write_mcap,
+};
+
+mod ros2_writer;
+mod transform;
+
+pub use ros2_writer::{
+    Ros2Recording, Ros2Source, Ros2Topic, Ros2TopicId, Ros2TraceOptions, Ros2TraceOutcome,
+    Ros2Value, Ros2WriteError, ros2_recording_of, ros2_type_names,
+};
+pub use transform::{FrameId, LookupError, Transform, TransformBuffer, TransformProblem};
+
+mod clock;
+mod topic_map;
+mod verdict_file;
+
+pub use clock::{TimeSettings, TimeSource};
+pub use topic_map::{Interpolation, MappedSignal, SignalSource, TopicMap, TopicMapError};
+pub use verdict_file::{ShownRequirement, ShownVerdict, VerdictFile};

@@ -1,0 +1,50 @@
+//! What the messages of a topic hold, read from the recording itself at run time.
+//!
+mod message_type;
+
+pub use message_type::{Constant, MessageField, MessageType, Primitive, Type};
+
+use std::fmt;
+
+/// What the messages of a topic hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Schema {
+    /// Fields in a fixed order, as in ROS 1, ROS 2 and tables.
+    Struct(MessageType),
+    /// Self-describing messages (JSON).
+    Schemaless,
+    /// It cannot be understood; the topic's messages can be counted, not decoded.
+    Unknown {
+        /// Why, as a clause, for example `schemas in flatbuffer are not supported`.
+        reason: String,
+    },
+}
+
+/// A schema cannot be understood.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SchemaError {
+    /// The line of the schema's text, from 1; 0 where there are no lines.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl SchemaError {
+    pub(crate) fn new(line: usize, message: impl Into<String>) -> Self {
+        SchemaError {
+            line,
+            message: message.into(),
+        }
+    }
+}
+
+impl fmt::Display for SchemaError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.line > 0 {
+            write!(out, "line {} of the schema: ", self.line)?;
+        }
+        out.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for SchemaError {}
