@@ -1,0 +1,326 @@
+//! What was understood of a sentence, in words and as a small diagram, for a person to confirm.
+
+use crate::sentence::{ConditionKind, Scope, ScopeKind, Sentence, Stage, Timing};
+
+/// An explanation of a sentence.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Explanation {
+    /// What is required, one statement to a line.
+    pub words: Vec<String>,
+    /// A drawing of scope, trigger and response on a line of time, in plain text.
+    pub diagram: String,
+}
+
+/// Explains a sentence.
+///
+/// ```
+/// use requirement_lang::{Context, explain, parse};
+/// let text = "While lifting, when near, the robot shall within 2 s satisfy slow";
+/// let explanation = explain(&parse(text, &Context::default()).tree);
+/// assert_eq!(explanation.words, [
+///     "Applies in each interval in which `lifting` holds.",
+///     "Is triggered each time `near` becomes true in such an interval, and at its beginning if \
+///      `near` is true then.",
+///     "From each trigger on: `slow` must hold at some time within 2 s; excused if the interval ends \
+///      before.",
+///     "Every run must meet this.",
+/// ]);
+/// ```
+#[must_use]
+pub fn explain(sentence: &Sentence) -> Explanation {
+    let mut words = vec![scope(&sentence.scope), trigger(sentence)];
+    words.extend(stages(sentence));
+    words.push(match &sentence.probability {
+        None => "Every run must meet this.".to_owned(),
+        Some(probability) => format!(
+            "The probability that a run meets this, at all its triggers, must be {} {}.",
+            probability.comparison.words(),
+            probability.decimal
+        ),
+    });
+    Explanation {
+        words,
+        diagram: diagram(sentence),
+    }
+}
+
+fn scope(scope: &Scope) -> String {
+    let mode = &scope.mode;
+    match scope.kind {
+        ScopeKind::Global => "Applies throughout each run.".to_owned(),
+        ScopeKind::In => format!("Applies in each interval in which `{mode}` holds."),
+        ScopeKind::NotIn => format!("Applies in each interval in which `{mode}` does not hold."),
+        ScopeKind::Before => {
+            format!(
+                "Applies from the beginning until `{mode}` first holds, or throughout if it never does."
+            )
+        }
+        ScopeKind::After => {
+            format!("Applies from the end of the first interval in which `{mode}` holds.")
+        }
+        ScopeKind::OnlyIn => format!(
+            "Forbids the response where `{mode}` does not hold; demands nothing where it does."
+        ),
+        ScopeKind::OnlyBefore => {
+            format!("Forbids the response from where `{mode}` first holds; demands nothing before.")
+        }
+        ScopeKind::OnlyAfter => format!(
+            "Forbids the response until the first interval in which `{mode}` holds has ended; demands \
+             nothing after."
+        ),
+    }
+}
+
+fn trigger(sentence: &Sentence) -> String {
+    let everywhere = sentence.scope.kind == ScopeKind::Global;
+    let (place, beginning) = if everywhere {
+        ("", "of the run")
+    } else {
+        (" in such an interval", "")
+    };
+    let begin = if everywhere {
+        format!("at the beginning {beginning}")
+    } else {
+        "at its beginning".to_owned()
+    };
+    match &sentence.condition {
+        None if everywhere => "Is triggered once, at the beginning of the run.".to_owned(),
+        None => "Is triggered once in each such interval, at its beginning.".to_owned(),
+        Some(condition) => {
+            let what = &condition.expression;
+            let (becomes, is) = match condition.kind {
+                ConditionKind::Unless => ("false", "false"),
+                _ => ("true", "true"),
+            };
+            match condition.kind {
+                ConditionKind::Whenever => {
+                    format!("Is triggered at all times{place} at which `{what}` is true.")
+                }
+                _ => format!(
+                    "Is triggered each time `{what}` becomes {becomes}{place}, and {begin} if `{what}` is \
+                     {is} then."
+                ),
+            }
+        }
+    }
+}
+
+fn stages(sentence: &Sentence) -> Vec<String> {
+    let ends = !matches!(
+        sentence.scope.kind,
+        ScopeKind::Global | ScopeKind::After | ScopeKind::OnlyBefore
+    );
+    let only = sentence.scope.kind.is_only();
+    let count = sentence.stages.len();
+    let mut lines = Vec::new();
+    for (index, stage) in sentence.stages.iter().enumerate() {
+        let followed = index + 1 < count;
+        let start = match index {
+            0 => "From each trigger on",
+            _ => "Then, from there on",
+        };
+        let text = if only {
+            forbidden(stage)
+        } else {
+            demanded(stage, ends, followed)
+        };
+        lines.push(format!("{start}: {text}."));
+    }
+    lines
+}
+
+/// What a stage demands; `ends`: of a scope that can end; `followed` by another stage.
+fn demanded(stage: &Stage, ends: bool, followed: bool) -> String {
+    let response = format!("`{}`", stage.response);
+    let excused = if ends {
+        "; excused if the interval ends before"
+    } else {
+        ""
+    };
+    let to_the_end = if ends {
+        "to the end of the interval"
+    } else {
+        "to the end of the run"
+    };
+    match &stage.timing {
+        Timing::Immediately => format!("{response} must hold at once"),
+        Timing::Next => format!("{response} must hold at the next step{excused}"),
+        Timing::Eventually if ends => {
+            format!("{response} must hold at some time before the interval ends")
+        }
+        Timing::Eventually => format!("{response} must hold at some time"),
+        Timing::Always => format!("{response} must hold all the time {to_the_end}"),
+        Timing::Never => format!("{response} must not hold at any time {to_the_end}"),
+        Timing::Within(duration) => {
+            format!("{response} must hold at some time within {duration}{excused}")
+        }
+        Timing::For(duration) if ends => {
+            format!(
+                "{response} must hold for {duration}, or to the end of the interval if that comes before"
+            )
+        }
+        Timing::For(duration) => format!("{response} must hold for {duration}"),
+        Timing::After(duration) => {
+            format!(
+                "{response} must not hold before {duration} have passed, and must hold then{excused}"
+            )
+        }
+        Timing::Until(stop) if followed => {
+            format!("{response} must hold until `{stop}` holds, which must come{excused}")
+        }
+        Timing::Until(stop) => {
+            format!("{response} must hold until `{stop}` holds, or {to_the_end} if it does not")
+        }
+        Timing::Before(stop) if followed => {
+            format!(
+                "{response} must hold at some time, and `{stop}` not before or at that time{excused}"
+            )
+        }
+        Timing::Before(stop) => {
+            format!(
+                "{response} must hold at some time before `{stop}` holds; excused if that does not come"
+            )
+        }
+    }
+}
+
+/// What a stage forbids in a scope with `only`.
+fn forbidden(stage: &Stage) -> String {
+    let response = format!("`{}`", stage.response);
+    match &stage.timing {
+        Timing::Immediately => format!("{response} must not hold at once"),
+        Timing::Next => format!("{response} must not hold at the next step, if there is one"),
+        Timing::Eventually => format!("{response} must not hold at any time"),
+        Timing::Always => format!("{response} must fail to hold at some time"),
+        Timing::Never => format!("{response} must hold at some time"),
+        Timing::Within(duration) => {
+            format!("{response} must not hold at any time within {duration}")
+        }
+        Timing::For(duration) => {
+            format!(
+                "{response} must fail to hold at some time within {duration}; excused if the interval ends before"
+            )
+        }
+        Timing::After(duration) => {
+            format!(
+                "{response} must hold earlier than {duration}, or not hold when {duration} have passed"
+            )
+        }
+        Timing::Until(stop) => {
+            format!(
+                "{response} must fail to hold at some time before `{stop}` holds; excused if that does not come"
+            )
+        }
+        Timing::Before(stop) => {
+            format!("{response} must not hold at any time before `{stop}` holds")
+        }
+    }
+}
+
+/// A line of time: the scope in brackets, the trigger `T`, and below it where the response matters.
+///
+/// ```text
+///      [lifting ............)
+///      . . . T======2 s=====|
+///            ^ near          at some time: slow
+/// ```
+fn diagram(sentence: &Sentence) -> String {
+    const WIDTH: usize = 48;
+    let (left, right, label) = extent(&sentence.scope);
+    let mut lines = Vec::new();
+    let mut top: Vec<char> = vec![' '; WIDTH];
+    top[left..right].fill('-');
+    top[left] = '[';
+    top[right - 1] = if right == WIDTH { '>' } else { ')' };
+    lines.push(format!(
+        "scope     {} {label}",
+        top.into_iter().collect::<String>()
+    ));
+    let trigger = if sentence.condition.is_some() {
+        left + 6
+    } else {
+        left
+    };
+    let what = match &sentence.condition {
+        None => "beginning of the scope".to_owned(),
+        Some(condition) => {
+            let how = match condition.kind {
+                ConditionKind::Upon => "becomes true",
+                ConditionKind::Whenever => "is true",
+                ConditionKind::Unless => "becomes false",
+            };
+            format!("{} {how}", condition.expression)
+        }
+    };
+    let mut line: Vec<char> = vec![' '; WIDTH];
+    line[trigger] = 'T';
+    lines.push(format!(
+        "trigger   {} {what}",
+        line.into_iter().collect::<String>()
+    ));
+    let mut start = trigger;
+    for stage in &sentence.stages {
+        let (drawn, end) = stage_line(stage, start, right, sentence.scope.kind.is_only());
+        lines.push(drawn);
+        start = end;
+    }
+    lines.join("\n")
+}
+
+/// Where the scope is drawn, and what it is called.
+fn extent(scope: &Scope) -> (usize, usize, String) {
+    let mode = &scope.mode;
+    match scope.kind {
+        ScopeKind::Global => (0, 48, "the whole run".to_owned()),
+        ScopeKind::In => (6, 42, format!("{mode}")),
+        ScopeKind::NotIn => (6, 42, format!("not ({mode})")),
+        ScopeKind::Before => (0, 42, format!("before {mode}")),
+        ScopeKind::After => (6, 48, format!("after {mode}")),
+        ScopeKind::OnlyIn => (6, 42, format!("not ({mode}): response forbidden")),
+        ScopeKind::OnlyBefore => (6, 48, format!("from {mode} on: response forbidden")),
+        ScopeKind::OnlyAfter => (
+            0,
+            42,
+            format!("up to the end of {mode}: response forbidden"),
+        ),
+    }
+}
+
+/// The line of one stage that begins at `start`, and where the next one begins.
+fn stage_line(stage: &Stage, start: usize, right: usize, only: bool) -> (String, usize) {
+    const WIDTH: usize = 48;
+    let time = (start + 12).min(right - 1);
+    let (from, to, kind, next) = match &stage.timing {
+        Timing::Immediately => (start, start + 1, '#', start),
+        Timing::Next => (start + 1, start + 2, '#', start + 1),
+        Timing::Eventually => (start, right, '?', time),
+        Timing::Always => (start, right, '#', start),
+        Timing::Never => (start, right, 'x', start),
+        Timing::Within(_) | Timing::Before(_) => (start, time, '?', time),
+        Timing::For(_) | Timing::Until(_) => (start, time, '#', time),
+        Timing::After(_) => (start, time, 'x', time),
+    };
+    let mut line: Vec<char> = vec![' '; WIDTH];
+    line[from..to.min(WIDTH)].fill(kind);
+    let end = match &stage.timing {
+        Timing::Within(duration) | Timing::For(duration) => format!(", up to {duration}"),
+        Timing::After(duration) => {
+            line[time] = '#';
+            format!(", {duration}")
+        }
+        Timing::Until(stop) | Timing::Before(stop) => format!(", up to {stop}"),
+        _ => String::new(),
+    };
+    let meaning = match kind {
+        '?' => "at some time (?)",
+        'x' => "at no time (x)",
+        _ => "all the time (#)",
+    };
+    let negation = if only { "not: " } else { "" };
+    let drawn = line.into_iter().collect::<String>();
+    let text = format!(
+        "response  {drawn} {negation}{}, {meaning}{end}",
+        stage.response
+    );
+    (text, next.min(right - 2))
+}
