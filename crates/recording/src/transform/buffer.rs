@@ -10,6 +10,18 @@ use super::pose::Transform;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FrameId(u32);
 
+impl FrameId {
+    /// The number of the frame, for keeping it among other numbers.
+    pub(crate) fn number(self) -> u32 {
+        self.0
+    }
+
+    /// The frame of a number that [`FrameId::number`] gave.
+    pub(crate) fn from_number(number: u32) -> Self {
+        FrameId(number)
+    }
+}
+
 /// The transforms between frames over the last seconds.
 #[derive(Debug, Clone)]
 pub struct TransformBuffer {

@@ -1,0 +1,9 @@
+//! Signals of a recording, one instant after another.
+
+mod frames;
+mod linear;
+mod plan;
+mod report;
+mod sequencer;
+
+pub use report::{StreamNote, StreamNoteKind};
