@@ -93,6 +93,23 @@ impl Field {
             }
         }
     }
+
+    /// What is said of `value` of topic `topic` if this field cannot hold it.
+    pub(crate) fn bad_value(&self, topic: &str, value: f64) -> TraceError {
+        let expected = match &self.kind {
+            FieldKind::Number => "finite numbers".to_owned(),
+            FieldKind::Bool => "0 for false and 1 for true".to_owned(),
+            FieldKind::Enumeration(names) => {
+                format!("the index of one of its {} names", names.len())
+            }
+        };
+        TraceError::BadValue {
+            topic: topic.to_owned(),
+            field: self.name.clone(),
+            value,
+            expected,
+        }
+    }
 }
 
 /// A topic with its fields and everything recorded on it.
@@ -290,26 +307,10 @@ impl Channel {
     fn check_row(&self, values: &[f64]) -> Result<(), TraceError> {
         for (field, &value) in self.fields.iter().zip(values) {
             if !field.admits(value) {
-                return Err(self.bad_value(field, value));
+                return Err(field.bad_value(&self.topic, value));
             }
         }
         Ok(())
-    }
-
-    fn bad_value(&self, field: &Field, value: f64) -> TraceError {
-        let expected = match &field.kind {
-            FieldKind::Number => "finite numbers".to_owned(),
-            FieldKind::Bool => "0 for false and 1 for true".to_owned(),
-            FieldKind::Enumeration(names) => {
-                format!("the index of one of its {} names", names.len())
-            }
-        };
-        TraceError::BadValue {
-            topic: self.topic.clone(),
-            field: field.name.clone(),
-            value,
-            expected,
-        }
     }
 
     /// Checks everything that [`Channel::push`] would have checked, and the names.

@@ -60,20 +60,27 @@
 mod channel;
 mod csv_trace;
 mod file;
+mod parameters;
 mod predicate;
 mod sampling;
 mod signal;
+mod snapshot;
 mod suggest;
 mod table;
+pub mod units;
 mod vocabulary;
 
 pub use channel::{Channel, Field, FieldKind, TraceError};
 pub use csv_trace::{CsvTraceError, read_csv_trace, trace_of_table};
 pub use file::{FileError, read_file, read_text, write_file};
+pub use parameters::{ParameterError, ParameterErrorKind, Parameters};
 pub use predicate::{
-    BoundPredicate, BoundQuantity, Predicate, PredicateError, PredicateErrorKind, Quantity,
+    AxisBox, BoundPredicate, BoundQuantity, Comparison, ComparisonOperator, Constant,
+    FrameMismatch, Measure, Predicate, PredicateError, PredicateErrorKind, PredicateLint,
+    PredicateLintKind, Quantity, Threshold, ThresholdOrigin, axis_boxes,
 };
 pub use sampling::{Sampling, SamplingError, Valuations, ticks};
-pub use signal::{Cursor, SignalIndex, Trace};
+pub use signal::{Cursor, SignalIndex, SignalValues, Trace};
+pub use snapshot::Snapshot;
 pub use table::{Column, Table, TableError};
 pub use vocabulary::Vocabulary;

@@ -27,17 +27,27 @@
 //! Metamathematics", 1952, section 64): an unknown that cannot change the result does not matter.
 
 mod bind;
+mod comparison;
 mod error;
+mod eval;
 mod lexer;
+mod lint;
 mod parser;
+mod scale;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 pub use bind::{BoundPredicate, BoundQuantity};
-pub use error::{PredicateError, PredicateErrorKind};
-pub(crate) use parser::{Node, NodeKind, is_reserved, parse};
+pub use comparison::{
+    AxisBox, Comparison, ComparisonOperator, Constant, Measure, Threshold, ThresholdOrigin,
+    axis_boxes,
+};
+pub use error::{FrameMismatch, PredicateError, PredicateErrorKind};
+pub use lint::{PredicateLint, PredicateLintKind};
+pub(crate) use parser::{Node, NodeKind, is_name, parse};
 
+use crate::parameters::Parameters;
 use crate::signal::Trace;
 
 /// The parsed entries of a vocabulary, by name.
@@ -93,6 +103,7 @@ pub struct Quantity(Source);
 pub(crate) struct Source {
     pub(crate) expression: Expression,
     pub(crate) definitions: Arc<Definitions>,
+    pub(crate) parameters: Arc<Parameters>,
 }
 
 impl Source {

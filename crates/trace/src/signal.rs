@@ -31,6 +31,37 @@ pub struct SignalIndex {
     pub field: usize,
 }
 
+/// Something that knows the value of each signal at one moment: a [`Cursor`] in a recording, or a
+/// [`Snapshot`](crate::Snapshot) of a stream. Predicates and quantities are evaluated on it.
+///
+/// ```
+/// use trace::{Field, Predicate, SignalIndex, SignalValues, Trace};
+/// /// Everything measures the same.
+/// struct Constant(f64);
+/// impl SignalValues for Constant {
+///     fn raw(&self, _: SignalIndex) -> f64 {
+///         self.0
+///     }
+/// }
+/// let mut layout = Trace::new();
+/// layout.add_channel("/robot", vec![Field::number("speed", "m/s")])?;
+/// let slow = Predicate::parse("/robot.speed < 250 mm/s")?.bind(&layout)?;
+/// assert_eq!(slow.eval(&Constant(0.2)), Some(true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait SignalValues {
+    /// The value of `signal` as it is stored, in the unit of its [`Field`]: a number, 0 or 1 for a
+    /// truth value, the index of a name. NaN where there is none, and for a signal that is not
+    /// known here.
+    fn raw(&self, signal: SignalIndex) -> f64;
+
+    /// As [`SignalValues::raw`], with `None` for a value that is not there.
+    fn value(&self, signal: SignalIndex) -> Option<f64> {
+        let value = self.raw(signal);
+        (!value.is_nan()).then_some(value)
+    }
+}
+
 impl Default for Trace {
     fn default() -> Self {
         Trace::new()
@@ -222,12 +253,12 @@ impl<'a> Cursor<'a> {
     /// The value of `signal` now; `None` before its first row or where it is missing.
     #[must_use]
     pub fn value(&self, signal: SignalIndex) -> Option<f64> {
-        let value = self.raw(signal);
-        (!value.is_nan()).then_some(value)
+        SignalValues::value(self, signal)
     }
+}
 
-    /// As [`Cursor::value`], with NaN for a value that is not there.
-    pub(crate) fn raw(&self, signal: SignalIndex) -> f64 {
+impl SignalValues for Cursor<'_> {
+    fn raw(&self, signal: SignalIndex) -> f64 {
         let Some(row) = self
             .seen
             .get(signal.channel)

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use crate::parameters::Parameters;
 use crate::predicate::{
     Definitions, Expression, Node, NodeKind, Predicate, PredicateError, PredicateErrorKind,
-    Quantity, Source, is_reserved, parse,
+    Quantity, Source, is_name, parse,
 };
 use crate::suggest::nearest;
 
@@ -27,6 +28,7 @@ use crate::suggest::nearest;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Vocabulary {
     definitions: Arc<Definitions>,
+    parameters: Arc<Parameters>,
 }
 
 impl Vocabulary {
@@ -37,11 +39,23 @@ impl Vocabulary {
     pub fn new<N: Into<String>, T: AsRef<str>>(
         entries: impl IntoIterator<Item = (N, T)>,
     ) -> Result<Self, Vec<PredicateError>> {
+        Vocabulary::with_parameters(entries, Parameters::default())
+    }
+
+    /// As [`Vocabulary::new`], where the texts may also refer to `parameters` by name.
+    ///
+    /// # Errors
+    /// Every [`PredicateError`] there is; a name that is also a parameter's counts as defined
+    /// twice.
+    pub fn with_parameters<N: Into<String>, T: AsRef<str>>(
+        entries: impl IntoIterator<Item = (N, T)>,
+        parameters: Parameters,
+    ) -> Result<Self, Vec<PredicateError>> {
         let mut definitions = Definitions::new();
         let mut errors = Vec::new();
         for (name, text) in entries {
             let (name, text) = (name.into(), text.as_ref());
-            match define(&definitions, &name, text) {
+            match define(&definitions, &parameters, &name, text) {
                 Ok(expression) => {
                     definitions.insert(name, expression);
                 }
@@ -53,7 +67,7 @@ impl Vocabulary {
         }
         if errors.is_empty() {
             for (name, expression) in &definitions {
-                let unknown = unknown_names(expression, &definitions).into_iter();
+                let unknown = unknown_names(expression, &definitions, &parameters).into_iter();
                 errors.extend(unknown.map(|error| PredicateError {
                     entry: Some(name.clone()),
                     ..error
@@ -64,6 +78,7 @@ impl Vocabulary {
         if errors.is_empty() {
             Ok(Vocabulary {
                 definitions: Arc::new(definitions),
+                parameters: Arc::new(parameters),
             })
         } else {
             Err(errors)
@@ -73,6 +88,12 @@ impl Vocabulary {
     /// The names, in alphabetical order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.definitions.keys().map(String::as_str)
+    }
+
+    /// The parameters that the texts may refer to.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// The text that defines `name`.
@@ -104,7 +125,7 @@ impl Vocabulary {
             text: text.to_owned(),
             root: parse(text)?,
         };
-        match unknown_names(&expression, &self.definitions)
+        match unknown_names(&expression, &self.definitions, &self.parameters)
             .into_iter()
             .next()
         {
@@ -112,28 +133,30 @@ impl Vocabulary {
             None => Ok(Source {
                 expression,
                 definitions: Arc::clone(&self.definitions),
+                parameters: Arc::clone(&self.parameters),
             }),
         }
     }
 }
 
-fn define(definitions: &Definitions, name: &str, text: &str) -> Result<Expression, PredicateError> {
+fn define(
+    definitions: &Definitions,
+    parameters: &Parameters,
+    name: &str,
+    text: &str,
+) -> Result<Expression, PredicateError> {
     let error = |kind| PredicateError {
         text: text.to_owned(),
         entry: None,
         span: 0..0,
         kind,
     };
-    let first_fits = name.starts_with(|letter: char| letter.is_alphabetic() || letter == '_');
-    let rest_fits = name
-        .chars()
-        .all(|letter| letter.is_alphanumeric() || letter == '_');
-    if !first_fits || !rest_fits || is_reserved(name) {
+    if !is_name(name) {
         return Err(error(PredicateErrorKind::BadName {
             name: name.to_owned(),
         }));
     }
-    if definitions.contains_key(name) {
+    if definitions.contains_key(name) || parameters.get(name).is_some() {
         return Err(error(PredicateErrorKind::DuplicateName {
             name: name.to_owned(),
         }));
@@ -158,16 +181,27 @@ fn references(expression: &Expression) -> Vec<(&str, &Node)> {
     found
 }
 
-fn unknown_names(expression: &Expression, definitions: &Definitions) -> Vec<PredicateError> {
+fn unknown_names(
+    expression: &Expression,
+    definitions: &Definitions,
+    parameters: &Parameters,
+) -> Vec<PredicateError> {
     let unknown = references(expression).into_iter();
-    let unknown = unknown.filter(|(name, _)| !definitions.contains_key(*name));
+    let unknown = unknown
+        .filter(|(name, _)| !definitions.contains_key(*name) && parameters.get(name).is_none());
+    let known = || {
+        definitions
+            .keys()
+            .map(String::as_str)
+            .chain(parameters.names())
+    };
     let error = |(name, node): (&str, &Node)| PredicateError {
         text: expression.text.clone(),
         entry: None,
         span: node.span.clone(),
         kind: PredicateErrorKind::UnknownName {
             name: name.to_owned(),
-            similar: nearest(name, definitions.keys().map(String::as_str)),
+            similar: nearest(name, known()),
         },
     };
     unknown.map(error).collect()

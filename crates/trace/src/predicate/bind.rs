@@ -1,146 +1,103 @@
-//! Trees to something fast: signals looked up, types checked, names expanded.
-//!
-//! Cost: evaluation visits each node of the expanded tree at most once. Missing numbers are NaN
-//! within; the connectives are Kleene's (see [`super`]).
+//! Trees to something fast: signals looked up, types, units and frames checked, names expanded.
 
 use super::error::{PredicateError, PredicateErrorKind};
+use super::eval::{Amount, Compared, Truth};
+use super::lint::PredicateLint;
 use super::parser::{Comparison, Function, MAX_DEPTH, Node, NodeKind, Operator};
+use super::scale::{Framed, Misfit, Operand, Scale, Unified, to_si, unify};
 use super::{Expression, Source};
 use crate::channel::FieldKind;
-use crate::signal::{Cursor, SignalIndex, Trace};
+use crate::signal::{SignalIndex, SignalValues, Trace};
 use crate::suggest::nearest;
+use crate::units::{Dimension, Factor, Unit, UnitErrorKind};
 
 /// The largest number of nodes of an expanded tree.
 const MAX_NODES: usize = 100_000;
 
 /// A predicate whose signals have been found in a trace.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoundPredicate(Truth);
+pub struct BoundPredicate {
+    truth: Truth,
+    lints: Vec<PredicateLint>,
+    /// The dimension of all its comparisons of numbers, if they have one in common.
+    dimension: Option<Dimension>,
+}
 
 /// A quantity whose signals have been found in a trace.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoundQuantity(Amount);
+pub struct BoundQuantity {
+    amount: Amount,
+    unit: Option<Unit>,
+    lints: Vec<PredicateLint>,
+}
 
 impl BoundPredicate {
-    /// The value at the cursor's time; `None` where it is unknown. The cursor must be over the
-    /// trace that the predicate was bound to, or over one with the same channels and fields.
+    /// The truth now; `None` where it is unknown. The values (a [`Cursor`](crate::Cursor) or a
+    /// [`Snapshot`](crate::Snapshot)) must be those of the trace that the predicate was bound to,
+    /// or of one with the same channels and fields.
     #[must_use]
-    pub fn eval(&self, cursor: &Cursor<'_>) -> Option<bool> {
-        self.0.eval(cursor)
+    pub fn eval<V: SignalValues + ?Sized>(&self, values: &V) -> Option<bool> {
+        self.truth.eval(values)
+    }
+
+    /// How far the values are from changing the truth: positive where true, negative where false,
+    /// 0 on the border, infinite where nothing but truth values and names decides; `None` where
+    /// the truth is unknown. `a < b` has the robustness b - a in the coherent SI unit of the two,
+    /// `&` the least and `|` the greatest of their sides; all of it is defined in the description
+    /// of the crate's language of predicates ([`Predicate`](crate::Predicate)).
+    #[must_use]
+    pub fn robustness<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
+        self.truth.judge(values).map(|judged| judged.robustness)
+    }
+
+    /// The truth and the robustness together, for little more than the price of one.
+    #[must_use]
+    pub fn judge<V: SignalValues + ?Sized>(&self, values: &V) -> Option<(bool, f64)> {
+        let judged = self.truth.judge(values)?;
+        Some((judged.truth, judged.robustness))
+    }
+
+    /// What the robustness measures, in the coherent SI unit: the dimension of the comparisons of
+    /// numbers; `None` if there are none, they differ, or their units are not known.
+    #[must_use]
+    pub fn robustness_dimension(&self) -> Option<Dimension> {
+        self.dimension
+    }
+
+    /// What is allowed but rests on an assumption, for example numbers without a unit.
+    #[must_use]
+    pub fn lints(&self) -> &[PredicateLint] {
+        &self.lints
     }
 }
 
 impl BoundQuantity {
-    /// The value at the cursor's time; `None` where it is missing. The cursor must be over the
-    /// trace that the quantity was bound to, or over one with the same channels and fields.
+    /// The value now, in the unit [`BoundQuantity::unit`]; `None` where it is missing. The values
+    /// must be those of the trace that the quantity was bound to, or of one with the same channels
+    /// and fields.
     #[must_use]
-    pub fn eval(&self, cursor: &Cursor<'_>) -> Option<f64> {
-        let value = self.0.eval(cursor);
+    pub fn eval<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
+        let value = self.amount.eval(values);
         (!value.is_nan()).then_some(value)
     }
-}
 
-/// Something true, false or unknown.
-#[derive(Debug, Clone, PartialEq)]
-enum Truth {
-    Constant(bool),
-    Signal(SignalIndex),
-    Not(Box<Truth>),
-    And(Box<Truth>, Box<Truth>),
-    Or(Box<Truth>, Box<Truth>),
-    Same(Box<Truth>, Box<Truth>),
-    Compare(Comparison, Box<Amount>, Box<Amount>),
-}
-
-/// A number, NaN where it is missing.
-#[derive(Debug, Clone, PartialEq)]
-enum Amount {
-    Constant(f64),
-    Signal(SignalIndex),
-    Negate(Box<Amount>),
-    Arithmetic(Operator, Box<Amount>, Box<Amount>),
-    Abs(Box<Amount>),
-    Min(Vec<Amount>),
-    Max(Vec<Amount>),
-    Norm(Vec<Amount>),
-}
-
-impl Truth {
-    fn eval(&self, cursor: &Cursor<'_>) -> Option<bool> {
-        match self {
-            Truth::Constant(value) => Some(*value),
-            Truth::Signal(signal) => cursor.value(*signal).map(|value| value != 0.0),
-            Truth::Not(inner) => inner.eval(cursor).map(|value| !value),
-            Truth::And(left, right) => match left.eval(cursor) {
-                Some(false) => Some(false),
-                Some(true) => right.eval(cursor),
-                None => right.eval(cursor).filter(|&value| !value),
-            },
-            Truth::Or(left, right) => match left.eval(cursor) {
-                Some(true) => Some(true),
-                Some(false) => right.eval(cursor),
-                None => right.eval(cursor).filter(|&value| value),
-            },
-            Truth::Same(left, right) => Some(left.eval(cursor)? == right.eval(cursor)?),
-            Truth::Compare(comparison, left, right) => {
-                let order = left.eval(cursor).partial_cmp(&right.eval(cursor))?;
-                Some(match comparison {
-                    Comparison::Equal => order.is_eq(),
-                    Comparison::NotEqual => order.is_ne(),
-                    Comparison::Less => order.is_lt(),
-                    Comparison::LessEqual => order.is_le(),
-                    Comparison::Greater => order.is_gt(),
-                    Comparison::GreaterEqual => order.is_ge(),
-                })
-            }
-        }
+    /// The unit of the value; `None` if it is not known, as for numbers without a unit.
+    #[must_use]
+    pub fn unit(&self) -> Option<&Unit> {
+        self.unit.as_ref()
     }
-}
 
-impl Amount {
-    fn eval(&self, cursor: &Cursor<'_>) -> f64 {
-        match self {
-            Amount::Constant(value) => *value,
-            Amount::Signal(signal) => cursor.raw(*signal),
-            Amount::Negate(inner) => -inner.eval(cursor),
-            Amount::Arithmetic(operator, left, right) => {
-                arithmetic(*operator, left.eval(cursor), right.eval(cursor))
-            }
-            Amount::Abs(inner) => inner.eval(cursor).abs(),
-            Amount::Min(list) => fold(list, cursor, f64::INFINITY, f64::min),
-            Amount::Max(list) => fold(list, cursor, f64::NEG_INFINITY, f64::max),
-            Amount::Norm(list) => fold(list, cursor, 0.0, |sum, value| sum + value * value).sqrt(),
-        }
+    /// What is allowed but rests on an assumption, for example numbers without a unit.
+    #[must_use]
+    pub fn lints(&self) -> &[PredicateLint] {
+        &self.lints
     }
-}
-
-fn arithmetic(operator: Operator, left: f64, right: f64) -> f64 {
-    match operator {
-        Operator::Add => left + right,
-        Operator::Subtract => left - right,
-        Operator::Multiply => left * right,
-        Operator::Divide if right != 0.0 => left / right,
-        _ => f64::NAN,
-    }
-}
-
-/// Combines the values of `list`; NaN if one is missing.
-fn fold(list: &[Amount], cursor: &Cursor<'_>, start: f64, combine: fn(f64, f64) -> f64) -> f64 {
-    let mut result = start;
-    for amount in list {
-        let value = amount.eval(cursor);
-        if value.is_nan() {
-            return f64::NAN;
-        }
-        result = combine(result, value);
-    }
-    result
 }
 
 /// A part of a tree with its type.
 enum Typed<'t> {
     Truth(Truth),
-    Amount(Amount),
+    Amount(Box<Operand>),
     /// A signal that holds one of the names.
     Choice(SignalIndex, &'t [String]),
     /// A quoted name.
@@ -159,35 +116,52 @@ impl Typed<'_> {
 }
 
 pub(crate) fn predicate(source: &Source, trace: &Trace) -> Result<BoundPredicate, PredicateError> {
-    let mut binder = Binder {
-        source,
-        trace,
-        nodes: 0,
-        depth: 0,
-    };
-    let context = Context {
-        expression: &source.expression,
-        entry: None,
-    };
-    binder
-        .truth(&source.expression.root, context)
-        .map(BoundPredicate)
+    let mut binder = Binder::new(source, trace);
+    let truth = binder.truth(&source.expression.root, source.context())?;
+    Ok(BoundPredicate {
+        truth,
+        lints: binder.lints,
+        dimension: match binder.dimensions {
+            Dimensions::One(dimension) => Some(dimension),
+            Dimensions::None | Dimensions::Several => None,
+        },
+    })
 }
 
 pub(crate) fn quantity(source: &Source, trace: &Trace) -> Result<BoundQuantity, PredicateError> {
-    let mut binder = Binder {
-        source,
-        trace,
-        nodes: 0,
-        depth: 0,
-    };
-    let context = Context {
-        expression: &source.expression,
-        entry: None,
-    };
-    binder
-        .amount(&source.expression.root, context)
-        .map(BoundQuantity)
+    let mut binder = Binder::new(source, trace);
+    let operand = binder.amount(&source.expression.root, source.context())?;
+    Ok(BoundQuantity {
+        unit: operand.scale.unit().cloned(),
+        amount: operand.amount,
+        lints: binder.lints,
+    })
+}
+
+/// The amount of `node`, which reads no signal.
+pub(super) fn constant<'t>(
+    source: &'t Source,
+    node: &'t Node,
+    context: Context<'t>,
+) -> Result<Operand, PredicateError> {
+    Binder::new(source, &Trace::new()).amount(node, context)
+}
+
+/// The amount of `node` over `trace`.
+pub(super) fn operand<'t>(
+    source: &'t Source,
+    trace: &'t Trace,
+    node: &'t Node,
+    context: Context<'t>,
+) -> Result<Operand, PredicateError> {
+    Binder::new(source, trace).amount(node, context)
+}
+
+/// The dimensions of the comparisons met so far.
+enum Dimensions {
+    None,
+    One(Dimension),
+    Several,
 }
 
 struct Binder<'t> {
@@ -195,17 +169,28 @@ struct Binder<'t> {
     trace: &'t Trace,
     nodes: usize,
     depth: usize,
+    lints: Vec<PredicateLint>,
+    dimensions: Dimensions,
+}
+
+impl Source {
+    pub(super) fn context(&self) -> Context<'_> {
+        Context {
+            expression: &self.expression,
+            entry: None,
+        }
+    }
 }
 
 /// Whose text a node belongs to.
 #[derive(Clone, Copy)]
-struct Context<'t> {
-    expression: &'t Expression,
-    entry: Option<&'t str>,
+pub(super) struct Context<'t> {
+    pub(super) expression: &'t Expression,
+    pub(super) entry: Option<&'t str>,
 }
 
 impl Context<'_> {
-    fn error(self, node: &Node, kind: PredicateErrorKind) -> PredicateError {
+    pub(super) fn error(self, node: &Node, kind: PredicateErrorKind) -> PredicateError {
         PredicateError {
             text: self.expression.text.clone(),
             entry: self.entry.map(str::to_owned),
@@ -226,6 +211,17 @@ impl Context<'_> {
 }
 
 impl<'t> Binder<'t> {
+    fn new(source: &'t Source, trace: &'t Trace) -> Self {
+        Binder {
+            source,
+            trace,
+            nodes: 0,
+            depth: 0,
+            lints: Vec::new(),
+            dimensions: Dimensions::None,
+        }
+    }
+
     fn truth(&mut self, node: &'t Node, context: Context<'t>) -> Result<Truth, PredicateError> {
         match self.node(node, context)? {
             Typed::Truth(truth) => Ok(truth),
@@ -237,22 +233,60 @@ impl<'t> Binder<'t> {
         }
     }
 
-    fn amount(&mut self, node: &'t Node, context: Context<'t>) -> Result<Amount, PredicateError> {
+    fn amount(&mut self, node: &'t Node, context: Context<'t>) -> Result<Operand, PredicateError> {
         match self.node(node, context)? {
-            Typed::Amount(amount) => Ok(amount),
+            Typed::Amount(amount) => Ok(*amount),
             other => Err(context.type_error(node, &other, "a number")),
         }
     }
 
+    /// Brings `operands`, of the nodes `nodes`, to one unit.
+    fn unified(
+        &mut self,
+        operands: Vec<Operand>,
+        nodes: &[&Node],
+        context: Context<'t>,
+    ) -> Result<Unified, PredicateError> {
+        let span = |first: usize, last: usize| {
+            // There is a node for each operand.
+            let start = nodes.get(first).map_or(0, |node| node.span.start);
+            let end = nodes.get(last).map_or(start, |node| node.span.end);
+            start..end.max(start)
+        };
+        let mut unified =
+            unify(operands).map_err(|(kind, first, last): Misfit| PredicateError {
+                text: context.expression.text.clone(),
+                entry: context.entry.map(str::to_owned),
+                span: span(first, last),
+                kind,
+            })?;
+        for (position, kind) in unified.lints.drain(..) {
+            let lint = PredicateLint {
+                text: context.expression.text.clone(),
+                entry: context.entry.map(str::to_owned),
+                span: span(position, position),
+                kind,
+            };
+            // An entry that is referred to twice is expanded twice.
+            if !self.lints.contains(&lint) {
+                self.lints.push(lint);
+            }
+        }
+        Ok(unified)
+    }
+
+    /// The amounts of `nodes` in one unit.
     fn amounts(
         &mut self,
         nodes: &'t [Node],
         context: Context<'t>,
-    ) -> Result<Vec<Amount>, PredicateError> {
-        nodes
+    ) -> Result<Unified, PredicateError> {
+        let operands: Result<Vec<Operand>, PredicateError> = nodes
             .iter()
             .map(|node| self.amount(node, context))
-            .collect()
+            .collect();
+        let nodes: Vec<&Node> = nodes.iter().collect();
+        self.unified(operands?, &nodes, context)
     }
 
     fn node(&mut self, node: &'t Node, context: Context<'t>) -> Result<Typed<'t>, PredicateError> {
@@ -262,20 +296,20 @@ impl<'t> Binder<'t> {
             return Err(context.error(node, PredicateErrorKind::TooLarge));
         }
         let typed = match &node.kind {
-            NodeKind::Number(value) => Typed::Amount(Amount::Constant(*value)),
+            NodeKind::Number(value) => Typed::Amount(Box::new(Operand::constant(value))),
             NodeKind::Bool(value) => Typed::Truth(Truth::Constant(*value)),
             NodeKind::Text(text) => Typed::Text(text.clone()),
             NodeKind::Signal(name) => self.signal(name, node, context)?,
             NodeKind::Name(name) => self.name(name, node, context)?,
             NodeKind::Not(inner) => Typed::Truth(Truth::Not(Box::new(self.truth(inner, context)?))),
             NodeKind::Negate(inner) => {
-                Typed::Amount(Amount::Negate(Box::new(self.amount(inner, context)?)))
+                Typed::Amount(Box::new(self.amount(inner, context)?.negated()))
             }
             NodeKind::Binary(operator, left, right) => {
-                self.binary(*operator, left, right, context)?
+                self.binary(node, *operator, left, right, context)?
             }
             NodeKind::Call(function, arguments) => {
-                Typed::Amount(self.call(*function, arguments, context)?)
+                Typed::Amount(Box::new(self.call(node, *function, arguments, context)?))
             }
         };
         self.depth -= 1;
@@ -300,7 +334,16 @@ impl<'t> Binder<'t> {
             return Err(context.error(node, kind));
         };
         Ok(match &field.kind {
-            FieldKind::Number => Typed::Amount(Amount::Signal(signal)),
+            FieldKind::Number => Typed::Amount(Box::new(Operand {
+                amount: Amount::Signal(signal),
+                scale: Scale::of_field(field, name),
+                frame: field.frame.clone().map(|frame| Framed {
+                    frame,
+                    signal: name.to_owned(),
+                }),
+                constant: false,
+                written: None,
+            })),
             FieldKind::Bool => Typed::Truth(Truth::Signal(signal)),
             FieldKind::Enumeration(names) => Typed::Choice(signal, names),
         })
@@ -312,9 +355,12 @@ impl<'t> Binder<'t> {
         node: &Node,
         context: Context<'t>,
     ) -> Result<Typed<'t>, PredicateError> {
+        if let Some(parameter) = self.source.parameters.get(name) {
+            return Ok(Typed::Amount(Box::new(Operand::constant(parameter))));
+        }
         let Some(expression) = self.source.definitions.get(name) else {
             let known = self.source.definitions.keys().map(String::as_str);
-            let similar = nearest(name, known);
+            let similar = nearest(name, known.chain(self.source.parameters.names()));
             let kind = PredicateErrorKind::UnknownName {
                 name: name.to_owned(),
                 similar,
@@ -332,28 +378,39 @@ impl<'t> Binder<'t> {
 
     fn binary(
         &mut self,
+        node: &'t Node,
         operator: Operator,
         left: &'t Node,
         right: &'t Node,
         context: Context<'t>,
     ) -> Result<Typed<'t>, PredicateError> {
-        if let Operator::Compare(comparison) = operator {
-            return self
-                .compare(comparison, left, right, context)
-                .map(Typed::Truth);
+        match operator {
+            Operator::Compare(comparison) => {
+                let truth = self.compare(comparison, left, right, context)?;
+                Ok(Typed::Truth(truth))
+            }
+            Operator::And | Operator::Or | Operator::Implies => {
+                let left = Box::new(self.truth(left, context)?);
+                let right = Box::new(self.truth(right, context)?);
+                Ok(Typed::Truth(match operator {
+                    Operator::And => Truth::And(left, right),
+                    Operator::Or => Truth::Or(left, right),
+                    _ => Truth::Or(Box::new(Truth::Not(left)), right),
+                }))
+            }
+            Operator::Add | Operator::Subtract => {
+                let operands = vec![self.amount(left, context)?, self.amount(right, context)?];
+                let unified = self.unified(operands, &[left, right], context)?;
+                Ok(Typed::Amount(Box::new(arithmetic(operator, unified))))
+            }
+            Operator::Multiply | Operator::Divide => {
+                let (left, right) = (self.amount(left, context)?, self.amount(right, context)?);
+                let product = product(operator, left, right);
+                let too_large = PredicateErrorKind::Unit(UnitErrorKind::TooLarge);
+                let product = product.ok_or_else(|| context.error(node, too_large))?;
+                Ok(Typed::Amount(Box::new(product)))
+            }
         }
-        if matches!(operator, Operator::And | Operator::Or | Operator::Implies) {
-            let left = Box::new(self.truth(left, context)?);
-            let right = Box::new(self.truth(right, context)?);
-            return Ok(Typed::Truth(match operator {
-                Operator::And => Truth::And(left, right),
-                Operator::Or => Truth::Or(left, right),
-                _ => Truth::Or(Box::new(Truth::Not(left)), right),
-            }));
-        }
-        let left = Box::new(self.amount(left, context)?);
-        let right = Box::new(self.amount(right, context)?);
-        Ok(Typed::Amount(Amount::Arithmetic(operator, left, right)))
     }
 
     fn compare(
@@ -366,29 +423,27 @@ impl<'t> Binder<'t> {
         let left = self.node(left_node, context)?;
         let right = self.node(right_node, context)?;
         let equality = matches!(comparison, Comparison::Equal | Comparison::NotEqual);
-        let (left, right) = match (left, right) {
-            (Typed::Amount(left), Typed::Amount(right)) => (left, right),
-            (Typed::Truth(left), Typed::Truth(right)) if equality => {
-                let same = Truth::Same(Box::new(left), Box::new(right));
-                let negated = comparison == Comparison::NotEqual;
-                return Ok(if negated {
-                    Truth::Not(Box::new(same))
-                } else {
-                    same
-                });
+        let same = match (left, right) {
+            (Typed::Amount(left), Typed::Amount(right)) => {
+                let unified =
+                    self.unified(vec![*left, *right], &[left_node, right_node], context)?;
+                return Ok(self.compared(comparison, unified));
             }
-            (Typed::Choice(signal, names), Typed::Text(value)) if equality => (
+            (Typed::Truth(left), Typed::Truth(right)) if equality => {
+                Truth::Same(Box::new(left), Box::new(right))
+            }
+            (Typed::Choice(signal, names), Typed::Text(value)) if equality => Truth::SameName(
                 Amount::Signal(signal),
                 position(names, value, right_node, context)?,
             ),
-            (Typed::Text(value), Typed::Choice(signal, names)) if equality => (
+            (Typed::Text(value), Typed::Choice(signal, names)) if equality => Truth::SameName(
                 position(names, value, left_node, context)?,
                 Amount::Signal(signal),
             ),
             (Typed::Choice(left, names), Typed::Choice(right, others))
                 if equality && names == others =>
             {
-                (Amount::Signal(left), Amount::Signal(right))
+                Truth::SameName(Amount::Signal(left), Amount::Signal(right))
             }
             (left, right) => {
                 let (left, right) = (left.describe(), right.describe());
@@ -398,30 +453,97 @@ impl<'t> Binder<'t> {
                 return Err(error);
             }
         };
-        Ok(Truth::Compare(comparison, Box::new(left), Box::new(right)))
+        Ok(match comparison {
+            Comparison::NotEqual => Truth::Not(Box::new(same)),
+            _ => same,
+        })
+    }
+
+    /// A comparison of two amounts, whose dimension is noted.
+    fn compared(&mut self, comparison: Comparison, unified: Unified) -> Truth {
+        let dimension = unified.scale.unit().map(Unit::dimension);
+        self.dimensions = match (&self.dimensions, dimension) {
+            (Dimensions::None, Some(found)) => Dimensions::One(found),
+            (Dimensions::One(one), Some(found)) if *one == found => Dimensions::One(found),
+            _ => Dimensions::Several,
+        };
+        let to_si = to_si(&unified.scale);
+        let (left, right) = two(unified.amounts);
+        Truth::Compare(Box::new(Compared {
+            comparison,
+            left,
+            right,
+            to_si,
+        }))
     }
 
     fn call(
         &mut self,
+        node: &'t Node,
         function: Function,
         arguments: &'t [Node],
         context: Context<'t>,
-    ) -> Result<Amount, PredicateError> {
-        Ok(match (function, arguments) {
-            (Function::Abs, [inner]) => Amount::Abs(Box::new(self.amount(inner, context)?)),
-            (Function::Min, list) => Amount::Min(self.amounts(list, context)?),
-            (Function::Max, list) => Amount::Max(self.amounts(list, context)?),
-            (Function::Distance, [from, to]) => {
-                let mut parts = Vec::with_capacity(3);
-                for axis in ["x", "y", "z"] {
-                    let from = Box::new(self.coordinate(from, axis, context)?);
-                    let to = Box::new(self.coordinate(to, axis, context)?);
-                    parts.push(Amount::Arithmetic(Operator::Subtract, from, to));
-                }
-                Amount::Norm(parts)
+    ) -> Result<Operand, PredicateError> {
+        if let (Function::Distance, [from, to]) = (function, arguments) {
+            return self.distance(from, to, context);
+        }
+        let unified = self.amounts(arguments, context)?;
+        let Unified {
+            amounts,
+            scale,
+            frame,
+            constant,
+            ..
+        } = unified;
+        let (amount, frame) = match function {
+            Function::Min => (Amount::Min(amounts), frame),
+            Function::Max => (Amount::Max(amounts), frame),
+            Function::Norm | Function::Distance => (Amount::Norm(amounts), None),
+            Function::Abs => {
+                let inner = amounts
+                    .into_iter()
+                    .next()
+                    .unwrap_or(Amount::Constant(f64::NAN));
+                (Amount::Abs(Box::new(inner)), frame)
             }
-            (_, list) => Amount::Norm(self.amounts(list, context)?),
-        })
+            Function::AngleDifference | Function::AngleBetween => {
+                let Some(turn) = turn(&scale) else {
+                    let found = scale.describe();
+                    return Err(context.error(node, PredicateErrorKind::NoAngle { found }));
+                };
+                let (left, right) = two(amounts);
+                let difference = Amount::AngleDifference {
+                    left: Box::new(left),
+                    right: Box::new(right),
+                    turn,
+                };
+                match function {
+                    Function::AngleBetween => (Amount::Abs(Box::new(difference)), None),
+                    _ => (difference, None),
+                }
+            }
+        };
+        Ok(Operand::computed(amount, scale, frame, constant))
+    }
+
+    fn distance(
+        &mut self,
+        from: &'t Node,
+        to: &'t Node,
+        context: Context<'t>,
+    ) -> Result<Operand, PredicateError> {
+        let mut parts = Vec::with_capacity(3);
+        for axis in ["x", "y", "z"] {
+            let ends = vec![
+                self.coordinate(from, axis, context)?,
+                self.coordinate(to, axis, context)?,
+            ];
+            let unified = self.unified(ends, &[from, to], context)?;
+            parts.push(arithmetic(Operator::Subtract, unified));
+        }
+        let unified = self.unified(parts, &[from, from, to], context)?;
+        let norm = Amount::Norm(unified.amounts);
+        Ok(Operand::computed(norm, unified.scale, None, false))
     }
 
     /// The signal `node` with `.axis` behind it, which must be a number.
@@ -430,15 +552,52 @@ impl<'t> Binder<'t> {
         node: &Node,
         axis: &str,
         context: Context<'t>,
-    ) -> Result<Amount, PredicateError> {
+    ) -> Result<Operand, PredicateError> {
         let NodeKind::Signal(prefix) = &node.kind else {
             return Err(context.error(node, PredicateErrorKind::TooLarge));
         };
         match self.signal(&format!("{prefix}.{axis}"), node, context)? {
-            Typed::Amount(amount) => Ok(amount),
+            Typed::Amount(amount) => Ok(*amount),
             other => Err(context.type_error(node, &other, "a place with the numbers x, y and z")),
         }
     }
+}
+
+/// The first two of `amounts`; there are two wherever this is used.
+fn two(amounts: Vec<Amount>) -> (Amount, Amount) {
+    let mut amounts = amounts.into_iter();
+    let mut next = || amounts.next().unwrap_or(Amount::Constant(f64::NAN));
+    (next(), next())
+}
+
+/// The sum or difference of two amounts in one unit.
+fn arithmetic(operator: Operator, unified: Unified) -> Operand {
+    let (left, right) = two(unified.amounts);
+    let amount = Amount::Arithmetic(operator, Box::new(left), Box::new(right));
+    Operand::computed(amount, unified.scale, unified.frame, unified.constant)
+}
+
+/// The product or quotient of two amounts; `None` if its unit is out of range. A component times
+/// a constant is still a component.
+fn product(operator: Operator, left: Operand, right: Operand) -> Option<Operand> {
+    let scale = left
+        .scale
+        .product(&right.scale, operator == Operator::Divide)?;
+    let frame = match operator {
+        Operator::Multiply if left.constant => right.frame,
+        _ if right.constant => left.frame,
+        _ => None,
+    };
+    let constant = left.constant && right.constant;
+    let amount = Amount::Arithmetic(operator, Box::new(left.amount), Box::new(right.amount));
+    Some(Operand::computed(amount, scale, frame, constant))
+}
+
+/// A whole turn in the unit of an angle; `None` for anything else.
+fn turn(scale: &Scale) -> Option<f64> {
+    let unit = scale.unit()?;
+    let turn = Factor::new(2, 1, 1)?.divided_by(unit.factor())?;
+    (unit.dimension() == Dimension::ANGLE).then(|| turn.conversion().apply(1.0))
 }
 
 /// The index of `value` among `names`, as a number.

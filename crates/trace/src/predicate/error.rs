@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::units::UnitErrorKind;
+
 /// Something wrong in the text of a predicate, a quantity or an entry of a vocabulary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PredicateError {
@@ -60,6 +62,40 @@ pub enum PredicateErrorKind {
         /// How it is called.
         usage: &'static str,
     },
+    /// A function needs values of more than one moment.
+    NotInstantaneous {
+        /// The name.
+        name: String,
+    },
+    /// Something is wrong with a unit.
+    Unit(UnitErrorKind),
+    /// Two amounts of different dimensions are compared, added or the like.
+    Dimensions {
+        /// What the one is, for example `a length in m`.
+        left: String,
+        /// What the other is.
+        right: String,
+    },
+    /// A number with a unit meets a signal whose unit is not declared, so that it cannot be
+    /// converted.
+    UndeclaredUnit {
+        /// The signal.
+        signal: String,
+        /// The unit of the number.
+        unit: String,
+    },
+    /// A number or signal without a unit meets signals of several units, so that it has none.
+    AmbiguousNumber {
+        /// The units of the signals.
+        units: Vec<String>,
+    },
+    /// Components in different coordinate frames are compared, added or the like.
+    Frames(Box<FrameMismatch>),
+    /// Something is used as an angle but is not known to be one.
+    NoAngle {
+        /// What it is.
+        found: String,
+    },
     /// An enumeration has no value of that name.
     UnknownValue {
         /// The value.
@@ -96,6 +132,19 @@ pub enum PredicateErrorKind {
         /// The name.
         name: String,
     },
+}
+
+/// Two signals that meet, but are expressed in different coordinate frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameMismatch {
+    /// A signal.
+    pub left: String,
+    /// Its frame.
+    pub left_frame: String,
+    /// Another signal.
+    pub right: String,
+    /// Its frame.
+    pub right_frame: String,
 }
 
 impl PredicateError {
@@ -156,12 +205,46 @@ impl fmt::Display for PredicateErrorKind {
                 suggest(
                     out,
                     similar.as_deref(),
-                    "there are abs, min, max, norm and distance",
+                    "there are abs, min, max, norm, distance, angle_difference and angle_between",
                 )
             }
             Kind::ArgumentCount { function, usage } => {
                 write!(out, "{function} has the wrong arguments; write {usage}")
             }
+            Kind::NotInstantaneous { name } => write!(
+                out,
+                "there is no function {name}, since a predicate sees the values of one moment \
+                 only; record the rate or the like as a signal of its own, or use the operators of \
+                 temporal logic around predicates"
+            ),
+            Kind::Unit(kind) => kind.fmt(out),
+            Kind::Dimensions { left, right } => write!(
+                out,
+                "{left} does not go together with {right}; correct one of them, or give a number \
+                 the unit that makes them alike"
+            ),
+            Kind::UndeclaredUnit { signal, unit } => write!(
+                out,
+                "the unit of {signal} is not declared, so a number in {unit} cannot be converted \
+                 to it; declare the signal's unit, or write the number without one"
+            ),
+            Kind::AmbiguousNumber { units } => write!(
+                out,
+                "what has no unit is taken in that of the other signals, but there are several \
+                 here ({}); write the number's unit, or declare the signal's",
+                units.join(", ")
+            ),
+            Kind::Frames(mismatch) => write!(
+                out,
+                "{} is expressed in the frame {} and {} in {}; transform one of them into the \
+                 frame of the other first",
+                mismatch.left, mismatch.left_frame, mismatch.right, mismatch.right_frame
+            ),
+            Kind::NoAngle { found } => write!(
+                out,
+                "this is {found}, where an angle must stand; declare the signal's unit as rad or \
+                 deg"
+            ),
             Kind::UnknownValue { value, known } => {
                 write!(
                     out,

@@ -3,15 +3,19 @@
 //! The slash has two meanings. After an operand it divides; elsewhere it begins a signal. Within a
 //! signal further slashes belong to it before its first dot, if a letter, digit or underscore
 //! follows: `/arm/left.x/2` is the signal `/arm/left.x` divided by 2.
+//!
+//! A unit may follow a number. It extends over `*` and `/` as long as units follow them, even if
+//! an entry of the vocabulary has the same name as a unit.
 
 use std::ops::Range;
 
 use super::error::PredicateErrorKind;
+use crate::units::{Decimal, Prefix, QuantityValue, prefix};
 
 /// One word of the language.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Token {
-    Number(f64),
+    Number(Box<QuantityValue>),
     Text(String),
     Signal(String),
     Name(String),
@@ -148,35 +152,37 @@ fn lex_quoted(rest: &str, quote: char) -> Result<(Token, usize), (PredicateError
     Ok((token, length + 2))
 }
 
+/// A number and the unit behind it, if there is one.
 fn lex_number(rest: &str) -> Result<(Token, usize), (PredicateErrorKind, usize)> {
-    let bytes = rest.as_bytes();
-    let digits = |from: usize| {
-        from + bytes[from..]
-            .iter()
-            .take_while(|byte| byte.is_ascii_digit())
-            .count()
+    let end = Decimal::length(rest);
+    let malformed = || {
+        let tail = rest[end..].find(|letter| !is_word(letter) && letter != '.');
+        let whole = end + tail.unwrap_or(rest.len() - end);
+        let kind = PredicateErrorKind::Unexpected {
+            found: format!("\"{}\"", &rest[..whole]),
+            expected: "a finite number, possibly with a unit,",
+        };
+        (kind, whole)
     };
-    let mut end = digits(0);
-    if bytes.get(end) == Some(&b'.') && digits(end + 1) > end + 1 {
-        end = digits(end + 1);
-    }
-    if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-        if digits(end + 1 + sign) > end + 1 + sign {
-            end = digits(end + 1 + sign);
+    // A dot right behind, as in 1.2.3, is a mistake and not the next word.
+    let number = Decimal::parse(&rest[..end]).filter(|_| !rest[end..].starts_with('.'));
+    let number = number.ok_or_else(malformed)?;
+    let unit = prefix(&rest[end..]);
+    let unit =
+        unit.map_err(|error| (PredicateErrorKind::Unit(error.kind), end + error.span.end))?;
+    let (unit, length) = match unit {
+        Prefix::Unit(unit, length) => (Some(unit), length),
+        // Behind a blank there may be a word like "and".
+        Prefix::Word(_, from, to) if from > 0 && is_operator(&rest[end + from..end + to]) => {
+            (None, 0)
         }
-    }
-    // A letter or dot right behind, as in 5cm or 1.2.3, is a mistake and not the next word.
-    let tail = rest[end..].find(|letter| !is_word(letter) && letter != '.');
-    let whole = end + tail.unwrap_or(rest.len() - end);
-    match rest[..whole].parse::<f64>() {
-        Ok(value) if whole == end && value.is_finite() => Ok((Token::Number(value), end)),
-        _ => Err((
-            PredicateErrorKind::Unexpected {
-                found: format!("\"{}\"", &rest[..whole]),
-                expected: "a finite number without a unit",
-            },
-            whole,
-        )),
-    }
+        Prefix::Word(kind, _, to) => return Err((PredicateErrorKind::Unit(kind), end + to)),
+        Prefix::Nothing => (None, 0),
+    };
+    let value = QuantityValue::new(number, unit);
+    Ok((Token::Number(Box::new(value)), end + length))
+}
+
+fn is_operator(word: &str) -> bool {
+    WORDS.iter().any(|(spelling, _)| *spelling == word)
 }

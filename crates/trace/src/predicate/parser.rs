@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::error::{PredicateError, PredicateErrorKind};
 use super::lexer::{Token, lex};
 use crate::suggest::nearest;
+use crate::units::QuantityValue;
 
 /// The deepest nesting of a tree, so that walking it cannot exhaust a thread's stack.
 pub(crate) const MAX_DEPTH: usize = 256;
@@ -20,7 +21,7 @@ pub(crate) struct Node {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum NodeKind {
-    Number(f64),
+    Number(Box<QuantityValue>),
     Bool(bool),
     Text(String),
     Signal(String),
@@ -60,9 +61,11 @@ pub(crate) enum Function {
     Max,
     Norm,
     Distance,
+    AngleDifference,
+    AngleBetween,
 }
 
-const FUNCTIONS: [(&str, Function, &str); 5] = [
+const FUNCTIONS: [(&str, Function, &str); 7] = [
     ("abs", Function::Abs, "abs(a)"),
     ("min", Function::Min, "min(a, b, ...)"),
     ("max", Function::Max, "max(a, b, ...)"),
@@ -72,6 +75,32 @@ const FUNCTIONS: [(&str, Function, &str); 5] = [
         Function::Distance,
         "distance(/a, /b), where /a.x, /a.y, /a.z and so on are signals",
     ),
+    (
+        "angle_difference",
+        Function::AngleDifference,
+        "angle_difference(a, b)",
+    ),
+    (
+        "angle_between",
+        Function::AngleBetween,
+        "angle_between(a, b)",
+    ),
+];
+
+/// Functions that people look for, but that need more than the values of one moment.
+const NOT_OF_AN_INSTANT: [&str; 12] = [
+    "derivative",
+    "diff",
+    "rate",
+    "integral",
+    "previous",
+    "prev",
+    "next",
+    "delay",
+    "mean",
+    "average",
+    "rise",
+    "fall",
 ];
 
 const COMPARISONS: [(&str, Comparison); 6] = [
@@ -132,10 +161,16 @@ pub(crate) fn parse(text: &str) -> Result<Node, PredicateError> {
     parser.whole().map_err(error)
 }
 
-/// Whether `word` has a meaning in the language, so that no entry may be called so.
-pub(crate) fn is_reserved(word: &str) -> bool {
-    matches!(word, "true" | "false" | "and" | "or" | "not")
-        || FUNCTIONS.iter().any(|(name, ..)| *name == word)
+/// Whether `word` can be the name of an entry: letters, digits and underscores, not beginning with
+/// a digit, and without a meaning in the language.
+pub(crate) fn is_name(word: &str) -> bool {
+    let first_fits = word.starts_with(|letter: char| letter.is_alphabetic() || letter == '_');
+    let rest_fits = word
+        .chars()
+        .all(|letter| letter.is_alphanumeric() || letter == '_');
+    let reserved = matches!(word, "true" | "false" | "and" | "or" | "not")
+        || FUNCTIONS.iter().any(|(name, ..)| *name == word);
+    first_fits && rest_fits && !reserved
 }
 
 type ParseError = (PredicateErrorKind, Range<usize>);
@@ -348,7 +383,12 @@ impl Parser {
         let known = FUNCTIONS.iter().find(|(spelling, ..)| *spelling == name);
         let Some(&(spelling, function, usage)) = known else {
             let similar = nearest(&name, FUNCTIONS.iter().map(|(spelling, ..)| *spelling));
-            return Err((PredicateErrorKind::UnknownFunction { name, similar }, span));
+            let kind = if NOT_OF_AN_INSTANT.contains(&name.as_str()) {
+                PredicateErrorKind::NotInstantaneous { name }
+            } else {
+                PredicateErrorKind::UnknownFunction { name, similar }
+            };
+            return Err((kind, span));
         };
         let arguments = self.arguments()?;
         let span = span.start..self.tokens[self.next - 1].1.end;
@@ -384,6 +424,7 @@ fn accepts(function: Function, arguments: &[Node]) -> bool {
     match function {
         Function::Abs => arguments.len() == 1,
         Function::Min | Function::Max | Function::Norm => !arguments.is_empty(),
+        Function::AngleDifference | Function::AngleBetween => arguments.len() == 2,
         Function::Distance => {
             arguments.len() == 2
                 && arguments
