@@ -44,6 +44,7 @@
 //! ```
 
 mod ast;
+pub mod discrete;
 mod lexer;
 mod parser;
 mod print;

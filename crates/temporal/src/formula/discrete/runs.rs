@@ -70,10 +70,7 @@ impl RunSet {
             self.runs.insert(begin, (from, to));
             return (from, to);
         }
-        let merged = (
-            from.min(self.runs[begin].0),
-            to.max(self.runs[end - 1].1),
-        );
+        let merged = (from.min(self.runs[begin].0), to.max(self.runs[end - 1].1));
         self.runs[begin] = merged;
         if end > begin + 1 {
             self.runs.drain(begin + 1..end);

@@ -94,8 +94,9 @@ impl Timeline {
         }
     }
 
+    /// The time of a sample that is kept.
     #[inline]
-    fn time(&self, sample: u64) -> f64 {
+    pub(super) fn time(&self, sample: u64) -> f64 {
         self.times_secs[(sample - self.base) as usize]
     }
 
@@ -144,6 +145,33 @@ impl Timeline {
         self.partition(later + 1, near, |e| time_secs - e >= limit)
     }
 
+    /// The first sample of the future window of `earlier`, or one past the last sample if it has not
+    /// begun.
+    pub(super) fn window_begin(&self, span: Span, earlier: u64) -> u64 {
+        match span {
+            Span::Samples { low, .. } => earlier.saturating_add(low),
+            Span::Seconds { low, .. } => {
+                let from_secs = self.time(earlier);
+                self.search_between(earlier, self.count, |later| {
+                    later - from_secs < low - tolerance_secs(later)
+                })
+            }
+        }
+    }
+
+    /// One past the last sample seen of the future window of `earlier`.
+    pub(super) fn window_end(&self, span: Span, earlier: u64) -> u64 {
+        match span {
+            Span::Samples { high, .. } => earlier.saturating_add(high).saturating_add(1),
+            Span::Seconds { high, .. } => {
+                let from_secs = self.time(earlier);
+                self.search_between(earlier, self.count, |later| {
+                    later - from_secs <= high + tolerance_secs(later)
+                })
+            }
+        }
+    }
+
     /// The first of the kept samples before `end` whose time is not `early`, or `end`; `early` is
     /// true of a prefix. Searches by doubling steps from `near`.
     #[inline]
@@ -187,7 +215,7 @@ impl Timeline {
 }
 
 #[inline]
-fn tolerance_secs(time_secs: f64) -> f64 {
+pub(super) fn tolerance_secs(time_secs: f64) -> f64 {
     RESOLUTION_SECS.max(4.0 * f64::EPSILON * time_secs.abs())
 }
 

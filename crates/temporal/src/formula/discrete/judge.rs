@@ -1,0 +1,315 @@
+//! A formula that is ready to judge traces, and one at work on a trace.
+
+use super::Truth;
+use super::program::{NodeId, Program};
+use super::robustness::Lane;
+use super::timeline::Timeline;
+use super::truth::{After, TruthEngine};
+use crate::formula::ast::Formula;
+use crate::formula::report::{FormulaReport, Progress, RobustnessBounds, StepError};
+use crate::formula::settings::{CompileError, Ending, Settings};
+use crate::monitor::Verdict;
+
+/// A formula in discrete time that is ready to judge traces; it can be shared by threads.
+#[derive(Debug, Clone)]
+pub struct DiscreteMonitor {
+    start: DiscreteJudge,
+}
+
+/// A formula in discrete time at work on one trace.
+#[derive(Debug, Clone)]
+pub struct DiscreteJudge {
+    atom_count: usize,
+    ending: Ending,
+    timeline: Timeline,
+    last_secs: f64,
+    truth: TruthEngine,
+    root: NodeId,
+    trigger: Option<NodeId>,
+    robustness: Option<Robustness>,
+    verdict: Option<Verdict>,
+    decided_at_secs: Option<f64>,
+    triggered: u64,
+    /// When times have last been forgotten, this many were left.
+    times_left: usize,
+}
+
+/// The lanes for both ends of the robustness.
+#[derive(Debug, Clone)]
+struct Robustness {
+    low: Lane,
+    /// None as long as it would be the same as `low`.
+    high: Option<Lane>,
+}
+
+impl DiscreteMonitor {
+    /// Translates `formula`.
+    ///
+    /// # Errors
+    /// [`CompileError`] if an interval makes no sense or the formula is nested too deeply.
+    pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
+        let mut program = Program::new();
+        let root = program.add(formula)?;
+        let robustness = settings.robustness.then(|| Robustness {
+            low: Lane::new(&program, root),
+            high: None,
+        });
+        let trigger = settings.trigger.as_ref().or_else(|| formula.trigger());
+        let mut atom_count = formula.atom_count();
+        let trigger = match trigger {
+            None => None,
+            Some(trigger) => {
+                atom_count = atom_count.max(trigger.atom_count());
+                Some(program.add(&Formula::rise(trigger.clone()))?)
+            }
+        };
+        let start = DiscreteJudge {
+            atom_count,
+            ending: settings.ending,
+            timeline: Timeline::new(program.measures_time()),
+            last_secs: f64::NEG_INFINITY,
+            truth: TruthEngine::new(&program),
+            root,
+            trigger,
+            robustness,
+            verdict: None,
+            decided_at_secs: None,
+            triggered: 0,
+            times_left: 0,
+        };
+        Ok(DiscreteMonitor { start })
+    }
+
+    /// Begins to judge a trace.
+    #[must_use]
+    pub fn start(&self) -> DiscreteJudge {
+        self.start.clone()
+    }
+}
+
+impl DiscreteJudge {
+    /// Takes the next sample: its time, and the robustness of each atom: not a number where it is
+    /// unknown, infinite where an atom is only true or false. The truth of an atom is the sign of
+    /// its robustness, and unknown where that is 0; see [`DiscreteJudge::step_both`].
+    ///
+    /// # Errors
+    /// [`StepError`] if the time is not finite or not after the last one, or values are missing or too
+    /// many; the sample is not taken then.
+    pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
+        self.check(time_secs, atoms.len())?;
+        self.take(
+            time_secs,
+            |atom| Truth::of_robustness(atoms[atom]),
+            |atom| atoms[atom],
+        );
+        Ok(self.progress())
+    }
+
+    /// Takes the next sample: its time, and the truth of each atom, `None` where it is unknown.
+    ///
+    /// # Errors
+    /// As [`DiscreteJudge::step`].
+    pub fn step_truth(
+        &mut self,
+        time_secs: f64,
+        atoms: &[Option<bool>],
+    ) -> Result<Progress, StepError> {
+        self.check(time_secs, atoms.len())?;
+        self.take(
+            time_secs,
+            |atom| Truth::of(atoms[atom]),
+            |atom| match atoms[atom] {
+                Some(true) => f64::INFINITY,
+                Some(false) => f64::NEG_INFINITY,
+                None => f64::NAN,
+            },
+        );
+        Ok(self.progress())
+    }
+
+    /// Takes the next sample with both the truth and the robustness of each atom, which decides
+    /// atoms whose robustness is 0.
+    ///
+    /// # Errors
+    /// As [`DiscreteJudge::step`].
+    pub fn step_both(
+        &mut self,
+        time_secs: f64,
+        truth: &[Option<bool>],
+        robustness: &[f64],
+    ) -> Result<Progress, StepError> {
+        self.check(time_secs, truth.len().min(robustness.len()))?;
+        self.check(time_secs, truth.len().max(robustness.len()))?;
+        self.take(
+            time_secs,
+            |atom| Truth::of(truth[atom]),
+            |atom| robustness[atom],
+        );
+        Ok(self.progress())
+    }
+
+    /// The verdict, once no continuation can change it.
+    #[must_use]
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    /// How many values, runs of truth values and times are stored.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        let lanes = self.robustness.as_ref().map_or(0, |lanes| {
+            lanes.low.stored() + lanes.high.as_ref().map_or(0, Lane::stored)
+        });
+        self.timeline.stored() + self.truth.stored() + lanes
+    }
+
+    /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
+    /// [`Ending::Inconclusive`].
+    #[must_use]
+    pub fn finish(mut self, complete: bool) -> FormulaReport {
+        let ending = match self.ending {
+            Ending::Finite if !complete => Ending::Inconclusive,
+            ending => ending,
+        };
+        let robustness = self.robustness_at_end(ending);
+        let verdict = self.verdict_at_end(ending);
+        let covered = self.trigger.is_none() || self.triggered > 0;
+        FormulaReport {
+            verdict: if covered || verdict == Verdict::Violated {
+                verdict
+            } else {
+                Verdict::NotCovered
+            },
+            robustness,
+            triggered: self.triggered,
+            has_trigger: self.trigger.is_some(),
+            samples: self.timeline.count(),
+            decided_at_secs: self.decided_at_secs,
+            explanation: None,
+        }
+    }
+
+    fn check(&self, time_secs: f64, found: usize) -> Result<(), StepError> {
+        if !time_secs.is_finite() || time_secs <= self.last_secs {
+            return Err(StepError::Time {
+                last_secs: self.last_secs,
+                time_secs,
+            });
+        }
+        if found != self.atom_count {
+            return Err(StepError::AtomCount {
+                expected: self.atom_count,
+                found,
+            });
+        }
+        Ok(())
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            verdict: self.verdict,
+        }
+    }
+
+    /// Takes a sample that has been checked.
+    #[inline]
+    fn take(
+        &mut self,
+        time_secs: f64,
+        truth: impl Fn(usize) -> Truth,
+        robustness: impl Fn(usize) -> f64,
+    ) {
+        self.last_secs = time_secs;
+        self.timeline.push(time_secs);
+        if self.verdict.is_none() || self.trigger.is_some() {
+            self.truth.step(&self.timeline, truth);
+            self.hear_truth();
+            if self.verdict.is_some() && self.decided_at_secs.is_none() {
+                self.decided_at_secs = Some(time_secs);
+            }
+        }
+        if let Some(lanes) = &mut self.robustness {
+            lanes.step(&self.timeline, self.atom_count, robustness);
+        }
+        if self.timeline.stored() > 2 * self.times_left + 64 {
+            self.forget_times();
+        }
+    }
+
+    /// Notes what the formula and its trigger said.
+    #[inline]
+    fn hear_truth(&mut self) {
+        if self.verdict.is_none() {
+            let at_first = self
+                .truth
+                .said(self.root)
+                .iter()
+                .find(|said| said.from == 0);
+            self.verdict = at_first.and_then(|said| match said.value {
+                Truth::True => Some(Verdict::Satisfied),
+                Truth::False => Some(Verdict::Violated),
+                Truth::Unknown => None,
+            });
+        }
+        if let Some(trigger) = self.trigger {
+            let said = self.truth.said(trigger).iter();
+            let risen = said.filter(|said| said.value == Truth::True);
+            self.triggered += risen.map(|said| said.to - said.from).sum::<u64>();
+        }
+    }
+
+    fn forget_times(&mut self) {
+        let mut needed = self.truth.needed_from();
+        if let Some(lanes) = &self.robustness {
+            needed = needed.min(lanes.low.needed_from());
+            needed = needed.min(lanes.high.as_ref().map_or(u64::MAX, Lane::needed_from));
+        }
+        self.timeline.forget_before(needed);
+        self.times_left = self.timeline.stored();
+    }
+
+    fn verdict_at_end(&mut self, ending: Ending) -> Verdict {
+        let after = match ending {
+            Ending::Inconclusive => None,
+            Ending::Weak => Some(After::All(true)),
+            Ending::Strong => Some(After::All(false)),
+            Ending::Finite => Some(After::Nothing),
+        };
+        if let Some(after) = after
+            && (self.verdict.is_none() || self.trigger.is_some())
+        {
+            self.truth.close(&self.timeline, after);
+            self.hear_truth();
+        }
+        self.verdict.unwrap_or(Verdict::Inconclusive)
+    }
+
+    fn robustness_at_end(&mut self, ending: Ending) -> Option<RobustnessBounds> {
+        let Robustness { low, high } = self.robustness.take()?;
+        let high = high.unwrap_or_else(|| low.optimist());
+        let (below, above) = match ending {
+            Ending::Inconclusive => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
+            Ending::Weak => (Some(f64::INFINITY), Some(f64::INFINITY)),
+            Ending::Strong => (Some(f64::NEG_INFINITY), Some(f64::NEG_INFINITY)),
+            Ending::Finite => (None, None),
+        };
+        // Adding 0 makes a negative zero positive.
+        Some(RobustnessBounds {
+            low: low.close(&self.timeline, below)? + 0.0,
+            high: high.close(&self.timeline, above)? + 0.0,
+        })
+    }
+}
+
+impl Robustness {
+    #[inline]
+    fn step(&mut self, timeline: &Timeline, atom_count: usize, value: impl Fn(usize) -> f64) {
+        if self.high.is_none() && (0..atom_count).any(|atom| value(atom).is_nan()) {
+            self.high = Some(self.low.optimist());
+        }
+        if let Some(high) = &mut self.high {
+            high.step(timeline, &value);
+        }
+        self.low.step(timeline, value);
+    }
+}

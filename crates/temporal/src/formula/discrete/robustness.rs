@@ -1,0 +1,323 @@
+//! Robustness at the first sample, in one pass.
+//!
+//! # Definition
+//! The robustness of a formula is its truth with "true" replaced by plus infinity, "false" by minus
+//! infinity, conjunction by the minimum and disjunction by the maximum (A. Donzé and O. Maler, "Robust
+//! satisfaction of temporal logic over real-valued signals", FORMATS 2010). Where atoms are unknown
+//! it lies between two values: since every node is monotone ([`super::program`]), these are its
+//! robustness with all unknown atoms at minus and at plus infinity (as in J. Deshmukh and others, "Robust
+//! online monitoring of signal temporal logic", Formal Methods in System Design 51, 2017).
+//!
+//! # Algorithm
+//! Each node gives its values in order of samples, each once it is final; see [`ahead`] for operators
+//! of the future and [`behind`] for those of the past. Where only the value at the first
+//! sample is asked for (a formula's outermost operators) a future operator keeps two numbers. One
+//! *lane* of such nodes computes the lower end; a second one is split off at the first unknown
+//! atom, and at the end, when what comes after the trace is taken for minus and for plus infinity.
+//!
+//! # Cost and guarantee
+//! Amortised O(1) for each sample and operator, whatever the window. Memory: the samples of the
+//! windows (fewer where there is no left operand); an unbounded operator of the future inside
+//! another temporal operator keeps the whole trace, since its values are final only at its end.
+//! Only minima, maxima and changes of sign are taken, so there are no rounding errors.
+
+mod ahead;
+mod behind;
+mod fold;
+
+use std::collections::VecDeque;
+
+use self::ahead::Ahead;
+use self::behind::Behind;
+use super::program::{Node, NodeId, Op, Program};
+use super::timeline::Timeline;
+
+/// The nodes for one end of the interval.
+#[derive(Debug, Clone)]
+pub(super) struct Lane {
+    nodes: Vec<(Node, State)>,
+    /// What each node gave in the last step.
+    given: Vec<Vec<f64>>,
+    root: NodeId,
+    value: Option<f64>,
+    /// What statements about unknown atoms are taken for.
+    unknown: f64,
+}
+
+#[derive(Debug, Clone)]
+enum State {
+    Constant,
+    Atom,
+    And(Box<Pairs>),
+    /// Whether the first sample is behind.
+    Next(bool),
+    /// What was given of the last sample, and the number of samples given.
+    Previous(Option<f64>, u64),
+    Ahead(Box<Ahead>),
+    Behind(Box<Behind>),
+}
+
+/// Values of two operands, of which one may be ahead.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pairs {
+    left: VecDeque<f64>,
+    right: VecDeque<f64>,
+}
+
+impl Pairs {
+    /// Calls `pair` for each two values of the same sample.
+    #[inline]
+    pub(super) fn join(
+        &mut self,
+        left: &[f64],
+        right: &[f64],
+        sign: f64,
+        mut pair: impl FnMut(f64, f64),
+    ) {
+        if self.left.is_empty() && self.right.is_empty() && left.len() == right.len() {
+            for (&left, &right) in left.iter().zip(right) {
+                pair(left * sign, right * sign);
+            }
+            return;
+        }
+        self.left.extend(left.iter().map(|value| value * sign));
+        self.right.extend(right.iter().map(|value| value * sign));
+        let ready = self.left.len().min(self.right.len());
+        for (left, right) in self.left.drain(..ready).zip(self.right.drain(..ready)) {
+            pair(left, right);
+        }
+    }
+
+    pub(super) fn stored(&self) -> usize {
+        self.left.len() + self.right.len()
+    }
+}
+
+/// The greater of two numbers, neither of which is NaN.
+#[inline]
+pub(super) fn greater(left: f64, right: f64) -> f64 {
+    if left > right { left } else { right }
+}
+
+/// The smaller of two numbers, neither of which is NaN.
+#[inline]
+pub(super) fn smaller(left: f64, right: f64) -> f64 {
+    if left < right { left } else { right }
+}
+
+impl Lane {
+    pub(super) fn new(program: &Program, root: NodeId) -> Self {
+        let asked_once = asked_once(program, root);
+        let state = |(index, node): (NodeId, &Node)| match node.op {
+            Op::Constant => State::Constant,
+            Op::Atom(_) => State::Atom,
+            Op::And(..) => State::And(Box::default()),
+            Op::Next(_) => State::Next(false),
+            Op::Previous(_) => State::Previous(None, 0),
+            Op::Eventually(span, _) => {
+                State::Ahead(Box::new(Ahead::new(span, false, asked_once[index])))
+            }
+            Op::Until(span, ..) => {
+                State::Ahead(Box::new(Ahead::new(span, true, asked_once[index])))
+            }
+            Op::Once(span, _) => State::Behind(Box::new(Behind::new(span, false))),
+            Op::Since(span, ..) => State::Behind(Box::new(Behind::new(span, true))),
+        };
+        Lane {
+            nodes: (program.nodes.iter().enumerate())
+                .map(|entry| (*entry.1, state(entry)))
+                .collect(),
+            given: vec![Vec::new(); program.nodes.len()],
+            root,
+            value: None,
+            unknown: f64::NEG_INFINITY,
+        }
+    }
+
+    /// The same for the other end of the interval.
+    pub(super) fn optimist(&self) -> Self {
+        Lane {
+            unknown: f64::INFINITY,
+            ..self.clone()
+        }
+    }
+
+    /// Takes the sample that was last added to `timeline`.
+    #[inline]
+    pub(super) fn step(&mut self, timeline: &Timeline, atom: impl Fn(usize) -> f64) {
+        if self.value.is_some() {
+            return;
+        }
+        for (index, (node, state)) in self.nodes.iter_mut().enumerate() {
+            let (before, rest) = self.given.split_at_mut(index);
+            let Some(out) = rest.first_mut() else { return };
+            out.clear();
+            let mut giver = Giver::new(out, *node);
+            match (node.op, &mut *state) {
+                (Op::Constant, _) => giver.give(f64::INFINITY),
+                (Op::Atom(number), _) => {
+                    let value = atom(number);
+                    let is_unknown = value.is_nan();
+                    giver.out.push(if is_unknown {
+                        self.unknown
+                    } else {
+                        value * giver.sign
+                    });
+                }
+                (_, State::Ahead(ahead)) => ahead.tick(timeline, &mut giver),
+                (_, State::Previous(held, _)) => {
+                    let first = (timeline.count() == 1).then_some(f64::NEG_INFINITY);
+                    if let Some(value) = held.take().or(first) {
+                        giver.give(value);
+                    }
+                }
+                _ => {}
+            }
+            listen(*node, before, timeline, state, &mut giver);
+        }
+        self.value = self.given[self.root].first().copied();
+    }
+
+    /// The robustness at the first sample, if nothing comes after the trace (`None`), or samples at
+    /// which every subformula has the value `after`.
+    pub(super) fn close(mut self, timeline: &Timeline, after: Option<f64>) -> Option<f64> {
+        if self.value.is_some() {
+            return self.value;
+        }
+        for (index, (node, state)) in self.nodes.iter_mut().enumerate() {
+            let (before, rest) = self.given.split_at_mut(index);
+            let out = rest.first_mut()?;
+            out.clear();
+            let mut giver = Giver::new(out, *node);
+            listen(*node, before, timeline, state, &mut giver);
+            let after = after.map_or(f64::NEG_INFINITY, |after| after * giver.sign);
+            match state {
+                State::Ahead(ahead) => ahead.close(timeline, after, &mut giver),
+                State::Next(_) if timeline.count() > 0 => giver.give(after),
+                _ => {}
+            }
+        }
+        self.given[self.root].first().copied()
+    }
+
+    /// The first sample whose time may still be asked for.
+    pub(super) fn needed_from(&self) -> u64 {
+        (self.nodes.iter())
+            .map(|(_, state)| match state {
+                State::Ahead(ahead) => ahead.needed_from(),
+                State::Behind(behind) => behind.needed_from(),
+                _ => u64::MAX,
+            })
+            .min()
+            .unwrap_or(u64::MAX)
+    }
+
+    /// How many values are stored.
+    pub(super) fn stored(&self) -> usize {
+        (self.nodes.iter())
+            .map(|(_, state)| match state {
+                State::And(pairs) => pairs.stored(),
+                State::Ahead(ahead) => ahead.stored(),
+                State::Behind(behind) => behind.stored(),
+                _ => 0,
+            })
+            .sum()
+    }
+}
+
+/// For each node, whether only its value at the first sample is asked for.
+fn asked_once(program: &Program, root: NodeId) -> Vec<bool> {
+    let mut once = vec![true; program.nodes.len()];
+    for (index, node) in program.nodes.iter().enumerate().rev() {
+        let once_here = once[index] && index <= root;
+        match node.op {
+            Op::And(left, right) => {
+                once[left] &= once_here;
+                once[right] &= once_here;
+            }
+            Op::Next(operand)
+            | Op::Previous(operand)
+            | Op::Eventually(_, operand)
+            | Op::Once(_, operand) => once[operand] = false,
+            Op::Until(_, left, right) | Op::Since(_, left, right) => {
+                once[left] = false;
+                once[right] = false;
+            }
+            Op::Constant | Op::Atom(_) => {}
+        }
+    }
+    once
+}
+
+/// Where a node gives its values; negates those of a dual node.
+pub(super) struct Giver<'a> {
+    out: &'a mut Vec<f64>,
+    sign: f64,
+}
+
+impl<'a> Giver<'a> {
+    #[inline]
+    fn new(out: &'a mut Vec<f64>, node: Node) -> Self {
+        let sign = if node.dual { -1.0 } else { 1.0 };
+        Giver { out, sign }
+    }
+
+    #[inline]
+    pub(super) fn give(&mut self, value: f64) {
+        self.out.push(value * self.sign);
+    }
+}
+
+/// Gives a node what its operands gave in this step.
+#[inline]
+fn listen(
+    node: Node,
+    before: &[Vec<f64>],
+    timeline: &Timeline,
+    state: &mut State,
+    giver: &mut Giver<'_>,
+) {
+    let sign = giver.sign;
+    match (node.op, state) {
+        (Op::And(left, right), State::And(pairs)) => {
+            pairs.join(&before[left], &before[right], sign, |left, right| {
+                giver.give(smaller(left, right));
+            });
+        }
+        (Op::Next(operand), State::Next(begun)) => {
+            for &value in &before[operand] {
+                if *begun {
+                    giver.give(value * sign);
+                }
+                *begun = true;
+            }
+        }
+        (Op::Previous(operand), State::Previous(held, heard)) => {
+            for &value in &before[operand] {
+                *heard += 1;
+                if *heard < timeline.count() {
+                    giver.give(value * sign);
+                } else {
+                    *held = Some(value * sign);
+                }
+            }
+        }
+        (Op::Eventually(_, operand), State::Ahead(ahead)) => {
+            for &value in &before[operand] {
+                ahead.hear(f64::INFINITY, value * sign, timeline, giver);
+            }
+        }
+        (Op::Until(_, left, right), State::Ahead(ahead)) => {
+            ahead.hear_both(&before[left], &before[right], timeline, giver);
+        }
+        (Op::Once(_, operand), State::Behind(behind)) => {
+            for &value in &before[operand] {
+                behind.hear(f64::INFINITY, value * sign, timeline, giver);
+            }
+        }
+        (Op::Since(_, left, right), State::Behind(behind)) => {
+            behind.hear_both(&before[left], &before[right], timeline, giver);
+        }
+        _ => {}
+    }
+}

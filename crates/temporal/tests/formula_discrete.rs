@@ -1,0 +1,369 @@
+//! The engine for discrete time against the definition: after every sample of every short word, for
+//! all small formulas and many larger ones.
+
+use proptest::prelude::*;
+use temporal::formula::discrete::{DiscreteJudge, DiscreteMonitor};
+use temporal::formula::semantics::{self, Word};
+use temporal::formula::{Bound, Ending, Formula, Interval, Settings, TimeUnit, Verdict};
+
+const ENDINGS: [Ending; 4] = [
+    Ending::Inconclusive,
+    Ending::Weak,
+    Ending::Strong,
+    Ending::Finite,
+];
+
+/// Samples of two atoms: both truth values of each, and one of them unknown.
+const TRUTHS: [[Option<bool>; 2]; 6] = [
+    [Some(false), Some(false)],
+    [Some(true), Some(false)],
+    [Some(false), Some(true)],
+    [Some(true), Some(true)],
+    [None, Some(false)],
+    [Some(true), None],
+];
+
+/// Whether an operator of the past has an operand that speaks of the future.
+fn looks_back_on_the_future(formula: &Formula) -> bool {
+    fn speaks_of_future(formula: &Formula) -> bool {
+        let own = matches!(
+            formula,
+            Formula::Next(_)
+                | Formula::Eventually(..)
+                | Formula::Always(..)
+                | Formula::Until(..)
+                | Formula::WeakUntil(..)
+                | Formula::Release(..)
+        );
+        own || formula.operands().into_iter().any(speaks_of_future)
+    }
+    let past = matches!(
+        formula,
+        Formula::Once(..) | Formula::Historically(..) | Formula::Since(..)
+    );
+    let operands = formula.operands();
+    (past && operands.iter().any(|inner| speaks_of_future(inner)))
+        || operands.into_iter().any(looks_back_on_the_future)
+}
+
+/// A formula with a judge for each ending, and the word they have seen.
+#[derive(Clone)]
+struct Run<'f> {
+    formula: &'f Formula,
+    prompt: bool,
+    judges: Vec<DiscreteJudge>,
+    word: Word,
+}
+
+impl<'f> Run<'f> {
+    fn new(formula: &'f Formula) -> Self {
+        let judges = ENDINGS
+            .iter()
+            .map(|&ending| {
+                let settings = Settings::discrete(ending).with_robustness();
+                DiscreteMonitor::compile(formula, &settings)
+                    .unwrap()
+                    .start()
+            })
+            .collect();
+        Run {
+            formula,
+            prompt: !looks_back_on_the_future(formula),
+            judges,
+            word: Word::default(),
+        }
+    }
+
+    fn step_truth(&mut self, time_secs: f64, atoms: &[Option<bool>]) {
+        self.word.push_truth(time_secs, atoms);
+        for judge in &mut self.judges {
+            // The engine wants as many values as there are atoms.
+            let count = self.formula.atom_count();
+            judge.step_truth(time_secs, &atoms[..count]).unwrap();
+        }
+        self.agrees();
+    }
+
+    fn step_values(&mut self, time_secs: f64, atoms: &[f64]) {
+        self.word.push_values(time_secs, atoms);
+        for judge in &mut self.judges {
+            let count = self.formula.atom_count();
+            judge.step(time_secs, &atoms[..count]).unwrap();
+        }
+        self.agrees();
+    }
+
+    /// What the engine would say now is what the definition says.
+    fn agrees(&self) {
+        for (judge, ending) in self.judges.iter().zip(ENDINGS) {
+            let meant = semantics::value(self.formula, &self.word, ending).unwrap();
+            if ending == Ending::Inconclusive {
+                let verdict = Some(meant.verdict()).filter(|it| *it != Verdict::Inconclusive);
+                if self.prompt || judge.verdict().is_some() {
+                    assert_eq!(
+                        judge.verdict(),
+                        verdict,
+                        "{} on {:?}",
+                        self.formula,
+                        self.word
+                    );
+                }
+            }
+            let report = judge.clone().finish(true);
+            if self.prompt || ending != Ending::Inconclusive {
+                let verdict = match report.verdict {
+                    Verdict::NotCovered => meant.verdict(),
+                    verdict => verdict,
+                };
+                assert_eq!(
+                    verdict,
+                    meant.verdict(),
+                    "{} on {:?} ({ending:?})",
+                    self.formula,
+                    self.word
+                );
+            }
+            assert_eq!(
+                report.robustness,
+                Some(meant),
+                "{} on {:?} ({ending:?})",
+                self.formula,
+                self.word
+            );
+        }
+    }
+}
+
+/// All words of up to `length` more samples out of `samples`, at the times given.
+fn all_words(run: &Run<'_>, times_secs: &[f64], samples: &[[Option<bool>; 2]]) {
+    let Some((&time_secs, later)) = times_secs.split_first() else {
+        return;
+    };
+    for atoms in samples {
+        let mut run = run.clone();
+        run.step_truth(time_secs, atoms);
+        all_words(&run, later, samples);
+    }
+}
+
+fn bound(value: f64, unit: TimeUnit) -> Bound {
+    Bound { value, unit }
+}
+
+/// No bounds, windows in samples, and windows in seconds.
+fn intervals(seconds: bool) -> Vec<Interval> {
+    let unit = if seconds {
+        TimeUnit::Seconds
+    } else {
+        TimeUnit::Samples
+    };
+    let window = |low, high: Option<f64>| Interval {
+        low: bound(low, unit),
+        high: high.map(|high| bound(high, unit)),
+    };
+    vec![
+        window(0.0, None),
+        window(0.0, Some(1.0)),
+        window(1.0, Some(2.0)),
+        window(1.0, None),
+    ]
+}
+
+fn with_one(inner: &Formula, intervals: &[Interval]) -> Vec<Formula> {
+    let boxed = || Box::new(inner.clone());
+    let mut all = vec![
+        Formula::Not(boxed()),
+        Formula::Next(boxed()),
+        Formula::Previous(boxed()),
+        Formula::Rise(boxed()),
+        Formula::Fall(boxed()),
+    ];
+    for &interval in intervals {
+        all.push(Formula::Eventually(interval, boxed()));
+        all.push(Formula::Always(interval, boxed()));
+        all.push(Formula::Once(interval, boxed()));
+        all.push(Formula::Historically(interval, boxed()));
+    }
+    all
+}
+
+fn with_two(left: &Formula, right: &Formula, intervals: &[Interval]) -> Vec<Formula> {
+    let boxed = || (Box::new(left.clone()), Box::new(right.clone()));
+    let mut all = vec![
+        Formula::and(left.clone(), right.clone()),
+        Formula::or(left.clone(), right.clone()),
+        Formula::Implies(boxed().0, boxed().1),
+        Formula::Iff(boxed().0, boxed().1),
+    ];
+    for &interval in intervals {
+        all.push(Formula::Until(interval, boxed().0, boxed().1));
+        all.push(Formula::WeakUntil(interval, boxed().0, boxed().1));
+        all.push(Formula::Release(interval, boxed().0, boxed().1));
+        all.push(Formula::Since(interval, boxed().0, boxed().1));
+    }
+    all
+}
+
+/// All formulas with one operator.
+fn small_formulas(intervals: &[Interval]) -> Vec<Formula> {
+    let atoms = [Formula::atom(0), Formula::atom(1)];
+    let mut all = Vec::new();
+    for left in &atoms {
+        all.extend(with_one(left, intervals));
+        for right in &atoms {
+            all.extend(with_two(left, right, intervals));
+        }
+    }
+    all
+}
+
+const REGULAR_SECS: [f64; 6] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+/// Windows of up to 2 s that are empty, hold several samples, or end exactly at one.
+const IRREGULAR_SECS: [f64; 6] = [0.5, 0.7, 1.5, 3.5, 3.6, 9.0];
+
+#[test]
+fn all_formulas_with_one_operator_on_all_words_of_five_samples() {
+    for seconds in [false, true] {
+        let times = if seconds {
+            IRREGULAR_SECS
+        } else {
+            REGULAR_SECS
+        };
+        for formula in small_formulas(&intervals(seconds)) {
+            all_words(&Run::new(&formula), &times[..5], &TRUTHS[..4]);
+            all_words(&Run::new(&formula), &times[..4], &TRUTHS);
+        }
+    }
+}
+
+/// All formulas with two operators, on all words of `length` samples.
+fn two_operators(thorough: bool, length: usize) {
+    for seconds in [false, true] {
+        let times = if seconds {
+            IRREGULAR_SECS
+        } else {
+            REGULAR_SECS
+        };
+        let intervals = intervals(seconds);
+        let (inner, outer) = if thorough {
+            (intervals.clone(), intervals)
+        } else {
+            (intervals[1..3].to_vec(), vec![intervals[0], intervals[2]])
+        };
+        let outer = outer.as_slice();
+        for inner in small_formulas(&inner) {
+            let mut formulas = with_one(&inner, outer);
+            for atom in [Formula::atom(0), Formula::atom(1)] {
+                formulas.extend(with_two(&inner, &atom, outer));
+                formulas.extend(with_two(&atom, &inner, outer));
+            }
+            for formula in &formulas {
+                all_words(&Run::new(formula), &times[..length], &TRUTHS[..4]);
+            }
+        }
+    }
+}
+
+#[test]
+fn all_formulas_with_two_operators_on_all_words_of_three_samples() {
+    two_operators(false, 3);
+}
+
+#[test]
+#[ignore = "takes minutes; for changes of the engine (cargo test --release -- --ignored)"]
+fn all_formulas_with_two_operators_and_any_window_on_all_words_of_four_samples() {
+    two_operators(true, 4);
+}
+
+fn any_interval() -> impl Strategy<Value = Interval> {
+    let low = prop_oneof![2 => Just(0.0), 1 => 0.0..4.0_f64];
+    let length = prop_oneof![3 => (0.0..6.0_f64).prop_map(Some), 1 => Just(None)];
+    (low, length, any::<bool>()).prop_map(|(low, length, seconds)| {
+        if seconds {
+            // Tenths, so that windows often end exactly at a sample.
+            let tenths = |secs: f64| (secs * 10.0).round() / 10.0;
+            Interval {
+                low: bound(tenths(low), TimeUnit::Seconds),
+                high: length.map(|length| bound(tenths(low + length), TimeUnit::Seconds)),
+            }
+        } else {
+            Interval {
+                low: bound(low.round(), TimeUnit::Samples),
+                high: length.map(|length| bound((low + length).round(), TimeUnit::Samples)),
+            }
+        }
+    })
+}
+
+fn any_formula() -> impl Strategy<Value = Formula> {
+    let leaf = prop_oneof![
+        8 => (0..2_usize).prop_map(Formula::atom),
+        1 => Just(Formula::True),
+        1 => Just(Formula::False),
+    ];
+    leaf.prop_recursive(4, 12, 2, |inner| {
+        let one =
+            (inner.clone(), any_interval(), 0..9_usize).prop_map(|(inner, interval, kind)| {
+                let one = with_one(&inner, &[interval]);
+                one[kind % one.len()].clone()
+            });
+        let two = (inner.clone(), inner, any_interval(), 0..8_usize).prop_map(
+            |(left, right, interval, kind)| {
+                let two = with_two(&left, &right, &[interval]);
+                two[kind % two.len()].clone()
+            },
+        );
+        prop_oneof![one, two]
+    })
+}
+
+/// Steps of time in tenths of seconds, up to 3 s, mostly short.
+fn any_times(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    let step = prop_oneof![4 => 1..8_u32, 1 => 8..30_u32];
+    proptest::collection::vec(step, count).prop_map(|steps| {
+        let ticks = steps.into_iter().scan(0, |sum, step| {
+            *sum += step;
+            Some(*sum)
+        });
+        ticks.map(|tick| f64::from(tick) / 10.0).collect()
+    })
+}
+
+fn any_value() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        6 => (-4..=4_i32).prop_map(f64::from),
+        1 => Just(f64::INFINITY),
+        1 => Just(f64::NEG_INFINITY),
+        1 => Just(f64::NAN),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1_000))]
+
+    #[test]
+    fn random_formulas_on_random_truth(
+        formula in any_formula(),
+        times in any_times(14),
+        picks in proptest::collection::vec(0..16_usize, 14),
+    ) {
+        let mut run = Run::new(&formula);
+        for (time_secs, pick) in times.into_iter().zip(picks) {
+            // Unknown atoms are rarer.
+            let sample = if pick < 13 { pick % 4 } else { 4 + pick % 2 };
+            run.step_truth(time_secs, &TRUTHS[sample]);
+        }
+    }
+
+    #[test]
+    fn random_formulas_on_random_values(
+        formula in any_formula(),
+        times in any_times(14),
+        values in proptest::collection::vec((any_value(), any_value()), 14),
+    ) {
+        let mut run = Run::new(&formula);
+        for (time_secs, (first, second)) in times.into_iter().zip(values) {
+            run.step_values(time_secs, &[first, second]);
+        }
+    }
+}
