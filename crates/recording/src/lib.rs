@@ -11,7 +11,10 @@ mod trace_file;
 pub use reader::{
     Encoding, Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
 };
-pub use schema::{Constant, MessageField, MessageType, Primitive, Schema, SchemaError, Type};
+pub use schema::{
+    Constant, Dialect, MessageField, MessageType, Primitive, ProtoField, ProtoKind, ProtoMessage,
+    ProtobufSchema, Schema, SchemaError, Type, parse_idl, parse_msg,
+};
 pub use trace_file::{
     ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, read_mcap, to_mcap,
     write_mcap,

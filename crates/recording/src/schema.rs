@@ -1,8 +1,23 @@
 //! What the messages of a topic hold, read from the recording itself at run time.
 //!
-mod message_type;
+//! | language of the schema | function |
+//! |---|---|
+//! | ROS 2 `.msg` definitions, joined as MCAP and rosbag2 keep them (`ros2msg`) | [`parse_msg`] |
+//! | ROS 1 `.msg` definitions, joined as bags keep them (`ros1msg`) | [`parse_msg`] |
+//! | the part of OMG IDL that ROS 2 generates (`ros2idl`) | [`parse_idl`] |
+//! | protocol buffers, as a `FileDescriptorSet` | [`ProtobufSchema::parse`] |
+//!
+//! The first three give a [`MessageType`], so that one decoder serves all of them.
 
+mod idl;
+mod message_type;
+mod msg;
+mod protobuf;
+
+pub use idl::parse_idl;
 pub use message_type::{Constant, MessageField, MessageType, Primitive, Type};
+pub use msg::{Dialect, parse_msg};
+pub use protobuf::{ProtoField, ProtoKind, ProtoMessage, ProtobufSchema};
 
 use std::fmt;
 
@@ -13,6 +28,8 @@ pub enum Schema {
     Struct(MessageType),
     /// Self-describing messages (JSON).
     Schemaless,
+    /// Protocol buffers.
+    Protobuf(ProtobufSchema),
     /// It cannot be understood; the topic's messages can be counted, not decoded.
     Unknown {
         /// Why, as a clause, for example `schemas in flatbuffer are not supported`.
