@@ -5,5 +5,7 @@ mod linear;
 mod plan;
 mod report;
 mod sequencer;
+mod source;
+mod tf_message;
 
 pub use report::{StreamNote, StreamNoteKind};
