@@ -139,7 +139,7 @@ impl<'a> Listener<'a> {
         }
         for listened in &mut self.listened {
             if !present.contains_key(&listened.wanted.dds_name) {
-                listened.note_writers(BTreeSet::new(), &self.outlet);
+                listened.note_writers(&BTreeSet::new(), &self.outlet);
             }
         }
     }
@@ -242,7 +242,7 @@ impl<'a> Listener<'a> {
 
     fn note(&mut self, place: usize, writers: &[&Writer]) {
         let present = writers.iter().map(|writer| writer.guid).collect();
-        self.listened[place].note_writers(present, &self.outlet);
+        self.listened[place].note_writers(&present, &self.outlet);
     }
 
     fn refuse(&mut self, dds_name: &str, dds_type: &str, reason: String) {

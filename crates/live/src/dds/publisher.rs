@@ -11,9 +11,10 @@ const SAMPLES_KEPT: i32 = 1024;
 
 /// A participant that publishes. Messages are sent reliably to readers that ask for it, with the publisher's stamps.
 pub struct DdsPublisher {
+    // Dropped in this order: a writer can say goodbye only while its participant lives.
+    writers: Vec<(String, DataWriter<Vec<u8>, RawAdapter>)>,
     publisher: rustdds::Publisher,
     participant: DomainParticipant,
-    writers: Vec<(String, DataWriter<Vec<u8>, RawAdapter>)>,
 }
 
 impl DdsPublisher {

@@ -34,7 +34,6 @@ pub(super) struct Wanted {
 pub(super) struct Listened {
     pub(super) topic: Arc<Topic>,
     pub(super) wanted: Wanted,
-    pub(super) writers: BTreeSet<GUID>,
     /// Since when nobody publishes it, in nanoseconds on the source's clock.
     pub(super) away_since_nanos: Option<i64>,
     reader: SimpleDataReader<Vec<u8>, RawAdapter>,
@@ -69,7 +68,6 @@ impl Listened {
         Self {
             topic,
             wanted,
-            writers: BTreeSet::new(),
             away_since_nanos: None,
             reader,
             numbers: Numbers::new(),
@@ -121,9 +119,13 @@ impl Listened {
     /// Checks a message's number and hands it out.
     pub(super) fn hand_out(&mut self, sample: Sample, outlet: &Outlet) {
         let sequence = i64::from(sample.sequence_number);
-        match self.numbers.note(sample.writer_guid, sequence) {
-            Numbered::Repeated => return,
-            Numbered::Next => {}
+        let numbered = self.numbers.note(sample.writer_guid, sequence);
+        if numbered == Numbered::Repeated {
+            return;
+        }
+        self.note_back(outlet);
+        match numbered {
+            Numbered::Repeated | Numbered::Next => {}
             Numbered::First { sent_before } => outlet.queue.push_event(Event::PublisherJoined {
                 topic: self.topic.clone(),
                 sent_before,
@@ -158,27 +160,28 @@ impl Listened {
         });
     }
 
-    /// Takes note of the writers that are there now, and says if all are gone or some are back.
-    pub(super) fn note_writers(&mut self, present: BTreeSet<GUID>, outlet: &Outlet) {
-        let now = outlet.queue.clock.now_nanos();
-        match (present.is_empty(), self.away_since_nanos) {
-            (true, None) => {
-                self.away_since_nanos = Some(now);
-                outlet.queue.push_event(Event::Disconnected {
-                    topic: Some(self.topic.clone()),
-                    reason: "nobody publishes it any more".to_owned(),
-                });
-            }
-            (false, Some(since)) => {
-                self.away_since_nanos = None;
-                outlet.queue.push_event(Event::Reconnected {
-                    topic: Some(self.topic.clone()),
-                    away_nanos: now - since,
-                });
-            }
-            _ => {}
+    /// Somebody publishes the topic: a writer was found, or a message came from one that was there so shortly that it
+    /// was not. Says so if nobody did before.
+    fn note_back(&mut self, outlet: &Outlet) {
+        if let Some(since) = self.away_since_nanos.take() {
+            outlet.queue.push_event(Event::Reconnected {
+                topic: Some(self.topic.clone()),
+                away_nanos: outlet.queue.clock.now_nanos() - since,
+            });
         }
-        self.numbers.forget_gone(&present);
-        self.writers = present;
+    }
+
+    /// Takes note of the writers that are there now, and says if all are gone or some are back.
+    pub(super) fn note_writers(&mut self, present: &BTreeSet<GUID>, outlet: &Outlet) {
+        if !present.is_empty() {
+            self.note_back(outlet);
+        } else if self.away_since_nanos.is_none() {
+            self.away_since_nanos = Some(outlet.queue.clock.now_nanos());
+            outlet.queue.push_event(Event::Disconnected {
+                topic: Some(self.topic.clone()),
+                reason: "nobody publishes it any more".to_owned(),
+            });
+        }
+        self.numbers.forget_gone(present);
     }
 }
