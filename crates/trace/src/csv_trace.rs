@@ -3,13 +3,19 @@
 //! A signal's header is `/topic.field`, with the unit behind it in square brackets if it has one:
 //! `/robot.hand_speed [m/s]`. The topic ends at the first dot. A topic gets a row at each line
 //! where any of its cells is filled; empty cells of such a row are missing values. A column whose
-//! filled cells are all numbers holds numbers; if all are `true` or `false`, truth values;
-//! otherwise, an enumeration with the names in alphabetical order. Other columns are an error, so
-//! that a misspelt header is not overlooked.
+//! filled cells are all numbers holds numbers, where `nan` is a missing one; if all are `true` or
+//! `false`, truth values; otherwise, an enumeration with the names in alphabetical order. A column
+//! in which only some cells are numbers, or which has a unit but other cells than numbers, is
+//! refused, as is any other column, so that neither a decimal comma nor a misspelt header is
+//! overlooked.
+
+mod write;
 
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
+
+pub use write::{CsvWriteError, table_of_trace, write_csv_trace};
 
 use crate::channel::{Channel, Field, FieldKind, TraceError};
 use crate::signal::Trace;
@@ -142,7 +148,7 @@ fn topics(table: &Table) -> Result<Vec<(String, Vec<Signal>)>, CsvTraceError> {
                 header,
             });
         };
-        let (kind, values) = typed(&column);
+        let (kind, values) = typed(&column, unit)?;
         let field = Field {
             name: field.to_owned(),
             unit: unit.to_owned(),
@@ -158,12 +164,16 @@ fn topics(table: &Table) -> Result<Vec<(String, Vec<Signal>)>, CsvTraceError> {
     Ok(topics)
 }
 
-/// `/topic.field [unit]` as topic, field and unit.
+/// `/topic.field [unit]` as topic, field and unit. An index right behind the name, as in
+/// `/arm.position[3]`, belongs to the field.
 fn split_header(header: &str) -> Option<(&str, &str, &str)> {
-    let (name, unit) = match header
+    let bracket = header
         .strip_suffix(']')
-        .and_then(|rest| rest.split_once('['))
-    {
+        .and_then(|rest| rest.rsplit_once('['));
+    let is_index = |(name, unit): (&str, &str)| {
+        !name.ends_with(' ') && unit.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    let (name, unit) = match bracket.filter(|&bracket| !is_index(bracket)) {
         Some((name, unit)) => (name.trim_end(), unit.trim()),
         None => (header, ""),
     };
@@ -171,22 +181,30 @@ fn split_header(header: &str) -> Option<(&str, &str, &str)> {
     (topic.starts_with('/') && topic.len() > 1 && !field.is_empty()).then_some((topic, field, unit))
 }
 
-/// The kind that fits all filled cells of `column`, and its values.
-fn typed(column: &Column<'_>) -> (FieldKind, Vec<f64>) {
-    let filled = || column.cells().filter(|text| !text.is_empty());
+/// Whether a cell stands for a missing value.
+fn is_missing(text: &str) -> bool {
+    text.is_empty() || text.eq_ignore_ascii_case("nan")
+}
+
+/// The kind that fits all filled cells of `column`, and its values; `unit` is that of its header.
+fn typed(column: &Column<'_>, unit: &str) -> Result<(FieldKind, Vec<f64>), TableError> {
+    let filled = || column.cells().filter(|text| !is_missing(text));
     if filled().all(|text| finite(text).is_some()) {
         let values = column.cells().map(|text| finite(text).unwrap_or(f64::NAN));
-        return (FieldKind::Number, values.collect());
+        return Ok((FieldKind::Number, values.collect()));
+    }
+    let expected = "a finite number, as its unit or other cells of its column say";
+    if !unit.is_empty() || filled().any(is_like_a_number) {
+        let wrong = |text: &str| !is_missing(text) && finite(text).is_none();
+        return Err(column.first_bad_cell(wrong, expected));
     }
     if filled().all(|text| matches!(text, "true" | "false")) {
-        let value = |text: &str| {
-            if text.is_empty() {
-                f64::NAN
-            } else {
-                f64::from(text == "true")
-            }
+        let value = |text: &str| match text {
+            "true" => 1.0,
+            "false" => 0.0,
+            _ => f64::NAN,
         };
-        return (FieldKind::Bool, column.cells().map(value).collect());
+        return Ok((FieldKind::Bool, column.cells().map(value).collect()));
     }
     let names: BTreeSet<&str> = filled().collect();
     let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
@@ -195,7 +213,12 @@ fn typed(column: &Column<'_>) -> (FieldKind, Vec<f64>) {
         index.map_or(f64::NAN, |index| index as f64)
     };
     let values = column.cells().map(value).collect();
-    (FieldKind::Enumeration(names), values)
+    Ok((FieldKind::Enumeration(names), values))
+}
+
+/// Whether `text` is a number, or would be one with a decimal point for its comma.
+fn is_like_a_number(text: &str) -> bool {
+    text.replace(',', ".").parse::<f64>().is_ok()
 }
 
 #[cfg(test)]
@@ -234,6 +257,17 @@ mod tests {
     }
 
     #[test]
+    fn indices_and_missing_values() {
+        let trace =
+            parse("time_secs,/a.q[3],/a.q[4] [rad],/a.n [1]\n0,1,NaN,2\n1,nan,0.5,\n").unwrap();
+        let fields = &trace.channels[0].fields;
+        assert_eq!(fields[0], Field::number("q[3]", ""));
+        assert_eq!(fields[1], Field::number("q[4]", "rad"));
+        assert_eq!(fields[2], Field::number("n", "1"));
+        assert!(trace.channels[0].values[1].is_nan() && trace.channels[0].values[3].is_nan());
+    }
+
+    #[test]
     fn tables_that_are_no_traces_are_refused() {
         let message = |text| parse(text).unwrap_err().to_string();
         assert!(message("time,/a.x\n0,1\n").contains("no column \"time_secs\""));
@@ -241,5 +275,29 @@ mod tests {
         assert!(message("time_secs,/a.x\nsoon,1\n").contains("line 2, column \"time_secs\""));
         assert!(message("time_secs,/a.x\n1,1\n0,1\n").contains("line 3: topic /a goes back"));
         assert!(message("time_secs,/a.x,/a.x [m]\n0,1,1\n").contains("names two fields"));
+        let said = message("time_secs;/a.x\n0;1\n");
+        assert!(said.contains("separated by semicolons"), "{said}");
+        let said = message("time_secs\t/a.x\n0\t1\n");
+        assert!(said.contains("separated by tabs"), "{said}");
+        let said = message("time_secs,/a.x\n0,\"0,5\"\n1,\"0,6\"\n");
+        assert!(
+            said.contains("line 2, column \"/a.x\": \"0,5\" is not a finite"),
+            "{said}"
+        );
+        assert!(said.contains("a decimal point"), "{said}");
+        let said = message("time_secs,/a.x\n0,0,5\n");
+        assert!(said.contains("a decimal point"), "{said}");
+        let said = message("time_secs,/a.x [m]\n0,off\n");
+        assert!(said.contains("\"off\" is not a finite number"), "{said}");
+        let said = message("time_secs,/a.x\n0,1\n1,inf\n");
+        assert!(
+            said.contains("line 3") && said.contains("\"inf\""),
+            "{said}"
+        );
+        let said = message("time_secs,/a.x\n0,1\n1,error\n");
+        assert!(
+            said.contains("line 3") && said.contains("\"error\""),
+            "{said}"
+        );
     }
 }

@@ -7,11 +7,14 @@
 //! | what | how |
 //! |---|---|
 //! | record | [`Trace::add_channel`], [`Channel::push`] |
-//! | CSV tables of signals | [`read_csv_trace`] |
+//! | CSV tables of signals | [`read_csv_trace`], [`write_csv_trace`] |
 //! | CSV tables of anything | [`Table`] |
 //! | values at a time, with zero-order hold | [`Cursor`] |
-//! | statements about signals, in text | [`Predicate`], [`Quantity`] |
-//! | names for such statements | [`Vocabulary`] |
+//! | the latest values of a stream, and which are too old | [`Snapshot`] |
+//! | statements about signals, in text, with truth and robustness | [`Predicate`], [`Quantity`] |
+//! | names for such statements, and for limits with units | [`Vocabulary`], [`Parameters`] |
+//! | which limits a statement has | [`Predicate::comparisons`], [`Predicate::constants`] |
+//! | units and dimensions | [`units`] |
 //! | statements at the ticks of a clock, for monitors | [`Valuations`] |
 //!
 //! Signals are named `/topic.field`. NaN marks a missing value; what depends on one is unknown
@@ -43,8 +46,8 @@
 //!
 //! // Propositions are defined once, looked up in the trace once, and then evaluated at each tick.
 //! let vocabulary = Vocabulary::new([
-//!     ("near", "/human.distance < 0.1"),
-//!     ("slow_when_near", "near => /robot.hand_speed < 0.25"),
+//!     ("near", "/human.distance < 10 cm"),
+//!     ("slow_when_near", "near => /robot.hand_speed < 250 mm/s"),
 //! ]).map_err(|mut errors| errors.remove(0))?;
 //! let slow_when_near = vocabulary.predicate("slow_when_near")?.bind(&trace)?;
 //! let valuations = Valuations::sample(&trace, &[slow_when_near], Sampling::PollHz(20.0))?;
@@ -55,7 +58,9 @@
 //! # Speed
 //! On one core of a server, for a minute of two topics at 100 Hz and one at 10 Hz, 27 fields most
 //! of which hold random digits, 12,600 rows: recording 1 ms; evaluating 11 propositions at 20 Hz
-//! 0.25 ms.
+//! 0.25 ms. `/robot.hand_speed < 250 mm/s` is evaluated 107 million times a second on a
+//! [`Snapshot`] and its robustness 90 million times; with the arrival of a row of five values before
+//! each evaluation, 23 million; a distance of two points takes 55 ns (`cargo bench -p trace`).
 
 mod channel;
 mod csv_trace;
@@ -71,7 +76,9 @@ pub mod units;
 mod vocabulary;
 
 pub use channel::{Channel, Field, FieldKind, TraceError};
-pub use csv_trace::{CsvTraceError, read_csv_trace, trace_of_table};
+pub use csv_trace::{
+    CsvTraceError, CsvWriteError, read_csv_trace, table_of_trace, trace_of_table, write_csv_trace,
+};
 pub use file::{FileError, read_file, read_text, write_file};
 pub use parameters::{ParameterError, ParameterErrorKind, Parameters};
 pub use predicate::{

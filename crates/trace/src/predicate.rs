@@ -1,30 +1,5 @@
-//! Predicates and quantities over signals, in text: `/robot.state = 'release' & /robot.hand_speed < 0.25`.
-//!
-//! # Language
-//! | form | meaning |
-//! |---|---|
-//! | `0.25`, `1e-3` | number |
-//! | `true`, `false` | truth value |
-//! | `'release'`, `"release"` | name of a value of an enumeration |
-//! | `/robot.hand_speed` | signal: topic, dot, field; in backquotes if it has odd letters |
-//! | `grasped` | another entry of the [`Vocabulary`](crate::Vocabulary) |
-//! | `-a`, `a * b`, `a / b`, `a + b`, `a - b` | arithmetic |
-//! | `abs(a)`, `min(a, ...)`, `max(a, ...)`, `norm(a, ...)` | absolute value, least, greatest, Euclidean norm |
-//! | `distance(/a, /b)` | `norm(/a.x - /b.x, /a.y - /b.y, /a.z - /b.z)`, where `/a.x` and so on are signals |
-//! | `=` or `==`, `!=`, `<`, `<=`, `>`, `>=` | comparison |
-//! | `!a` or `not a` | negation; weaker than comparison, so `!a = b` is `!(a = b)` |
-//! | `a & b`, `&&`, `and` | conjunction |
-//! | `a \| b`, `\|\|`, `or` | disjunction |
-//! | `a => b` | implication, to the right |
-//!
-//! Precedence falls down the table. Comparisons do not chain. Numbers are double precision and `=`
-//! compares them exactly.
-//!
-//! # Missing values
-//! A signal has no value before its first row and where its row holds NaN. A number computed from
-//! a missing one, or by a division by zero, is missing; a comparison with a missing one is unknown;
-//! and the connectives are those of Kleene's strong logic (S. C. Kleene, "Introduction to
-//! Metamathematics", 1952, section 64): an unknown that cannot change the result does not matter.
+//! Predicates and quantities over signals, in text: `/robot.state = 'release' & /robot.hand_speed <
+//! 250 mm/s`. The language is defined at [`Predicate`].
 
 mod bind;
 mod comparison;
@@ -71,14 +46,84 @@ pub(crate) struct Expression {
 /// ])?;
 /// trace.channels[robot].push(1.0, &[1.0, 0.2])?;
 ///
-/// let slow = Predicate::parse("/robot.state = 'release' => /robot.hand_speed < 0.25")?;
-/// let slow = slow.bind(&trace)?; // looks the signals up and checks types, once
+/// let slow = Predicate::parse("/robot.state = 'release' => /robot.hand_speed < 250 mm/s")?;
+/// let slow = slow.bind(&trace)?; // looks the signals up and checks types and units, once
 /// let mut cursor = Cursor::new(&trace);
 /// assert_eq!(slow.eval(&cursor), None);
 /// cursor.seek(1.0);
 /// assert_eq!(slow.eval(&cursor), Some(true));
+/// let margin = slow.robustness(&cursor).expect("all is known"); // in m/s
+/// assert!((margin - 0.05).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # Language
+/// | form | meaning |
+/// |---|---|
+/// | `0.25`, `1e-3` | number |
+/// | `250 mm/s`, `10 cm`, `40 deg`, `50 %` | number with a unit (see [`crate::units`]) |
+/// | `true`, `false` | truth value |
+/// | `'release'`, `"release"` | name of a value of an enumeration |
+/// | `/robot.hand_speed` | signal: topic, dot, field; in backquotes if it has odd letters |
+/// | `grasped` | another entry of the [`Vocabulary`](crate::Vocabulary), or a parameter of it |
+/// | `-a`, `a * b`, `a / b`, `a + b`, `a - b` | arithmetic |
+/// | `abs(a)`, `min(a, ...)`, `max(a, ...)`, `norm(a, ...)` | absolute value, least, greatest, Euclidean norm |
+/// | `distance(/a, /b)` | `norm(/a.x - /b.x, /a.y - /b.y, /a.z - /b.z)`, where `/a.x` and so on are signals |
+/// | `angle_difference(a, b)` | `a - b`, less whole turns, above minus half a turn and up to half a turn |
+/// | `angle_between(a, b)` | its absolute value: the angle between two headings |
+/// | `=` or `==`, `!=`, `<`, `<=`, `>`, `>=` | comparison |
+/// | `!a` or `not a` | negation; weaker than comparison, so `!a = b` is `!(a = b)` |
+/// | `a & b`, `&&`, `and` | conjunction |
+/// | `a \| b`, `\|\|`, `or` | disjunction |
+/// | `a => b` | implication, to the right |
+///
+/// Precedence falls down the table. Comparisons do not chain. Numbers are double precision and `=`
+/// compares them exactly. A predicate sees the values of one moment: rates of change have to be
+/// signals of their own, and "within two seconds" belongs to temporal logic.
+///
+/// # Missing values
+/// A signal has no value before its first row and where its row holds NaN. A number computed from
+/// a missing one, or by a division by zero, is missing; a comparison with a missing one is unknown;
+/// and the connectives are those of Kleene's strong logic (S. C. Kleene, "Introduction to
+/// Metamathematics", 1952, section 64): an unknown that cannot change the result does not matter.
+///
+/// # Units and frames
+/// A signal has the unit and the frame of its [`Field`](crate::Field). What is added, compared or
+/// put into one `min`, `max` or `norm` must have one dimension and one frame, or binding is
+/// refused. Signals of one unit are computed with as they are stored; a written number is brought
+/// to their unit and rounded once, so `250 mm/s` is `0.25` beside a signal in m/s. Signals of
+/// different units are brought to the coherent SI unit.
+///
+/// A number without a unit is taken in that of the signals (and refused where they have several);
+/// a signal without a unit, in that of its surroundings, but not beside a written unit. Both are
+/// among the [`BoundPredicate::lints`]. A unit that is not known, as `counts`, goes together with
+/// itself and with numbers without a unit. A signal without a frame goes with every frame.
+///
+/// # Robustness
+/// How far the values are from changing the truth, positive where true, negative where false:
+///
+/// | form | robustness r |
+/// |---|---|
+/// | `a < b`, `a <= b` | b - a |
+/// | `a > b`, `a >= b` | a - b |
+/// | `a = b` of numbers | -abs(a - b) |
+/// | `a != b` of numbers | abs(a - b) |
+/// | truth values, names of enumerations | infinity if true, -infinity if false |
+/// | `!a` | -r(a) |
+/// | `a & b` | min(r(a), r(b)) |
+/// | `a \| b` | max(r(a), r(b)) |
+/// | `a => b` | max(-r(a), r(b)) |
+/// | `a = b` of truth values | max(min(r(a), r(b)), min(-r(a), -r(b))), and negated for `!=` |
+///
+/// A difference is expressed in the coherent SI unit of its dimension (m, m/s, N, rad); without a
+/// known unit, in that of the signals. Within `&` and `|` differences of different dimensions are
+/// compared as plain numbers. Where the truth is known the robustness is, and it is >= 0 where that
+/// is true and <= 0 where it is false; 0 is compatible with both, as `<` and `<=` have one
+/// robustness. An unknown operand that does not matter to the truth is left out; were it known, the
+/// robustness would have the same sign and at least the same size.
+///
+/// Source: A. Donzé and O. Maler, "Robust satisfaction of temporal logic over real-valued signals",
+/// FORMATS 2010, section 3.1, extended to equality, truth values and unknown values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predicate(Source);
 

@@ -80,6 +80,7 @@ impl Table {
             });
         }
         let headers: Vec<String> = record.iter().map(str::to_owned).collect();
+        check_delimiter(name, &headers)?;
         check_headers(name, &headers)?;
         let mut table = Table {
             name: name.to_owned(),
@@ -184,6 +185,22 @@ impl Place<'_> {
             self.byte += 1;
         }
         self.line
+    }
+}
+
+/// Semicolons or tabs in a lone header are those of another dialect.
+fn check_delimiter(name: &str, headers: &[String]) -> Result<(), TableError> {
+    let [header] = headers else { return Ok(()) };
+    let known = [(';', "semicolons"), ('\t', "tabs")];
+    match known
+        .iter()
+        .find(|(delimiter, _)| header.contains(*delimiter))
+    {
+        Some((_, delimiter)) => Err(TableError::Delimiter {
+            table: name.to_owned(),
+            delimiter,
+        }),
+        None => Ok(()),
     }
 }
 
@@ -292,6 +309,22 @@ impl<'t> Column<'t> {
             })
         };
         cells.map(convert).collect()
+    }
+
+    /// The error about the first cell for which `wrong` holds; there must be one.
+    pub(crate) fn first_bad_cell(
+        &self,
+        wrong: impl Fn(&str) -> bool,
+        expected: &'static str,
+    ) -> TableError {
+        let row = self.cells().position(wrong).unwrap_or(0);
+        TableError::BadCell {
+            table: self.table.name.clone(),
+            line: self.line(row),
+            header: self.header().to_owned(),
+            text: self.cells().nth(row).unwrap_or_default().to_owned(),
+            expected,
+        }
     }
 
     /// The line of the file at which row `row` begins, from 1; 0 if there is no such row.

@@ -1,7 +1,10 @@
 //! CSV tables and traces: what is written comes back, and errors name the right line.
 
 use proptest::prelude::*;
-use trace::{Table, TableError, read_csv_trace, trace_of_table};
+use trace::{
+    CsvWriteError, Field, Table, TableError, Trace, read_csv_trace, table_of_trace, trace_of_table,
+    write_csv_trace,
+};
 
 /// A row of a table with what stands above it in the file.
 #[derive(Debug, Clone)]
@@ -88,6 +91,53 @@ proptest! {
     }
 
     #[test]
+    fn traces_come_back_from_tables(
+        arm in prop::collection::vec((0..5_u8, any::<f64>(), 0..3_u8), 0..8),
+        state in prop::collection::vec((0..5_u8, 0..3_u8), 0..8),
+    ) {
+        let mut trace = layout();
+        let missing = |flag: u8| if flag == 2 { f64::NAN } else { f64::from(flag) };
+        let (mut arm, mut state) = (arm, state);
+        arm.sort_by_key(|row| row.0);
+        state.sort_by_key(|row| row.0);
+        for (time, x, ready) in arm {
+            let x = if x.is_finite() { x } else { f64::NAN };
+            // Rows without any value are not written.
+            if !x.is_nan() || ready < 2 {
+                trace.channels[0].push(f64::from(time) * 0.1, &[x, missing(ready)]).expect("it fits");
+            }
+        }
+        for (time, state) in state {
+            if state < 2 {
+                trace.channels[1].push(f64::from(time) * 0.1, &[missing(state)]).expect("it fits");
+            }
+        }
+        let text = table_of_trace(&trace).expect("it can be written");
+        let back = trace_of_table(&Table::parse("t", &text).expect("it is a table"));
+        let back = back.expect("it is a trace");
+        let bits = |values: &[f64]| values.iter().map(|it| it.to_bits()).collect::<Vec<u64>>();
+        for (index, (was, is)) in trace.channels.iter().zip(&back.channels).enumerate() {
+            prop_assert_eq!(&was.topic, &is.topic);
+            prop_assert_eq!(bits(&was.times_secs), bits(&is.times_secs));
+            // Of an enumeration only the names that occur come back.
+            let names = |channel: &trace::Channel| -> Vec<Option<String>> {
+                let value = |row: usize| channel.row(row)[0];
+                let name = |value: f64| match &channel.fields[0].kind {
+                    trace::FieldKind::Enumeration(names) => names.get(value as usize).cloned(),
+                    _ => None,
+                };
+                (0..channel.len()).map(|row| name(value(row))).collect()
+            };
+            if index == 1 {
+                prop_assert_eq!(names(was), names(is));
+            } else {
+                prop_assert_eq!(bits(&was.values), bits(&is.values));
+                prop_assert_eq!(&was.fields[0], &is.fields[0]);
+            }
+        }
+    }
+
+    #[test]
     fn any_text_is_read_without_panic(text in "[a-c/.#\", \r\n0-9\\[\\]é]{0,60}") {
         for text in [text.clone(), format!("time_secs,/a.x\n{text}")] {
             if let Ok(table) = Table::parse("t", &text) {
@@ -95,6 +145,60 @@ proptest! {
             }
         }
     }
+}
+
+fn layout() -> Trace {
+    let mut trace = Trace::new();
+    let arm = vec![Field::number("q[2]", "mm, or \"so\""), Field::bool("ready")];
+    trace.add_channel("/arm", arm).expect("it is well-formed");
+    let state = vec![Field::enumeration("state", ["open, wide", "closed"])];
+    trace
+        .add_channel("/state", state)
+        .expect("it is well-formed");
+    trace
+}
+
+#[test]
+fn what_would_be_misread_is_not_written() {
+    let refused = |topic: &str, field: Field| {
+        let mut trace = Trace::new();
+        trace
+            .add_channel(topic, vec![field])
+            .expect("it is well-formed");
+        matches!(table_of_trace(&trace), Err(CsvWriteError::Name { .. }))
+    };
+    assert!(refused("/a.b", Field::number("x", "m")));
+    assert!(refused("/a", Field::number("x", "[m]")));
+    assert!(refused("/a", Field::number("x ", "")));
+    assert!(refused("/a", Field::number("x [3]", "")));
+    for name in ["1", "true", "", " open", "nan", "1e3"] {
+        assert!(
+            refused("/a", Field::enumeration("x", ["open", name])),
+            "{name}"
+        );
+    }
+    assert!(!refused("/a", Field::enumeration("x", ["open", "it's"])));
+    assert!(!refused("/a", Field::number("x.y[3]", "m/s")));
+    let mut broken = layout();
+    broken.channels[0].times_secs.push(0.0);
+    assert!(matches!(
+        table_of_trace(&broken),
+        Err(CsvWriteError::Trace(_))
+    ));
+
+    let folder = tempfile::tempdir().unwrap();
+    let error = write_csv_trace(&folder.path().join("no/such/run.csv"), &layout()).unwrap_err();
+    assert!(
+        error.to_string().contains("create the folder first"),
+        "{error}"
+    );
+    let path = folder.path().join("run.csv");
+    let mut trace = layout();
+    trace.channels[0].push(0.5, &[1.5, 1.0]).unwrap();
+    trace.channels[1].push(0.5, &[0.0]).unwrap();
+    write_csv_trace(&path, &trace).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.ends_with("0.5,1.5,true,\"open, wide\"\n"), "{text}");
 }
 
 #[test]

@@ -43,8 +43,8 @@ impl BoundPredicate {
     /// How far the values are from changing the truth: positive where true, negative where false,
     /// 0 on the border, infinite where nothing but truth values and names decides; `None` where
     /// the truth is unknown. `a < b` has the robustness b - a in the coherent SI unit of the two,
-    /// `&` the least and `|` the greatest of their sides; all of it is defined in the description
-    /// of the crate's language of predicates ([`Predicate`](crate::Predicate)).
+    /// `&` the least and `|` the greatest of their sides; all of it is defined at
+    /// [`Predicate`](crate::Predicate).
     #[must_use]
     pub fn robustness<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
         self.truth.judge(values).map(|judged| judged.robustness)

@@ -1,34 +1,8 @@
-//! Evaluation: truth, numbers and robustness of bound trees.
+//! Evaluation: truth, numbers and robustness of bound trees, as defined at
+//! [`Predicate`](super::Predicate), where sources and guarantees stand too.
 //!
-//! # Truth
-//! A comparison of numbers is unknown if one of them is missing (NaN within); the connectives are
-//! those of Kleene's strong logic (see [`super`]).
-//!
-//! # Robustness
-//! How far the values are from changing the truth, positive where true, negative where false:
-//!
-//! | form | robustness r |
-//! |---|---|
-//! | `a < b`, `a <= b` | b - a |
-//! | `a > b`, `a >= b` | a - b |
-//! | `a = b` of numbers | -abs(a - b) |
-//! | `a != b` of numbers | abs(a - b) |
-//! | truth values, names of enumerations | infinity if true, -infinity if false |
-//! | `!a` | -r(a) |
-//! | `a & b` | min(r(a), r(b)) |
-//! | `a \| b` | max(r(a), r(b)) |
-//! | `a => b` | max(-r(a), r(b)) |
-//! | `a = b` of truth values | max(min(r(a), r(b)), min(-r(a), -r(b))), and negated for `!=` |
-//!
-//! Source: A. Donzé and O. Maler, "Robust satisfaction of temporal logic over real-valued signals",
-//! FORMATS 2010, section 3.1, extended to equality, truth values and unknown values.
-//! Guarantee: it is known where the truth is; it is >= 0 where that is true and <= 0 where it is
-//! false. Zero is compatible with both, since `<` and `<=` have one robustness.
-//! Deviation: where an unknown operand does not matter to the truth, it is left out. Then |r| can
-//! be less than it would be were the operand known, and never more.
-//! Scale: a difference is expressed in the coherent SI unit of its dimension (m, m/s, N, rad), so
-//! that spelling a limit in another unit does not change it; without known units, in those of the
-//! signals. Within `&` and `|`, differences of different dimensions are compared as plain numbers.
+//! Within, a missing number is NaN. Truth and robustness are computed together, so that what an
+//! unknown operand does to the one it does to the other.
 //!
 //! Cost: each node of the tree is visited at most once, and without allocation.
 

@@ -14,6 +14,13 @@ pub enum TableError {
         /// The table.
         table: String,
     },
+    /// The cells are separated by something else than commas.
+    Delimiter {
+        /// The table.
+        table: String,
+        /// What they are separated by.
+        delimiter: &'static str,
+    },
     /// A header is empty.
     EmptyHeader {
         /// The table.
@@ -82,6 +89,11 @@ impl fmt::Display for TableError {
                     "{table} is empty; begin it with a line of column headers"
                 )
             }
+            TableError::Delimiter { table, delimiter } => write!(
+                out,
+                "{table}: the cells seem to be separated by {delimiter}; save it separated by \
+                 commas, with decimal points"
+            ),
             TableError::EmptyHeader { table, column } => {
                 write!(
                     out,
@@ -102,7 +114,7 @@ impl fmt::Display for TableError {
             } => write!(
                 out,
                 "{table}, line {line}: found {found} cells under {expected} headers; give each \
-                 row one cell for each header"
+                 row one cell for each header, and numbers a decimal point where they have a comma"
             ),
             TableError::Malformed { table, problem } => {
                 write!(
@@ -137,11 +149,18 @@ impl fmt::Display for TableError {
                 header,
                 text,
                 expected,
-            } => write!(
-                out,
-                "{table}, line {line}, column \"{header}\": \"{text}\" is not {expected}; correct \
-                 the cell"
-            ),
+            } => {
+                let remedy = if text.contains(',') && text.replace(',', "").parse::<f64>().is_ok() {
+                    "write numbers with a decimal point and without other separators"
+                } else {
+                    "correct the cell"
+                };
+                write!(
+                    out,
+                    "{table}, line {line}, column \"{header}\": \"{text}\" is not {expected}; \
+                     {remedy}"
+                )
+            }
         }
     }
 }
