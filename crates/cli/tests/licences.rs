@@ -5,7 +5,7 @@ mod support;
 use support::metadata;
 
 /// Licences that ask for no more than a notice. Copyleft licences are absent on purpose.
-const PERMISSIVE: [&str; 13] = [
+const PERMISSIVE: [&str; 14] = [
     "MIT",
     "MIT-0",
     "Apache-2.0",
@@ -13,6 +13,7 @@ const PERMISSIVE: [&str; 13] = [
     "BSD-3-Clause",
     "ISC",
     "Zlib",
+    "bzip2-1.0.6",
     "0BSD",
     "Unlicense",
     "CC0-1.0",

@@ -36,3 +36,14 @@ mod verdict_file;
 pub use clock::{TimeSettings, TimeSource};
 pub use topic_map::{Interpolation, MappedSignal, SignalSource, TopicMap, TopicMapError};
 pub use verdict_file::{ShownRequirement, ShownVerdict, VerdictFile};
+
+mod csv_rows;
+mod json_lines;
+mod open;
+mod ros1_bag;
+mod rosbag2;
+mod trials;
+
+pub use csv_rows::row_time::{TimeUnit, TimeUnitError};
+pub use open::{Format, detect, open};
+pub use trials::{SkippedPath, TrialPath, Trials, trials};

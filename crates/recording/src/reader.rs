@@ -9,6 +9,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::csv_rows::row_time::TimeUnit;
 use crate::schema::Schema;
 
 /// Which topic of a recording: its place in [`Reader::topics`].
@@ -173,6 +174,15 @@ pub struct OpenOptions {
     /// Whether an unfinished file is read once beforehand, so that all its topics are known when it
     /// is open. Default true.
     pub look_ahead: bool,
+    /// Folders with `.msg` files, for the types that a recording does not define itself. Default
+    /// none.
+    pub message_path: Vec<PathBuf>,
+    /// The column of a table, or the key of JSON lines, that has the time. By default it is sought
+    /// under the usual names.
+    pub time_field: Option<String>,
+    /// The unit of the times in a table or in JSON lines. By default it is told by the name of the
+    /// column or key, or by the times themselves where only one unit makes sense.
+    pub time_unit: Option<TimeUnit>,
 }
 
 impl Default for OpenOptions {
@@ -182,6 +192,9 @@ impl Default for OpenOptions {
             memory_bytes: 512 << 20,
             record_bytes: 1 << 30,
             look_ahead: true,
+            message_path: Vec::new(),
+            time_field: None,
+            time_unit: None,
         }
     }
 }

@@ -1,0 +1,387 @@
+//! The files of a rosbag2 folder, one after another, as one recording.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+use super::metadata::Metadata;
+use super::sqlite::pager::Source;
+use super::types::Definitions;
+use super::{
+    METADATA_FILE, database, definitions, left_files, open_mcap, uncompressed_file, unzstd,
+};
+use crate::reader::{
+    Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
+};
+use crate::ros1_bag::loss;
+
+/// A folder that is being read.
+pub(crate) struct SplitReader {
+    parts: Vec<Part>,
+    current: usize,
+    options: OpenOptions,
+    definitions: Definitions,
+    metadata: Metadata,
+    topics: Vec<TopicInfo>,
+    selected: Vec<bool>,
+    losses: Vec<Loss>,
+    /// How many losses of the current part are in `losses` already.
+    taken_losses: usize,
+    is_complete: bool,
+    uncompressed: Vec<u8>,
+}
+
+/// One file.
+struct Part {
+    path: PathBuf,
+    /// Whether the whole file is compressed.
+    is_compressed: bool,
+    /// `None` until it is its turn, if it must be uncompressed for that, and after it was read.
+    reader: Option<Box<dyn Reader + Send>>,
+    /// The topic of this recording for each topic of the file.
+    topics: Vec<TopicId>,
+}
+
+impl SplitReader {
+    /// Reads the metadata and finds the topics of all files.
+    pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
+        let (metadata, losses) = metadata_of(folder)?;
+        let mut reader = SplitReader {
+            parts: Vec::new(),
+            current: 0,
+            options: options.clone(),
+            definitions: definitions(options)?,
+            metadata,
+            topics: Vec::new(),
+            selected: Vec::new(),
+            losses,
+            taken_losses: 0,
+            is_complete: true,
+            uncompressed: Vec::new(),
+        };
+        for name in reader.metadata.files.clone() {
+            reader.add_part(folder, &name)?;
+        }
+        if reader.parts.is_empty() {
+            let message =
+                "none of the files that its metadata.yaml names is there; copy the whole folder";
+            let error = ReadError::from(ReadProblem::Malformed(message.to_owned()));
+            return Err(error.in_file(folder));
+        }
+        reader.count_topics();
+        reader.selected = vec![true; reader.topics.len()];
+        Ok(reader)
+    }
+
+    /// Adds the file `name`, or notes that it is not there.
+    fn add_part(&mut self, folder: &Path, name: &str) -> Result<(), ReadError> {
+        let Some((path, is_compressed)) = find_file(folder, name, &self.metadata) else {
+            let message = format!("the file {name}, which the metadata name, is not there");
+            let messages = self.metadata.counts.get(name).copied();
+            self.losses.push(Loss {
+                messages,
+                ..loss(0, message)
+            });
+            return Ok(());
+        };
+        let reader = match self.open_part(&path, is_compressed, name) {
+            Ok(reader) => reader,
+            // The others may be whole; if there are no others, this is what is wrong.
+            Err(error) if self.metadata.files.len() > 1 => {
+                self.losses
+                    .push(loss(error.offset.unwrap_or(0), error.to_string()));
+                return Ok(());
+            }
+            Err(error) => return Err(error),
+        };
+        let mut topics = Vec::new();
+        for topic in reader.topics() {
+            topics.push(self.topic_like(topic));
+        }
+        let reader = (!is_compressed).then_some(reader);
+        self.parts.push(Part {
+            path,
+            is_compressed,
+            reader,
+            topics,
+        });
+        Ok(())
+    }
+
+    fn open_part(
+        &self,
+        path: &Path,
+        is_compressed: bool,
+        name: &str,
+    ) -> Result<Box<dyn Reader + Send>, ReadError> {
+        let expected = self.metadata.counts.get(name).copied();
+        let of_file = |error: ReadError| error.in_file(path);
+        let bytes = match is_compressed {
+            true => Some(uncompressed_file(path, &self.options)?),
+            false => None,
+        };
+        match (self.metadata.storage.as_str(), bytes) {
+            ("sqlite3", None) => {
+                let reader = database(path, &self.options, &self.definitions, expected)?;
+                Ok(Box::new(reader))
+            }
+            ("sqlite3", Some(bytes)) => {
+                let main: Box<dyn Source> = Box::new(bytes);
+                let definitions = &self.definitions;
+                let reader =
+                    database::DatabaseReader::new(main, None, &self.options, definitions, expected);
+                Ok(Box::new(reader.map_err(of_file)?))
+            }
+            ("mcap", None) => {
+                let file = File::open(path).map_err(|error| of_file(error.into()))?;
+                open_mcap(BufReader::new(file), &self.options).map_err(of_file)
+            }
+            ("mcap", Some(bytes)) => open_mcap(bytes, &self.options).map_err(of_file),
+            (other, _) => {
+                let message = format!(
+                    "its storage \"{other}\" is not supported; convert it with \"ros2 bag convert\""
+                );
+                Err(of_file(ReadProblem::Malformed(message).into()))
+            }
+        }
+    }
+
+    /// The topic of this recording that is like `topic` of a file.
+    fn topic_like(&mut self, topic: &TopicInfo) -> TopicId {
+        let is_same = |other: &&TopicInfo| {
+            other.name == topic.name
+                && other.type_name == topic.type_name
+                && other.encoding == topic.encoding
+                && other.schema == topic.schema
+        };
+        if let Some(same) = self.topics.iter().find(is_same) {
+            return same.id;
+        }
+        let id = TopicId(self.topics.len() as u32);
+        self.topics.push(TopicInfo {
+            id,
+            message_count: None,
+            ..topic.clone()
+        });
+        id
+    }
+
+    /// The metadata tell how many messages a topic has; not which, if two have the same name.
+    fn count_topics(&mut self) {
+        let mut seen = BTreeSet::new();
+        let twice: BTreeSet<String> = self
+            .topics
+            .iter()
+            .filter(|topic| !seen.insert(topic.name.as_str()))
+            .map(|topic| topic.name.clone())
+            .collect();
+        for topic in &mut self.topics {
+            if !twice.contains(&topic.name) {
+                topic.message_count = self.metadata.topic_counts.get(&topic.name).copied();
+            }
+        }
+    }
+
+    /// Opens the current part if it is not, and passes on what is selected.
+    fn prepare(&mut self) -> Result<(), ReadError> {
+        let part = &self.parts[self.current];
+        if part.reader.is_none() {
+            let name = part
+                .path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            let reader = self.open_part(&part.path, part.is_compressed, &name)?;
+            self.parts[self.current].reader = Some(reader);
+            self.select_in_part(self.current);
+        }
+        Ok(())
+    }
+
+    fn select_in_part(&mut self, index: usize) {
+        let part = &mut self.parts[index];
+        let (topics, selected) = (&part.topics, &self.selected);
+        if let Some(reader) = &mut part.reader {
+            reader.select(&|topic| {
+                topics
+                    .get(topic.id.index())
+                    .is_none_or(|topic| selected[topic.index()])
+            });
+        }
+    }
+
+    /// Takes over the losses that the current part found by now.
+    fn take_losses(&mut self) {
+        let part = &self.parts[self.current];
+        let Some(reader) = &part.reader else {
+            return;
+        };
+        let name = part.path.file_name().unwrap_or_default().to_string_lossy();
+        let is_only = self.parts.len() == 1;
+        for found in &reader.losses()[self.taken_losses.min(reader.losses().len())..] {
+            let mut found = found.clone();
+            if !is_only {
+                found.message = format!("in {name}: {}", found.message);
+            }
+            self.losses.push(found);
+        }
+        self.taken_losses = reader.losses().len();
+        self.is_complete &= reader.complete();
+    }
+}
+
+impl Reader for SplitReader {
+    fn topics(&self) -> &[TopicInfo] {
+        &self.topics
+    }
+
+    fn next(&mut self) -> Result<Option<RawMessage<'_>>, ReadError> {
+        let messages_are_compressed =
+            !self.metadata.compression.is_empty() && !self.metadata.files_are_compressed;
+        let uncompresses = messages_are_compressed && self.metadata.storage == "mcap";
+        while self.current < self.parts.len() {
+            self.prepare()?;
+            self.take_losses();
+            let part = &mut self.parts[self.current];
+            let found = match &mut part.reader {
+                Some(reader) => reader.next().map_err(|error| error.in_file(&part.path))?,
+                None => None,
+            };
+            let Some(found) = found else {
+                self.take_losses();
+                self.parts[self.current].reader = None;
+                self.current += 1;
+                self.taken_losses = 0;
+                continue;
+            };
+            // A part that finds topics late names them with ids that are not known here.
+            let Some(&topic) = part.topics.get(found.topic.index()) else {
+                self.losses.push(loss(
+                    found.offset,
+                    "a message of a topic that was found late is left out",
+                ));
+                continue;
+            };
+            let (log_nanos, publish_nanos, offset) =
+                (found.log_nanos, found.publish_nanos, found.offset);
+            self.uncompressed.clear();
+            let limit = self.options.record_bytes;
+            let result = if uncompresses {
+                unzstd(found.data, limit, &mut self.uncompressed)
+            } else {
+                self.uncompressed.extend_from_slice(found.data);
+                Ok(())
+            };
+            if let Err(error) = result {
+                let message = format!("a message cannot be uncompressed ({error})");
+                self.losses.push(Loss {
+                    messages: Some(1),
+                    ..loss(offset, message)
+                });
+                continue;
+            }
+            let data = &self.uncompressed[..];
+            return Ok(Some(RawMessage {
+                topic,
+                log_nanos,
+                publish_nanos,
+                data,
+                offset,
+            }));
+        }
+        Ok(None)
+    }
+
+    fn losses(&self) -> &[Loss] {
+        &self.losses
+    }
+
+    fn complete(&self) -> bool {
+        self.is_complete && self.losses.is_empty()
+    }
+
+    fn select(&mut self, wanted: &dyn Fn(&TopicInfo) -> bool) {
+        self.selected = self.topics.iter().map(wanted).collect();
+        for index in self.current..self.parts.len() {
+            self.select_in_part(index);
+        }
+    }
+
+    fn metadata(&self) -> &BTreeMap<String, String> {
+        &self.metadata.notes
+    }
+
+    fn in_time_order(&self) -> bool {
+        match &self.parts[..] {
+            [only] => only
+                .reader
+                .as_ref()
+                .is_some_and(|reader| reader.in_time_order()),
+            _ => false,
+        }
+    }
+
+    fn checked(&self) -> bool {
+        let part = self.parts.get(self.current);
+        part.and_then(|part| part.reader.as_ref())
+            .is_some_and(|reader| reader.checked())
+    }
+}
+
+/// The metadata of a folder; if the recorder did not write any, what its files tell.
+fn metadata_of(folder: &Path) -> Result<(Metadata, Vec<Loss>), ReadError> {
+    let path = folder.join(METADATA_FILE);
+    let of_folder = |error: io::Error| ReadError::from(error).in_file(folder);
+    if path.try_exists().map_err(of_folder)? {
+        return Ok((read_metadata(&path)?, Vec::new()));
+    }
+    let files = left_files(folder).map_err(of_folder)?;
+    let is_mcap = files.iter().any(|name| name.contains(".mcap"));
+    let metadata = Metadata {
+        storage: if is_mcap { "mcap" } else { "sqlite3" }.to_owned(),
+        files_are_compressed: files.iter().any(|name| name.ends_with(".zstd")),
+        files,
+        ..Metadata::default()
+    };
+    let message = "there is no metadata.yaml, so the recorder did not finish; what it had not written \
+                   yet is lost";
+    Ok((metadata, vec![loss(0, message)]))
+}
+
+fn read_metadata(path: &Path) -> Result<Metadata, ReadError> {
+    let of_file = |error: ReadError| error.in_file(path);
+    let text = fs::read_to_string(path).map_err(|error| of_file(error.into()))?;
+    let metadata = Metadata::parse(&text).map_err(|error| {
+        let message = format!("{error}; write it anew with \"ros2 bag reindex\"");
+        of_file(ReadProblem::Malformed(message).into())
+    })?;
+    if !matches!(metadata.compression.as_str(), "" | "zstd") {
+        let message = format!(
+            "its compression \"{}\" is not supported; convert it with \"ros2 bag convert\"",
+            metadata.compression
+        );
+        return Err(of_file(ReadProblem::Malformed(message).into()));
+    }
+    Ok(metadata)
+}
+
+/// Where the file `name` is, and whether it is compressed. The metadata of some recorders lack the
+/// ending of the compression, and a user may have uncompressed the file.
+fn find_file(folder: &Path, name: &str, metadata: &Metadata) -> Option<(PathBuf, bool)> {
+    let is_file = |path: &PathBuf| matches!(fs::metadata(path), Ok(found) if found.is_file());
+    let path = folder.join(name);
+    if is_file(&path) {
+        let is_zstd = path
+            .extension()
+            .is_some_and(|ending| ending == "zstd" || ending == "zst");
+        return Some((path, is_zstd));
+    }
+    let compressed = folder.join(format!("{name}.zstd"));
+    if metadata.files_are_compressed && is_file(&compressed) {
+        return Some((compressed, true));
+    }
+    let plain = folder.join(name.strip_suffix(".zstd")?);
+    is_file(&plain).then_some((plain, false))
+}
