@@ -44,15 +44,19 @@
 //! ```
 
 mod ast;
+pub mod dense;
 pub mod discrete;
 mod lexer;
+mod monitor;
 mod parser;
+mod positive;
 mod print;
 mod report;
 pub mod semantics;
 mod settings;
 
 pub use ast::{AtomId, Bound, Formula, Interval, MAX_BOUND, TimeUnit, Window};
+pub use monitor::{FormulaJudge, FormulaMonitor};
 pub use parser::{AtomText, FormulaError, MAX_DEPTH, Parsed, parse};
 pub use print::FormulaText;
 pub use report::{Explanation, FormulaReport, Progress, Responsible, RobustnessBounds, StepError};

@@ -8,9 +8,8 @@
 //! * v(f until_[a,b] g, t) = sup over t' in [t + a, t + b] of min(v(g, t'), inf over [t, t') of v(f));
 //! * v(f since_[a,b] g, t) = sup over t' in [t - b, t - a] of min(v(g, t'), inf over (t', t] of v(f)),
 //!   with t' >= t_0;
-//! * v(rise f, t) = min(v(f, t), -(value of f just before t)) if t is a whole number of ticks,
-//!   v(f, t_0) at t_0, and -inf elsewhere: where no sample is and none is a window's bound away,
-//!   nothing becomes true;
+//! * v(rise f, t) = min(v(f, t), -(value of f just before t)), and v(f, t_0) at t_0. (Within a
+//!   stretch where f is constant nothing becomes true, but unless f is known, nor is that.)
 //! * the other operators follow as in discrete time.
 //!
 //! # How it is executed
@@ -129,7 +128,7 @@ fn atom_at(word: &TickWord, atom: usize, place: usize) -> RobustnessBounds {
 fn becomes(here: &[RobustnessBounds], not_here: &[RobustnessBounds]) -> Values {
     let at = |place: usize| match place {
         0 => here[0],
-        odd if odd % 2 == 1 => FALSE,
+        odd if odd % 2 == 1 => here[odd].min(not_here[odd]),
         even => here[even].min(not_here[even - 1]),
     };
     (0..here.len()).map(at).collect()

@@ -1,0 +1,276 @@
+//! The engine for dense time: signals that hold their values between samples, judged at all times.
+//!
+//! # Definition
+//! [`super::semantics::dense`], with nanoseconds for ticks: times, counted from the first sample,
+//! and the bounds of intervals are rounded to whole nanoseconds, the resolution of recorded times,
+//! and from there on all is exact. Nothing is sampled: signals are runs of constant values, and
+//! each operator maps runs to runs.
+//!
+//! # Source
+//! Offline, the computation of robustness over piecewise signals operator by operator is by A. Donzé,
+//! T. Ferrère and O. Maler ("Efficient robust monitoring for STL", CAV 2013), and bounds online by
+//! J. V. Deshmukh et al. (2017). Deviations: signals are piecewise constant; all operators with a
+//! window are one algorithm (the sliding composition of clamps, file `dense/window.rs`); values at
+//! single points are kept apart from those of open intervals, so closed windows and `until` at a
+//! point are exact; and the least and the greatest possible value are two computations of the same
+//! positive form, of which the second begins only where something is unknown.
+//!
+//! # Guarantees
+//! * The report is that of the definition.
+//! * A verdict given early is never taken back. It comes when the values of operands, in the order
+//!   of time, determine it: where an operator waits for its window, the verdict may come later than
+//!   the first sample that excludes all others, but at most by the sum of the windows' ends.
+//! * Cost: O(1) amortised for each change of an operand and operator, whatever the windows.
+//! * Memory: the changes within the sum of the windows' ends, if windows are bounded. An unbounded
+//!   `eventually`, `until` and so on within another operator keeps what it has not decided, with
+//!   robustness possibly the whole trace; at the top it keeps two numbers.
+
+mod bounded;
+mod clamp;
+mod program;
+mod stream;
+mod window;
+
+use bounded::{Bounded, Counter};
+
+use super::ast::Formula;
+use super::positive::{Positive, positive};
+use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
+use super::settings::{CompileError, Ending, Settings, TimeModel};
+use crate::monitor::Verdict;
+
+/// A formula in dense time that is ready to judge traces; it can be shared by threads.
+#[derive(Debug, Clone)]
+pub struct DenseMonitor {
+    formula: Positive,
+    trigger: Option<Positive>,
+    atom_count: usize,
+    robustness: bool,
+    ending: Ending,
+}
+
+/// A formula in dense time at work on one trace.
+#[derive(Debug, Clone)]
+pub struct DenseJudge {
+    atom_count: usize,
+    ending: Ending,
+    first_secs: Option<f64>,
+    last_secs: f64,
+    /// The place of the last sample: twice its time in nanoseconds since the first one.
+    place: i64,
+    samples: u64,
+    truth: Bounded,
+    robustness: Option<Bounded>,
+    trigger: Option<Counter>,
+    verdict: Option<Verdict>,
+    decided_at_secs: Option<f64>,
+    /// The atoms of the sample at hand, kept to be used again.
+    truth_bounds: Vec<RobustnessBounds>,
+    value_bounds: Vec<RobustnessBounds>,
+}
+
+impl DenseMonitor {
+    /// Translates `formula`.
+    ///
+    /// # Errors
+    /// [`CompileError`] if an interval makes no sense, the formula speaks of samples or is too large.
+    pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
+        let trigger = settings.trigger.as_ref().or_else(|| formula.trigger());
+        let of_trigger = trigger.map_or(0, Formula::atom_count);
+        let rises =
+            trigger.map(|trigger| positive(&Formula::rise(trigger.clone()), TimeModel::Dense));
+        Ok(DenseMonitor {
+            formula: positive(formula, TimeModel::Dense)?,
+            trigger: rises.transpose()?,
+            atom_count: formula.atom_count().max(of_trigger),
+            robustness: settings.robustness,
+            ending: settings.ending,
+        })
+    }
+
+    /// Begins to judge a trace.
+    #[must_use]
+    pub fn start(&self) -> DenseJudge {
+        DenseJudge {
+            atom_count: self.atom_count,
+            ending: self.ending,
+            first_secs: None,
+            last_secs: f64::NEG_INFINITY,
+            place: 0,
+            samples: 0,
+            truth: Bounded::new(&self.formula, true),
+            robustness: self.robustness.then(|| Bounded::new(&self.formula, true)),
+            trigger: self.trigger.as_ref().map(Counter::new),
+            verdict: None,
+            decided_at_secs: None,
+            truth_bounds: Vec::new(),
+            value_bounds: Vec::new(),
+        }
+    }
+}
+
+impl DenseJudge {
+    /// Takes the next sample: its time, and the robustness of each atom, which is not a number where
+    /// it is unknown, and infinite where an atom is only true or false. The truth of an atom is the
+    /// sign of its robustness, and unknown where that is 0; see [`DenseJudge::step_both`].
+    ///
+    /// # Errors
+    /// [`StepError`] if the time is not finite or not a nanosecond after the last one, or there is
+    /// not one value for each atom; the sample is not taken then.
+    pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
+        let place = self.check(time_secs, atoms.len())?;
+        self.truth_bounds.clear();
+        self.truth_bounds.extend(atoms.iter().map(|&value| {
+            let truth = RobustnessBounds::of_value(value).truth();
+            RobustnessBounds::of_truth(truth)
+        }));
+        self.value_bounds.clear();
+        self.value_bounds
+            .extend(atoms.iter().map(|&value| RobustnessBounds::of_value(value)));
+        Ok(self.take(time_secs, place))
+    }
+
+    /// Takes the next sample: its time, and the truth of each atom, `None` where it is unknown.
+    ///
+    /// # Errors
+    /// As [`DenseJudge::step`].
+    pub fn step_truth(
+        &mut self,
+        time_secs: f64,
+        atoms: &[Option<bool>],
+    ) -> Result<Progress, StepError> {
+        let place = self.check(time_secs, atoms.len())?;
+        self.truth_bounds.clear();
+        self.truth_bounds
+            .extend(atoms.iter().map(|&truth| RobustnessBounds::of_truth(truth)));
+        self.value_bounds.clone_from(&self.truth_bounds);
+        Ok(self.take(time_secs, place))
+    }
+
+    /// Takes the next sample with both the truth and the robustness of each atom, which decides
+    /// atoms whose robustness is 0.
+    ///
+    /// # Errors
+    /// As [`DenseJudge::step`].
+    pub fn step_both(
+        &mut self,
+        time_secs: f64,
+        truth: &[Option<bool>],
+        robustness: &[f64],
+    ) -> Result<Progress, StepError> {
+        self.check(time_secs, truth.len())?;
+        let place = self.check(time_secs, robustness.len())?;
+        self.truth_bounds.clear();
+        self.truth_bounds
+            .extend(truth.iter().map(|&truth| RobustnessBounds::of_truth(truth)));
+        self.value_bounds.clear();
+        self.value_bounds.extend(
+            robustness
+                .iter()
+                .map(|&value| RobustnessBounds::of_value(value)),
+        );
+        Ok(self.take(time_secs, place))
+    }
+
+    /// The verdict, once no continuation can change it.
+    #[must_use]
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.verdict
+    }
+
+    /// How many stretches of time are stored.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        let trigger = self.trigger.as_ref().map_or(0, Counter::len);
+        self.truth.len() + self.robustness.as_ref().map_or(0, Bounded::len) + trigger
+    }
+
+    /// The place of a sample that can be taken.
+    fn check(&self, time_secs: f64, found: usize) -> Result<i64, StepError> {
+        if found != self.atom_count {
+            return Err(StepError::AtomCount {
+                expected: self.atom_count,
+                found,
+            });
+        }
+        let tick = ((time_secs - self.first_secs.unwrap_or(time_secs)) * 1e9).round();
+        // Up to 2e18 places, and as many for a window, fit into 63 bits.
+        let far = !(0.0..=1e18).contains(&tick);
+        let place = if far { 0 } else { 2 * tick as i64 };
+        if far || self.first_secs.is_some() && place <= self.place {
+            return Err(StepError::Time {
+                last_secs: self.last_secs,
+                time_secs,
+            });
+        }
+        Ok(place)
+    }
+
+    fn take(&mut self, time_secs: f64, place: i64) -> Progress {
+        self.first_secs.get_or_insert(time_secs);
+        self.last_secs = time_secs;
+        self.place = place;
+        self.samples += 1;
+        self.truth.step(place, &self.truth_bounds);
+        if let Some(robustness) = &mut self.robustness {
+            robustness.step(place, &self.value_bounds);
+        }
+        if let Some(trigger) = &mut self.trigger {
+            trigger.step(place, &self.truth_bounds);
+        }
+        if self.verdict.is_none()
+            && let Some(truth) = self.truth.bounds().truth()
+        {
+            self.verdict = Some(if truth {
+                Verdict::Satisfied
+            } else {
+                Verdict::Violated
+            });
+            self.decided_at_secs = Some(time_secs);
+        }
+        Progress {
+            verdict: self.verdict,
+        }
+    }
+
+    /// Ends the trace. `complete` is false if it was cut short: then [`Ending::Finite`] is treated as
+    /// [`Ending::Inconclusive`].
+    #[must_use]
+    pub fn finish(mut self, complete: bool) -> FormulaReport {
+        let ending = match self.ending {
+            Ending::Finite if !complete => Ending::Inconclusive,
+            ending => ending,
+        };
+        let seen = self.samples > 0;
+        let mut close = |work: &mut Bounded| {
+            if seen {
+                work.close(ending)
+            } else {
+                RobustnessBounds::UNKNOWN
+            }
+        };
+        let verdict = close(&mut self.truth).verdict();
+        let robustness = self.robustness.as_mut().map(&mut close).filter(|_| seen);
+        let triggered = self.trigger.as_mut().map(|trigger| {
+            // What is said of times that were not seen triggers nothing.
+            let ending = if ending == Ending::Finite {
+                ending
+            } else {
+                Ending::Inconclusive
+            };
+            if seen { trigger.close(ending) } else { 0 }
+        });
+        FormulaReport {
+            verdict: match (verdict, triggered) {
+                (Verdict::Satisfied | Verdict::Inconclusive, Some(0)) => Verdict::NotCovered,
+                (verdict, _) => verdict,
+            },
+            robustness,
+            triggered: triggered.unwrap_or(0),
+            has_trigger: triggered.is_some(),
+            samples: self.samples,
+            decided_at_secs: self.decided_at_secs,
+            explanation: None,
+        }
+    }
+}

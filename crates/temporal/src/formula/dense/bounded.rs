@@ -1,0 +1,123 @@
+//! Least and greatest values together, and how often a formula is true.
+
+use super::program::{End, Program};
+use crate::formula::positive::Positive;
+use crate::formula::report::RobustnessBounds;
+use crate::formula::settings::Ending;
+
+/// The least value that a formula can have, and, where something is unknown, the greatest.
+#[derive(Debug, Clone)]
+pub(super) struct Bounded {
+    least: Program,
+    greatest: Option<Program>,
+}
+
+impl Bounded {
+    pub(super) fn new(formula: &Positive, first_only: bool) -> Self {
+        Bounded {
+            least: Program::new(formula, End::Least, first_only),
+            greatest: None,
+        }
+    }
+
+    /// Begins to compute the greatest value on its own; so far it was the least one.
+    fn split(&mut self) -> &mut Program {
+        let least = &self.least;
+        self.greatest
+            .get_or_insert_with(|| least.with_end(End::Greatest))
+    }
+
+    pub(super) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
+        if self.greatest.is_none() && atoms.iter().any(|atom| atom.low != atom.high) {
+            self.split();
+        }
+        self.least.step(place, atoms);
+        if let Some(greatest) = &mut self.greatest {
+            greatest.step(place, atoms);
+        }
+    }
+
+    pub(super) fn bounds(&self) -> RobustnessBounds {
+        RobustnessBounds {
+            low: self.least.bound(f64::NEG_INFINITY),
+            high: self
+                .greatest
+                .as_ref()
+                .unwrap_or(&self.least)
+                .bound(f64::INFINITY),
+        }
+    }
+
+    pub(super) fn close(&mut self, ending: Ending) -> RobustnessBounds {
+        let (low, high) = match ending {
+            Ending::Inconclusive => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
+            Ending::Weak => (Some(f64::INFINITY), Some(f64::INFINITY)),
+            Ending::Strong => (Some(f64::NEG_INFINITY), Some(f64::NEG_INFINITY)),
+            Ending::Finite => (None, None),
+        };
+        self.split().close(high);
+        self.least.close(low);
+        self.bounds()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.least.len() + self.greatest.as_ref().map_or(0, Program::len)
+    }
+}
+
+/// Counts the stretches, here single places, at which a formula is true.
+#[derive(Debug, Clone)]
+pub(super) struct Counter {
+    work: Bounded,
+    place: i64,
+    was_true: bool,
+    count: u64,
+}
+
+impl Counter {
+    pub(super) fn new(formula: &Positive) -> Self {
+        Counter {
+            work: Bounded::new(formula, false),
+            place: 0,
+            was_true: false,
+            count: 0,
+        }
+    }
+
+    pub(super) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
+        self.work.step(place, atoms);
+        self.count();
+    }
+
+    /// Ends the trace and gives the count.
+    pub(super) fn close(&mut self, ending: Ending) -> u64 {
+        self.work.close(ending);
+        self.count();
+        self.count
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.work.len()
+    }
+
+    /// Takes what has been found since.
+    fn count(&mut self) {
+        loop {
+            let least = self.work.least.root();
+            least.forget_before(self.place);
+            let Some(low) = least.first() else { return };
+            let high = match &mut self.work.greatest {
+                Some(greatest) => {
+                    greatest.root().forget_before(self.place);
+                    greatest.root().first()
+                }
+                None => Some(low),
+            };
+            let Some(high) = high else { return };
+            let is_true = low.value > 0.0;
+            self.count += u64::from(is_true && !self.was_true);
+            self.was_true = is_true;
+            self.place = low.end.min(high.end);
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! A formula that is ready to judge traces in either model of time, and one at work on a trace.
+
+use super::ast::Formula;
+use super::dense::{DenseJudge, DenseMonitor};
+use super::discrete::{DiscreteJudge, DiscreteMonitor};
+use super::report::{FormulaReport, Progress, StepError};
+use super::settings::{CompileError, Settings, TimeModel};
+use crate::monitor::Verdict;
+
+/// A formula that is ready to judge traces; it can be shared by threads.
+///
+/// ```
+/// use temporal::formula::{Ending, FormulaMonitor, Settings, Verdict, parse};
+/// let parsed = parse("always (grasped => eventually[0, 2 s] released)", &|_| None)?;
+/// let monitor = FormulaMonitor::compile(&parsed.formula, &Settings::discrete(Ending::Finite))?;
+///
+/// let mut judge = monitor.start();
+/// //                    grasped, released
+/// for (time_secs, atoms) in [(0.0, [false, false]), (1.0, [true, false]), (2.5, [false, true])] {
+///     let progress = judge.step_truth(time_secs, &atoms.map(Some))?;
+///     assert_eq!(progress.verdict, None); // more could come
+/// }
+/// let report = judge.finish(true);
+/// assert_eq!((report.verdict, report.triggered), (Verdict::Satisfied, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct FormulaMonitor {
+    engine: Engine,
+}
+
+#[derive(Debug, Clone)]
+enum Engine {
+    Discrete(Box<DiscreteMonitor>),
+    Dense(Box<DenseMonitor>),
+}
+
+/// A formula at work on one trace.
+#[derive(Debug, Clone)]
+pub struct FormulaJudge {
+    work: Work,
+}
+
+#[derive(Debug, Clone)]
+enum Work {
+    Discrete(Box<DiscreteJudge>),
+    Dense(Box<DenseJudge>),
+}
+
+/// Calls the same method of the judge for either model of time.
+macro_rules! either {
+    ($work:expr, $judge:ident => $call:expr) => {
+        match $work {
+            Work::Discrete($judge) => $call,
+            Work::Dense($judge) => $call,
+        }
+    };
+}
+
+impl FormulaMonitor {
+    /// Translates `formula`.
+    ///
+    /// # Errors
+    /// [`CompileError`] if an interval makes no sense, samples are spoken of in dense time, or the
+    /// formula is too large.
+    pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
+        let engine = match settings.time {
+            TimeModel::Discrete => {
+                Engine::Discrete(Box::new(DiscreteMonitor::compile(formula, settings)?))
+            }
+            TimeModel::Dense => Engine::Dense(Box::new(DenseMonitor::compile(formula, settings)?)),
+        };
+        Ok(FormulaMonitor { engine })
+    }
+
+    /// Begins to judge a trace.
+    #[must_use]
+    pub fn start(&self) -> FormulaJudge {
+        let work = match &self.engine {
+            Engine::Discrete(monitor) => Work::Discrete(Box::new(monitor.start())),
+            Engine::Dense(monitor) => Work::Dense(Box::new(monitor.start())),
+        };
+        FormulaJudge { work }
+    }
+}
+
+impl FormulaJudge {
+    /// Takes the next sample: its time in seconds, and the robustness of each atom, which is not a
+    /// number where it is unknown, and infinite where an atom is only true or false. The truth of an
+    /// atom is the sign of its robustness, and unknown where that is 0; see
+    /// [`FormulaJudge::step_both`].
+    ///
+    /// # Errors
+    /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
+    /// for each atom; the sample is not taken then.
+    pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
+        either!(&mut self.work, judge => judge.step(time_secs, atoms))
+    }
+
+    /// Takes the next sample: its time, and the truth of each atom, `None` where it is unknown.
+    ///
+    /// # Errors
+    /// As [`FormulaJudge::step`].
+    pub fn step_truth(
+        &mut self,
+        time_secs: f64,
+        atoms: &[Option<bool>],
+    ) -> Result<Progress, StepError> {
+        either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))
+    }
+
+    /// Takes the next sample with both the truth and the robustness of each atom, which decides
+    /// atoms whose robustness is 0.
+    ///
+    /// # Errors
+    /// As [`FormulaJudge::step`].
+    pub fn step_both(
+        &mut self,
+        time_secs: f64,
+        truth: &[Option<bool>],
+        robustness: &[f64],
+    ) -> Result<Progress, StepError> {
+        either!(&mut self.work, judge => judge.step_both(time_secs, truth, robustness))
+    }
+
+    /// The verdict, once no continuation can change it.
+    #[must_use]
+    pub fn verdict(&self) -> Option<Verdict> {
+        either!(&self.work, judge => judge.verdict())
+    }
+
+    /// How many values, stretches and times are stored: what bounds the memory.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        either!(&self.work, judge => judge.stored())
+    }
+
+    /// Ends the trace. `complete` is false if it was cut short: then
+    /// [`Ending::Finite`](super::Ending::Finite) is treated as
+    /// [`Ending::Inconclusive`](super::Ending::Inconclusive).
+    #[must_use]
+    pub fn finish(self, complete: bool) -> FormulaReport {
+        either!(self.work, judge => judge.finish(complete))
+    }
+}
