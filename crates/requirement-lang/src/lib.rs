@@ -17,7 +17,7 @@
 //! | probability | `with probability at least 0.95` (`at most`, `more than`, `less than`, `>=` ...), `in at least 95 % of runs`: that a run meets the whole requirement |
 //! | timing | `immediately`, `at the next step`, `eventually`, `always`, `never`, `within D`, `for D`, `after D`, `until Q`, `before Q`; it may also follow the response |
 //! | response | a boolean expression with `and`, `or`, `not`, `=>`, `<=>`, parentheses; a phrase of several words is a name (`human is ready` is `human_is_ready`) |
-//! | duration | `2 s`, `500 ms`, `5 steps`, or the name of a declared [`Parameter`] |
+//! | duration | `2 s`, `500 ms`, `5 steps`, or the name of a declared [parameter](trace::Parameters) |
 //!
 //! What a sentence means is defined, and executed, in [`semantics`]; there it is also said where it
 //! deviates from FRET. From one sentence come
@@ -33,10 +33,10 @@
 //! ```
 //! use requirement_lang::compile::property::{Model, label_of_name, property};
 //! use requirement_lang::compile::monitor::monitor;
-//! use requirement_lang::{Context, Parameter, Parameters, parse};
+//! use requirement_lang::{Context, parse};
 //!
-//! // Parameters are declared once, with units.
-//! let parameters = Parameters::new([Parameter::new("release_time", "2 s", "longest time to let go")?])?;
+//! // Parameters are declared once, with units, for sentences and predicates alike.
+//! let parameters = trace::Parameters::new([("release_time", "2 s")]).map_err(|errors| errors[0].clone())?;
 //! let context = Context { parameters: Some(&parameters), ..Context::default() };
 //!
 //! let text = "When release_decided, the robot shall with probability at least 0.95 \
@@ -64,7 +64,7 @@ mod diagnostic;
 mod explain;
 pub mod expression;
 mod lexer;
-mod parameter;
+pub mod library;
 mod parse;
 mod print;
 pub mod semantics;
@@ -73,6 +73,5 @@ mod suggest;
 
 pub use diagnostic::{Diagnostic, Parsed, Severity, Span};
 pub use explain::{Explanation, explain};
-pub use parameter::{Parameter, ParameterError, Parameters};
 pub use parse::{Context, parse};
 pub use sentence::Sentence;

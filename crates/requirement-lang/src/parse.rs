@@ -11,10 +11,11 @@ mod expression;
 mod probability;
 mod stages;
 
+use trace::Parameters;
+
 use crate::diagnostic::{Diagnostic, Parsed, Span};
 use crate::expression::is_name;
 use crate::lexer::{Kind, Token, tokens};
-use crate::parameter::Parameters;
 use crate::sentence::{Scope, ScopeKind, Sentence};
 use crate::suggest::nearest;
 

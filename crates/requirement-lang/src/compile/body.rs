@@ -9,11 +9,11 @@
 //! | immediately | `R` | `R` |
 //! | at the next step | `X (R \| !S)` | `L \| X R` |
 //! | eventually | `S U (S & R)` | `!L U R` |
-//! | always | `R W !S` | `!(!L U !R)` |
+//! | always | `R W !S` | |
 //! | never | `!R W !S` | `!(!L U R)` |
 //! | within n | `F[0,n] (R \| !S)` | `!((!R & !L) U[n] !R)` |
 //! | for n | `!(S U[0,n] (S & !R))` | `!(!L U[0,n] !R)` |
-//! | after n | `(S & !R) U[n] (S & R) \| (S & !R) U[0,n] !S` | `!(!L U[0,n-1] R) & !(!L U[n] !R)` |
+//! | after n | `(S & !R) U[n] (S & R) \| (S & !R) U[0,n] !S` | |
 //! | until Q | `R W (Q \| !S)` | `!((!Q & !L) U (!Q & !R))` |
 //! | before Q | `!((S & !R) U (S & Q))` | `!((!R & !L) U Q)` |
 //!
@@ -150,22 +150,12 @@ fn through(when: &When, response: Formula, end: &Formula) -> Formula {
         When::Immediately => response,
         When::Next => or([end.clone(), next(response)]),
         When::Eventually => until(ALL, open(), response),
-        When::Always => not(until(ALL, open(), not(response))),
         When::Never => not(until(ALL, open(), response)),
         When::Within(amount) => {
             let missed = not(response);
             not(until(at(*amount), and([missed.clone(), open()]), missed))
         }
         When::For(amount) => not(until(up_to(*amount), open(), not(response))),
-        When::After(amount) => {
-            let early = match amount {
-                Amount::Steps(count) if *count > 0 => {
-                    until(up_to(Amount::Steps(count - 1)), open(), response.clone())
-                }
-                _ => Formula::False,
-            };
-            and([not(early), not(until(at(*amount), open(), not(response)))])
-        }
         When::NotAfter(amount) => {
             let waiting = and([not(response.clone()), open()]);
             not(until(at(*amount), waiting, response))
@@ -175,6 +165,8 @@ fn through(when: &When, response: Formula, end: &Formula) -> Formula {
             not(until(ALL, going, and([not(stop.clone()), not(response)])))
         }
         When::Before(stop) => not(until(ALL, and([not(response), open()]), stop.clone())),
+        // This extent is that of `only after`, and no timing has these for its negation.
+        When::Always | When::After(_) => Formula::False,
     }
 }
 

@@ -6,7 +6,6 @@ use super::{Reader, place};
 use crate::diagnostic::Span;
 use crate::lexer::{Kind, Token};
 use crate::sentence::{Amount, Duration};
-use crate::suggest::nearest;
 
 const STEP_WORDS: [&str; 6] = ["step", "steps", "tick", "ticks", "sample", "samples"];
 
@@ -109,15 +108,17 @@ fn literal(reader: &mut Reader<'_>, words: &[&str], span: Span) -> Amount {
 
 fn parameter(reader: &mut Reader<'_>, name: &str, span: Span) -> Amount {
     let parameters = reader.context.parameters;
-    if let Some(parameter) = parameters.and_then(|parameters| parameters.get(name)) {
-        return seconds(reader, parameter.value(), span);
+    if let Some(value) = parameters.and_then(|parameters| parameters.get(name)) {
+        return seconds(reader, value, span);
     }
-    let names = parameters.iter().flat_map(|parameters| parameters.names());
-    let remedy = match nearest(name, names) {
-        Some(similar) => format!("Did you mean `{similar}`?"),
-        None => "Declare it as a parameter with a unit of time, or write a duration such as `2 s`."
-            .to_owned(),
-    };
+    let similar = parameters.and_then(|parameters| parameters.similar(name));
+    let remedy = similar.map_or_else(
+        || {
+            "Declare it as a parameter with a unit of time, or write a duration such as `2 s`."
+                .to_owned()
+        },
+        |similar| format!("Did you mean `{similar}`?"),
+    );
     reader.error(
         "unknown-parameter",
         span,
