@@ -2,28 +2,28 @@
 //! 250 mm/s`. The language is defined at [`Predicate`].
 
 mod bind;
+mod bound;
 mod comparison;
 mod error;
 mod eval;
+mod functions;
 mod lexer;
 mod lint;
+mod measure;
 mod parser;
 mod scale;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-pub use bind::{BoundPredicate, BoundQuantity};
-pub use comparison::{
-    AxisBox, Comparison, ComparisonOperator, Constant, Measure, Threshold, ThresholdOrigin,
-    axis_boxes,
-};
+pub use bound::{BoundPredicate, BoundQuantity};
+pub use comparison::{Comparison, ComparisonOperator, Constant, Threshold, ThresholdOrigin};
 pub use error::{FrameMismatch, PredicateError, PredicateErrorKind};
 pub use lint::{PredicateLint, PredicateLintKind};
+pub use measure::{AxisBox, Measure, axis_boxes};
 pub(crate) use parser::{Node, NodeKind, is_name, parse};
 
 use crate::parameters::Parameters;
-use crate::signal::Trace;
 
 /// The parsed entries of a vocabulary, by name.
 pub(crate) type Definitions = BTreeMap<String, Expression>;
@@ -200,16 +200,6 @@ impl Predicate {
     pub fn signals(&self) -> BTreeSet<String> {
         self.0.signals()
     }
-
-    /// Looks the signals up in `trace`, which may still be empty but must have its channels, and
-    /// checks the types. The result is meant for this trace and for those with the same channels.
-    ///
-    /// # Errors
-    /// [`PredicateError`] if a signal or a value of an enumeration is not in the trace, or types
-    /// do not fit.
-    pub fn bind(&self, trace: &Trace) -> Result<BoundPredicate, PredicateError> {
-        bind::predicate(&self.0, trace)
-    }
 }
 
 impl Quantity {
@@ -236,14 +226,5 @@ impl Quantity {
     #[must_use]
     pub fn signals(&self) -> BTreeSet<String> {
         self.0.signals()
-    }
-
-    /// Looks the signals up in `trace` and checks the types, as [`Predicate::bind`] does.
-    ///
-    /// # Errors
-    /// [`PredicateError`] if a signal or a value of an enumeration is not in the trace, or types
-    /// do not fit.
-    pub fn bind(&self, trace: &Trace) -> Result<BoundQuantity, PredicateError> {
-        bind::quantity(&self.0, trace)
     }
 }

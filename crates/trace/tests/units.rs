@@ -408,6 +408,8 @@ fn units_end_where_they_must() {
     assert_eq!(truth_of("1 m//robot.time > /robot.speed"), Some(true));
     assert_eq!(truth_of("(5 cm) < /hand.x"), Some(true));
     assert_eq!(truth_of("/robot.ratio = 50% | false"), Some(true));
+    let deep = format!("/hand.x < 1 m / {}2{}", "(".repeat(20), ")".repeat(20));
+    assert_eq!(truth_of(&deep), Some(false));
     let error = Predicate::parse("/hand.x < 5 m 3").expect_err("two numbers");
     assert!(
         matches!(error.kind, PredicateErrorKind::Unexpected { .. }),

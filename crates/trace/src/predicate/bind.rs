@@ -3,99 +3,19 @@
 use super::error::{PredicateError, PredicateErrorKind};
 use super::eval::{Amount, Compared, Truth};
 use super::lint::PredicateLint;
-use super::parser::{Comparison, Function, MAX_DEPTH, Node, NodeKind, Operator};
+use super::parser::{Comparison, MAX_DEPTH, Node, NodeKind, Operator};
 use super::scale::{Framed, Misfit, Operand, Scale, Unified, to_si, unify};
 use super::{Expression, Source};
 use crate::channel::FieldKind;
-use crate::signal::{SignalIndex, SignalValues, Trace};
+use crate::signal::{SignalIndex, Trace};
 use crate::suggest::nearest;
-use crate::units::{Dimension, Factor, Unit, UnitErrorKind};
+use crate::units::{Dimension, Unit, UnitErrorKind};
 
 /// The largest number of nodes of an expanded tree.
 const MAX_NODES: usize = 100_000;
 
-/// A predicate whose signals have been found in a trace.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BoundPredicate {
-    truth: Truth,
-    lints: Vec<PredicateLint>,
-    /// The dimension of all its comparisons of numbers, if they have one in common.
-    dimension: Option<Dimension>,
-}
-
-/// A quantity whose signals have been found in a trace.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BoundQuantity {
-    amount: Amount,
-    unit: Option<Unit>,
-    lints: Vec<PredicateLint>,
-}
-
-impl BoundPredicate {
-    /// The truth now; `None` where it is unknown. The values (a [`Cursor`](crate::Cursor) or a
-    /// [`Snapshot`](crate::Snapshot)) must be those of the trace that the predicate was bound to,
-    /// or of one with the same channels and fields.
-    #[must_use]
-    pub fn eval<V: SignalValues + ?Sized>(&self, values: &V) -> Option<bool> {
-        self.truth.eval(values)
-    }
-
-    /// How far the values are from changing the truth: positive where true, negative where false,
-    /// 0 on the border, infinite where nothing but truth values and names decides; `None` where
-    /// the truth is unknown. `a < b` has the robustness b - a in the coherent SI unit of the two,
-    /// `&` the least and `|` the greatest of their sides; all of it is defined at
-    /// [`Predicate`](crate::Predicate).
-    #[must_use]
-    pub fn robustness<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
-        self.truth.judge(values).map(|judged| judged.robustness)
-    }
-
-    /// The truth and the robustness together, for little more than the price of one.
-    #[must_use]
-    pub fn judge<V: SignalValues + ?Sized>(&self, values: &V) -> Option<(bool, f64)> {
-        let judged = self.truth.judge(values)?;
-        Some((judged.truth, judged.robustness))
-    }
-
-    /// What the robustness measures, in the coherent SI unit: the dimension of the comparisons of
-    /// numbers; `None` if there are none, they differ, or their units are not known.
-    #[must_use]
-    pub fn robustness_dimension(&self) -> Option<Dimension> {
-        self.dimension
-    }
-
-    /// What is allowed but rests on an assumption, for example numbers without a unit.
-    #[must_use]
-    pub fn lints(&self) -> &[PredicateLint] {
-        &self.lints
-    }
-}
-
-impl BoundQuantity {
-    /// The value now, in the unit [`BoundQuantity::unit`]; `None` where it is missing. The values
-    /// must be those of the trace that the quantity was bound to, or of one with the same channels
-    /// and fields.
-    #[must_use]
-    pub fn eval<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
-        let value = self.amount.eval(values);
-        (!value.is_nan()).then_some(value)
-    }
-
-    /// The unit of the value; `None` if it is not known, as for numbers without a unit.
-    #[must_use]
-    pub fn unit(&self) -> Option<&Unit> {
-        self.unit.as_ref()
-    }
-
-    /// What is allowed but rests on an assumption, for example numbers without a unit.
-    #[must_use]
-    pub fn lints(&self) -> &[PredicateLint] {
-        &self.lints
-    }
-}
-
 /// A part of a tree with its type.
-enum Typed<'t> {
+pub(super) enum Typed<'t> {
     Truth(Truth),
     Amount(Box<Operand>),
     /// A signal that holds one of the names.
@@ -115,27 +35,21 @@ impl Typed<'_> {
     }
 }
 
-pub(crate) fn predicate(source: &Source, trace: &Trace) -> Result<BoundPredicate, PredicateError> {
+/// The truth that `source` means over `trace`, and what was found on the way.
+pub(super) fn truth(source: &Source, trace: &Trace) -> Result<(Truth, Findings), PredicateError> {
     let mut binder = Binder::new(source, trace);
     let truth = binder.truth(&source.expression.root, source.context())?;
-    Ok(BoundPredicate {
-        truth,
-        lints: binder.lints,
-        dimension: match binder.dimensions {
-            Dimensions::One(dimension) => Some(dimension),
-            Dimensions::None | Dimensions::Several => None,
-        },
-    })
+    Ok((truth, binder.findings))
 }
 
-pub(crate) fn quantity(source: &Source, trace: &Trace) -> Result<BoundQuantity, PredicateError> {
+/// The amount that `source` means over `trace`, and what was found on the way.
+pub(super) fn amount(
+    source: &Source,
+    trace: &Trace,
+) -> Result<(Operand, Findings), PredicateError> {
     let mut binder = Binder::new(source, trace);
     let operand = binder.amount(&source.expression.root, source.context())?;
-    Ok(BoundQuantity {
-        unit: operand.scale.unit().cloned(),
-        amount: operand.amount,
-        lints: binder.lints,
-    })
+    Ok((operand, binder.findings))
 }
 
 /// The amount of `node`, which reads no signal.
@@ -157,20 +71,30 @@ pub(super) fn operand<'t>(
     Binder::new(source, trace).amount(node, context)
 }
 
+/// What is found on the way through a tree.
+pub(super) struct Findings {
+    /// What should be looked at.
+    pub(super) lints: Vec<PredicateLint>,
+    /// What the comparisons of numbers compare.
+    pub(super) dimensions: Dimensions,
+}
+
 /// The dimensions of the comparisons met so far.
-enum Dimensions {
+pub(super) enum Dimensions {
+    /// There was no comparison.
     None,
+    /// All have this one.
     One(Dimension),
+    /// There are several, or one that is not known.
     Several,
 }
 
-struct Binder<'t> {
+pub(super) struct Binder<'t> {
     source: &'t Source,
     trace: &'t Trace,
     nodes: usize,
     depth: usize,
-    lints: Vec<PredicateLint>,
-    dimensions: Dimensions,
+    findings: Findings,
 }
 
 impl Source {
@@ -199,7 +123,12 @@ impl Context<'_> {
         }
     }
 
-    fn type_error(self, node: &Node, found: &Typed<'_>, expected: &'static str) -> PredicateError {
+    pub(super) fn type_error(
+        self,
+        node: &Node,
+        found: &Typed<'_>,
+        expected: &'static str,
+    ) -> PredicateError {
         self.error(
             node,
             PredicateErrorKind::Type {
@@ -217,8 +146,10 @@ impl<'t> Binder<'t> {
             trace,
             nodes: 0,
             depth: 0,
-            lints: Vec::new(),
-            dimensions: Dimensions::None,
+            findings: Findings {
+                lints: Vec::new(),
+                dimensions: Dimensions::None,
+            },
         }
     }
 
@@ -233,7 +164,11 @@ impl<'t> Binder<'t> {
         }
     }
 
-    fn amount(&mut self, node: &'t Node, context: Context<'t>) -> Result<Operand, PredicateError> {
+    pub(super) fn amount(
+        &mut self,
+        node: &'t Node,
+        context: Context<'t>,
+    ) -> Result<Operand, PredicateError> {
         match self.node(node, context)? {
             Typed::Amount(amount) => Ok(*amount),
             other => Err(context.type_error(node, &other, "a number")),
@@ -241,7 +176,7 @@ impl<'t> Binder<'t> {
     }
 
     /// Brings `operands`, of the nodes `nodes`, to one unit.
-    fn unified(
+    pub(super) fn unified(
         &mut self,
         operands: Vec<Operand>,
         nodes: &[&Node],
@@ -268,15 +203,15 @@ impl<'t> Binder<'t> {
                 kind,
             };
             // An entry that is referred to twice is expanded twice.
-            if !self.lints.contains(&lint) {
-                self.lints.push(lint);
+            if !self.findings.lints.contains(&lint) {
+                self.findings.lints.push(lint);
             }
         }
         Ok(unified)
     }
 
     /// The amounts of `nodes` in one unit.
-    fn amounts(
+    pub(super) fn amounts(
         &mut self,
         nodes: &'t [Node],
         context: Context<'t>,
@@ -316,7 +251,7 @@ impl<'t> Binder<'t> {
         Ok(typed)
     }
 
-    fn signal(
+    pub(super) fn signal(
         &self,
         name: &str,
         node: &Node,
@@ -462,7 +397,7 @@ impl<'t> Binder<'t> {
     /// A comparison of two amounts, whose dimension is noted.
     fn compared(&mut self, comparison: Comparison, unified: Unified) -> Truth {
         let dimension = unified.scale.unit().map(Unit::dimension);
-        self.dimensions = match (&self.dimensions, dimension) {
+        self.findings.dimensions = match (&self.findings.dimensions, dimension) {
             (Dimensions::None, Some(found)) => Dimensions::One(found),
             (Dimensions::One(one), Some(found)) if *one == found => Dimensions::One(found),
             _ => Dimensions::Several,
@@ -476,102 +411,17 @@ impl<'t> Binder<'t> {
             to_si,
         }))
     }
-
-    fn call(
-        &mut self,
-        node: &'t Node,
-        function: Function,
-        arguments: &'t [Node],
-        context: Context<'t>,
-    ) -> Result<Operand, PredicateError> {
-        if let (Function::Distance, [from, to]) = (function, arguments) {
-            return self.distance(from, to, context);
-        }
-        let unified = self.amounts(arguments, context)?;
-        let Unified {
-            amounts,
-            scale,
-            frame,
-            constant,
-            ..
-        } = unified;
-        let (amount, frame) = match function {
-            Function::Min => (Amount::Min(amounts), frame),
-            Function::Max => (Amount::Max(amounts), frame),
-            Function::Norm | Function::Distance => (Amount::Norm(amounts), None),
-            Function::Abs => {
-                let inner = amounts
-                    .into_iter()
-                    .next()
-                    .unwrap_or(Amount::Constant(f64::NAN));
-                (Amount::Abs(Box::new(inner)), frame)
-            }
-            Function::AngleDifference | Function::AngleBetween => {
-                let Some(turn) = turn(&scale) else {
-                    let found = scale.describe();
-                    return Err(context.error(node, PredicateErrorKind::NoAngle { found }));
-                };
-                let (left, right) = two(amounts);
-                let difference = Amount::AngleDifference {
-                    left: Box::new(left),
-                    right: Box::new(right),
-                    turn,
-                };
-                match function {
-                    Function::AngleBetween => (Amount::Abs(Box::new(difference)), None),
-                    _ => (difference, None),
-                }
-            }
-        };
-        Ok(Operand::computed(amount, scale, frame, constant))
-    }
-
-    fn distance(
-        &mut self,
-        from: &'t Node,
-        to: &'t Node,
-        context: Context<'t>,
-    ) -> Result<Operand, PredicateError> {
-        let mut parts = Vec::with_capacity(3);
-        for axis in ["x", "y", "z"] {
-            let ends = vec![
-                self.coordinate(from, axis, context)?,
-                self.coordinate(to, axis, context)?,
-            ];
-            let unified = self.unified(ends, &[from, to], context)?;
-            parts.push(arithmetic(Operator::Subtract, unified));
-        }
-        let unified = self.unified(parts, &[from, from, to], context)?;
-        let norm = Amount::Norm(unified.amounts);
-        Ok(Operand::computed(norm, unified.scale, None, false))
-    }
-
-    /// The signal `node` with `.axis` behind it, which must be a number.
-    fn coordinate(
-        &mut self,
-        node: &Node,
-        axis: &str,
-        context: Context<'t>,
-    ) -> Result<Operand, PredicateError> {
-        let NodeKind::Signal(prefix) = &node.kind else {
-            return Err(context.error(node, PredicateErrorKind::TooLarge));
-        };
-        match self.signal(&format!("{prefix}.{axis}"), node, context)? {
-            Typed::Amount(amount) => Ok(*amount),
-            other => Err(context.type_error(node, &other, "a place with the numbers x, y and z")),
-        }
-    }
 }
 
 /// The first two of `amounts`; there are two wherever this is used.
-fn two(amounts: Vec<Amount>) -> (Amount, Amount) {
+pub(super) fn two(amounts: Vec<Amount>) -> (Amount, Amount) {
     let mut amounts = amounts.into_iter();
     let mut next = || amounts.next().unwrap_or(Amount::Constant(f64::NAN));
     (next(), next())
 }
 
 /// The sum or difference of two amounts in one unit.
-fn arithmetic(operator: Operator, unified: Unified) -> Operand {
+pub(super) fn arithmetic(operator: Operator, unified: Unified) -> Operand {
     let (left, right) = two(unified.amounts);
     let amount = Amount::Arithmetic(operator, Box::new(left), Box::new(right));
     Operand::computed(amount, unified.scale, unified.frame, unified.constant)
@@ -591,13 +441,6 @@ fn product(operator: Operator, left: Operand, right: Operand) -> Option<Operand>
     let constant = left.constant && right.constant;
     let amount = Amount::Arithmetic(operator, Box::new(left.amount), Box::new(right.amount));
     Some(Operand::computed(amount, scale, frame, constant))
-}
-
-/// A whole turn in the unit of an angle; `None` for anything else.
-fn turn(scale: &Scale) -> Option<f64> {
-    let unit = scale.unit()?;
-    let turn = Factor::new(2, 1, 1)?.divided_by(unit.factor())?;
-    (unit.dimension() == Dimension::ANGLE).then(|| turn.conversion().apply(1.0))
 }
 
 /// The index of `value` among `names`, as a number.

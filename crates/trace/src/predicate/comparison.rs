@@ -8,12 +8,13 @@
 //! each entry once for each sign under which it is met.
 //! Cost: O(size of the texts that are reached, times their depth).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Range;
 
 use super::bind::{Context, constant, operand};
 use super::eval::Amount;
+use super::measure::Measure;
 use super::parser::{Comparison as Operator, Function, Node, NodeKind, Operator as Binary};
 use super::{Predicate, PredicateError, Source};
 use crate::signal::Trace;
@@ -89,45 +90,6 @@ pub enum ThresholdOrigin {
     Expression(Vec<String>),
 }
 
-/// What kind of quantity is compared.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Measure {
-    /// A signal by itself.
-    Signal(String),
-    /// The distance between two points: `distance(/a, /b)`, or the `norm` of the differences of
-    /// two or more of their coordinates.
-    Distance {
-        /// The topic or prefix of the first point, `/a`.
-        first: String,
-        /// That of the second.
-        second: String,
-        /// The axes, for example x, y and z.
-        axes: Vec<String>,
-    },
-    /// The difference of one coordinate of two points: `/a.x - /b.x`, perhaps within `abs`.
-    AxisDifference {
-        /// The topic or prefix of the first point, `/a`.
-        first: String,
-        /// That of the second.
-        second: String,
-        /// The axis, for example x.
-        axis: String,
-        /// Whether the sign does not matter.
-        absolute: bool,
-    },
-    /// The greatest difference of coordinates, `max(abs(/a.x - /b.x), abs(/a.y - /b.y))`.
-    GreatestAxisDifference {
-        /// The topic or prefix of the first point, `/a`.
-        first: String,
-        /// That of the second.
-        second: String,
-        /// The axes.
-        axes: Vec<String>,
-    },
-    /// Anything else.
-    Other,
-}
-
 /// A written number or a use of a parameter in a predicate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
@@ -141,18 +103,6 @@ pub struct Constant {
     pub entry: Option<String>,
     /// Its place in `text`: byte offsets, half open.
     pub span: Range<usize>,
-}
-
-/// Limits on several coordinates of the same two points, which together make a box where a
-/// distance would make a ball.
-#[derive(Debug, Clone, PartialEq)]
-pub struct AxisBox<'c> {
-    /// The topic or prefix of the first point.
-    pub first: String,
-    /// That of the second.
-    pub second: String,
-    /// The comparisons for each axis, by its name.
-    pub axes: BTreeMap<String, Vec<&'c Comparison>>,
 }
 
 impl Threshold {
@@ -234,46 +184,6 @@ impl Predicate {
         }
         found
     }
-}
-
-/// Which of `comparisons` limit at least two coordinates of the same two points within one text,
-/// as in `abs(/a.x - /b.x) < 5 cm & abs(/a.y - /b.y) < 5 cm`.
-#[must_use]
-pub fn axis_boxes(comparisons: &[Comparison]) -> Vec<AxisBox<'_>> {
-    let mut boxes: Vec<(&str, AxisBox<'_>)> = Vec::new();
-    for comparison in comparisons {
-        let Measure::AxisDifference {
-            first,
-            second,
-            axis,
-            ..
-        } = &comparison.measure
-        else {
-            continue;
-        };
-        // a - b and b - a are of the same two points.
-        let (first, second) = (first.min(second), first.max(second));
-        let index = boxes.iter().position(|(text, other)| {
-            *text == comparison.text && other.first == *first && other.second == *second
-        });
-        let index = index.unwrap_or_else(|| {
-            let new = AxisBox {
-                first: first.clone(),
-                second: second.clone(),
-                axes: BTreeMap::new(),
-            };
-            boxes.push((&comparison.text, new));
-            boxes.len() - 1
-        });
-        boxes[index]
-            .1
-            .axes
-            .entry(axis.clone())
-            .or_default()
-            .push(comparison);
-    }
-    let boxes = boxes.into_iter().map(|(_, found)| found);
-    boxes.filter(|found| found.axes.len() > 1).collect()
 }
 
 fn written(
@@ -444,7 +354,7 @@ impl Source {
     }
 
     /// `node`, or what it stands for if it is a name.
-    fn resolved<'t>(&'t self, mut node: &'t Node) -> &'t Node {
+    pub(super) fn resolved<'t>(&'t self, mut node: &'t Node) -> &'t Node {
         while let NodeKind::Name(name) = &node.kind
             && let Some(entry) = self.definitions.get(name)
         {
@@ -509,98 +419,5 @@ impl Source {
                 ThresholdOrigin::Expression(names.into_iter().collect())
             }
         }
-    }
-
-    fn measure(&self, node: &Node) -> Measure {
-        let node = self.resolved(node);
-        match &node.kind {
-            NodeKind::Signal(name) => Measure::Signal(name.clone()),
-            NodeKind::Call(Function::Distance, arguments) => match &arguments[..] {
-                [from, to] => match (&from.kind, &to.kind) {
-                    (NodeKind::Signal(first), NodeKind::Signal(second)) => Measure::Distance {
-                        first: first.clone(),
-                        second: second.clone(),
-                        axes: ["x", "y", "z"].map(str::to_owned).to_vec(),
-                    },
-                    _ => Measure::Other,
-                },
-                _ => Measure::Other,
-            },
-            NodeKind::Call(Function::Norm, arguments) => match self.axes(arguments, false) {
-                Some((first, second, axes)) => Measure::Distance {
-                    first,
-                    second,
-                    axes,
-                },
-                None => Measure::Other,
-            },
-            NodeKind::Call(Function::Max, arguments) => match self.axes(arguments, true) {
-                Some((first, second, axes)) => Measure::GreatestAxisDifference {
-                    first,
-                    second,
-                    axes,
-                },
-                None => Measure::Other,
-            },
-            _ => self.axis_difference(node),
-        }
-    }
-
-    /// `/a.x - /b.x` or `abs(/a.x - /b.x)`.
-    fn axis_difference(&self, node: &Node) -> Measure {
-        let node = self.resolved(node);
-        let (node, absolute) = match &node.kind {
-            NodeKind::Call(Function::Abs, arguments) => match &arguments[..] {
-                [inner] => (self.resolved(inner), true),
-                _ => return Measure::Other,
-            },
-            _ => (node, false),
-        };
-        let NodeKind::Binary(Binary::Subtract, left, right) = &node.kind else {
-            return Measure::Other;
-        };
-        let (left, right) = (self.resolved(left), self.resolved(right));
-        let (NodeKind::Signal(left), NodeKind::Signal(right)) = (&left.kind, &right.kind) else {
-            return Measure::Other;
-        };
-        match (left.rsplit_once('.'), right.rsplit_once('.')) {
-            (Some((first, axis)), Some((second, other))) if axis == other && first != second => {
-                Measure::AxisDifference {
-                    first: first.to_owned(),
-                    second: second.to_owned(),
-                    axis: axis.to_owned(),
-                    absolute,
-                }
-            }
-            _ => Measure::Other,
-        }
-    }
-
-    /// The two points and the axes, if each of `nodes` is the difference of another coordinate of
-    /// the same two points.
-    fn axes(&self, nodes: &[Node], absolute: bool) -> Option<(String, String, Vec<String>)> {
-        let mut points: Option<(String, String)> = None;
-        let mut axes = Vec::new();
-        for node in nodes {
-            let Measure::AxisDifference {
-                first,
-                second,
-                axis,
-                absolute: found,
-            } = self.axis_difference(node)
-            else {
-                return None;
-            };
-            let same = points
-                .as_ref()
-                .is_none_or(|it| *it == (first.clone(), second.clone()));
-            if !same || (absolute && !found) || axes.contains(&axis) {
-                return None;
-            }
-            points = Some((first, second));
-            axes.push(axis);
-        }
-        let (first, second) = points?;
-        (axes.len() > 1).then_some((first, second, axes))
     }
 }

@@ -205,7 +205,12 @@ impl<'t> Scanner<'t> {
     fn bracket(&mut self) -> Result<Option<Unit>, UnitError> {
         let start = self.at;
         if self.nesting >= MAX_NESTING {
-            return Err(self.error(start, UnitErrorKind::TooLarge));
+            // In a predicate it may be no unit at all.
+            return if self.whole {
+                Err(self.error(start, UnitErrorKind::TooLarge))
+            } else {
+                Ok(None)
+            };
         }
         self.nesting += 1;
         self.at += 1;
