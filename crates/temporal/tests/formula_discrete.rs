@@ -356,6 +356,58 @@ proptest! {
     }
 
     #[test]
+    fn samples_in_columns_are_judged_as_one_by_one(
+        formula in any_formula(),
+        trigger in any_formula(),
+        times in any_times(24),
+        values in proptest::collection::vec((any_value(), any_value()), 24),
+        cut in 0..24_usize,
+    ) {
+        for ending in ENDINGS {
+            let settings = Settings {
+                trigger: Some(trigger.clone()),
+                ..Settings::discrete(ending).with_robustness()
+            };
+            let monitor = DiscreteMonitor::compile(&formula, &settings).unwrap();
+            let count = formula.atom_count().max(trigger.atom_count());
+            let mut single = monitor.start();
+            for (time_secs, value) in times.iter().zip(&values) {
+                single.step(*time_secs, &[value.0, value.1][..count]).unwrap();
+            }
+            let columns: [Vec<f64>; 2] = values.iter().copied().unzip::<_, _, Vec<_>, Vec<_>>().into();
+            let mut many = monitor.start();
+            for range in [0..cut, cut..24] {
+                let columns = columns.each_ref().map(|column| &column[range.clone()]);
+                many.step_many(&times[range], &columns[..count]).unwrap();
+            }
+            prop_assert_eq!(single.verdict(), many.verdict());
+            prop_assert_eq!(single.finish(true), many.finish(true));
+        }
+    }
+
+    #[test]
+    fn triggers_are_counted_where_they_become_true(
+        trigger in any_formula(),
+        times in any_times(10),
+        picks in proptest::collection::vec(0..6_usize, 10),
+    ) {
+        let settings = Settings {
+            trigger: Some(trigger.clone()),
+            ..Settings::discrete(Ending::Finite)
+        };
+        let monitor = DiscreteMonitor::compile(&Formula::True, &settings).unwrap();
+        let mut judge = monitor.start();
+        let mut word = Word::default();
+        for (time_secs, pick) in times.into_iter().zip(picks) {
+            judge.step_truth(time_secs, &TRUTHS[pick][..trigger.atom_count()]).unwrap();
+            word.push_truth(time_secs, &TRUTHS[pick]);
+        }
+        let rises = semantics::values(&Formula::rise(trigger), &word, Ending::Finite).unwrap();
+        let rises = rises.iter().filter(|bounds| bounds.truth() == Some(true)).count();
+        prop_assert_eq!(judge.finish(true).triggered, rises as u64);
+    }
+
+    #[test]
     fn random_formulas_on_random_values(
         formula in any_formula(),
         times in any_times(14),

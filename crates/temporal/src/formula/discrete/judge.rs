@@ -3,12 +3,16 @@
 use super::Truth;
 use super::program::{NodeId, Program};
 use super::robustness::Lane;
+use super::runs::RunMap;
 use super::timeline::Timeline;
-use super::truth::{After, TruthEngine};
+use super::truth::{After, Said, TruthEngine};
 use crate::formula::ast::Formula;
 use crate::formula::report::{FormulaReport, Progress, RobustnessBounds, StepError};
 use crate::formula::settings::{CompileError, Ending, Settings};
 use crate::monitor::Verdict;
+
+/// How many samples [`DiscreteJudge::step_many`] takes at once.
+const BATCH: usize = 1_024;
 
 /// A formula in discrete time that is ready to judge traces; it can be shared by threads.
 #[derive(Debug, Clone)]
@@ -25,13 +29,24 @@ pub struct DiscreteJudge {
     last_secs: f64,
     truth: TruthEngine,
     root: NodeId,
-    trigger: Option<NodeId>,
+    trigger: Option<Trigger>,
     robustness: Option<Robustness>,
     verdict: Option<Verdict>,
     decided_at_secs: Option<f64>,
-    triggered: u64,
     /// When times have last been forgotten, this many were left.
     times_left: usize,
+}
+
+/// Counts how often a formula becomes true: where it is true and was false at the sample before, if
+/// there is one.
+#[derive(Debug, Clone)]
+struct Trigger {
+    node: NodeId,
+    waiting: RunMap,
+    /// The next sample, and the value at the one before.
+    next: u64,
+    before: Truth,
+    risen: u64,
 }
 
 /// The lanes for both ends of the robustness.
@@ -60,7 +75,7 @@ impl DiscreteMonitor {
             None => None,
             Some(trigger) => {
                 atom_count = atom_count.max(trigger.atom_count());
-                Some(program.add(&Formula::rise(trigger.clone()))?)
+                Some(Trigger::new(program.add(trigger)?))
             }
         };
         let start = DiscreteJudge {
@@ -74,7 +89,6 @@ impl DiscreteMonitor {
             robustness,
             verdict: None,
             decided_at_secs: None,
-            triggered: 0,
             times_left: 0,
         };
         Ok(DiscreteMonitor { start })
@@ -96,12 +110,44 @@ impl DiscreteJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or values are missing or too
     /// many; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
-        self.check(time_secs, atoms.len())?;
+        self.check(self.last_secs, time_secs, atoms.len())?;
         self.take(
-            time_secs,
-            |atom| Truth::of_robustness(atoms[atom]),
-            |atom| atoms[atom],
+            &[time_secs],
+            |atom, _| Truth::of_robustness(atoms[atom]),
+            |atom| std::iter::once(atoms[atom]),
         );
+        Ok(self.progress())
+    }
+
+    /// Takes the next samples: their times, and for each atom its robustness at each of them. The
+    /// result is that of [`DiscreteJudge::step`] for each sample, and comes sooner.
+    ///
+    /// # Errors
+    /// As [`DiscreteJudge::step`]; none of the samples is taken then.
+    pub fn step_many(
+        &mut self,
+        times_secs: &[f64],
+        atoms: &[&[f64]],
+    ) -> Result<Progress, StepError> {
+        let mut last_secs = self.last_secs;
+        for &time_secs in times_secs {
+            self.check(last_secs, time_secs, atoms.len())?;
+            last_secs = time_secs;
+        }
+        if let Some(column) = atoms.iter().find(|it| it.len() != times_secs.len()) {
+            return Err(StepError::AtomCount {
+                expected: times_secs.len(),
+                found: column.len(),
+            });
+        }
+        for (index, times_secs) in times_secs.chunks(BATCH).enumerate() {
+            let begin = index * BATCH;
+            self.take(
+                times_secs,
+                |atom, at| Truth::of_robustness(atoms[atom][begin + at]),
+                |atom| atoms[atom][begin..begin + times_secs.len()].iter().copied(),
+            );
+        }
         Ok(self.progress())
     }
 
@@ -114,15 +160,16 @@ impl DiscreteJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
-        self.check(time_secs, atoms.len())?;
+        self.check(self.last_secs, time_secs, atoms.len())?;
+        let robustness = |atom: usize| match atoms[atom] {
+            Some(true) => f64::INFINITY,
+            Some(false) => f64::NEG_INFINITY,
+            None => f64::NAN,
+        };
         self.take(
-            time_secs,
-            |atom| Truth::of(atoms[atom]),
-            |atom| match atoms[atom] {
-                Some(true) => f64::INFINITY,
-                Some(false) => f64::NEG_INFINITY,
-                None => f64::NAN,
-            },
+            &[time_secs],
+            |atom, _| Truth::of(atoms[atom]),
+            |atom| std::iter::once(robustness(atom)),
         );
         Ok(self.progress())
     }
@@ -138,12 +185,12 @@ impl DiscreteJudge {
         truth: &[Option<bool>],
         robustness: &[f64],
     ) -> Result<Progress, StepError> {
-        self.check(time_secs, truth.len().min(robustness.len()))?;
-        self.check(time_secs, truth.len().max(robustness.len()))?;
+        self.check(self.last_secs, time_secs, truth.len())?;
+        self.check(self.last_secs, time_secs, robustness.len())?;
         self.take(
-            time_secs,
-            |atom| Truth::of(truth[atom]),
-            |atom| robustness[atom],
+            &[time_secs],
+            |atom, _| Truth::of(truth[atom]),
+            |atom| std::iter::once(robustness[atom]),
         );
         Ok(self.progress())
     }
@@ -173,7 +220,8 @@ impl DiscreteJudge {
         };
         let robustness = self.robustness_at_end(ending);
         let verdict = self.verdict_at_end(ending);
-        let covered = self.trigger.is_none() || self.triggered > 0;
+        let triggered = self.trigger.as_ref().map_or(0, |trigger| trigger.risen);
+        let covered = self.trigger.is_none() || triggered > 0;
         FormulaReport {
             verdict: if covered || verdict == Verdict::Violated {
                 verdict
@@ -181,7 +229,7 @@ impl DiscreteJudge {
                 Verdict::NotCovered
             },
             robustness,
-            triggered: self.triggered,
+            triggered,
             has_trigger: self.trigger.is_some(),
             samples: self.timeline.count(),
             decided_at_secs: self.decided_at_secs,
@@ -189,10 +237,11 @@ impl DiscreteJudge {
         }
     }
 
-    fn check(&self, time_secs: f64, found: usize) -> Result<(), StepError> {
-        if !time_secs.is_finite() || time_secs <= self.last_secs {
+    #[inline]
+    fn check(&self, last_secs: f64, time_secs: f64, found: usize) -> Result<(), StepError> {
+        if !time_secs.is_finite() || time_secs <= last_secs {
             return Err(StepError::Time {
-                last_secs: self.last_secs,
+                last_secs,
                 time_secs,
             });
         }
@@ -211,22 +260,22 @@ impl DiscreteJudge {
         }
     }
 
-    /// Takes a sample that has been checked.
+    /// Takes samples that have been checked, at least one.
     #[inline]
-    fn take(
+    fn take<I: Iterator<Item = f64>>(
         &mut self,
-        time_secs: f64,
-        truth: impl Fn(usize) -> Truth,
-        robustness: impl Fn(usize) -> f64,
+        times_secs: &[f64],
+        truth: impl Fn(usize, usize) -> Truth,
+        robustness: impl Fn(usize) -> I,
     ) {
-        self.last_secs = time_secs;
-        self.timeline.push(time_secs);
-        if self.verdict.is_none() || self.trigger.is_some() {
-            self.truth.step(&self.timeline, truth);
-            self.hear_truth();
-            if self.verdict.is_some() && self.decided_at_secs.is_none() {
-                self.decided_at_secs = Some(time_secs);
-            }
+        let Some(&last_secs) = times_secs.last() else {
+            return;
+        };
+        self.last_secs = last_secs;
+        if self.verdict.is_some() || times_secs.len() == 1 {
+            self.take_truth(times_secs, &truth);
+        } else {
+            self.take_truth_of_many(times_secs, truth);
         }
         if let Some(lanes) = &mut self.robustness {
             lanes.step(&self.timeline, self.atom_count, robustness);
@@ -234,6 +283,35 @@ impl DiscreteJudge {
         if self.timeline.stored() > 2 * self.times_left + 64 {
             self.forget_times();
         }
+    }
+
+    #[inline]
+    fn take_truth(&mut self, times_secs: &[f64], truth: impl Fn(usize, usize) -> Truth) {
+        self.timeline.add(times_secs);
+        if self.verdict.is_none() || self.trigger.is_some() {
+            self.truth.step(&self.timeline, truth);
+            self.hear_truth();
+            if self.verdict.is_some() && self.decided_at_secs.is_none() {
+                self.decided_at_secs = times_secs.last().copied();
+            }
+        }
+    }
+
+    /// Takes samples at once; if they decide, again one by one, to find the one that does.
+    fn take_truth_of_many(&mut self, times_secs: &[f64], truth: impl Fn(usize, usize) -> Truth) {
+        let (engine, trigger) = (self.truth.clone(), self.trigger.clone());
+        self.take_truth(times_secs, &truth);
+        if self.verdict.is_none() {
+            return;
+        }
+        (self.truth, self.trigger) = (engine, trigger);
+        (self.verdict, self.decided_at_secs) = (None, None);
+        self.timeline.take_back();
+        for at in 0..times_secs.len() {
+            self.take_truth(&times_secs[at..=at], |atom, _| truth(atom, at));
+        }
+        // Robustness takes them at once.
+        self.timeline.freshen(times_secs.len() as u64);
     }
 
     /// Notes what the formula and its trigger said.
@@ -251,10 +329,8 @@ impl DiscreteJudge {
                 Truth::Unknown => None,
             });
         }
-        if let Some(trigger) = self.trigger {
-            let said = self.truth.said(trigger).iter();
-            let risen = said.filter(|said| said.value == Truth::True);
-            self.triggered += risen.map(|said| said.to - said.from).sum::<u64>();
+        if let Some(trigger) = &mut self.trigger {
+            trigger.hear(self.truth.said(trigger.node));
         }
     }
 
@@ -301,15 +377,55 @@ impl DiscreteJudge {
     }
 }
 
+impl Trigger {
+    fn new(node: NodeId) -> Self {
+        Trigger {
+            node,
+            waiting: RunMap::default(),
+            next: 0,
+            before: Truth::False,
+            risen: 0,
+        }
+    }
+
+    #[inline]
+    fn hear(&mut self, said: &[Said]) {
+        for said in said {
+            if said.from == self.next {
+                self.count(said.to, said.value);
+            } else {
+                self.waiting.insert(said.from, said.to, said.value);
+            }
+        }
+        while let Some((to, value)) = self.waiting.take_first_at(self.next) {
+            self.count(to, value);
+        }
+    }
+
+    #[inline]
+    fn count(&mut self, to: u64, value: Truth) {
+        let rises = value == Truth::True && self.before == Truth::False;
+        self.risen += u64::from(rises);
+        (self.next, self.before) = (to, value);
+    }
+}
+
 impl Robustness {
     #[inline]
-    fn step(&mut self, timeline: &Timeline, atom_count: usize, value: impl Fn(usize) -> f64) {
-        if self.high.is_none() && (0..atom_count).any(|atom| value(atom).is_nan()) {
+    fn step<I: Iterator<Item = f64>>(
+        &mut self,
+        timeline: &Timeline,
+        atom_count: usize,
+        values: impl Fn(usize) -> I,
+    ) {
+        if self.high.is_none()
+            && (0..atom_count).any(|atom| values(atom).any(|value| value.is_nan()))
+        {
             self.high = Some(self.low.optimist());
         }
         if let Some(high) = &mut self.high {
-            high.step(timeline, &value);
+            high.step(timeline, &values);
         }
-        self.low.step(timeline, value);
+        self.low.step(timeline, values);
     }
 }

@@ -142,31 +142,39 @@ impl Lane {
         }
     }
 
-    /// Takes the sample that was last added to `timeline`.
+    /// Takes the samples that were last added to `timeline`; `atom` gives the values of an atom
+    /// there.
     #[inline]
-    pub(super) fn step(&mut self, timeline: &Timeline, atom: impl Fn(usize) -> f64) {
+    pub(super) fn step<I: Iterator<Item = f64>>(
+        &mut self,
+        timeline: &Timeline,
+        atom: impl Fn(usize) -> I,
+    ) {
         if self.value.is_some() {
             return;
         }
+        let unknown = self.unknown;
         for (index, (node, state)) in self.nodes.iter_mut().enumerate() {
             let (before, rest) = self.given.split_at_mut(index);
             let Some(out) = rest.first_mut() else { return };
             out.clear();
             let mut giver = Giver::new(out, *node);
+            let sign = giver.sign;
             match (node.op, &mut *state) {
-                (Op::Constant, _) => giver.give(f64::INFINITY),
-                (Op::Atom(number), _) => {
-                    let value = atom(number);
-                    let is_unknown = value.is_nan();
-                    giver.out.push(if is_unknown {
-                        self.unknown
-                    } else {
-                        value * giver.sign
-                    });
+                (Op::Constant, _) => {
+                    let count = (timeline.count() - timeline.fresh()) as usize;
+                    giver.out.resize(count, f64::INFINITY * sign);
                 }
+                (Op::Atom(number), _) => giver.out.extend(atom(number).map(|value| {
+                    if value.is_nan() {
+                        unknown
+                    } else {
+                        value * sign
+                    }
+                })),
                 (_, State::Ahead(ahead)) => ahead.tick(timeline, &mut giver),
                 (_, State::Previous(held, _)) => {
-                    let first = (timeline.count() == 1).then_some(f64::NEG_INFINITY);
+                    let first = (timeline.fresh() == 0).then_some(f64::NEG_INFINITY);
                     if let Some(value) = held.take().or(first) {
                         giver.give(value);
                     }

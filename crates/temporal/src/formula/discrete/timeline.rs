@@ -54,6 +54,8 @@ pub(super) struct Timeline {
     base: u64,
     /// How many samples there have been.
     count: u64,
+    /// The first one of those that were added last.
+    fresh: u64,
 }
 
 impl Timeline {
@@ -63,7 +65,14 @@ impl Timeline {
             times_secs: VecDeque::new(),
             base: 0,
             count: 0,
+            fresh: 0,
         }
+    }
+
+    /// The first one of those samples that were added last.
+    #[inline]
+    pub(super) fn fresh(&self) -> u64 {
+        self.fresh
     }
 
     /// How many samples there have been.
@@ -77,11 +86,26 @@ impl Timeline {
         self.times_secs.len()
     }
 
+    /// Adds samples with these times.
     #[inline]
-    pub(super) fn push(&mut self, time_secs: f64) {
-        self.count += 1;
+    pub(super) fn add(&mut self, times_secs: &[f64]) {
+        self.fresh = self.count;
+        self.count += times_secs.len() as u64;
         if self.keeps_times {
-            self.times_secs.push_back(time_secs);
+            self.times_secs.extend(times_secs);
+        }
+    }
+
+    /// Makes the last `count` samples those that were added last.
+    pub(super) fn freshen(&mut self, count: u64) {
+        self.fresh = self.count - count;
+    }
+
+    /// Takes the samples that were added last away again.
+    pub(super) fn take_back(&mut self) {
+        self.count = self.fresh;
+        if self.keeps_times {
+            self.times_secs.truncate((self.fresh - self.base) as usize);
         }
     }
 
@@ -227,9 +251,7 @@ mod tests {
     fn partition_points_do_not_depend_on_the_guess() {
         let times = [0.0, 0.1, 0.5, 0.6, 2.0, 2.1, 2.2, 7.0];
         let mut timeline = Timeline::new(true);
-        for time in times {
-            timeline.push(time);
-        }
+        timeline.add(&times);
         let span = Span::Seconds {
             low: 0.1,
             high: 1.6,
@@ -251,7 +273,7 @@ mod tests {
     fn deadlines_are_met_on_the_nanosecond() {
         let mut timeline = Timeline::new(true);
         for tick in 0..=20 {
-            timeline.push(f64::from(tick) * 0.1);
+            timeline.add(&[f64::from(tick) * 0.1]);
         }
         let span = Span::Seconds {
             low: 0.0,

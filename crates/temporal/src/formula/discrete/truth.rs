@@ -91,9 +91,11 @@ impl TruthEngine {
         &self.said[node]
     }
 
-    /// Takes the sample that was last added to `timeline`.
+    /// Takes the samples that were last added to `timeline`; `atom` gives the truth of an atom at the
+    /// first of them, the second, and so on.
     #[inline]
-    pub(super) fn step(&mut self, timeline: &Timeline, atom: impl Fn(usize) -> Truth) {
+    pub(super) fn step(&mut self, timeline: &Timeline, atom: impl Fn(usize, usize) -> Truth) {
+        let (fresh, count) = (timeline.fresh(), timeline.count());
         for (index, (node, state)) in self.nodes.iter_mut().enumerate() {
             let (before, rest) = self.said.split_at_mut(index);
             let Some(out) = rest.first_mut() else { return };
@@ -102,28 +104,22 @@ impl TruthEngine {
                 out,
                 dual: node.dual,
             };
-            let now = timeline.count() - 1;
             match (node.op, state) {
-                (Op::Constant, _) => speaker.say(now, now + 1, Truth::True),
+                (Op::Constant, _) => speaker.say(fresh, count, Truth::True),
                 // The dual of an atom is its negation: only the result is negated.
-                (Op::Atom(number), _) => speaker.say(now, now + 1, atom(number)),
-                (Op::Previous(_), State::Previous(held)) => {
-                    let first = (now == 0).then_some(Truth::False);
-                    if let Some(value) = held.take().or(first) {
-                        speaker.say(now, now + 1, value);
-                    }
-                    listen(
-                        *node,
-                        before,
-                        timeline,
-                        &mut State::Previous(None),
-                        &mut speaker,
-                    );
-                    *held = last_said(*node, before, timeline);
+                (Op::Atom(number), _) => {
+                    speaker.say_all(fresh, count, |offset| atom(number, offset));
                 }
                 (_, state) => {
-                    if let State::Until(until) = state {
-                        until.tick(timeline, &mut speaker);
+                    match state {
+                        State::Until(until) => until.tick(timeline, &mut speaker),
+                        State::Previous(held) => {
+                            let first = (fresh == 0).then_some(Truth::False);
+                            if let Some(value) = held.take().or(first) {
+                                speaker.say(fresh, fresh + 1, value);
+                            }
+                        }
+                        _ => {}
                     }
                     listen(*node, before, timeline, state, &mut speaker);
                 }
@@ -197,6 +193,21 @@ impl Speaker<'_> {
             value: value.negated_if(self.dual),
         });
     }
+
+    /// Says the values at `from`, `from + 1` and so on.
+    #[inline]
+    fn say_all(&mut self, from: u64, to: u64, value: impl Fn(usize) -> Truth) {
+        let mut begin = from;
+        let mut run = value(0);
+        for sample in from + 1..to {
+            let next = value((sample - from) as usize);
+            if next != run {
+                self.say(begin, sample, run);
+                (begin, run) = (sample, next);
+            }
+        }
+        self.say(begin, to, run);
+    }
 }
 
 /// Tells a node what its operands said in this step.
@@ -226,10 +237,13 @@ fn listen(
                 speaker.say(from, said.to - 1, said.value);
             }
         }),
-        (Op::Previous(operand), _) => of(operand).for_each(|said| {
+        (Op::Previous(operand), State::Previous(held)) => of(operand).for_each(|said| {
             let to = (said.to + 1).min(timeline.count());
             if said.from + 1 < to {
                 speaker.say(said.from + 1, to, said.value);
+            }
+            if said.to == timeline.count() {
+                *held = Some(said.value);
             }
         }),
         (Op::Eventually(_, operand), State::Until(until)) => {
@@ -252,17 +266,6 @@ fn listen(
         }
         _ => {}
     }
-}
-
-/// What the operand of a "previous" said of the last sample.
-#[inline]
-fn last_said(node: Node, before: &[Vec<Said>], timeline: &Timeline) -> Option<Truth> {
-    let Op::Previous(operand) = node.op else {
-        return None;
-    };
-    (before[operand].iter())
-        .find(|said| said.to == timeline.count())
-        .map(|said| said.value.negated_if(node.dual))
 }
 
 /// What follows from `said` of one operand of a conjunction, given what has been said of the other.

@@ -96,7 +96,7 @@ impl Ahead {
             }
     }
 
-    /// A sample has been added to the timeline.
+    /// Samples have been added to the timeline.
     #[inline]
     pub(super) fn tick(&mut self, timeline: &Timeline, giver: &mut Giver<'_>) {
         let now = timeline.count() - 1;
@@ -224,21 +224,26 @@ impl Ahead {
 impl First {
     #[inline]
     fn tick(&mut self, span: Span, timeline: &Timeline) {
-        let now = timeline.count() - 1;
-        if now == 0 {
+        if timeline.fresh() == 0 {
             self.start(span, timeline);
         }
         let Span::Seconds { low, high } = span else {
             return;
         };
-        let time_secs = timeline.time(now);
-        let (past_secs, tolerance_secs) = (time_secs - self.start_secs, tolerance_secs(time_secs));
-        if self.begin.is_none() && past_secs >= low - tolerance_secs {
-            self.begin = Some(now);
+        if self.begin.is_some() && (self.end.is_some() || high == f64::INFINITY) {
+            return;
         }
-        if self.end.is_none() && past_secs >= high - tolerance_secs {
-            let is_member = past_secs <= high + tolerance_secs;
-            self.end = Some(now + u64::from(is_member));
+        for sample in timeline.fresh()..timeline.count() {
+            let time_secs = timeline.time(sample);
+            let (past_secs, tolerance_secs) =
+                (time_secs - self.start_secs, tolerance_secs(time_secs));
+            if self.begin.is_none() && past_secs >= low - tolerance_secs {
+                self.begin = Some(sample);
+            }
+            if self.end.is_none() && past_secs >= high - tolerance_secs {
+                let is_member = past_secs <= high + tolerance_secs;
+                self.end = Some(sample + u64::from(is_member));
+            }
         }
     }
 

@@ -94,29 +94,35 @@ impl Until {
             + self.spoken.len()
     }
 
-    /// A sample has been added to the timeline.
+    /// Samples have been added to the timeline.
     #[inline]
     pub(super) fn tick(&mut self, timeline: &Timeline, speaker: &mut Speaker<'_>) {
-        let now = timeline.count() - 1;
         let over_before = self.over;
-        self.over = timeline.end_over(self.span, now, self.over);
-        if matches!(self.span, Span::Seconds { .. }) && now > 0 && self.over > over_before {
-            self.windows_passed(timeline, over_before, speaker);
+        self.over = timeline.end_over(self.span, timeline.count() - 1, over_before);
+        if matches!(self.span, Span::Seconds { .. }) && self.over > over_before {
+            self.windows_passed(timeline, speaker);
         }
     }
 
-    /// Windows in seconds that were over before the new sample.
-    fn windows_passed(&mut self, timeline: &Timeline, over_before: u64, speaker: &mut Speaker<'_>) {
-        let now = timeline.count() - 1;
-        self.near_within = timeline.first_within(self.span, now, self.near_within);
-        let passed = self.near_within;
-        if let Some((from, _)) = self.right_false.containing(now - 1) {
+    /// Windows in seconds that were over before one of the new samples: those in which right was
+    /// false to the end, and those without a sample.
+    fn windows_passed(&mut self, timeline: &Timeline, speaker: &mut Speaker<'_>) {
+        let fresh = timeline.fresh();
+        let last = fresh.checked_sub(1);
+        if let Some((from, _)) = last.and_then(|last| self.right_false.containing(last)) {
             let from = self.begins_at(from, timeline);
-            self.speak(from, passed, Truth::False, speaker);
+            self.near_within = timeline.first_within(self.span, fresh, self.near_within);
+            self.speak(from, self.near_within, Truth::False, speaker);
         }
-        let begun = timeline.end_beyond(self.span, now - 1, self.near_beyond);
-        self.near_beyond = begun;
-        self.speak(over_before.max(begun), passed, Truth::False, speaker);
+        if self.span.starts_now() {
+            return;
+        }
+        for sample in fresh.max(1)..timeline.count() {
+            let begun = timeline.end_beyond(self.span, sample - 1, self.near_beyond);
+            let passed = timeline.first_within(self.span, sample, self.near_within);
+            (self.near_beyond, self.near_within) = (begun, passed);
+            self.speak(begun, passed, Truth::False, speaker);
+        }
     }
 
     /// The first sample whose window begins at `sample` or later.
