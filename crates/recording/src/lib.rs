@@ -4,10 +4,12 @@
 //! |---|---|
 //! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 
+mod decode;
 mod reader;
 mod schema;
 mod trace_file;
 
+pub use decode::{DecodeError, Extractor, FieldPath, PathError, Value, ValueKind};
 pub use reader::{
     Encoding, Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
 };
@@ -45,5 +47,5 @@ mod rosbag2;
 mod trials;
 
 pub use csv_rows::row_time::{TimeUnit, TimeUnitError};
-pub use open::{Format, detect, open};
+pub use open::{Format, detect, open, open_bytes};
 pub use trials::{SkippedPath, TrialPath, Trials, trials};

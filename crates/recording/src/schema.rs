@@ -18,6 +18,7 @@ pub use idl::parse_idl;
 pub use message_type::{Constant, MessageField, MessageType, Primitive, Type};
 pub use msg::{Dialect, parse_msg};
 pub use protobuf::{ProtoField, ProtoKind, ProtoMessage, ProtobufSchema};
+pub(crate) use protobuf::{Wire, next_field, varint};
 
 use std::fmt;
 
