@@ -175,10 +175,8 @@ impl Planner<'_> {
                 let slot = self.kinds.len();
                 self.kinds.push(ValueKind::Unknown);
                 // The condition's own end is a value, whatever the path asks for.
-                let plain = FieldPath {
-                    is_length: false,
-                    ..path.clone()
-                };
+                let mut plain = path.clone();
+                plain.is_length = false;
                 let wanted = vec![self.wanted(inner, (&plain, &steps), slot)?];
                 tests.push((Message { wanted }, slot, condition.key.clone()));
             }
