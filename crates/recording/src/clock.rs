@@ -31,7 +31,7 @@
 mod mapping;
 mod reorder;
 
-pub(crate) use mapping::{ClockReset, SimulationClock};
+pub(crate) use mapping::{Mapped, SimulationClock};
 pub(crate) use reorder::{Late, ReorderBuffer};
 
 /// Which time of a message counts.

@@ -9,7 +9,6 @@
 
 use trace::{Snapshot, Trace, TraceError};
 
-use super::frames::FrameSource;
 use super::linear::Samples;
 use super::plan::SourcePlan;
 use super::report::{Notes, StreamNoteKind};

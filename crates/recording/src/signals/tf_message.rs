@@ -1,4 +1,4 @@
-//! The messages on `/tf` and `/tf_static`: `tf2_msgs/TFMessage` in CDR, `tf2_msgs/TFMessage` and
+//! The messages on `/tf`, `/tf_static` and `/clock`: `tf2_msgs/TFMessage` in CDR, `tf2_msgs/TFMessage` and
 //! `tf/tfMessage` as ROS 1 serialises them, and the same as JSON.
 //!
 //! They hold a list of any length, so they are walked here instead of being decoded by paths. The
@@ -31,6 +31,26 @@ pub(super) fn transforms_of(
             "transforms in {other} are not read; record them as tf2_msgs/TFMessage"
         )),
     }
+}
+
+/// The time in nanoseconds that a message of `/clock` (`rosgraph_msgs/Clock`) holds.
+pub(super) fn clock_nanos_of(encoding: &Encoding, data: &[u8]) -> Result<i64, String> {
+    let mut cursor = match encoding {
+        Encoding::Cdr => Cursor::cdr(data)?,
+        Encoding::Ros1 => Cursor::ros1(data),
+        Encoding::Json => {
+            let clock: JsonClock =
+                serde_json::from_slice(data).map_err(|error| error.to_string())?;
+            return Ok(clock.clock.nanos());
+        }
+        other => {
+            return Err(format!(
+                "the clock in {other} is not read; record it as rosgraph_msgs/Clock"
+            ));
+        }
+    };
+    let secs = i64::from(cursor.u32()?);
+    Ok(secs * 1_000_000_000 + i64::from(cursor.u32()?))
 }
 
 struct Cursor<'a> {
@@ -155,6 +175,11 @@ impl<'a> Cursor<'a> {
 }
 
 #[derive(serde::Deserialize)]
+struct JsonClock {
+    clock: JsonStamp,
+}
+
+#[derive(serde::Deserialize)]
 struct JsonMessage {
     transforms: Vec<JsonTransform>,
 }
@@ -179,6 +204,14 @@ struct JsonStamp {
     sec: i64,
     #[serde(alias = "nsecs", alias = "nsec")]
     nanosec: i64,
+}
+
+impl JsonStamp {
+    fn nanos(&self) -> i64 {
+        self.sec
+            .saturating_mul(1_000_000_000)
+            .saturating_add(self.nanosec)
+    }
 }
 
 #[derive(serde::Deserialize)]

@@ -386,6 +386,27 @@ impl Reader<'_> {
                 "use from",
             );
         }
+        let from_frames = !matches!(
+            entry.source,
+            SignalSource::Value { .. }
+                | SignalSource::Norm { .. }
+                | SignalSource::Point { .. }
+                | SignalSource::Vector { .. }
+        );
+        let changed = [
+            text.unit.as_ref().map(Spanned::span),
+            text.scale.as_ref().map(Spanned::span),
+            text.offset.as_ref().map(Spanned::span),
+            text.frame.as_ref().map(Spanned::span),
+        ];
+        if let (true, Some(span)) = (from_frames, changed.into_iter().flatten().next()) {
+            let remedy = "leave it out: transforms are in metres, seen from in_frame";
+            self.error(
+                span,
+                "this does not apply to what comes from transforms",
+                remedy,
+            );
+        }
         for factor in [&text.scale, &text.offset].into_iter().flatten() {
             if !is_number || !factor.get_ref().is_finite() {
                 let remedy = "give a finite number, for numbers only";
@@ -587,6 +608,9 @@ from = "/t.x"
 ["/l.x"]
 from = "/t.x"
 scale = 0
+["/m.x"]
+distance_between = ["a", "b"]
+unit = "mm"
 "#,
         );
         let expected = [
@@ -602,6 +626,7 @@ scale = 0
             ("26: ", "not single values"),
             ("29: ", "/k.x is given by the entry of line 27 too"),
             ("33: ", "scale of 0"),
+            ("36: ", "does not apply to what comes from transforms"),
         ];
         assert_eq!(found.len(), expected.len(), "{found:#?}");
         for (found, (line, message)) in found.iter().zip(expected) {

@@ -1,0 +1,6 @@
+//! What is in a recording.
+
+mod periods;
+mod units;
+
+pub(crate) use units::usual_unit;

@@ -1,0 +1,512 @@
+//! From the signals that are wanted to what has to be read of which topic.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use trace::{Channel, Field, FieldKind, SignalIndex, Trace};
+
+use super::plan::{FrameQuantity, FrameQuantityKind, Output, SourcePlan, Treatment};
+use crate::reader::TopicInfo;
+use crate::topic_map::{Interpolation, MappedSignal, SignalSource, TopicMap};
+
+/// A signal cannot be read from a recording.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BindError {
+    /// The signal.
+    pub signal: String,
+    /// The line of its entry in the topic map, from 1; 0 if it has none.
+    pub line: usize,
+    /// What is wrong, and what to do about it.
+    pub message: String,
+}
+
+impl fmt::Display for BindError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "the signal {}", self.signal)?;
+        if self.line > 0 {
+            write!(out, " (line {} of the topic map)", self.line)?;
+        }
+        write!(out, " cannot be read: {}", self.message)
+    }
+}
+
+impl std::error::Error for BindError {}
+
+/// One column of a row that is made of a message.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum ColumnPlan {
+    /// A number, scaled.
+    Number {
+        path: String,
+        scale: f64,
+        offset: f64,
+    },
+    /// A truth value.
+    Bool { path: String },
+    /// One of these names, or its number.
+    Name { path: String, names: Vec<String> },
+    /// The norm of numbers, scaled.
+    Norm {
+        paths: Vec<String>,
+        scale: f64,
+        offset: f64,
+    },
+    /// The number of a frame: this one, or that which the message's header names.
+    Frame { name: Option<String> },
+}
+
+/// A row that is made of each message of a topic.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RowPlan {
+    /// The source whose row it is.
+    pub source: usize,
+    pub columns: Vec<ColumnPlan>,
+    /// For each column, the entry that asked for it, for errors.
+    pub asked_by: Vec<(String, usize)>,
+}
+
+/// What is made of each message of a topic.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TopicPlan {
+    pub name: String,
+    pub rows: Vec<RowPlan>,
+}
+
+/// What a stream has to do.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Binding {
+    /// The signals, as channels without rows.
+    pub layout: Trace,
+    pub sources: Vec<SourcePlan>,
+    pub topics: Vec<TopicPlan>,
+    /// Signals whose topics the recording does not have.
+    pub absent: Vec<BindError>,
+}
+
+/// What kind of values stand at a path of a topic.
+pub(super) type KindOf<'a> = dyn Fn(&TopicInfo, &str) -> Result<FieldKind, String> + 'a;
+
+/// Finds the signals `wanted`, by the map or as they are written, among `topics`.
+pub(super) fn bind(
+    topics: &[TopicInfo],
+    map: &TopicMap,
+    wanted: &[String],
+    kind_of: &KindOf<'_>,
+) -> Result<Binding, Vec<BindError>> {
+    let mut binder = Binder {
+        topics,
+        kind_of,
+        errors: Vec::new(),
+        done: BTreeSet::new(),
+        binding: Binding {
+            layout: Trace::new(),
+            sources: Vec::new(),
+            topics: Vec::new(),
+            absent: Vec::new(),
+        },
+    };
+    for name in wanted {
+        match map.find(name) {
+            Some((entry, _)) => binder.entry(entry),
+            None => binder.identity(name),
+        }
+    }
+    if binder.errors.is_empty() {
+        Ok(binder.binding)
+    } else {
+        Err(binder.errors)
+    }
+}
+
+struct Binder<'a> {
+    topics: &'a [TopicInfo],
+    kind_of: &'a KindOf<'a>,
+    errors: Vec<BindError>,
+    /// The entries and signals that were bound.
+    done: BTreeSet<String>,
+    binding: Binding,
+}
+
+impl Binder<'_> {
+    fn error(&mut self, signal: &str, line: usize, message: impl Into<String>) {
+        self.errors.push(BindError {
+            signal: signal.to_owned(),
+            line,
+            message: message.into(),
+        });
+    }
+
+    /// A signal without an entry: the longest topic with which its name begins, and a path.
+    fn identity(&mut self, name: &str) {
+        if !self.done.insert(name.to_owned()) {
+            return;
+        }
+        let Some((topic, path)) = split_at_topic(self.topics, name) else {
+            let message = format!(
+                "neither the topic map nor the recording has it; {}",
+                self.there()
+            );
+            return self.error(name, 0, message);
+        };
+        let infos: Vec<&TopicInfo> = self
+            .topics
+            .iter()
+            .filter(|info| info.name == topic)
+            .collect();
+        let kind = match infos.first().map(|info| (self.kind_of)(info, path)) {
+            Some(Ok(kind)) => kind,
+            Some(Err(problem)) => return self.error(name, 0, problem),
+            None => return,
+        };
+        if let FieldKind::Enumeration(_) = kind {
+            let message = "it is text; give it an entry in the topic map that lists its values";
+            return self.error(name, 0, message);
+        }
+        let unit = infos
+            .first()
+            .map_or("", |info| crate::inspect::usual_unit(info, path));
+        let (topic, path) = (topic.to_owned(), path.to_owned());
+        let field = Field {
+            name: path.clone(),
+            unit: unit.to_owned(),
+            frame: None,
+            kind: kind.clone(),
+        };
+        let column = match kind {
+            FieldKind::Bool => ColumnPlan::Bool { path },
+            _ => ColumnPlan::Number {
+                path,
+                scale: 1.0,
+                offset: 0.0,
+            },
+        };
+        let entry = MappedSignal::new(
+            name,
+            SignalSource::Value {
+                from: name.to_owned(),
+            },
+        );
+        let signal = self.add_field(&topic, field);
+        self.plain(&topic, &entry, vec![column], &[signal]);
+    }
+
+    /// A signal with an entry in the map, with all of its parts.
+    fn entry(&mut self, entry: &MappedSignal) {
+        if !self.done.insert(entry.name.clone()) {
+            return;
+        }
+        match &entry.source {
+            SignalSource::Value { from } => self.value(entry, from),
+            SignalSource::Norm { of } => self.norm(entry, of),
+            SignalSource::Point { of, in_frame } => self.point(entry, of, in_frame.as_ref(), true),
+            SignalSource::Vector { of, in_frame } => {
+                self.point(entry, of, in_frame.as_ref(), false)
+            }
+            SignalSource::PositionOf { frame, in_frame } => {
+                self.quantity(entry, in_frame, frame, FrameQuantityKind::Position);
+            }
+            SignalSource::OrientationOf { frame, in_frame } => {
+                self.quantity(entry, in_frame, frame, FrameQuantityKind::Orientation);
+            }
+            SignalSource::DistanceBetween {
+                frames: [one, other],
+            } => {
+                self.quantity(entry, one, other, FrameQuantityKind::Distance);
+            }
+            SignalSource::SpeedOf { frame, in_frame } => {
+                self.quantity(entry, in_frame, frame, FrameQuantityKind::Speed);
+            }
+        }
+    }
+
+    fn value(&mut self, entry: &MappedSignal, from: &str) {
+        let (scale, offset) = (entry.scale, entry.offset);
+        let signals = self.add_fields(entry);
+        let Some((topic, path)) = self.find(entry, from) else {
+            return;
+        };
+        let column = match &entry.kind {
+            FieldKind::Number => ColumnPlan::Number {
+                path,
+                scale,
+                offset,
+            },
+            FieldKind::Bool => ColumnPlan::Bool { path },
+            FieldKind::Enumeration(names) => ColumnPlan::Name {
+                path,
+                names: names.clone(),
+            },
+        };
+        self.plain(&topic, entry, vec![column], &signals);
+    }
+
+    fn norm(&mut self, entry: &MappedSignal, of: &[String]) {
+        let (scale, offset) = (entry.scale, entry.offset);
+        let signals = self.add_fields(entry);
+        let mut found: Vec<(String, String)> = Vec::with_capacity(of.len());
+        for path in of {
+            match self.find(entry, path) {
+                Some(place) => found.push(place),
+                None => return,
+            }
+        }
+        let Some(topic) = found.first().map(|(topic, _)| topic.clone()) else {
+            return;
+        };
+        if found.iter().any(|(other, _)| *other != topic) {
+            let message = "the numbers of a norm have to be of one topic; make signals of them, \
+                           and use norm(...) in the requirement";
+            return self.error(&entry.name, entry.line, message);
+        }
+        let paths = found.into_iter().map(|(_, path)| path).collect();
+        let column = ColumnPlan::Norm {
+            paths,
+            scale,
+            offset,
+        };
+        self.plain(&topic, entry, vec![column], &signals);
+    }
+
+    fn point(&mut self, entry: &MappedSignal, of: &str, in_frame: Option<&String>, is_point: bool) {
+        let signals = self.add_fields(entry);
+        let Some((topic, path)) = self.find(entry, &format!("{of}.x")) else {
+            return;
+        };
+        let base = path.strip_suffix(".x").unwrap_or("");
+        let part = |axis: &str| {
+            let path = if base.is_empty() {
+                axis.to_owned()
+            } else {
+                format!("{base}.{axis}")
+            };
+            ColumnPlan::Number {
+                path,
+                scale: entry.scale,
+                offset: entry.offset,
+            }
+        };
+        let mut columns: Vec<ColumnPlan> = ["x", "y", "z"].map(part).into();
+        let Some(in_frame) = in_frame.filter(|_| entry.needs_frames()) else {
+            return self.plain(&topic, entry, columns, &signals);
+        };
+        let Some(metres_per_unit) = self.metres_per_unit(entry, is_point) else {
+            return;
+        };
+        columns.push(ColumnPlan::Frame {
+            name: entry.frame.clone(),
+        });
+        let treatment = Treatment::Transform {
+            in_frame: in_frame.clone(),
+            is_point,
+            metres_per_unit,
+        };
+        let source = self.add_source(&topic, columns.len(), treatment, entry, &signals);
+        let row = RowPlan {
+            source,
+            asked_by: vec![(entry.name.clone(), entry.line); columns.len()],
+            columns,
+        };
+        self.topic(&topic).rows.push(row);
+    }
+
+    /// How many metres the unit of a point is, which a translation has to be divided by.
+    fn metres_per_unit(&mut self, entry: &MappedSignal, is_point: bool) -> Option<f64> {
+        let unit = match &entry.unit {
+            Some(unit) if is_point => unit,
+            _ => return Some(1.0),
+        };
+        let metre = trace::units::Unit::coherent(trace::units::Dimension::LENGTH);
+        let parsed = unit.parse::<trace::units::Unit>().ok();
+        let conversion = parsed.and_then(|unit| unit.conversion_to(&metre));
+        if conversion.is_none() {
+            let message = format!(
+                "{unit} is no unit of length, so the point cannot be shifted into another frame; \
+                 give the unit of its coordinates"
+            );
+            self.error(&entry.name, entry.line, message);
+        }
+        conversion.map(|conversion| conversion.apply(1.0))
+    }
+
+    fn quantity(
+        &mut self,
+        entry: &MappedSignal,
+        target: &str,
+        source: &str,
+        kind: FrameQuantityKind,
+    ) {
+        let signals = self.add_fields(entry);
+        if !self
+            .topics
+            .iter()
+            .any(|info| info.name == "/tf" || info.name == "/tf_static")
+        {
+            let message = format!(
+                "the recording has neither /tf nor /tf_static; {}",
+                self.there()
+            );
+            let error = BindError {
+                signal: entry.name.clone(),
+                line: entry.line,
+                message,
+            };
+            self.binding.absent.push(error);
+        }
+        let quantity = FrameQuantity {
+            target: target.to_owned(),
+            source: source.to_owned(),
+            kind,
+        };
+        self.add_source(&entry.name, 0, Treatment::Frames(quantity), entry, &signals);
+    }
+
+    /// The topic and path that `from` means; if there is none, the signal is absent.
+    fn find(&mut self, entry: &MappedSignal, from: &str) -> Option<(String, String)> {
+        if let Some((topic, path)) = split_at_topic(self.topics, from) {
+            return Some((topic.to_owned(), path.to_owned()));
+        }
+        let message = format!("the recording has no topic for {from}; {}", self.there());
+        self.binding.absent.push(BindError {
+            signal: entry.name.clone(),
+            line: entry.line,
+            message,
+        });
+        // Topics of an unfinished recording may still come.
+        MappedSignal::split(from).map(|(topic, path)| (topic.to_owned(), path.to_owned()))
+    }
+
+    /// What topics there are, in words.
+    fn there(&self) -> String {
+        const SHOWN: usize = 12;
+        let names: BTreeSet<&str> = self.topics.iter().map(|info| info.name.as_str()).collect();
+        let shown: Vec<&str> = names.iter().take(SHOWN).copied().collect();
+        let more = names.len().saturating_sub(SHOWN);
+        match (shown.is_empty(), more) {
+            (true, _) => "it has no topics".to_owned(),
+            (false, 0) => format!("it has {}", shown.join(", ")),
+            (false, more) => format!("it has {} and {more} more", shown.join(", ")),
+        }
+    }
+
+    fn add_fields(&mut self, entry: &MappedSignal) -> Vec<SignalIndex> {
+        let names = entry.part_names();
+        let topics = names.iter().filter_map(|name| MappedSignal::split(name));
+        let topics: Vec<String> = topics.map(|(topic, _)| topic.to_owned()).collect();
+        let fields = topics.into_iter().zip(entry.fields());
+        fields
+            .map(|(topic, field)| self.add_field(&topic, field))
+            .collect()
+    }
+
+    fn add_field(&mut self, topic: &str, field: Field) -> SignalIndex {
+        let channels = &mut self.binding.layout.channels;
+        let found = channels.iter().position(|channel| channel.topic == topic);
+        let channel = found.unwrap_or_else(|| {
+            channels.push(Channel::new(topic, Vec::new()));
+            channels.len() - 1
+        });
+        let fields = &mut channels[channel].fields;
+        fields.push(field);
+        SignalIndex {
+            channel,
+            field: fields.len() - 1,
+        }
+    }
+
+    fn add_source(
+        &mut self,
+        name: &str,
+        width: usize,
+        treatment: Treatment,
+        entry: &MappedSignal,
+        signals: &[SignalIndex],
+    ) -> usize {
+        let outputs = signals.iter().enumerate();
+        let outputs = outputs
+            .map(|(column, signal)| output(entry, *signal, column))
+            .collect();
+        self.binding.sources.push(SourcePlan {
+            name: name.to_owned(),
+            width,
+            treatment,
+            outputs,
+        });
+        self.binding.sources.len() - 1
+    }
+
+    /// Adds columns that need no transform to the one row that all such columns of a topic share.
+    fn plain(
+        &mut self,
+        topic: &str,
+        entry: &MappedSignal,
+        columns: Vec<ColumnPlan>,
+        signals: &[SignalIndex],
+    ) {
+        let sources = &self.binding.sources;
+        let is_plain = |row: &RowPlan| sources[row.source].treatment == Treatment::Plain;
+        let rows = self.binding.topics.iter().filter(|plan| plan.name == topic);
+        let known = rows
+            .flat_map(|plan| &plan.rows)
+            .find(|row| is_plain(row))
+            .map(|row| row.source);
+        let source = known.unwrap_or_else(|| {
+            let source = self.add_source(topic, 0, Treatment::Plain, entry, &[]);
+            let row = RowPlan {
+                source,
+                columns: Vec::new(),
+                asked_by: Vec::new(),
+            };
+            self.topic(topic).rows.push(row);
+            source
+        });
+        let plan = &mut self.binding.sources[source];
+        for (column, signal) in signals.iter().enumerate() {
+            plan.outputs
+                .push(output(entry, *signal, plan.width + column));
+        }
+        plan.width += columns.len();
+        let rows = self.topic(topic).rows.iter_mut();
+        if let Some(row) = rows.into_iter().find(|row| row.source == source) {
+            let asked_by = (entry.name.clone(), entry.line);
+            row.asked_by
+                .resize(row.columns.len() + columns.len(), asked_by);
+            row.columns.extend(columns);
+        }
+    }
+
+    fn topic(&mut self, name: &str) -> &mut TopicPlan {
+        let topics = &mut self.binding.topics;
+        let found = topics.iter().position(|plan| plan.name == name);
+        let index = found.unwrap_or_else(|| {
+            topics.push(TopicPlan {
+                name: name.to_owned(),
+                rows: Vec::new(),
+            });
+            topics.len() - 1
+        });
+        &mut topics[index]
+    }
+}
+
+fn output(entry: &MappedSignal, signal: SignalIndex, column: usize) -> Output {
+    let staleness_nanos = entry.staleness_secs.map(crate::clock::nanos_of_secs);
+    Output {
+        signal,
+        column,
+        interpolation: match entry.interpolation {
+            Interpolation::Linear => Interpolation::Linear,
+            Interpolation::Hold => Interpolation::Hold,
+        },
+        staleness_nanos,
+    }
+}
+
+/// The longest topic with which `name` begins, and the path behind the dot.
+fn split_at_topic<'n>(topics: &[TopicInfo], name: &'n str) -> Option<(&'n str, &'n str)> {
+    let fitting = topics.iter().filter_map(|info| {
+        let path = name.strip_prefix(info.name.as_str())?.strip_prefix('.')?;
+        (!path.is_empty()).then_some((info.name.len(), path))
+    });
+    let (length, path) = fitting.max_by_key(|(length, _)| *length)?;
+    Some((&name[..length], path))
+}

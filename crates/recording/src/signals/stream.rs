@@ -1,0 +1,709 @@
+//! From a recording to the values of all signals at one instant after another.
+
+use std::collections::{BTreeSet, VecDeque};
+use std::fmt;
+
+use trace::{Snapshot, Trace, TraceError};
+
+use super::bind::{self, BindError, Binding};
+use super::decode::{TopicDecoder, kind_of};
+use super::plan::Treatment;
+use super::report::{Notes, StreamNote, StreamNoteKind};
+use super::sequencer::{Edge, Sequencer};
+use super::tf_message::transforms_of;
+use crate::clock::{Mapped, SimulationClock, TimeSettings, TimeSource};
+use crate::reader::{Encoding, Loss, RawMessage, ReadError, Reader, TopicId, TopicInfo};
+use crate::topic_map::TopicMap;
+use crate::transform::Transform;
+
+/// How far stamps may be from log time, in nanoseconds, for the two to be mixed: a minute.
+const SAME_CLOCK_NANOS: i64 = 60_000_000_000;
+
+/// What a message of a topic is for.
+#[derive(Debug)]
+enum Role {
+    Ignored,
+    Clock,
+    Transforms { is_static: bool },
+    Rows(Box<TopicDecoder>),
+}
+
+/// A topic as far as this stream is concerned.
+#[derive(Debug)]
+struct Topic {
+    name: String,
+    encoding: Encoding,
+    role: Role,
+}
+
+/// A message that waits for the next one of `/clock`.
+#[derive(Debug)]
+struct Waiting {
+    topic: TopicId,
+    log_nanos: i64,
+    offset: u64,
+    data: Vec<u8>,
+}
+
+/// An instant of a stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant {
+    /// Its time in seconds from [`SignalStream::origin_nanos`].
+    pub time_secs: f64,
+    /// Its time in nanoseconds of the chosen clock.
+    pub time_nanos: i64,
+}
+
+/// A stream cannot go on.
+#[derive(Debug)]
+pub enum StreamError {
+    /// The recording cannot be read on.
+    Read(ReadError),
+    /// A topic that appeared late does not fit the topic map.
+    Bind(Vec<BindError>),
+    /// Messages with and without stamps cannot be put in one order, because the stamps are not of
+    /// the recorder's clock.
+    MixedClocks {
+        /// A topic whose messages have no stamp.
+        unstamped: String,
+        /// A topic whose messages have one.
+        stamped: String,
+        /// How far its first stamp is from log time, in seconds.
+        apart_secs: f64,
+    },
+    /// A value does not fit into a trace.
+    Trace(TraceError),
+}
+
+impl fmt::Display for StreamError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            StreamError::Read(error) => error.fmt(out),
+            StreamError::Bind(errors) => {
+                let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                out.write_str(&texts.join("; "))
+            }
+            StreamError::MixedClocks {
+                unstamped,
+                stamped,
+                apart_secs,
+            } => write!(
+                out,
+                "messages of {unstamped} have no header, and the stamps of {stamped} are \
+                 {apart_secs} s away from log time, so the two cannot be put in one order; use log \
+                 or clock as the time"
+            ),
+            StreamError::Trace(error) => error.fmt(out),
+        }
+    }
+}
+
+impl std::error::Error for StreamError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            StreamError::Read(error) => Some(error),
+            StreamError::Trace(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+/// The signals of a recording, or of anything else that can be read as one.
+pub struct SignalStream {
+    reader: Box<dyn Reader + Send>,
+    time: TimeSettings,
+    binding: Binding,
+    topics: Vec<Topic>,
+    needs_frames: bool,
+    sequencer: Sequencer,
+    notes: Notes,
+    clock: SimulationClock,
+    waiting: VecDeque<Waiting>,
+    /// A topic without stamps, and one whose stamps are far from log time.
+    unstamped: Option<String>,
+    far_stamped: Option<(String, i64)>,
+    finished: bool,
+    failed: Option<StreamError>,
+    has_failed: bool,
+}
+
+impl fmt::Debug for SignalStream {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.debug_struct("SignalStream")
+            .field("layout", &self.binding.layout)
+            .field("finished", &self.finished)
+            .finish_non_exhaustive()
+    }
+}
+
+impl SignalStream {
+    /// The signals `wanted` of what `reader` reads, by `map` or as they are written; if none are
+    /// named, all of the map.
+    ///
+    /// # Errors
+    /// Every [`BindError`] there is. A signal of the map whose topic is not there is none: it is
+    /// missing throughout, and [`SignalStream::absent`] names it.
+    pub fn new(
+        reader: Box<dyn Reader + Send>,
+        map: &TopicMap,
+        wanted: &[String],
+    ) -> Result<Self, Vec<BindError>> {
+        let all: Vec<String>;
+        let wanted = if wanted.is_empty() {
+            all = map.signal_names().collect();
+            &all
+        } else {
+            wanted
+        };
+        if map.time.source == TimeSource::Clock
+            && !reader.topics().iter().any(|info| info.name == "/clock")
+        {
+            return Err(vec![BindError {
+                signal: "/clock".to_owned(),
+                line: 0,
+                message: "the time is to be that of /clock, which the recording does not have; \
+                          use log, publish or header"
+                    .to_owned(),
+            }]);
+        }
+        let kind = |info: &TopicInfo, path: &str| kind_of(info, path);
+        let binding = bind::bind(reader.topics(), map, wanted, &kind)?;
+        let mut treatments = binding.sources.iter().map(|source| &source.treatment);
+        let needs_frames = treatments.any(|treatment| *treatment != Treatment::Plain);
+        let sequencer = Sequencer::new(&binding.layout, binding.sources.clone(), &map.time);
+        let mut stream = SignalStream {
+            reader,
+            time: map.time,
+            binding,
+            topics: Vec::new(),
+            needs_frames,
+            sequencer,
+            notes: Notes::default(),
+            clock: SimulationClock::default(),
+            waiting: VecDeque::new(),
+            unstamped: None,
+            far_stamped: None,
+            finished: false,
+            failed: None,
+            has_failed: false,
+        };
+        stream.take_topics()?;
+        stream.select();
+        Ok(stream)
+    }
+
+    /// Decides what each topic is for that has appeared since.
+    fn take_topics(&mut self) -> Result<(), Vec<BindError>> {
+        let mut errors = Vec::new();
+        for info in &self.reader.topics()[self.topics.len()..] {
+            let role = match info.name.as_str() {
+                "/clock" if self.time.source == TimeSource::Clock => Role::Clock,
+                "/tf" if self.needs_frames => Role::Transforms { is_static: false },
+                "/tf_static" if self.needs_frames => Role::Transforms { is_static: true },
+                name => match self.binding.topics.iter().find(|plan| plan.name == name) {
+                    None => Role::Ignored,
+                    Some(plan) => match TopicDecoder::new(info, plan, self.sequencer.frames()) {
+                        Ok(decoder) => Role::Rows(Box::new(decoder)),
+                        Err(found) => {
+                            errors.extend(found);
+                            Role::Ignored
+                        }
+                    },
+                },
+            };
+            self.topics.push(Topic {
+                name: info.name.clone(),
+                encoding: info.encoding.clone(),
+                role,
+            });
+        }
+        if errors.is_empty() {
+            Ok(())
+        } else {
+            Err(errors)
+        }
+    }
+
+    fn select(&mut self) {
+        let mut wanted: BTreeSet<String> = self
+            .binding
+            .topics
+            .iter()
+            .map(|plan| plan.name.clone())
+            .collect();
+        if self.needs_frames {
+            wanted.extend(["/tf".to_owned(), "/tf_static".to_owned()]);
+        }
+        if self.time.source == TimeSource::Clock {
+            wanted.insert("/clock".to_owned());
+        }
+        self.reader.select(&|info| wanted.contains(&info.name));
+    }
+
+    /// The signals as channels without rows, to which predicates can be bound.
+    #[must_use]
+    pub fn layout(&self) -> &Trace {
+        &self.binding.layout
+    }
+
+    /// The signals whose topics the recording does not have; they are missing throughout.
+    #[must_use]
+    pub fn absent(&self) -> &[BindError] {
+        &self.binding.absent
+    }
+
+    /// Moves to the next instant; `None` after the last one. After an error, the instants before
+    /// it have all been given.
+    ///
+    /// # Errors
+    /// [`StreamError`] if the recording cannot be read on or understood.
+    pub fn next_instant(&mut self) -> Result<Option<Instant>, StreamError> {
+        loop {
+            let next = self
+                .sequencer
+                .next(&mut self.notes)
+                .map_err(StreamError::Trace)?;
+            if let Some(time_nanos) = next {
+                let time_secs = self.sequencer.secs(time_nanos);
+                return Ok(Some(Instant {
+                    time_secs,
+                    time_nanos,
+                }));
+            }
+            if self.finished {
+                return self.failed.take().map_or(Ok(None), Err);
+            }
+            if let Err(error) = self.read_one() {
+                // What was read before is given first.
+                self.failed = Some(error);
+                self.has_failed = true;
+                self.finish();
+            }
+        }
+    }
+
+    /// The values at the last instant.
+    #[must_use]
+    pub fn snapshot(&self) -> &Snapshot {
+        self.sequencer.snapshot()
+    }
+
+    /// For each channel of the layout, whether the last instant changed it.
+    #[must_use]
+    pub fn changed(&self) -> &[bool] {
+        self.sequencer.changed()
+    }
+
+    /// From where seconds are counted, in nanoseconds of the chosen clock: 0, or the first message
+    /// that was put in order if times are dates. Known with the first instant.
+    #[must_use]
+    pub fn origin_nanos(&self) -> i64 {
+        self.sequencer.origin_nanos()
+    }
+
+    /// What was left out or assumed so far.
+    #[must_use]
+    pub fn notes(&self) -> Vec<StreamNote> {
+        self.notes.list()
+    }
+
+    /// What of the recording could not be read so far.
+    #[must_use]
+    pub fn losses(&self) -> &[Loss] {
+        self.reader.losses()
+    }
+
+    /// Whether everything that was recorded of these signals was read and used, so far; `false`
+    /// if messages were lost or left out or the recording was cut short.
+    #[must_use]
+    pub fn complete(&self) -> bool {
+        let lost = self.notes.list().iter().any(|note| note.kind.is_loss());
+        self.reader.complete() && !lost && !self.has_failed
+    }
+
+    /// The rest of the stream as a trace, for recordings that fit into memory: at each instant one
+    /// row for each channel that it changed.
+    ///
+    /// # Errors
+    /// [`StreamError`] as for [`SignalStream::next_instant`], and if a value is infinite, which a
+    /// trace cannot hold.
+    pub fn collect(&mut self) -> Result<Trace, StreamError> {
+        let mut trace = self.binding.layout.clone();
+        let mut row = Vec::new();
+        while let Some(instant) = self.next_instant()? {
+            for (index, channel) in trace.channels.iter_mut().enumerate() {
+                if !self.changed()[index] {
+                    continue;
+                }
+                row.clear();
+                let signal = |field| trace::SignalIndex {
+                    channel: index,
+                    field,
+                };
+                let values =
+                    (0..channel.fields.len()).map(|field| self.snapshot().value(signal(field)));
+                row.extend(values.map(|value| value.unwrap_or(f64::NAN)));
+                channel
+                    .push(instant.time_secs, &row)
+                    .map_err(StreamError::Trace)?;
+            }
+        }
+        trace.metadata = self.reader.metadata().clone();
+        trace.complete = self.complete();
+        Ok(trace)
+    }
+
+    fn finish(&mut self) {
+        self.finished = true;
+        // Behind the last message of the clock, its time stands still.
+        if let (Some(last), None) = (self.clock.last(), &self.failed) {
+            while let Some(message) = self.waiting.pop_front() {
+                let taken = self.take(&message.borrowed(), Some(last));
+                if let Err(error) = taken {
+                    self.failed = Some(error);
+                    self.has_failed = true;
+                }
+            }
+        }
+        for message in std::mem::take(&mut self.waiting) {
+            self.note_before_clock(message.topic, message.offset);
+        }
+        self.sequencer.finish();
+    }
+
+    fn read_one(&mut self) -> Result<(), StreamError> {
+        let known = self.topics.len();
+        let Some(message) = self.reader.next().map_err(StreamError::Read)? else {
+            self.finish();
+            return Ok(());
+        };
+        if message.topic.index() < known && self.time.source != TimeSource::Clock {
+            let Self {
+                topics,
+                sequencer,
+                notes,
+                ..
+            } = self;
+            let mut taking = Taking {
+                source: self.time.source,
+                sequencer,
+                notes,
+                unstamped: &mut self.unstamped,
+                far_stamped: &mut self.far_stamped,
+            };
+            return taking.message(&mut topics[message.topic.index()], &message, None);
+        }
+        // The message has to be let go before topics can be looked at.
+        let message = Waiting {
+            topic: message.topic,
+            log_nanos: message.log_nanos,
+            offset: message.offset,
+            data: message.data.to_vec(),
+        };
+        if message.topic.index() >= known {
+            self.take_topics().map_err(StreamError::Bind)?;
+        }
+        if self.time.source == TimeSource::Clock {
+            self.by_clock(message)
+        } else {
+            self.take(&message.borrowed(), None)
+        }
+    }
+
+    /// Takes a message whose time is that of `/clock`, or lets it wait.
+    fn by_clock(&mut self, message: Waiting) -> Result<(), StreamError> {
+        let Some(topic) = self.topics.get(message.topic.index()) else {
+            return Ok(());
+        };
+        if !matches!(topic.role, Role::Clock) {
+            if matches!(topic.role, Role::Transforms { is_static: true }) {
+                return self.take(&message.borrowed(), Some(0));
+            }
+            self.waiting.push_back(message);
+            if self.waiting.len() > self.time.reorder_messages {
+                self.release_waiting(true)?;
+            }
+            return Ok(());
+        }
+        match clock_nanos(&topic.encoding, &message.data) {
+            Ok(sim_nanos) => {
+                if let Err(reset) = self.clock.push(message.log_nanos, sim_nanos) {
+                    let note = || {
+                        let (from, to) =
+                            (reset.from_nanos as f64 / 1e9, reset.to_nanos as f64 / 1e9);
+                        format!("from {from} s to {to} s")
+                    };
+                    self.notes
+                        .add(StreamNoteKind::ClockReset, "/clock", message.offset, note);
+                    self.finish();
+                    return Ok(());
+                }
+            }
+            Err(problem) => {
+                self.notes.add(
+                    StreamNoteKind::Undecodable,
+                    "/clock",
+                    message.offset,
+                    || problem,
+                );
+            }
+        }
+        self.release_waiting(false)
+    }
+
+    /// Takes the waiting messages whose time is known; with `crowded`, the first in any case.
+    fn release_waiting(&mut self, mut crowded: bool) -> Result<(), StreamError> {
+        while let Some(first) = self.waiting.front() {
+            let mapped = match self.clock.at(first.log_nanos) {
+                Mapped::NotYet if crowded => {
+                    self.clock.last().map_or(Mapped::BeforeFirst, Mapped::Time)
+                }
+                mapped => mapped,
+            };
+            crowded = false;
+            if mapped == Mapped::NotYet {
+                return Ok(());
+            }
+            let Some(message) = self.waiting.pop_front() else {
+                return Ok(());
+            };
+            match mapped {
+                Mapped::Time(time_nanos) => self.take(&message.borrowed(), Some(time_nanos))?,
+                _ => self.note_before_clock(message.topic, message.offset),
+            }
+        }
+        Ok(())
+    }
+
+    fn note_before_clock(&mut self, topic: TopicId, offset: u64) {
+        let name = self
+            .topics
+            .get(topic.index())
+            .map_or("", |topic| topic.name.as_str());
+        self.notes
+            .add(StreamNoteKind::BeforeClock, name, offset, String::new);
+    }
+
+    fn take(
+        &mut self,
+        message: &RawMessage<'_>,
+        time_nanos: Option<i64>,
+    ) -> Result<(), StreamError> {
+        let Some(topic) = self.topics.get_mut(message.topic.index()) else {
+            return Ok(());
+        };
+        let mut taking = Taking {
+            source: self.time.source,
+            sequencer: &mut self.sequencer,
+            notes: &mut self.notes,
+            unstamped: &mut self.unstamped,
+            far_stamped: &mut self.far_stamped,
+        };
+        taking.message(topic, message, time_nanos)
+    }
+}
+
+impl Waiting {
+    fn borrowed(&self) -> RawMessage<'_> {
+        RawMessage {
+            topic: self.topic,
+            log_nanos: self.log_nanos,
+            publish_nanos: self.log_nanos,
+            data: &self.data,
+            offset: self.offset,
+        }
+    }
+}
+
+/// The parts of a stream that are needed to take a message, apart from the reader that lends it.
+struct Taking<'a> {
+    source: TimeSource,
+    sequencer: &'a mut Sequencer,
+    notes: &'a mut Notes,
+    unstamped: &'a mut Option<String>,
+    far_stamped: &'a mut Option<(String, i64)>,
+}
+
+impl Taking<'_> {
+    /// Takes a message; its time is `mapped_nanos` if that is given.
+    fn message(
+        &mut self,
+        topic: &mut Topic,
+        message: &RawMessage<'_>,
+        mapped_nanos: Option<i64>,
+    ) -> Result<(), StreamError> {
+        let time_nanos = mapped_nanos.unwrap_or(match self.source {
+            TimeSource::Publish => message.publish_nanos,
+            _ => message.log_nanos,
+        });
+        match &mut topic.role {
+            Role::Ignored | Role::Clock => Ok(()),
+            Role::Transforms { is_static } => {
+                let is_static = *is_static;
+                self.transforms(topic, message, time_nanos, is_static);
+                Ok(())
+            }
+            Role::Rows(decoder) => self.rows(&topic.name, decoder, message, time_nanos),
+        }
+    }
+
+    fn rows(
+        &mut self,
+        topic: &str,
+        decoder: &mut TopicDecoder,
+        message: &RawMessage<'_>,
+        time_nanos: i64,
+    ) -> Result<(), StreamError> {
+        let decoded = match decoder.decode(message.data, self.sequencer.frames()) {
+            Ok(decoded) => decoded,
+            Err(problem) => {
+                self.notes
+                    .add(StreamNoteKind::Undecodable, topic, message.offset, || {
+                        problem
+                    });
+                return Ok(());
+            }
+        };
+        if let Some(name) = decoded.unknown_name {
+            self.notes
+                .add(StreamNoteKind::UnknownName, topic, message.offset, || name);
+        }
+        let time_nanos = match (self.source, decoded.stamp_nanos) {
+            (TimeSource::Header, Some(0)) => {
+                self.notes.add(
+                    StreamNoteKind::Unstamped,
+                    topic,
+                    message.offset,
+                    String::new,
+                );
+                return Ok(());
+            }
+            (TimeSource::Header, Some(stamp_nanos)) => {
+                self.stamped(topic, stamp_nanos, message.log_nanos)?;
+                stamp_nanos
+            }
+            (TimeSource::Header, None) => {
+                self.without_stamp(topic)?;
+                time_nanos
+            }
+            _ => time_nanos,
+        };
+        for row in decoder.rows() {
+            let taken = self
+                .sequencer
+                .row(row.source, time_nanos, message.log_nanos, &row.values);
+            if let Err(late) = taken {
+                let by_secs = late.by_nanos as f64 / 1e9;
+                let note = || format!("{by_secs} s behind what was given already");
+                self.notes
+                    .add(StreamNoteKind::Late, topic, message.offset, note);
+                // The other rows of the message are as late.
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn stamped(
+        &mut self,
+        topic: &str,
+        stamp_nanos: i64,
+        log_nanos: i64,
+    ) -> Result<(), StreamError> {
+        let apart_nanos = log_nanos.saturating_sub(stamp_nanos);
+        if self.far_stamped.is_none() && apart_nanos.saturating_abs() > SAME_CLOCK_NANOS {
+            *self.far_stamped = Some((topic.to_owned(), apart_nanos));
+            return self.check_clocks();
+        }
+        Ok(())
+    }
+
+    fn without_stamp(&mut self, topic: &str) -> Result<(), StreamError> {
+        self.notes
+            .add(StreamNoteKind::LogTimeTaken, topic, 0, String::new);
+        if self.unstamped.is_none() {
+            *self.unstamped = Some(topic.to_owned());
+            return self.check_clocks();
+        }
+        Ok(())
+    }
+
+    fn check_clocks(&self) -> Result<(), StreamError> {
+        match (&self.unstamped, &self.far_stamped) {
+            (Some(unstamped), Some((stamped, apart_nanos))) => Err(StreamError::MixedClocks {
+                unstamped: unstamped.clone(),
+                stamped: stamped.clone(),
+                apart_secs: *apart_nanos as f64 / 1e9,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn transforms(
+        &mut self,
+        topic: &Topic,
+        message: &RawMessage<'_>,
+        time_nanos: i64,
+        is_static: bool,
+    ) {
+        let name = &topic.name;
+        let recorded = match transforms_of(&topic.encoding, message.data) {
+            Ok(recorded) => recorded,
+            Err(problem) => {
+                self.notes
+                    .add(StreamNoteKind::Undecodable, name, message.offset, || {
+                        problem
+                    });
+                return;
+            }
+        };
+        for one in recorded {
+            let pose = match Transform::new(one.translation_m, one.rotation_xyzw) {
+                Ok(pose) => pose,
+                Err(problem) => {
+                    let note = || format!("{} in {}: {problem}", one.child, one.parent);
+                    self.notes
+                        .add(StreamNoteKind::BadTransform, name, message.offset, note);
+                    continue;
+                }
+            };
+            let edge = Edge {
+                parent: one.parent,
+                child: one.child,
+                pose,
+                offset: message.offset,
+            };
+            if is_static {
+                self.sequencer.static_transform(&edge, self.notes);
+                continue;
+            }
+            let time_nanos = match self.source {
+                TimeSource::Header if one.stamp_nanos == 0 => {
+                    self.notes
+                        .add(StreamNoteKind::Unstamped, name, message.offset, String::new);
+                    continue;
+                }
+                TimeSource::Header => one.stamp_nanos,
+                _ => time_nanos,
+            };
+            if let Err(late) = self
+                .sequencer
+                .transform(time_nanos, message.log_nanos, edge)
+            {
+                let note = || {
+                    format!(
+                        "{} s behind what was given already",
+                        late.by_nanos as f64 / 1e9
+                    )
+                };
+                self.notes
+                    .add(StreamNoteKind::Late, name, message.offset, note);
+            }
+        }
+    }
+}
+
+/// The time that a message of `/clock` holds.
+fn clock_nanos(encoding: &Encoding, data: &[u8]) -> Result<i64, String> {
+    super::tf_message::clock_nanos_of(encoding, data)
+}
