@@ -49,3 +49,8 @@ mod trials;
 pub use csv_rows::row_time::{TimeUnit, TimeUnitError};
 pub use open::{Format, detect, open, open_bytes};
 pub use trials::{SkippedPath, TrialPath, Trials, trials};
+
+mod inspect;
+mod signals;
+
+pub use signals::{BindError, Instant, SignalStream, StreamError, StreamNote, StreamNoteKind};

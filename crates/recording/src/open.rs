@@ -4,7 +4,7 @@
 //! ending of their name.
 
 use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
 
 use crate::csv_rows::CsvReader;
@@ -136,12 +136,44 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<Box<dyn Reader + Send>
             Format::Ros1Bag => Box::new(RosBagReader::new(BufReader::new(file()?), options)?),
             Format::Rosbag2Database => rosbag2::open_database(path, options)?,
             Format::Rosbag2Folder => rosbag2::open_folder(path, options)?,
-            Format::Compressed => rosbag2::open_compressed(path, options)?,
+            Format::Compressed => rosbag2::open_compressed(BufReader::new(file()?), options)?,
             Format::Csv => Box::new(CsvReader::new(file()?, options)?),
             Format::JsonLines => Box::new(JsonLinesReader::new(BufReader::new(file()?), options)?),
         })
     };
     opened().map_err(of_file)
+}
+
+/// Reads a recording that is in memory.
+///
+/// ```
+/// let lines = br#"{"topic": "/robot", "time_ms": 250, "speed": 0.1}"#.to_vec();
+/// let format = recording::Format::JsonLines;
+/// let mut reader = recording::open_bytes(lines, format, &recording::OpenOptions::default())?;
+/// let message = reader.next()?.ok_or("there is one message")?;
+/// assert_eq!(message.log_nanos, 250_000_000);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`ReadError`] if it is not in that format. A folder is never in memory.
+pub fn open_bytes(
+    bytes: Vec<u8>,
+    format: Format,
+    options: &OpenOptions,
+) -> Result<Box<dyn Reader + Send>, ReadError> {
+    let source = Cursor::new(bytes);
+    Ok(match format {
+        Format::Mcap => rosbag2::open_mcap(source, options)?,
+        Format::Ros1Bag => Box::new(RosBagReader::new(source, options)?),
+        Format::Rosbag2Database => rosbag2::open_database_source(Box::new(source), options)?,
+        Format::Rosbag2Folder => {
+            return Err(ReadProblem::Malformed(NO_BAG_FOLDER.to_owned()).into());
+        }
+        Format::Compressed => rosbag2::open_compressed(source, options)?,
+        Format::Csv => Box::new(CsvReader::new(source, options)?),
+        Format::JsonLines => Box::new(JsonLinesReader::new(source, options)?),
+    })
 }
 
 #[cfg(test)]

@@ -57,19 +57,29 @@ pub(crate) fn open_folder(
     Ok(Box::new(reader))
 }
 
-/// Opens a file that is compressed as a whole.
+/// Reads a database that has no write-ahead log.
+///
+/// # Errors
+/// [`ReadError`] if it is no database of a recording.
+pub(crate) fn open_database_source(
+    main: Box<dyn Source>,
+    options: &OpenOptions,
+) -> Result<Box<dyn Reader + Send>, ReadError> {
+    let reader = DatabaseReader::new(main, None, options, &definitions(options)?, None)?;
+    Ok(Box::new(reader))
+}
+
+/// Reads what is compressed as a whole.
 ///
 /// # Errors
 /// [`ReadError`] if it cannot be uncompressed or is no file of a recording.
 pub(crate) fn open_compressed(
-    path: &Path,
+    compressed: impl Read,
     options: &OpenOptions,
 ) -> Result<Box<dyn Reader + Send>, ReadError> {
-    let bytes = uncompressed_file(path, options)?;
+    let bytes = uncompressed(compressed, options)?;
     if bytes.get_ref().starts_with(database::MAGIC) {
-        let main: Box<dyn Source> = Box::new(bytes);
-        let reader = DatabaseReader::new(main, None, options, &definitions(options)?, None)?;
-        return Ok(Box::new(reader));
+        return open_database_source(Box::new(bytes), options);
     }
     open_mcap(bytes, options)
 }
@@ -179,19 +189,18 @@ fn definitions(options: &OpenOptions) -> Result<Definitions, ReadError> {
 }
 
 /// A file that was compressed as a whole, uncompressed into memory.
-fn uncompressed_file(path: &Path, options: &OpenOptions) -> Result<Cursor<Vec<u8>>, ReadError> {
+fn uncompressed(
+    compressed: impl Read,
+    options: &OpenOptions,
+) -> Result<Cursor<Vec<u8>>, ReadError> {
     let mut bytes = Vec::new();
-    let compressed = File::open(path).map_err(|error| ReadError::from(error).in_file(path))?;
-    match unzstd(compressed, options.record_bytes, &mut bytes) {
-        Ok(()) => Ok(Cursor::new(bytes)),
-        Err(error) => {
-            let message = format!(
-                "it cannot be uncompressed ({error}); try \"zstd -d {}\" and read the result",
-                path.display()
-            );
-            Err(ReadError::from(ReadProblem::Malformed(message)).in_file(path))
-        }
-    }
+    unzstd(compressed, options.record_bytes, &mut bytes).map_err(|error| {
+        let message = format!(
+            "it cannot be uncompressed ({error}); try \"zstd -d\" on it and read the result"
+        );
+        ReadError::from(ReadProblem::Malformed(message))
+    })?;
+    Ok(Cursor::new(bytes))
 }
 
 /// Uncompresses `compressed`, at most `limit` bytes, so that memory follows what is there.

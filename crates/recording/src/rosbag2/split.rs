@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 use super::metadata::Metadata;
 use super::sqlite::pager::Source;
 use super::types::Definitions;
-use super::{
-    METADATA_FILE, database, definitions, left_files, open_mcap, uncompressed_file, unzstd,
-};
+use super::{METADATA_FILE, database, definitions, left_files, open_mcap, uncompressed, unzstd};
 use crate::reader::{
     Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
 };
@@ -118,7 +116,10 @@ impl SplitReader {
         let expected = self.metadata.counts.get(name).copied();
         let of_file = |error: ReadError| error.in_file(path);
         let bytes = match is_compressed {
-            true => Some(uncompressed_file(path, &self.options)?),
+            true => {
+                let file = File::open(path).map_err(|error| of_file(error.into()))?;
+                Some(uncompressed(file, &self.options).map_err(of_file)?)
+            }
             false => None,
         };
         match (self.metadata.storage.as_str(), bytes) {

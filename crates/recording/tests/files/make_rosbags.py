@@ -70,7 +70,8 @@ def flatten(path, value):
                 yield from flatten(f"{path}.{name}" if path else name, getattr(value, name))
 
 
-def write_ros1(name, compression):
+def write_ros1(name, compression, key=None):
+    """`key` puts the messages into another order than that of time."""
     store = get_typestore(Stores.ROS1_NOETIC)
     store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
     writer = Writer1(FOLDER / name)
@@ -79,7 +80,7 @@ def write_ros1(name, compression):
     writer.chunk_threshold = 1500
     connections = {}
     with writer:
-        for topic, kind, nanos, message in messages(store, True):
+        for topic, kind, nanos, message in sorted(messages(store, True), key=key or (lambda row: row[2])):
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind.__msgtype__, typestore=store)
             data = store.serialize_ros1(message, kind.__msgtype__)
@@ -158,11 +159,30 @@ def age(name, source):
     connection.close()
 
 
+def log_ahead(name, source):
+    """The database of `source` as it is while it is recorded: the last rows are in the write-ahead log only."""
+    path = FOLDER / name
+    shutil.copyfile(FOLDER / source, FOLDER / "live.db3")
+    connection = sqlite3.connect(FOLDER / "live.db3", isolation_level=None)
+    rows = connection.execute("SELECT * FROM messages ORDER BY id").fetchall()
+    connection.execute("DELETE FROM messages WHERE id > 10")
+    connection.execute("VACUUM")
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA wal_autocheckpoint = 0")
+    for row in rows[10:]:
+        connection.execute("INSERT INTO messages VALUES(?, ?, ?, ?)", row)
+    shutil.copyfile(FOLDER / "live.db3", path)
+    shutil.copyfile(FOLDER / "live.db3-wal", FOLDER / (name + "-wal"))
+    connection.close()
+    (FOLDER / "live.db3").unlink()
+
+
 shutil.rmtree(FOLDER, ignore_errors=True)
 FOLDER.mkdir()
 write_ros1("none.bag", None)
 write_ros1("bz2.bag", Writer1.CompressionFormat.BZ2)
 write_ros1("lz4.bag", Writer1.CompressionFormat.LZ4)
+write_ros1("unordered.bag", None, lambda row: (row[2] // 100_000_000 * 7 % 5, row[2]))
 unfinish("unfinished.bag", "lz4.bag")
 write_ros2("sqlite", StoragePlugin.SQLITE3, CompressionMode.NONE)
 write_ros2("sqlite_file", StoragePlugin.SQLITE3, CompressionMode.FILE)
@@ -171,4 +191,5 @@ write_ros2("mcap", StoragePlugin.MCAP, CompressionMode.NONE)
 write_ros2("mcap_file", StoragePlugin.MCAP, CompressionMode.FILE)
 split("split")
 age("humble.db3", "sqlite/sqlite.db3")
+log_ahead("live_copy.db3", "humble.db3")
 write_expected()

@@ -113,13 +113,19 @@ impl TableScan {
             let message = format!("page {number} tells more rows than fit on it; they are lost");
             return Err(Damage::new(offset, message));
         }
-        self.levels.push(Level {
+        let level = Level {
             number,
             page,
             is_leaf,
             cells,
             next: 0,
-        });
+        };
+        let adds_up = level.adds_up(pager.usable_bytes());
+        self.levels.push(level);
+        if !adds_up {
+            let message = format!("page {number} does not add up; rows on it may be lost");
+            return Err(Damage::new(offset, message));
+        }
         Ok(())
     }
 
@@ -222,6 +228,55 @@ impl Level {
         let pointers = head_start(self.number) + if self.is_leaf { 8 } else { 12 };
         let at = pointers + 2 * index;
         usize::from(u16::from_be_bytes([self.page[at], self.page[at + 1]]))
+    }
+
+    /// Whether the cells, the free blocks and the fragments that the page tells fill its content
+    /// area, so that no cell can have been dropped from it.
+    fn adds_up(&self, usable: usize) -> bool {
+        let head = head_start(self.number);
+        let u16_at = |at: usize| {
+            let pair = self.page.get(at..at + 2)?;
+            Some(usize::from(u16::from_be_bytes([pair[0], pair[1]])))
+        };
+        let start = match u16_at(head + 5) {
+            Some(0) => 65_536,
+            Some(start) => start,
+            None => return false,
+        };
+        let mut filled = usize::from(self.page[head + 7]);
+        for index in 0..self.cells {
+            let cell = self.cell_bytes(self.cell_start(index), usable);
+            // A cell takes the room of a free block at least.
+            filled += cell.map_or(0, |bytes| bytes.max(4));
+        }
+        let mut block = u16_at(head + 1).unwrap_or(0);
+        while block != 0 {
+            let (Some(next), Some(bytes)) = (u16_at(block), u16_at(block + 2)) else {
+                return false;
+            };
+            filled += bytes;
+            // Free blocks stand in order; the last one points to none.
+            if next != 0 && next <= block {
+                return false;
+            }
+            block = next;
+        }
+        usable.checked_sub(start) == Some(filled)
+    }
+
+    /// How long the cell at `start` is, with the pointer to its overflow pages.
+    fn cell_bytes(&self, start: usize, usable: usize) -> Option<usize> {
+        if self.is_leaf {
+            let row = self.row_at(start, usable, 0)?;
+            let pointer = if (row.local_len as u64) < row.len {
+                4
+            } else {
+                0
+            };
+            return Some(row.local_start + row.local_len + pointer - start);
+        }
+        let (_, bytes) = varint(self.page.get(start + 4..usable)?)?;
+        Some(4 + bytes)
     }
 
     /// The next page below an interior page; the last one is named in its head.
