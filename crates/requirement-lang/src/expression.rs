@@ -63,6 +63,15 @@ pub enum Expression {
 }
 
 impl Expression {
+    /// The negation; of a negation, what is negated.
+    #[must_use]
+    pub fn negation(self) -> Self {
+        match self {
+            Expression::Not(inner) => *inner,
+            other => Expression::Not(Box::new(other)),
+        }
+    }
+
     /// The operands.
     pub fn operands(&self) -> impl Iterator<Item = &Expression> {
         let (several, pair): (&[Expression], [Option<&Expression>; 2]) = match self {

@@ -70,8 +70,10 @@ mod print;
 pub mod semantics;
 pub mod sentence;
 mod suggest;
+mod usage;
 
 pub use diagnostic::{Diagnostic, Parsed, Severity, Span};
 pub use explain::{Explanation, explain};
 pub use parse::{Context, parse};
 pub use sentence::Sentence;
+pub use usage::ParameterUse;

@@ -72,7 +72,11 @@ fn sentence(reader: &mut Reader<'_>, all: &[Token<'_>], shall: usize) -> Sentenc
 }
 
 fn without_shall(reader: &mut Reader<'_>, all: &[Token<'_>]) -> Sentence {
-    let near = (all.iter()).find(|token| nearest(&token.text.to_lowercase(), ["shall"]).is_some());
+    let meant = |token: &&Token<'_>| {
+        let misspelt = nearest(&token.text.to_lowercase(), ["shall"]).is_some();
+        misspelt || token.is_any(&["should", "must", "will"])
+    };
+    let near = all.iter().find(meant);
     let (span, remedy) = match near {
         Some(token) => (
             token.span,

@@ -101,7 +101,7 @@ impl Condition {
     #[must_use]
     pub fn triggering(&self) -> Expression {
         match self.kind {
-            ConditionKind::Unless => Expression::Not(Box::new(self.expression.clone())),
+            ConditionKind::Unless => self.expression.clone().negation(),
             _ => self.expression.clone(),
         }
     }

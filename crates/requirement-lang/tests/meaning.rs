@@ -19,8 +19,8 @@ use temporal::formula::semantics::{Word, value};
 /// The longest words, so that there are at most about five thousand.
 fn longest(letters: usize) -> usize {
     match letters {
-        ..=4 => 6,
-        ..=8 => 4,
+        0..5 => 6,
+        5..9 => 4,
         _ => 3,
     }
 }

@@ -139,7 +139,7 @@ impl Frame {
         match (scope, self.invariant()) {
             (Some(scope), Some(invariant)) => always(ALL, implies(scope, invariant)),
             (Some(scope), None) => self.local(scope, obligation(&self.stages, &self.extent())),
-            (None, _) => self.from_first(),
+            (None, _) => self.since_first_run(),
         }
     }
 
@@ -154,7 +154,7 @@ impl Frame {
     }
 
     /// The frame of a scope that depends on the first run of the mode.
-    fn from_first(&self) -> Formula {
+    fn since_first_run(&self) -> Formula {
         let mode = || self.mode.clone();
         let outside = || not(mode());
         let after = |begin: Formula| {

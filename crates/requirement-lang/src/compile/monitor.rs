@@ -19,8 +19,8 @@ use crate::sentence::Sentence;
 pub struct Monitor {
     /// The requirement, with its atoms: texts for the vocabulary to bind to signals.
     pub requirement: Parsed,
-    /// Where an obligation arises; the number of times it holds is how often the requirement was
-    /// covered.
+    /// Where an obligation arises. How often this becomes true is how often the requirement was
+    /// covered; with `whenever`, that is the number of intervals in which it is triggered.
     pub trigger: Formula,
 }
 

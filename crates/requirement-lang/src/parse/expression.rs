@@ -60,11 +60,7 @@ impl Parser<'_, '_, '_> {
             self.next += 1;
             let right = self.implication();
             let same = Expression::Iff(Box::new(left), Box::new(right));
-            left = if differs {
-                Expression::Not(Box::new(same))
-            } else {
-                same
-            };
+            left = if differs { same.negation() } else { same };
         }
     }
 
@@ -105,7 +101,7 @@ impl Parser<'_, '_, '_> {
         // Two negations cancel out, so that a long row of them is no deep tree.
         match negated % 2 {
             0 => inner,
-            _ => Expression::Not(Box::new(inner)),
+            _ => inner.negation(),
         }
     }
 
@@ -192,7 +188,7 @@ impl Parser<'_, '_, '_> {
             return if constant.is("true") {
                 stated
             } else {
-                Expression::Not(Box::new(stated))
+                stated.negation()
             };
         }
         match words.as_slice() {
@@ -222,7 +218,16 @@ impl Parser<'_, '_, '_> {
                 token.span,
                 format!("A proposition is missing before `{}`.", token.text),
             ),
-            None => (self.after, "A proposition is missing here.".to_owned()),
+            None => {
+                let end = self
+                    .tokens
+                    .last()
+                    .map_or(self.after.end, |last| last.span.end);
+                (
+                    Span::new(end, end),
+                    "A proposition is missing here.".to_owned(),
+                )
+            }
         };
         self.reader.error(
             "missing-proposition",

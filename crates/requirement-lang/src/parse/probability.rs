@@ -51,7 +51,7 @@ fn begins(tokens: &[Token<'_>]) -> bool {
     match tokens {
         [with, probability, ..] if with.is("with") && probability.is("probability") => true,
         [r#in, comparison, ..] => {
-            r#in.is("in") && comparison_at(&[comparison.clone()], true).is_some()
+            r#in.is("in") && comparison_at(std::slice::from_ref(comparison), true).is_some()
         }
         _ => false,
     }

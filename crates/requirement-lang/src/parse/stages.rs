@@ -83,7 +83,7 @@ fn stage(reader: &mut Reader<'_>, tokens: &[Token<'_>], before: Span) -> Stage {
     let (negated, satisfy, rest) = opening(trimmed(&tokens[used..]), leading.is_some());
     let (trailing, response) = trailing_timing(reader, rest);
     let read = expression(reader, response, satisfy.unwrap_or(before));
-    if negated {
+    if negated && (satisfy.is_none() || trailing.is_some()) {
         check_negation(reader, response, trailing.as_ref(), span);
     }
     let (timing, response) = match (leading, trailing) {
@@ -96,7 +96,7 @@ fn stage(reader: &mut Reader<'_>, tokens: &[Token<'_>], before: Span) -> Stage {
             );
             (Timing::Eventually, Expression::Missing)
         }
-        (Some(timing), None) if negated => (timing, Expression::Not(Box::new(read))),
+        (Some(timing), None) if negated => (timing, read.negation()),
         (Some(timing), None) | (None, Some((timing, _))) => (timing, read),
         (None, None) if negated => (Timing::Never, read),
         (None, None) => {
