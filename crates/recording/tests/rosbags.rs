@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use recording::{Format, Loss, OpenOptions, ReadError, Reader, open, open_bytes};
+use recording::{
+    Extractor, FieldPath, Format, Loss, OpenOptions, ReadError, Reader, Value, open, open_bytes,
+};
 
 /// A message with what identifies it in any format.
 type Message = (String, i64, Vec<u8>);
@@ -75,6 +77,69 @@ fn every_container_gives_the_same_bytes_in_order() {
                 "{name}"
             );
         }
+    }
+}
+
+/// A row of `expected.csv`: topic, time, path, value as Python writes it.
+fn expected_values() -> Vec<(String, i64, String, String)> {
+    let text = fs::read_to_string(file("expected.csv")).unwrap();
+    let row = |line: &str| {
+        let mut cells = line.splitn(4, ',').map(str::to_owned);
+        let mut cell = || cells.next().unwrap();
+        (cell(), cell().parse().unwrap(), cell(), cell())
+    };
+    text.lines().map(row).collect()
+}
+
+/// Checks each value of each message of a recording against `expected.csv`.
+fn check_values(name: &str) {
+    let mut reader = open(&file(name), &OpenOptions::default()).unwrap();
+    let topics = reader.topics().to_vec();
+    let mut rows = expected_values();
+    while let Some(message) = reader.next().unwrap() {
+        let topic = &topics[message.topic.index()];
+        let is_here =
+            |row: &(String, i64, String, String)| row.0 == topic.name && row.1 == message.log_nanos;
+        let (here, rest): (Vec<_>, Vec<_>) = rows.into_iter().partition(is_here);
+        rows = rest;
+        assert!(
+            !here.is_empty(),
+            "{name}: {} at {} is unexpected",
+            topic.name,
+            message.log_nanos
+        );
+        let paths: Vec<FieldPath> = here.iter().map(|row| row.2.parse().unwrap()).collect();
+        let mut extractor = Extractor::new(topic, &paths).unwrap();
+        extractor.verify(message.data).unwrap();
+        let values = extractor.extract_values(message.data).unwrap();
+        for ((_, nanos, path, expected), value) in here.iter().zip(values) {
+            let is_equal = match &value {
+                // Bit for bit: the shortest decimal number that is read back as the same double.
+                Value::Number(value) => expected
+                    .parse::<f64>()
+                    .is_ok_and(|number| number.to_bits() == value.to_bits()),
+                Value::Bool(value) => expected == &value.to_string(),
+                Value::Text(value) => expected == &format!("\"{value}\""),
+                Value::Missing => false,
+            };
+            assert!(
+                is_equal,
+                "{name}: {path} of {} at {nanos}: {value:?} is not {expected}",
+                topic.name
+            );
+        }
+    }
+    assert!(
+        rows.is_empty(),
+        "{name}: {} values are not in the recording",
+        rows.len()
+    );
+}
+
+#[test]
+fn every_value_is_the_one_that_was_written() {
+    for name in ROS1_FILES.into_iter().chain(ROS2_FILES) {
+        check_values(name);
     }
 }
 

@@ -48,7 +48,8 @@ def messages(store, is_ros1):
             yield "/state", text, nanos + 11, text(["idle", "serve ä", "", "release"][i // 3])
         if i % 4 == 1:
             ranges = np.array([0.5 * k + i for k in range(40 * i)], dtype=np.float32)
-            limits = (-1.5, 1.5, 0.1, 0.0, 0.05, 0.1, 30.0)
+            # As they are stored, in 32 bits.
+            limits = (float(np.float32(limit)) for limit in (-1.5, 1.5, 0.1, 0.0, 0.05, 0.1, 30.0))
             yield "/scan", scan, nanos + 13, scan(head(nanos, "laser", i), *limits, ranges, ranges[:0])
 
 
