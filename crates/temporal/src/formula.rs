@@ -46,6 +46,7 @@
 mod ast;
 pub mod dense;
 pub mod discrete;
+mod explain;
 mod lexer;
 mod monitor;
 mod parser;

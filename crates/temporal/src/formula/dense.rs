@@ -25,7 +25,7 @@
 //!   `eventually`, `until` and so on within another operator keeps what it has not decided, with
 //!   robustness possibly the whole trace; at the top it keeps two numbers.
 
-mod bounded;
+pub(super) mod bounded;
 mod clamp;
 mod program;
 mod stream;

@@ -1,10 +1,13 @@
 //! A formula that is ready to judge traces in either model of time, and one at work on a trace.
 
+use std::sync::Arc;
+
 use super::ast::Formula;
 use super::dense::{DenseJudge, DenseMonitor};
 use super::discrete::{DiscreteJudge, DiscreteMonitor};
-use super::report::{FormulaReport, Progress, StepError};
-use super::settings::{CompileError, Settings, TimeModel};
+use super::explain::{Record, explain};
+use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
+use super::settings::{CompileError, Ending, Settings, TimeModel};
 use crate::monitor::Verdict;
 
 /// A formula that is ready to judge traces; it can be shared by threads.
@@ -27,6 +30,10 @@ use crate::monitor::Verdict;
 #[derive(Debug, Clone)]
 pub struct FormulaMonitor {
     engine: Engine,
+    formula: Arc<Formula>,
+    time: TimeModel,
+    ending: Ending,
+    record: Record,
 }
 
 #[derive(Debug, Clone)]
@@ -39,6 +46,10 @@ enum Engine {
 #[derive(Debug, Clone)]
 pub struct FormulaJudge {
     work: Work,
+    formula: Arc<Formula>,
+    time: TimeModel,
+    ending: Ending,
+    record: Record,
 }
 
 #[derive(Debug, Clone)]
@@ -70,7 +81,13 @@ impl FormulaMonitor {
             }
             TimeModel::Dense => Engine::Dense(Box::new(DenseMonitor::compile(formula, settings)?)),
         };
-        Ok(FormulaMonitor { engine })
+        Ok(FormulaMonitor {
+            engine,
+            formula: Arc::new(formula.clone()),
+            time: settings.time,
+            ending: settings.ending,
+            record: Record::new(settings.explain_samples, formula.atom_count()),
+        })
     }
 
     /// Begins to judge a trace.
@@ -80,7 +97,13 @@ impl FormulaMonitor {
             Engine::Discrete(monitor) => Work::Discrete(Box::new(monitor.start())),
             Engine::Dense(monitor) => Work::Dense(Box::new(monitor.start())),
         };
-        FormulaJudge { work }
+        FormulaJudge {
+            work,
+            formula: Arc::clone(&self.formula),
+            time: self.time,
+            ending: self.ending,
+            record: self.record.clone(),
+        }
     }
 }
 
@@ -94,7 +117,17 @@ impl FormulaJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
     /// for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
-        either!(&mut self.work, judge => judge.step(time_secs, atoms))
+        let undecided = self.verdict().is_none();
+        let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
+        if undecided {
+            self.record.push(
+                time_secs,
+                atoms
+                    .iter()
+                    .map(|&value| RobustnessBounds::of_value(value).truth()),
+            );
+        }
+        Ok(progress)
     }
 
     /// Takes the next sample: its time, and the truth of each atom, `None` where it is unknown.
@@ -106,7 +139,12 @@ impl FormulaJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
-        either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))
+        let undecided = self.verdict().is_none();
+        let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
+        if undecided {
+            self.record.push(time_secs, atoms.iter().copied());
+        }
+        Ok(progress)
     }
 
     /// Takes the next sample with both the truth and the robustness of each atom, which decides
@@ -120,7 +158,13 @@ impl FormulaJudge {
         truth: &[Option<bool>],
         robustness: &[f64],
     ) -> Result<Progress, StepError> {
-        either!(&mut self.work, judge => judge.step_both(time_secs, truth, robustness))
+        let undecided = self.verdict().is_none();
+        let progress =
+            either!(&mut self.work, judge => judge.step_both(time_secs, truth, robustness))?;
+        if undecided {
+            self.record.push(time_secs, truth.iter().copied());
+        }
+        Ok(progress)
     }
 
     /// The verdict, once no continuation can change it.
@@ -140,6 +184,20 @@ impl FormulaJudge {
     /// [`Ending::Inconclusive`](super::Ending::Inconclusive).
     #[must_use]
     pub fn finish(self, complete: bool) -> FormulaReport {
-        either!(self.work, judge => judge.finish(complete))
+        let ending = match self.ending {
+            Ending::Finite if !complete => Ending::Inconclusive,
+            ending => ending,
+        };
+        let mut report = either!(self.work, judge => judge.finish(complete));
+        if report.verdict == Verdict::Violated {
+            // What was kept ends where the verdict was determined, if it was before the end.
+            let ending = if report.decided_at_secs.is_some() {
+                Ending::Inconclusive
+            } else {
+                ending
+            };
+            report.explanation = explain(&self.formula, &self.record, self.time, ending);
+        }
+        report
     }
 }

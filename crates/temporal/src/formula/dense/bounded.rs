@@ -7,13 +7,13 @@ use crate::formula::settings::Ending;
 
 /// The least value that a formula can have, and, where something is unknown, the greatest.
 #[derive(Debug, Clone)]
-pub(super) struct Bounded {
+pub(in crate::formula) struct Bounded {
     least: Program,
     greatest: Option<Program>,
 }
 
 impl Bounded {
-    pub(super) fn new(formula: &Positive, first_only: bool) -> Self {
+    pub(in crate::formula) fn new(formula: &Positive, first_only: bool) -> Self {
         Bounded {
             least: Program::new(formula, End::Least, first_only),
             greatest: None,
@@ -27,7 +27,7 @@ impl Bounded {
             .get_or_insert_with(|| least.with_end(End::Greatest))
     }
 
-    pub(super) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
+    pub(in crate::formula) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
         if self.greatest.is_none() && atoms.iter().any(|atom| atom.low != atom.high) {
             self.split();
         }
@@ -37,7 +37,7 @@ impl Bounded {
         }
     }
 
-    pub(super) fn bounds(&self) -> RobustnessBounds {
+    pub(in crate::formula) fn bounds(&self) -> RobustnessBounds {
         RobustnessBounds {
             low: self.least.bound(f64::NEG_INFINITY),
             high: self
@@ -48,7 +48,7 @@ impl Bounded {
         }
     }
 
-    pub(super) fn close(&mut self, ending: Ending) -> RobustnessBounds {
+    pub(in crate::formula) fn close(&mut self, ending: Ending) -> RobustnessBounds {
         let (low, high) = match ending {
             Ending::Inconclusive => (Some(f64::NEG_INFINITY), Some(f64::INFINITY)),
             Ending::Weak => (Some(f64::INFINITY), Some(f64::INFINITY)),
@@ -60,14 +60,38 @@ impl Bounded {
         self.bounds()
     }
 
-    pub(super) fn len(&self) -> usize {
+    /// The truth from the first place on, as places up to which it holds; after [`Bounded::close`].
+    pub(in crate::formula) fn runs(&mut self) -> Vec<(i64, Option<bool>)> {
+        let mut runs = Vec::new();
+        let mut place = 0;
+        loop {
+            let least = self.least.root();
+            least.forget_before(place);
+            let Some(low) = least.first() else {
+                return runs;
+            };
+            let greatest = self.split().root();
+            greatest.forget_before(place);
+            let Some(high) = greatest.first() else {
+                return runs;
+            };
+            let truth = RobustnessBounds {
+                low: low.value,
+                high: high.value,
+            };
+            place = low.end.min(high.end);
+            runs.push((place, truth.truth()));
+        }
+    }
+
+    pub(in crate::formula) fn len(&self) -> usize {
         self.least.len() + self.greatest.as_ref().map_or(0, Program::len)
     }
 }
 
 /// Counts the stretches, here single places, at which a formula is true.
 #[derive(Debug, Clone)]
-pub(super) struct Counter {
+pub(in crate::formula) struct Counter {
     work: Bounded,
     place: i64,
     was_true: bool,
@@ -75,7 +99,7 @@ pub(super) struct Counter {
 }
 
 impl Counter {
-    pub(super) fn new(formula: &Positive) -> Self {
+    pub(in crate::formula) fn new(formula: &Positive) -> Self {
         Counter {
             work: Bounded::new(formula, false),
             place: 0,
@@ -84,19 +108,19 @@ impl Counter {
         }
     }
 
-    pub(super) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
+    pub(in crate::formula) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
         self.work.step(place, atoms);
         self.count();
     }
 
     /// Ends the trace and gives the count.
-    pub(super) fn close(&mut self, ending: Ending) -> u64 {
+    pub(in crate::formula) fn close(&mut self, ending: Ending) -> u64 {
         self.work.close(ending);
         self.count();
         self.count
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::formula) fn len(&self) -> usize {
         self.work.len()
     }
 
