@@ -707,3 +707,6 @@ impl Taking<'_> {
 fn clock_nanos(encoding: &Encoding, data: &[u8]) -> Result<i64, String> {
     super::tf_message::clock_nanos_of(encoding, data)
 }
+
+#[cfg(test)]
+mod tests;
