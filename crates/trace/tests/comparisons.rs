@@ -138,6 +138,18 @@ fn a_box_is_told_from_a_ball() {
     );
     // The two sides of one coordinate are no box yet, nor is a distance.
     assert!(axis_boxes(&comparisons("dx < 5 cm & dx > -5 cm & close")).is_empty());
+    // It does not matter whether the limits stand in one text.
+    let apart = Vocabulary::new([
+        ("at_x", "/hand.x - /object.x < 1 m & /hand.x - /cup.x < 1 m"),
+        (
+            "at_y",
+            "/hand.y - /object.y < 1 m & /robot.y - /object.y < 1 m",
+        ),
+    ]);
+    let apart = apart.unwrap().predicate("at_x & at_y").unwrap();
+    let apart = apart.comparisons();
+    assert_eq!(axis_boxes(&apart).len(), 1);
+    assert_eq!(axis_boxes(&apart)[0].second, "/object");
     let measure = |text: &str| comparisons(text).remove(0).measure;
     assert!(matches!(
         measure("norm(/hand.x - /object.x, /hand.y - /object.y) < 1 m"),
@@ -152,6 +164,7 @@ fn a_box_is_told_from_a_ball() {
         Measure::Other
     );
     assert_eq!(measure("/hand.x - /object.y < 1 m"), Measure::Other);
+    assert_eq!(measure("/hand.x - /hand.x < 1 m"), Measure::Other);
 }
 
 #[test]

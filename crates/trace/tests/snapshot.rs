@@ -79,6 +79,13 @@ fn fields_may_come_one_by_one() {
     assert_eq!(now.value(x), Some(0.5));
     now.advance(1.0);
     assert_eq!(now.time_secs(), 2.5);
+    // There is no staleness below 0.
+    for staleness_secs in [-1.0, f64::NAN] {
+        now.set_field_staleness(ready, Some(staleness_secs));
+        assert_eq!(now.value(ready), Some(1.0));
+    }
+    now.advance(2.6);
+    assert_eq!(now.value(ready), None);
 }
 
 #[test]

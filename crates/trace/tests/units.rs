@@ -111,6 +111,7 @@ fn wrong_units_are_refused_with_a_remedy() {
         ("nan", "no finite number"),
         ("inf", "no finite number"),
         ("5 mms", "no unit mms; did you mean mm?"),
+        ("5 mvolt", "no unit mvolt"),
         ("5 furlongs", "no unit furlongs; write SI units"),
         ("5 m/", "this is no unit"),
         ("5 m/q", "no unit q"),
@@ -175,6 +176,21 @@ proptest! {
         let number = f64::from(digits);
         let returned = back.apply(there.apply(number));
         prop_assert!((returned - number).abs() <= 4.0 * f64::EPSILON * number);
+    }
+
+    #[test]
+    fn products_and_quotients_are_written_as_they_can_be_read(
+        first in 0..6_usize, second in 0..6_usize, third in 0..6_usize, divided in any::<[bool; 2]>(),
+    ) {
+        let units = ["m", "mm/s", "N*m", "1", "J/(kg*K)", "deg"].map(unit);
+        let combined = |left: &Unit, right: &Unit, divided: bool| {
+            let found = if divided { left.divided_by(right) } else { left.times(right) };
+            found.expect("it is in range")
+        };
+        let left = combined(&units[first], &units[second], divided[0]);
+        for found in [combined(&left, &units[third], divided[1]), combined(&units[third], &left, divided[1])] {
+            prop_assert!(unit(found.text()).same_as(&found), "{}", found);
+        }
     }
 
     #[test]
@@ -267,6 +283,8 @@ fn numbers_and_signals_are_brought_to_one_unit() {
         "/robot.ratio = 0.5",
         "/robot.ratio + 1 = 1.5",
         "/robot.fingers = 8 & /robot.fingers / /robot.fingers = 1",
+        "/robot.fingers / /robot.fingers > 50 %",
+        "2 * /robot.fingers / 3 < 6 & 8 / /robot.fingers = 1",
         "/robot.plain = 7",
         "/robot.plain / 7 = 1",
         "25 cm + 250 mm = 0.5 m",
@@ -278,6 +296,12 @@ fn numbers_and_signals_are_brought_to_one_unit() {
         "angle_difference(/robot.heading, 10 deg) < 0",
         "angle_difference(10 deg, /robot.heading) > 0",
         "angle_between(/robot.heading, /robot.yaw) < 16 deg",
+        // Of the two ends of half a turn, the positive one.
+        "angle_difference(/robot.heading, 170 deg) = 180 deg",
+        "angle_difference(170 deg, /robot.heading) = 180 deg",
+        "angle_difference(/robot.heading + 720 deg, /robot.heading) = 0",
+        // Lengths of vectors have no frame.
+        "norm(/hand.x, /hand.y) < norm(/cup.x, 2 m)",
     ];
     for text in truths {
         assert_eq!(truth_of(text), Some(true), "{text}");
@@ -338,6 +362,37 @@ fn what_does_not_go_together_is_refused() {
             "distance(/hand, /cup) < 5 cm",
             "/hand, /cup",
             "frame world and /cup.x in camera",
+        ),
+        (
+            "/hand.x + (/hand.x - /object.x) < 0.05",
+            "0.05",
+            "there are several here (m, mm)",
+        ),
+        (
+            "max(/hand.x, /object.x, /loose.x) < 5 cm",
+            "/loose.x",
+            "there are several here (m, mm)",
+        ),
+        ("5 cm + 1 < /hand.x", "5 cm + 1", "a number without a unit"),
+        (
+            "2 * /hand.x < /cup.x",
+            "2 * /hand.x < /cup.x",
+            "frame world",
+        ),
+        (
+            "/hand.x / 2 < /cup.x",
+            "/hand.x / 2 < /cup.x",
+            "frame world",
+        ),
+        (
+            "abs(/hand.x) < -/cup.x",
+            "abs(/hand.x) < -/cup.x",
+            "frame world",
+        ),
+        (
+            "norm(/hand.x, /cup.y) < 1 m",
+            "/hand.x, /cup.y",
+            "frame world",
         ),
         (
             "/hand.x < /cup.x",
@@ -407,9 +462,17 @@ fn units_end_where_they_must() {
     assert_eq!(truth_of("/robot.speed * 2 s > 1 mm*2"), Some(true));
     assert_eq!(truth_of("1 m//robot.time > /robot.speed"), Some(true));
     assert_eq!(truth_of("(5 cm) < /hand.x"), Some(true));
+    assert_eq!(truth_of("/hand.x < 2 m * min(1, 2)"), Some(true));
+    assert_eq!(truth_of("4 m / 1 s = 4 m/s"), Some(true));
     assert_eq!(truth_of("/robot.ratio = 50% | false"), Some(true));
     let deep = format!("/hand.x < 1 m / {}2{}", "(".repeat(20), ")".repeat(20));
     assert_eq!(truth_of(&deep), Some(false));
+    assert!(Predicate::parse("/hand.x < 5 (m)").is_err());
+    let error = Predicate::parse("/robot.ratio < 5and true").expect_err("no unit");
+    assert!(
+        error.to_string().contains("there is no unit and"),
+        "{error}"
+    );
     let error = Predicate::parse("/hand.x < 5 m 3").expect_err("two numbers");
     assert!(
         matches!(error.kind, PredicateErrorKind::Unexpected { .. }),

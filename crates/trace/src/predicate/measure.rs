@@ -58,11 +58,11 @@ pub struct AxisBox<'c> {
     pub axes: BTreeMap<String, Vec<&'c Comparison>>,
 }
 
-/// Which of `comparisons` limit at least two coordinates of the same two points within one text,
-/// as in `abs(/a.x - /b.x) < 5 cm & abs(/a.y - /b.y) < 5 cm`.
+/// Which of `comparisons`, those of one predicate, limit at least two coordinates of the same two
+/// points, as in `abs(/a.x - /b.x) < 5 cm & abs(/a.y - /b.y) < 5 cm`.
 #[must_use]
 pub fn axis_boxes(comparisons: &[Comparison]) -> Vec<AxisBox<'_>> {
-    let mut boxes: Vec<(&str, AxisBox<'_>)> = Vec::new();
+    let mut boxes: Vec<AxisBox<'_>> = Vec::new();
     for comparison in comparisons {
         let Measure::AxisDifference {
             first,
@@ -75,27 +75,23 @@ pub fn axis_boxes(comparisons: &[Comparison]) -> Vec<AxisBox<'_>> {
         };
         // a - b and b - a are of the same two points.
         let (first, second) = (first.min(second), first.max(second));
-        let index = boxes.iter().position(|(text, other)| {
-            *text == comparison.text && other.first == *first && other.second == *second
-        });
-        let index = index.unwrap_or_else(|| {
-            let new = AxisBox {
+        let same = |found: &AxisBox<'_>| found.first == *first && found.second == *second;
+        let index = boxes.iter().position(same).unwrap_or_else(|| {
+            boxes.push(AxisBox {
                 first: first.clone(),
                 second: second.clone(),
                 axes: BTreeMap::new(),
-            };
-            boxes.push((&comparison.text, new));
+            });
             boxes.len() - 1
         });
         boxes[index]
-            .1
             .axes
             .entry(axis.clone())
             .or_default()
             .push(comparison);
     }
-    let boxes = boxes.into_iter().map(|(_, found)| found);
-    boxes.filter(|found| found.axes.len() > 1).collect()
+    boxes.retain(|found| found.axes.len() > 1);
+    boxes
 }
 
 impl Source {
