@@ -48,6 +48,7 @@ pub mod dense;
 pub mod discrete;
 mod explain;
 mod lexer;
+pub mod ltl;
 mod monitor;
 mod parser;
 mod positive;

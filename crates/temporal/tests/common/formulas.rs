@@ -1,5 +1,7 @@
 //! All small formulas and words, for tests that compare one reading of a definition with another.
 
+#![allow(dead_code, reason = "each test uses some of these")]
+
 use temporal::formula::{Bound, Formula, Interval, TimeUnit};
 
 /// Windows in whole seconds.
@@ -18,7 +20,6 @@ pub fn windows() -> Vec<Interval> {
 }
 
 /// Windows in samples.
-#[allow(dead_code, reason = "each test uses some of these")]
 pub fn sample_windows() -> Vec<Interval> {
     let at_least = Interval {
         low: Bound {
