@@ -113,8 +113,9 @@ def main():
     passed, failed = 0, 0
     for ((text, their_text), values), (verdict, low, high) in zip(all_cases, ours(all_cases), strict=True):
         wanted = theirs(their_text, values)
-        sign = "Satisfied" if wanted > 0 else "Violated"
-        if float(low) == float(high) == wanted and verdict == sign and not math.isnan(wanted):
+        # Ours also says whether what the formula waits for ever came.
+        verdicts = ["Satisfied", "NotCovered"] if wanted > 0 else ["Violated"]
+        if float(low) == float(high) == wanted and verdict in verdicts and not math.isnan(wanted):
             passed += 1
             continue
         failed += 1

@@ -10,6 +10,10 @@
 //! * `l W r = r R (l | r)`.
 //! * `rise(f) = f & !previous f`, `fall(f) = rise(!f)`.
 
+use std::ptr;
+
+use rustc_hash::FxHashMap;
+
 use super::super::ast::{Formula, Interval, Window};
 use super::super::settings::{CompileError, TimeModel};
 use super::timeline::Span;
@@ -65,7 +69,16 @@ impl Program {
         if depth_exceeds(formula, MAX_NESTING) {
             return Err(CompileError::TooDeep);
         }
-        self.translate(formula, true)
+        Translation {
+            program: self,
+            done: FxHashMap::default(),
+        }
+        .translate(formula, true)
+    }
+
+    #[cfg(test)]
+    fn len(&self) -> usize {
+        self.nodes.len()
     }
 
     /// Whether some window is measured in seconds.
@@ -91,9 +104,40 @@ impl Program {
             }
         }
     }
+}
+
+/// The translation of one formula.
+struct Translation<'p> {
+    program: &'p mut Program,
+    /// The nodes of the subformulas, by address and polarity: equivalences inside equivalences would
+    /// else be translated exponentially often.
+    done: FxHashMap<(*const Formula, bool), NodeId>,
+}
+
+impl Translation<'_> {
+    fn push(&mut self, op: Op, dual: bool) -> NodeId {
+        self.program.push(op, dual)
+    }
 
     /// Adds `formula`, or its negation if not `positive`.
     fn translate(&mut self, formula: &Formula, positive: bool) -> Result<NodeId, CompileError> {
+        let key = (ptr::from_ref(formula), positive);
+        if let Some(&node) = self.done.get(&key) {
+            return Ok(node);
+        }
+        if self.program.nodes.len() > MAX_NODES {
+            return Err(CompileError::TooDeep);
+        }
+        let node = self.translate_afresh(formula, positive)?;
+        self.done.insert(key, node);
+        Ok(node)
+    }
+
+    fn translate_afresh(
+        &mut self,
+        formula: &Formula,
+        positive: bool,
+    ) -> Result<NodeId, CompileError> {
         match formula {
             Formula::True => Ok(self.push(Op::Constant, !positive)),
             Formula::False => Ok(self.push(Op::Constant, positive)),
@@ -239,6 +283,9 @@ impl Program {
 /// How deeply formulas may be nested.
 const MAX_NESTING: usize = 500;
 
+/// How many nodes a program may have.
+const MAX_NODES: usize = 20_000;
+
 fn depth_exceeds(formula: &Formula, limit: usize) -> bool {
     let Some(limit) = limit.checked_sub(1) else {
         return true;
@@ -260,4 +307,40 @@ fn span(interval: &Interval) -> Result<Span, CompileError> {
             high: high_secs,
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_parts_become_one_node() {
+        let mut program = Program::new();
+        let always = Formula::always(Interval::UNBOUNDED, Formula::atom(0));
+        let both = Formula::and(always.clone(), always);
+        program.add(&both).unwrap();
+        // The atom, "always", and the conjunction.
+        assert_eq!(program.len(), 3);
+    }
+
+    #[test]
+    fn equivalences_do_not_explode() {
+        let mut formula = Formula::atom(0);
+        for atom in 1..200 {
+            formula = Formula::Iff(Box::new(formula), Box::new(Formula::atom(atom)));
+        }
+        let mut program = Program::new();
+        program.add(&formula).unwrap();
+        // At most three nodes for each polarity of an equivalence, and two for each atom.
+        assert!(program.len() <= 200 * (2 * 3 + 2), "{}", program.len());
+    }
+
+    #[test]
+    fn deep_formulas_are_refused() {
+        let mut formula = Formula::atom(0);
+        for _ in 0..10 * MAX_NESTING {
+            formula = Formula::not(formula);
+        }
+        assert_eq!(Program::new().add(&formula), Err(CompileError::TooDeep));
+    }
 }
