@@ -56,6 +56,8 @@ mod source;
 mod stream;
 mod tf_message;
 
+pub(crate) use tf_message::transforms_of;
+
 pub use bind::BindError;
 pub use report::{StreamNote, StreamNoteKind};
 pub use stream::{Instant, SignalStream, StreamError};

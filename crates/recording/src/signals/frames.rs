@@ -12,13 +12,16 @@ struct Request {
     row: Box<[f64]>,
 }
 
+/// Frames, and whether each is static.
+type Chain = Vec<(FrameId, bool)>;
+
 /// The waiting rows of one source, and what is known of its frames.
 #[derive(Debug)]
 pub(super) struct FrameSource {
     task: Task,
     waiting: VecDeque<Request>,
     /// The frames on the way between the two of a quantity, for a shape of the tree.
-    chain: Option<(u64, Option<Vec<(FrameId, bool)>>)>,
+    chain: Option<(u64, Option<Chain>)>,
     /// Time and place of the last sample, for a speed.
     last: Option<(i64, [f64; 3])>,
 }

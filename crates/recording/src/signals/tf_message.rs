@@ -10,7 +10,7 @@ use crate::reader::Encoding;
 
 /// One transform as it was recorded.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct RecordedTransform {
+pub(crate) struct RecordedTransform {
     pub stamp_nanos: i64,
     pub parent: String,
     pub child: String,
@@ -19,7 +19,7 @@ pub(super) struct RecordedTransform {
 }
 
 /// The transforms of a message, or what is wrong with it.
-pub(super) fn transforms_of(
+pub(crate) fn transforms_of(
     encoding: &Encoding,
     data: &[u8],
 ) -> Result<Vec<RecordedTransform>, String> {
