@@ -54,3 +54,10 @@ mod inspect;
 mod signals;
 
 pub use signals::{BindError, Instant, SignalStream, StreamError, StreamNote, StreamNoteKind};
+pub use inspect::{
+    FieldSummary, FieldValue, FrameInspection, InspectOptions, Inspection, TopicInspection, inspect,
+    inspect_reader,
+};
+
+#[cfg(test)]
+mod kept;
