@@ -15,6 +15,7 @@ mod quality;
 mod raw;
 mod reader;
 mod sequence;
+mod session;
 mod stamp;
 
 pub use publisher::DdsPublisher;
@@ -70,11 +71,11 @@ impl Default for DdsOptions {
 /// # Ok::<(), live::LiveError>(())
 /// ```
 pub fn connect(options: &DdsOptions, filter: TopicFilter) -> Result<LiveStream, LiveError> {
-    let participant = join(options)?;
+    let session = session::Session::join(options)?;
     let queue = Arc::new(Queue::new(options.queue, Clock::start()));
-    let domain = options.domain;
+    let options = options.clone();
     LiveStream::start("live-dds", queue, move |outlet| {
-        listener::listen(outlet, &participant, filter, domain);
+        listener::listen(&outlet, session, filter, options);
     })
 }
 

@@ -1,17 +1,16 @@
 //! The reader of one topic.
 
-use super::quality;
-use super::raw::RawAdapter;
 use super::sequence::{Numbered, Numbers};
+use super::session::{Reader, Session, Wanted};
 use super::stamp::unix_nanos;
 use crate::stream::Outlet;
-use crate::{Event, LossCause, Message, Qos, Topic};
-use rustdds::dds::CreateError;
+use crate::{Event, LossCause, Message, Topic};
+use rustdds::GUID;
 use rustdds::dds::result::ReadError;
 use rustdds::mio1;
-use rustdds::no_key::{DeserializedCacheChange, SimpleDataReader};
-use rustdds::{DomainParticipant, GUID, QosPolicyBuilder, Subscriber, TopicKind};
+use rustdds::no_key::DeserializedCacheChange;
 use std::collections::BTreeSet;
+use std::rc::Rc;
 use std::sync::Arc;
 
 /// How many messages of a topic are taken before those of other topics get their turn.
@@ -20,70 +19,44 @@ const TAKEN_AT_ONCE: usize = 1024;
 /// A message as the stack hands it out.
 pub(super) type Sample = DeserializedCacheChange<Vec<u8>>;
 
-/// What a reader is made for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Wanted {
-    pub(super) dds_name: String,
-    pub(super) dds_type: String,
-    pub(super) type_name: String,
-    pub(super) qos: Qos,
-    pub(super) exclusive: bool,
-}
-
 /// A topic that is listened to.
 pub(super) struct Listened {
     pub(super) topic: Arc<Topic>,
     pub(super) wanted: Wanted,
     /// Since when nobody publishes it, in nanoseconds on the source's clock.
     pub(super) away_since_nanos: Option<i64>,
-    reader: SimpleDataReader<Vec<u8>, RawAdapter>,
+    // Before the session: a reader is dropped while its participant lives.
+    reader: Reader,
+    pub(super) session: Rc<Session>,
     numbers: Numbers<GUID>,
     /// Messages that were not understood and whose numbers will therefore be missing.
     undecodable: u64,
-}
-
-/// Makes the stack's reader.
-pub(super) fn make_reader(
-    participant: &DomainParticipant,
-    subscriber: &Subscriber,
-    wanted: &Wanted,
-) -> Result<SimpleDataReader<Vec<u8>, RawAdapter>, CreateError> {
-    let samples = quality::samples_kept(&wanted.type_name);
-    let policies = quality::policies(wanted.qos, wanted.exclusive, samples);
-    let topic = participant.create_topic(
-        wanted.dds_name.clone(),
-        wanted.dds_type.clone(),
-        &QosPolicyBuilder::new().build(),
-        TopicKind::NoKey,
-    )?;
-    subscriber.create_simple_datareader_no_key(&topic, Some(policies))
 }
 
 impl Listened {
     pub(super) fn new(
         topic: Arc<Topic>,
         wanted: Wanted,
-        reader: SimpleDataReader<Vec<u8>, RawAdapter>,
+        reader: Reader,
+        session: Rc<Session>,
     ) -> Self {
         Self {
             topic,
             wanted,
             away_since_nanos: None,
             reader,
+            session,
             numbers: Numbers::new(),
             undecodable: 0,
         }
     }
 
-    /// Replaces the reader by one with another quality of service. The numbers stay, so what both would hand out is
-    /// handed out once, and what neither gets is counted.
-    pub(super) fn replace(
-        &mut self,
-        wanted: Wanted,
-        reader: SimpleDataReader<Vec<u8>, RawAdapter>,
-    ) {
+    /// Replaces the reader by one with another quality of service or of another session. The numbers stay, so what
+    /// both would hand out is handed out once, and what neither gets is counted.
+    pub(super) fn replace(&mut self, wanted: Wanted, reader: Reader, session: Rc<Session>) {
         self.wanted = wanted;
         self.reader = reader;
+        self.session = session;
     }
 
     pub(super) fn register(
