@@ -13,6 +13,7 @@ mod frame;
 pub mod goal;
 pub mod monitor;
 pub mod property;
+pub mod staged;
 
 use std::fmt;
 
@@ -45,6 +46,11 @@ pub enum NotExpressible {
         /// Its text.
         text: String,
     },
+    /// A monitor of stages cannot say this.
+    Staged {
+        /// What it cannot say.
+        what: String,
+    },
     /// With `only`, several stages have no meaning.
     OnlyStages,
     /// A stage follows one that never ends.
@@ -73,6 +79,10 @@ impl fmt::Display for NotExpressible {
             NotExpressible::Proposition { text } => write!(
                 out,
                 "`{text}` has no meaning in the model; bind it in the vocabulary, or give it a name there"
+            ),
+            NotExpressible::Staged { what } => write!(
+                out,
+                "a monitor of stages cannot express {what}; judge it by its formula"
             ),
             NotExpressible::OnlyStages => out.write_str(
                 "several stages have no meaning in a scope with `only`; write one requirement for each",

@@ -24,6 +24,7 @@
 //!
 //! * the [property](compile::property) for the model checker, in the PRISM language,
 //! * the [monitor](compile::monitor) for traces, a formula of metric temporal logic,
+//! * the [staged monitor](compile::staged), which counts, where stages can express it,
 //! * the [test goals](compile::goal) for a generator, in the model and in simulation,
 //! * the [coverage bins](compile::coverage) for a campaign of tests.
 //!

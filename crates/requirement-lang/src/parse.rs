@@ -16,7 +16,7 @@ use trace::Parameters;
 use crate::diagnostic::{Diagnostic, Parsed, Span};
 use crate::expression::is_name;
 use crate::lexer::{Kind, Token, tokens};
-use crate::sentence::{Scope, ScopeKind, Sentence};
+use crate::sentence::{Condition, ConditionKind, Scope, ScopeKind, Sentence, Timing};
 use crate::suggest::nearest;
 
 /// What the names in a sentence may refer to.
@@ -62,12 +62,32 @@ fn sentence(reader: &mut Reader<'_>, all: &[Token<'_>], shall: usize) -> Sentenc
     let clauses = clauses::clauses(reader, left, all[shall].span, behind.is_none());
     let component = behind.unwrap_or(clauses.component);
     let response = stages::stages(reader, right, all[shall].span, clauses.scope.kind);
-    Sentence {
+    let sentence = Sentence {
         scope: clauses.scope,
         condition: clauses.condition,
         component,
         probability: response.probability,
         stages: response.stages,
+    };
+    warn_of_continual_after(reader, &sentence);
+    sentence
+}
+
+/// A response that comes exactly so long after each instant of an interval, and not before, cannot
+/// be: before it comes for the last instant, it has come for the first.
+fn warn_of_continual_after(reader: &mut Reader<'_>, sentence: &Sentence) {
+    let continual = |condition: &Condition| condition.kind == ConditionKind::Whenever;
+    if let Some(stage) = sentence.stages.first()
+        && let Timing::After(duration) = &stage.timing
+        && sentence.condition.as_ref().is_some_and(continual)
+    {
+        reader.warning(
+            "continual-after",
+            duration.span,
+            "With `whenever`, this asks for a response so long after every instant at which the \
+             condition holds, and for none before.",
+            "Use `when` to count from where the condition becomes true.",
+        );
     }
 }
 

@@ -278,6 +278,12 @@ fn mistakes_have_places_and_remedies() {
             "one keyword",
         ),
         (
+            "whenever grasped, the robot shall after 2 s satisfy hand_open",
+            "continual-after",
+            "2 s",
+            "Use `when`",
+        ),
+        (
             "sometimes grasped, the robot shall always satisfy grasped",
             "unexpected",
             "sometimes grasped",
