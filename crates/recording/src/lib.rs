@@ -5,6 +5,7 @@
 //! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 
 mod decode;
+mod mcap;
 mod reader;
 mod schema;
 mod trace_file;
@@ -18,7 +19,8 @@ pub use schema::{
     ProtobufSchema, Schema, SchemaError, Type, parse_idl, parse_msg,
 };
 pub use trace_file::{
-    ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, read_mcap, to_mcap,
+    ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, is_trace_file,
+    read_mcap, to_mcap,
     write_mcap,
 };
 

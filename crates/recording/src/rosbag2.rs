@@ -26,6 +26,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use crate::mcap::McapReader;
 use crate::reader::{OpenOptions, ReadError, ReadProblem, Reader};
 use crate::trials::natural_order;
 use database::DatabaseReader;
@@ -92,8 +93,7 @@ pub(crate) fn open_mcap(
     source: impl Read + Seek + Send + 'static,
     options: &OpenOptions,
 ) -> Result<Box<dyn Reader + Send>, ReadError> {
-    let _ = (source, options);
-    Err(ReadProblem::UnknownFormat.into())
+    Ok(Box::new(McapReader::new(source, options)?))
 }
 
 /// The name of the file that tells which others a recording has.
