@@ -30,6 +30,9 @@ use row_time::{TimeFormat, find_time};
 /// More losses than this would not be read by anyone; the last one says that there are more.
 const MAX_LOSSES: usize = 1_000;
 
+/// Blank lines in front of a row are counted up to this many bytes.
+const MAX_BREAKS: u64 = 4_096;
+
 /// A table that is being read.
 pub(crate) struct CsvReader<R> {
     rows: Rows<R>,
@@ -100,12 +103,35 @@ impl<R: Read + Seek> Rows<R> {
         !self.ends_with_break && self.csv.position().byte() >= self.len
     }
 
+    /// Where the present row begins, or the line break in front of it, in bytes.
     fn offset(&self) -> u64 {
         self.row.position().map_or(0, csv::Position::byte)
     }
 
-    fn line(&self) -> u64 {
-        self.row.position().map_or(0, csv::Position::line)
+    /// The line and the byte at which the present row begins. The position that the parser gives
+    /// can be that of line breaks in front of it, so these are read again.
+    fn place(&mut self) -> Result<(u64, u64), ReadError> {
+        let Some(start) = self.row.position().cloned() else {
+            return Ok((1, 0));
+        };
+        let behind = self.csv.position().clone();
+        let (mut line, mut offset) = (start.line(), start.byte());
+        let mut bytes = Vec::new();
+        let source = self.csv.get_mut();
+        source.seek(SeekFrom::Start(offset))?;
+        source.take(MAX_BREAKS).read_to_end(&mut bytes)?;
+        for byte in bytes
+            .iter()
+            .take_while(|byte| matches!(byte, b'\n' | b'\r'))
+        {
+            line += u64::from(*byte == b'\n');
+            offset += 1;
+        }
+        let back = SeekFrom::Start(behind.byte());
+        self.csv
+            .seek_raw(back, behind)
+            .map_err(|error| malformed(error.to_string()))?;
+        Ok((line, offset))
     }
 
     /// A cell; bytes that are no text are replaced.
@@ -139,13 +165,9 @@ impl<R: Read + Seek> CsvReader<R> {
                 continue;
             }
             if time_format.is_none() && !rows.cell(time_column).is_empty() {
+                let line = rows.place()?.0;
                 let first = rows.cell(time_column);
-                time_format = Some(format_of(
-                    &headers[time_column],
-                    &first,
-                    rows.line(),
-                    options,
-                )?);
+                time_format = Some(format_of(&headers[time_column], &first, line, options)?);
             }
             census
                 .iter_mut()
@@ -178,59 +200,54 @@ impl<R: Read + Seek> CsvReader<R> {
         })
     }
 
-    fn note(&mut self, message: String, messages: Option<u64>) {
-        let offset = self.rows.offset();
-        match self.losses.len() {
-            len if len < MAX_LOSSES => self.losses.push(Loss {
-                messages,
-                ..loss(offset, message)
-            }),
-            MAX_LOSSES => self
-                .losses
-                .push(loss(offset, "here and behind there is more damage")),
-            _ => {}
+    /// Notes that the present row, or a part of it, is lost: `problem` follows its line.
+    fn note(&mut self, problem: &str, messages: Option<u64>) -> Result<(), ReadError> {
+        if self.losses.len() > MAX_LOSSES {
+            return Ok(());
         }
+        let (line, offset) = self.rows.place()?;
+        self.losses.push(match self.losses.len() {
+            MAX_LOSSES => loss(offset, "here and behind there is more damage"),
+            _ => Loss {
+                messages,
+                ..loss(offset, format!("line {line}{problem}"))
+            },
+        });
+        Ok(())
     }
 
     /// Goes to the next row that has a time; `None` at the end.
     fn next_row(&mut self) -> Result<Option<()>, ReadError> {
         while self.rows.advance()?.is_some() {
-            let line = self.rows.line();
-            if self.rows.row.len() != self.headers.len() {
-                let (found, headers) = (self.rows.row.len(), self.headers.len());
-                let message =
-                    format!("line {line} has {found} cells, but there are {headers} headers");
-                self.note(message, Some(1));
+            let (found, headers) = (self.rows.row.len(), self.headers.len());
+            if found != headers {
+                let problem = format!(" has {found} cells, but there are {headers} headers");
+                self.note(&problem, Some(1))?;
                 continue;
             }
             let time = self.rows.cell(self.time_column);
-            match self.time_format.nanos(&time) {
-                Some(nanos) => {
-                    self.nanos = nanos;
-                    return Ok(Some(()));
-                }
-                None => {
-                    let column = &self.headers[self.time_column];
-                    let message =
-                        format!("line {line}, column \"{column}\": \"{time}\" is no time");
-                    self.note(message, Some(1));
-                }
+            if let Some(nanos) = self.time_format.nanos(&time) {
+                self.nanos = nanos;
+                return Ok(Some(()));
             }
+            let column = &self.headers[self.time_column];
+            let problem = format!(", column \"{column}\": \"{time}\" is no time");
+            self.note(&problem, Some(1))?;
         }
         if self.rows.is_cut() {
-            let message = "the last line has no line break behind it and may be cut short, so it is \
-                           left out; if it is whole, add the line break";
-            self.note(message.to_owned(), Some(1));
+            let problem = ", the last one, has no line break behind it and may be cut short, so it \
+                           is left out; if it is whole, add the line break";
+            self.note(problem, Some(1))?;
         }
         Ok(None)
     }
 
     /// Serialises the present row for the topic `index`; `false` if it has nothing for it.
-    fn serialise(&mut self, index: usize) -> bool {
+    fn serialise(&mut self, index: usize) -> Result<bool, ReadError> {
         let table = &self.tables[index];
         let is_filled = |(column, _): &(usize, Kind)| !self.rows.row[*column].is_empty();
         if table.skips_empty_rows && !table.columns.iter().any(is_filled) {
-            return false;
+            return Ok(false);
         }
         self.message.clear();
         let mut wrong = Vec::new();
@@ -240,14 +257,12 @@ impl<R: Read + Seek> CsvReader<R> {
             }
         }
         for column in wrong {
-            let (line, header) = (self.rows.line(), &self.headers[column]);
-            let cell = self.rows.cell(column);
-            let message = format!(
-                "line {line}, column \"{header}\": \"{cell}\" is no number, so it counts as missing"
-            );
-            self.note(message, None);
+            let (header, cell) = (&self.headers[column], self.rows.cell(column));
+            let problem =
+                format!(", column \"{header}\": \"{cell}\" is no number, so it counts as missing");
+            self.note(&problem, None)?;
         }
-        true
+        Ok(true)
     }
 }
 
@@ -270,7 +285,7 @@ impl<R: Read + Seek> Reader for CsvReader<R> {
             }
             let index = self.next_topic;
             self.next_topic += 1;
-            if self.selected[index] && self.serialise(index) {
+            if self.selected[index] && self.serialise(index)? {
                 return Ok(Some(RawMessage {
                     topic: TopicId(index as u32),
                     log_nanos: self.nanos,
