@@ -1,14 +1,14 @@
 //! How many samples a second the engine for discrete time judges.
 //!
-//! Run with `cargo bench -p temporal`. Every case judges a million samples, given one by one; none
-//! is decided before the end, so nothing is skipped. Signals: `busy` changes at random at every
+//! Run with `cargo bench -p temporal`. Every case judges a million samples, counts the triggers and
+//! keeps the last 10,000 samples to explain a violation; none is decided before the end, so nothing
+//! is skipped. Signals: `busy` changes at random at every
 //! sample; `calm` has a request every two windows, answered just before its deadline; `idle` never
 //! changes. For "until", `busy` has its left operand true except at its answers.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use temporal::formula::discrete::DiscreteMonitor;
-use temporal::formula::{Ending, Settings, parse};
+use temporal::formula::{Ending, FormulaMonitor, Settings, parse};
 
 fn main() {
     divan::main();
@@ -95,10 +95,9 @@ fn judge(bencher: Bencher<'_, '_>, text: &str, given: Given, robustness: bool, s
         .formula;
     let settings = Settings {
         robustness,
-        ending: Ending::Inconclusive,
-        ..Settings::default()
+        ..Settings::discrete(Ending::Inconclusive)
     };
-    let monitor = DiscreteMonitor::compile(&formula, &settings).expect("the formula is right");
+    let monitor = FormulaMonitor::compile(&formula, &settings).expect("the formula is right");
     let times_secs: Vec<f64> = (0..SAMPLES).map(|at| at as f64 * 0.01).collect();
     let columns = [0, 1].map(|atom| signal.values.iter().map(|it| it[atom]).collect::<Vec<_>>());
     bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {

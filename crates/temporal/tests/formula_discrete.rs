@@ -4,7 +4,9 @@
 use proptest::prelude::*;
 use temporal::formula::discrete::{DiscreteJudge, DiscreteMonitor};
 use temporal::formula::semantics::{self, Word};
-use temporal::formula::{Bound, Ending, Formula, Interval, Settings, TimeUnit, Verdict};
+use temporal::formula::{
+    Bound, Ending, Formula, FormulaMonitor, Interval, Settings, TimeUnit, Verdict,
+};
 
 const ENDINGS: [Ending; 4] = [
     Ending::Inconclusive,
@@ -366,9 +368,10 @@ proptest! {
         for ending in ENDINGS {
             let settings = Settings {
                 trigger: Some(trigger.clone()),
+                explain_samples: 7,
                 ..Settings::discrete(ending).with_robustness()
             };
-            let monitor = DiscreteMonitor::compile(&formula, &settings).unwrap();
+            let monitor = FormulaMonitor::compile(&formula, &settings).unwrap();
             let count = formula.atom_count().max(trigger.atom_count());
             let mut single = monitor.start();
             for (time_secs, value) in times.iter().zip(&values) {

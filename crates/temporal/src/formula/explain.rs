@@ -31,7 +31,7 @@ use self::core::simplest;
 use self::line::Line;
 use self::search::Piece;
 use super::ast::{AtomId, Formula};
-use super::report::{Explanation, Responsible};
+use super::report::{Explanation, Responsible, RobustnessBounds};
 use super::settings::{Ending, TimeModel};
 
 /// The last samples of a trace, for an explanation.
@@ -74,6 +74,23 @@ impl Record {
         let before = self.atoms.len();
         self.atoms.extend(atoms.take(self.atom_count));
         self.atoms.resize(before + self.atom_count, None);
+    }
+
+    /// Keeps samples given in columns; of more than can be kept only the last ones are looked at.
+    pub(super) fn push_many(&mut self, times_secs: &[f64], atoms: &[&[f64]]) {
+        if let Some(&first_secs) = times_secs.first().filter(|_| self.most > 0) {
+            self.first_secs.get_or_insert(first_secs);
+        }
+        let skipped = times_secs.len().saturating_sub(self.most);
+        if skipped > 0 {
+            self.forgotten += (skipped + self.times_secs.len()) as u64;
+            self.times_secs.clear();
+            self.atoms.clear();
+        }
+        for (at, &time_secs) in times_secs.iter().enumerate().skip(skipped) {
+            let truth = |column: &&[f64]| RobustnessBounds::of_value(column[at]).truth();
+            self.push(time_secs, atoms.iter().map(truth));
+        }
     }
 
     /// The same, where all is unknown but what the pieces touch.

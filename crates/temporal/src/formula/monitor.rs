@@ -167,6 +167,50 @@ impl FormulaJudge {
         Ok(progress)
     }
 
+    /// Takes the next samples: their times in seconds, and for each atom its robustness at each of
+    /// them. The result is that of [`FormulaJudge::step`] for each sample, and in discrete time comes
+    /// several times as fast.
+    ///
+    /// # Errors
+    /// As [`FormulaJudge::step`]. In discrete time none of the samples is taken then; in dense time
+    /// those before the wrong one are.
+    pub fn step_many(
+        &mut self,
+        times_secs: &[f64],
+        atoms: &[&[f64]],
+    ) -> Result<Progress, StepError> {
+        let undecided = self.verdict().is_none();
+        let Work::Discrete(judge) = &mut self.work else {
+            return self.step_each(times_secs, atoms);
+        };
+        let progress = judge.step_many(times_secs, atoms)?;
+        if undecided {
+            // What explains a violation ends where it is determined.
+            let decided_at_secs = judge.decided_at_secs().unwrap_or(f64::INFINITY);
+            let last = times_secs.partition_point(|&time_secs| time_secs <= decided_at_secs);
+            self.record.push_many(&times_secs[..last], atoms);
+        }
+        Ok(progress)
+    }
+
+    /// As [`FormulaJudge::step_many`], one by one.
+    fn step_each(&mut self, times_secs: &[f64], atoms: &[&[f64]]) -> Result<Progress, StepError> {
+        let mut values = vec![f64::NAN; atoms.len()];
+        for (at, &time_secs) in times_secs.iter().enumerate() {
+            for (value, column) in values.iter_mut().zip(atoms) {
+                let found = column.len();
+                *value = *column.get(at).ok_or(StepError::AtomCount {
+                    expected: times_secs.len(),
+                    found,
+                })?;
+            }
+            self.step(time_secs, &values)?;
+        }
+        Ok(Progress {
+            verdict: self.verdict(),
+        })
+    }
+
     /// The verdict, once no continuation can change it.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {

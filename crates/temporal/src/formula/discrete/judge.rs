@@ -201,6 +201,11 @@ impl DiscreteJudge {
         self.verdict
     }
 
+    /// The time of the sample that determined the verdict.
+    pub(crate) fn decided_at_secs(&self) -> Option<f64> {
+        self.decided_at_secs
+    }
+
     /// How many values, runs of truth values and times are stored.
     #[must_use]
     pub fn stored(&self) -> usize {
