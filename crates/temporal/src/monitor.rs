@@ -59,10 +59,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod formula;
 mod machine;
 mod report;
 mod spec;
 
+pub use formula::StagedFormula;
 pub use machine::{Judge, Monitor, PropId, StepError};
 pub use report::{Failure, FailureReason, MonitorReport, Verdict};
 pub use spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};
