@@ -211,7 +211,9 @@ impl DenseJudge {
         self.last_secs = time_secs;
         self.place = place;
         self.samples += 1;
-        self.truth.step(place, &self.truth_bounds);
+        if self.verdict.is_none() {
+            self.truth.step(place, &self.truth_bounds);
+        }
         if let Some(robustness) = &mut self.robustness {
             robustness.step(place, &self.value_bounds);
         }
@@ -249,7 +251,10 @@ impl DenseJudge {
                 RobustnessBounds::UNKNOWN
             }
         };
-        let verdict = close(&mut self.truth).verdict();
+        // What is determined is not computed further.
+        let verdict = self
+            .verdict
+            .unwrap_or_else(|| close(&mut self.truth).verdict());
         let robustness = self.robustness.as_mut().map(&mut close).filter(|_| seen);
         let triggered = self.trigger.as_mut().map(|trigger| {
             // What is said of times that were not seen triggers nothing.
