@@ -11,6 +11,7 @@ mod lexer;
 mod lint;
 mod measure;
 mod parser;
+mod responsible;
 mod scale;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -227,6 +227,26 @@ proptest! {
     }
 
     #[test]
+    fn what_is_responsible_suffices(truth in truth(), values in values()) {
+        let text = truth_text(&truth);
+        let bound = Predicate::parse(&text).and_then(|predicate| predicate.bind(&layout()));
+        let bound = bound.map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let (found, all) = (bound.responsible(&values), bound.signals());
+        prop_assert!(found.iter().all(|signal| all.contains(signal)));
+        prop_assert_eq!(bound.eval(&values).is_none() && !found.is_empty(), false);
+        // The others may as well be missing.
+        let kept = |signals: &[SignalIndex]| {
+            let mut kept = [f64::NAN; 6];
+            for signal in signals {
+                kept[signal.channel * 3 + signal.field] = values.raw(*signal);
+            }
+            bound.eval(&Values(kept))
+        };
+        prop_assert_eq!(kept(&found), bound.eval(&values), "{}", text);
+        prop_assert_eq!(kept(&all), bound.eval(&values), "{}", text);
+    }
+
+    #[test]
     fn limits_in_other_units_leave_robustness_as_it_is(limit in 1..5000_u32, metres in -3.0..3.0_f64) {
         let values = Values([metres, 0.0, 0.0, metres * 1000.0, 0.0, 0.0]);
         let robustness = |text: &str| {
@@ -269,6 +289,33 @@ fn the_border_and_the_extremes() {
         judged("/a.x > 50 cm | /b.state = 'open'"),
         Some((true, 0.5))
     );
+}
+
+#[test]
+fn the_signals_that_decide() {
+    let values = Values([1.0, 2.0, 1.0, 3000.0, 0.0, f64::NAN]);
+    let layout = layout();
+    let names = |text: &str| -> Vec<String> {
+        let bound = Predicate::parse(text).and_then(|predicate| predicate.bind(&layout));
+        let found = bound
+            .unwrap_or_else(|error| panic!("{error}"))
+            .responsible(&values);
+        let all: Vec<String> = layout.signal_names().collect();
+        found
+            .iter()
+            .map(|it| all[it.channel * 3 + it.field].clone())
+            .collect()
+    };
+    assert_eq!(names("/a.x < 50 cm & /a.y < 5 m"), ["/a.x"]);
+    assert_eq!(names("/a.x < 50 cm & /a.y < 1 m"), ["/a.x", "/a.y"]);
+    assert_eq!(names("/a.x < 5 m & /a.y < 5 m & true"), ["/a.x", "/a.y"]);
+    assert_eq!(
+        names("/a.x < 50 cm | /b.far - /a.x > 1 m"),
+        ["/b.far", "/a.x"]
+    );
+    assert_eq!(names("!(/a.ready => /b.ready)"), ["/a.ready", "/b.ready"]);
+    assert_eq!(names("/b.state = 'open' & /b.ready"), ["/b.ready"]);
+    assert_eq!(names("/b.state = 'open'"), [""; 0]);
 }
 
 #[test]

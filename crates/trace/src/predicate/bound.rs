@@ -4,8 +4,9 @@ use super::bind::{Dimensions, amount, truth};
 use super::error::PredicateError;
 use super::eval::{Amount, Truth};
 use super::lint::PredicateLint;
+use super::responsible::{responsible, signals_of_amount, signals_of_truth};
 use super::{Predicate, Quantity};
-use crate::signal::{SignalValues, Trace};
+use crate::signal::{SignalIndex, SignalValues, Trace};
 use crate::units::{Dimension, Unit};
 
 /// A predicate whose signals have been found in a trace.
@@ -51,6 +52,36 @@ impl BoundPredicate {
         Some((judged.truth, judged.robustness))
     }
 
+    /// The signals that make the predicate what it is now, in the order of the text: with their
+    /// values alone it would have the same truth, whatever the others were. Of a conjunction that
+    /// is false they are those of each side that is false, of a true one those of both sides; of a
+    /// disjunction the other way round. None if the truth is unknown.
+    ///
+    /// ```
+    /// use trace::{Field, Predicate, Snapshot, Trace};
+    /// let mut layout = Trace::new();
+    /// layout.add_channel("/robot", vec![Field::number("speed", "m/s"), Field::bool("ready")])?;
+    /// let fine = Predicate::parse("/robot.speed < 250 mm/s & /robot.ready")?.bind(&layout)?;
+    /// let mut now = Snapshot::new(&layout);
+    /// now.update(0, 1.5, &[0.4, 1.0])?;
+    /// assert_eq!(fine.eval(&now), Some(false));
+    /// assert_eq!(fine.responsible(&now), [layout.signal("/robot.speed").expect("it is there")]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn responsible<V: SignalValues + ?Sized>(&self, values: &V) -> Vec<SignalIndex> {
+        responsible(&self.truth, values)
+    }
+
+    /// All signals that are read, in the order of the text, each once: as long as none of them
+    /// changes, neither does the predicate.
+    #[must_use]
+    pub fn signals(&self) -> Vec<SignalIndex> {
+        let mut found = Vec::new();
+        signals_of_truth(&self.truth, &mut found);
+        found
+    }
+
     /// What the robustness measures, in the coherent SI unit: the dimension of the comparisons of
     /// numbers; `None` if there are none, they differ, or their units are not known.
     #[must_use]
@@ -73,6 +104,15 @@ impl BoundQuantity {
     pub fn eval<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
         let value = self.amount.eval(values);
         (!value.is_nan()).then_some(value)
+    }
+
+    /// All signals that are read, in the order of the text, each once: as long as none of them
+    /// changes, neither does the value.
+    #[must_use]
+    pub fn signals(&self) -> Vec<SignalIndex> {
+        let mut found = Vec::new();
+        signals_of_amount(&self.amount, &mut found);
+        found
     }
 
     /// The unit of the value; `None` if it is not known, as for numbers without a unit.
