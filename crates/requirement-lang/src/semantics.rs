@@ -39,6 +39,9 @@
 //!   timed response.
 //! * There is no `finally` (at the last point of the scope). New are sequences of stages.
 //!
+//! On infinite words nothing else differs: `tests/peers/fret.py` compares the properties with the
+//! formulas that FRET publishes, for all scopes, conditions and timings that both have.
+//!
 //! Cost: for each position all later ones, for stages repeatedly; this is an oracle for tests.
 
 use crate::sentence::{Amount, ConditionKind, ScopeKind, Sentence, Stage, Timing};
