@@ -21,13 +21,15 @@ const ROS1_FILES: [&str; 5] = [
     "unfinished.bag",
     "unordered.bag",
 ];
-const ROS2_FILES: [&str; 6] = [
+const ROS2_FILES: [&str; 8] = [
     "sqlite",
     "sqlite_file",
     "sqlite_message",
     "split",
     "humble.db3",
     "live_copy.db3",
+    "mcap",
+    "mcap_file",
 ];
 
 fn file(name: &str) -> PathBuf {
