@@ -43,6 +43,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Judge recordings with a study's monitors.
     Monitor(Monitor),
+    /// Show requirements in all their forms, and where the forms disagree.
+    Requirements(Requirements),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
     /// Write the report of a study that has been run.
@@ -194,6 +196,35 @@ pub struct Monitor {
     #[arg(long)]
     pub partial: bool,
     /// How the verdicts are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `requirements`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate requirements case-studies/handover
+  corroborate requirements case-studies/handover recordings
+  corroborate requirements --library
+
+Shows each requirement with its sentence, its property, its monitor, its test
+goals and its coverage bins. Forms that were written by hand are held against
+the declared parameters and, on recordings, against each other. Exits 1 if
+they do not agree.")]
+pub struct Requirements {
+    /// The study whose requirements are shown.
+    #[arg(required_unless_present = "library")]
+    pub study: Option<PathBuf>,
+    /// Recordings, or folders of them, on which the forms are compared.
+    pub recordings: Vec<PathBuf>,
+    /// List ready requirements for collaborative robots instead.
+    #[arg(long, conflicts_with = "study")]
+    pub library: bool,
+    /// Where recordings have the signals, instead of the study's topics.toml.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// How the requirements are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

@@ -3,8 +3,10 @@
 mod check;
 mod compare;
 mod init;
+mod library;
 mod monitor;
 mod report;
+mod requirements;
 mod run;
 mod simulate;
 
@@ -52,6 +54,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
+        Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),
         Command::Init(arguments) => init::init(arguments),

@@ -8,6 +8,7 @@ mod args;
 mod command;
 mod corroboration;
 mod explain;
+mod forms;
 mod outcome;
 mod problem;
 mod published;

@@ -155,19 +155,24 @@ impl Problem {
         self
     }
 
+    /// Several problems as one; `None` if there are none.
+    pub fn all(problems: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut problems = problems.into_iter();
+        let mut first = problems.next()?;
+        first.others.extend(problems);
+        Some(first)
+    }
+
     /// Diagnostics of the PRISM language as one problem; `None` if none is an
     /// error.
     pub fn from_diagnostics(
         source: &Source,
         diagnostics: &[prism_lang::Diagnostic],
     ) -> Option<Self> {
-        let mut problems = diagnostics
+        let errors = diagnostics
             .iter()
-            .filter(|d| d.severity == prism_lang::Severity::Error)
-            .map(|d| Self::from_diagnostic(source, d));
-        let mut first = problems.next()?;
-        first.others = problems.collect();
-        Some(first)
+            .filter(|d| d.severity == prism_lang::Severity::Error);
+        Self::all(errors.map(|d| Self::from_diagnostic(source, d)))
     }
 
     fn from_diagnostic(source: &Source, diagnostic: &prism_lang::Diagnostic) -> Self {

@@ -4,19 +4,27 @@
 //! | file | holds |
 //! |---|---|
 //! | `study.toml` | title, summary, levels of confidence, conditions, seed |
+//! | `parameters.toml` | each distance, speed and time once, with its unit (may be missing) |
 //! | `requirements.toml` | each requirement once, in all its forms; failure modes |
 //! | `vocabulary.toml` | each proposition, bound to model, traces and tables |
-//! | `ledger.toml` | the evidence, oldest first, with its assets and lineage |
+//! | `ledger.toml` | the evidence, oldest first, with its assets and lineage (may be missing) |
+//! | `topics.toml` | where recordings have the signals (may be missing) |
 //!
-//! [`Study::load`] reads all four, and reports every mistake that can be seen
+//! [`Study::load`] reads them, and reports every mistake that can be seen
 //! without running anything.
 
+mod judging_form;
 mod ledger;
+mod parameters;
 mod requirements;
+mod sentence_form;
 mod vocabulary;
 
+pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
 pub use ledger::{Entry, Method, Work};
+pub use parameters::StudyParameters;
 pub use requirements::{FormText, Forms, SubjectForm, quoted_names};
+pub use sentence_form::SentenceForm;
 pub use vocabulary::Vocabulary;
 
 use crate::problem::{Problem, Source};
@@ -34,6 +42,8 @@ pub struct Study {
     pub about: About,
     /// The file that holds it.
     pub about_source: Source,
+    /// The parameters.
+    pub parameters: StudyParameters,
     /// What is required, in the order of the file.
     pub requirements: Vec<Requirement>,
     /// What can go wrong, in the order of the file.
@@ -68,6 +78,38 @@ pub struct About {
     /// Conditions under which evidence holds, by name.
     #[serde(default)]
     pub conditions: BTreeMap<String, String>,
+    /// What the numbers of the formal models mean.
+    #[serde(default)]
+    pub model: ModelUnits,
+}
+
+/// What the numbers of the formal models mean.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelUnits {
+    /// The duration of one step, for example `0.1 s`.
+    pub step: Option<String>,
+    /// What one unit of a variable means, for example `0.1 s` of a timer.
+    #[serde(default)]
+    pub units: BTreeMap<String, String>,
+}
+
+impl ModelUnits {
+    /// The duration of a step in seconds; it was checked when the study was
+    /// loaded.
+    pub fn step_secs(&self) -> Option<f64> {
+        quantity(self.step.as_deref()?).map(|step| step.si_value())
+    }
+
+    /// What one unit of a variable means.
+    pub fn unit_of(&self, variable: &str) -> Option<trace::units::QuantityValue> {
+        quantity(self.units.get(variable)?)
+    }
+}
+
+/// A number with its unit.
+fn quantity(text: &str) -> Option<trace::units::QuantityValue> {
+    text.parse().ok()
 }
 
 impl Study {
@@ -80,13 +122,17 @@ impl Study {
             );
         }
         let (about, about_source) = read_about(folder)?;
-        let vocabulary = Vocabulary::load(folder)?;
-        let (requirements, failure_modes, forms) = requirements::load(folder, &vocabulary)?;
+        let parameters = StudyParameters::load(folder)?;
+        let vocabulary = Vocabulary::load(folder, &parameters)?;
+        let step_secs = about.model.step_secs();
+        let (requirements, failure_modes, forms) =
+            requirements::load(folder, &vocabulary, &parameters, step_secs)?;
         let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
         Ok(Self {
             folder: folder.to_owned(),
             about,
             about_source,
+            parameters,
             requirements,
             failure_modes,
             forms,
@@ -135,5 +181,34 @@ fn read_about(folder: &Path) -> Result<(About, Source), Problem> {
             .remedy("choose a level between 0.5 and 1, for example 0.95"));
         }
     }
+    check_model_units(&about.model, &source)?;
     Ok((about, source))
+}
+
+fn check_model_units(model: &ModelUnits, source: &Source) -> Result<(), Problem> {
+    let bad = |text: &str, what: String, example: &str| {
+        let place = source.text.find(text).unwrap_or(0);
+        Problem::new("bad-unit", what)
+            .at(source, place..place + text.len())
+            .remedy(format!("write for example \"{example}\""))
+    };
+    if let Some(text) = &model.step {
+        let step = quantity(text).filter(|step| {
+            step.dimension() == trace::units::Dimension::TIME && step.si_value() > 0.0
+        });
+        if step.is_none() {
+            return Err(bad(
+                text,
+                format!("`{text}` is no duration of a step"),
+                "0.1 s",
+            ));
+        }
+    }
+    for (variable, text) in &model.units {
+        if quantity(text).is_none_or(|unit| unit.unit().is_none()) {
+            let what = format!("`{text}` is no unit of the variable `{variable}`");
+            return Err(bad(text, what, "0.1 s"));
+        }
+    }
+    Ok(())
 }

@@ -32,6 +32,10 @@ pub struct Requirement {
     /// The probability it asks for; `None` if it asks for certainty, which
     /// counts as "at least 1".
     pub threshold: Option<Threshold>,
+    /// The requirement in structured English, verbatim, if it is written so;
+    /// the forms that are not written by hand are made from it.
+    #[serde(default)]
+    pub sentence: Option<String>,
     /// The logical property, in the PRISM property language.
     pub property: Option<String>,
     /// The assertion monitor, in words.

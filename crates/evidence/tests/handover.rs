@@ -272,7 +272,8 @@ fn requirements() -> Vec<Requirement> {
         text: String::new(),
         threshold,
         property: None,
-        monitor: None,
+        sentence: None,
+            monitor: None,
         margin,
         same_quantity_as: None,
     };

@@ -40,6 +40,23 @@ const METADATA_RECORD: &str = "corroborate.metadata";
 /// The entry of a message that holds the exact time where nanoseconds do not.
 const TIME_ENTRY: &str = "_time_secs";
 
+/// How far into a file the record about the trace is looked for, in bytes.
+const HEAD_BYTES: u64 = 4096;
+
+/// Whether the file at `path` is a trace that [`write_mcap`] wrote, rather than any other MCAP file.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn is_trace_file(path: &std::path::Path) -> std::io::Result<bool> {
+    use std::io::Read;
+    let mut head = Vec::new();
+    std::fs::File::open(path)?
+        .take(HEAD_BYTES)
+        .read_to_end(&mut head)?;
+    let name = TRACE_RECORD.as_bytes();
+    Ok(head.windows(name.len()).any(|window| window == name))
+}
+
 /// The time in seconds that a number of nanoseconds stands for.
 fn secs_of_nanos(nanos: u64) -> f64 {
     nanos as f64 / 1e9

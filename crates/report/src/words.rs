@@ -222,6 +222,7 @@ mod tests {
                 value,
             }),
             property: None,
+            sentence: None,
             monitor: None,
             margin: 0.05,
             same_quantity_as: None,

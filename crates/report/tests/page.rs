@@ -23,6 +23,7 @@ fn everything_of_the_study_is_on_the_page() {
     let mut expected: Vec<&str> = vec![&study.title, &study.produced_by];
     for requirement in &study.requirements {
         expected.extend([requirement.id.as_str(), requirement.text.as_str()]);
+        expected.extend(requirement.sentence.as_deref());
         expected.extend(requirement.property.as_deref());
         expected.extend(requirement.monitor.as_deref());
     }

@@ -178,18 +178,19 @@ fn read(path: &Path) -> Result<(Trace, Option<String>), Problem> {
 }
 
 fn subject_verdict(study: &Study, judgement: &Judgement) -> SubjectVerdict {
-    let report = &judgement.report;
-    let failure = report.first_failure.as_ref();
-    let meaning = failure.and_then(|f| study.vocabulary.propositions.get(&f.proposition));
+    let findings = &judgement.findings;
+    let violation = findings.violation.as_ref();
+    let responsible = violation.and_then(|v| v.responsible.last());
+    let meaning = responsible.and_then(|r| study.vocabulary.propositions.get(&r.proposition));
     SubjectVerdict {
         subject: judgement.subject.id().to_owned(),
         reading: judgement.reading.map(str::to_owned),
-        verdict: verdict_name(report.verdict).into(),
-        covered: report.triggered,
-        passed: report.passed,
-        failed: report.failed,
-        failed_at_secs: failure.map(|f| f.time_secs),
-        failed_proposition: failure.map(|f| f.proposition.clone()),
+        verdict: verdict_name(findings.verdict).into(),
+        covered: findings.triggered,
+        passed: findings.passed,
+        failed: findings.failed,
+        failed_at_secs: violation.map(|v| v.to_secs),
+        failed_proposition: responsible.map(|r| r.proposition.clone()),
         failed_meaning: meaning.map(|p| p.meaning.clone()),
     }
 }
@@ -212,7 +213,7 @@ fn totals(judged: &[Vec<Judgement>]) -> Vec<Total> {
             let count = |verdict: Verdict| {
                 judged
                     .iter()
-                    .filter(|j| j[place].report.verdict == verdict)
+                    .filter(|j| j[place].findings.verdict == verdict)
                     .count() as u64
             };
             let (passed, failed) = (count(Verdict::Satisfied), count(Verdict::Violated));
@@ -237,11 +238,11 @@ fn outcome(report: &MonitorReport, judged: &[Vec<Judgement>]) -> Outcome {
             .flatten()
             .filter(|j| matches!(j.subject, Subject::Requirement(_)) && j.reading.is_none())
     };
-    if requirements().any(|j| j.report.verdict == Verdict::Violated) {
+    if requirements().any(|j| j.findings.verdict == Verdict::Violated) {
         Outcome::Violated
     } else if report.recordings.iter().any(|r| !r.complete) {
         Outcome::DataLost
-    } else if requirements().any(|j| j.report.verdict == Verdict::Inconclusive) {
+    } else if requirements().any(|j| j.findings.verdict == Verdict::Inconclusive) {
         Outcome::Inconclusive
     } else {
         Outcome::Holds

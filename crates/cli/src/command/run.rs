@@ -30,6 +30,13 @@ enum Prepared<'a> {
 pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
+    if study.ledger.is_empty() {
+        return Err(Problem::new(
+            "empty-ledger",
+            format!("{} asks for no evidence", study.ledger_source.name),
+        )
+        .remedy("add an [[evidence]] with `id`, `technique` and its assets"));
+    }
     for id in &arguments.only {
         study.entry(id)?;
     }
@@ -324,6 +331,9 @@ impl Runner<'_> {
             if let Some(binding) = &proposition.trace {
                 inputs.add(name, binding.text.as_bytes());
             }
+        }
+        for (name, parameter) in &self.study.parameters.declared {
+            inputs.add(name, parameter.text.as_bytes());
         }
     }
 

@@ -204,18 +204,20 @@ struct CalibratedText {
     requirement: Option<Spanned<String>>,
 }
 
-/// Reads `ledger.toml` and checks it against the rest of the study.
+/// Reads `ledger.toml`, if there is one, and checks it against the rest of the
+/// study.
 pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<(Vec<Entry>, Source), Problem> {
-    let source = Source::read(&folder.join("ledger.toml"))?;
+    let path = folder.join("ledger.toml");
+    let source = if path.exists() {
+        Source::read(&path)?
+    } else {
+        Source {
+            name: path.display().to_string(),
+            text: String::new(),
+        }
+    };
     let file: File =
         toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
-    if file.evidence.is_empty() {
-        return Err(Problem::new(
-            "empty-ledger",
-            format!("{} asks for no evidence", source.name),
-        )
-        .remedy("add an [[evidence]] with `id`, `technique` and its assets"));
-    }
     let all: BTreeSet<String> = file
         .evidence
         .iter()

@@ -1,14 +1,18 @@
 //! Requirements and failure modes: what is asked, and the forms in which each
 //! technique asks it.
 
-use super::Vocabulary;
-use crate::problem::{Problem, Source};
+use super::judging_form::{JudgingForm, JudgingText, Rule};
+use super::sentence_form::{SentenceForm, SentenceReader};
+use super::{StudyParameters, Vocabulary};
+use crate::problem::{Problem, Source, did_you_mean};
 use evidence::{Direction, FailureMode, Requirement, Subject, Threshold};
+use requirement_lang::sentence::Comparison;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
-use temporal::monitor::{Monitor, MonitorSpec, Stage};
+use temporal::formula::{Ending, TimeModel};
+use temporal::monitor::{MonitorSpec, Stage};
 use toml::Spanned;
 
 /// Difference of two rates that counts as agreement where none is declared.
@@ -42,17 +46,53 @@ pub struct SubjectForm {
     pub subject: Subject,
     /// Its place in the file.
     pub span: Range<usize>,
-    /// For the model checker: what is asked.
+    /// The requirement in structured English, with what is made from it.
+    pub sentence: Option<SentenceForm>,
+    /// For the model checker: what is asked, as written or else from the
+    /// sentence.
     pub property: Option<FormText>,
+    /// Why there is no property, if the sentence cannot be made into one.
+    pub no_property: Option<String>,
     /// For failure modes: the probability of an opportunity, by which the
     /// property's is divided.
     pub opportunity: Option<FormText>,
-    /// For traces.
-    pub monitor: Option<MonitorSpec>,
+    /// For traces, as written or else from the sentence.
+    pub monitor: Option<JudgingForm>,
+    /// Why there is no monitor, if the sentence cannot be made into one.
+    pub no_monitor: Option<String>,
+    /// The declared parameters that its forms are held against.
+    pub parameters: Vec<String>,
     /// Other readings of the same text, for traces.
     pub readings: Vec<ReadingForm>,
     /// The proposition whose column of the experiments' table counts it.
     pub experiment: Option<String>,
+}
+
+impl SubjectForm {
+    /// Takes from the sentence the forms that are not written by hand.
+    fn complete_from_sentence(&mut self) {
+        let Some(sentence) = &self.sentence else {
+            return;
+        };
+        if self.monitor.is_none() {
+            match &sentence.monitor {
+                Ok(monitor) => self.monitor = Some(monitor.clone()),
+                Err(reason) => self.no_monitor = Some(reason.clone()),
+            }
+        }
+        if self.property.is_none() {
+            match &sentence.property {
+                Ok(property) => {
+                    self.property = Some(FormText {
+                        text: property.query(),
+                        span: sentence.span.clone(),
+                        from_sentence: true,
+                    });
+                }
+                Err(reason) => self.no_property = Some(reason.clone()),
+            }
+        }
+    }
 }
 
 /// Another reading of a requirement.
@@ -63,7 +103,7 @@ pub struct ReadingForm {
     /// How it differs.
     pub meaning: String,
     /// Its monitor.
-    pub monitor: MonitorSpec,
+    pub monitor: JudgingForm,
 }
 
 /// A property's text and its place.
@@ -73,6 +113,8 @@ pub struct FormText {
     pub text: String,
     /// Its place in the requirements' source, without the quotes.
     pub span: Range<usize>,
+    /// Whether it was made from the requirement's sentence.
+    pub from_sentence: bool,
 }
 
 #[derive(Deserialize)]
@@ -92,8 +134,16 @@ struct RequirementText {
     threshold: Option<Spanned<String>>,
     same_as: Option<Spanned<String>>,
     margin: Option<Spanned<f64>>,
+    shall: Option<Spanned<String>>,
+    template: Option<Spanned<String>>,
+    #[serde(default)]
+    parameters: Vec<Spanned<String>>,
     property: Option<Spanned<String>>,
     monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
     experiment: Option<Spanned<String>>,
     #[serde(default)]
     reading: BTreeMap<String, ReadingText>,
@@ -102,8 +152,12 @@ struct RequirementText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ReadingText {
-    meaning: String,
-    monitor: Spanned<MonitorSpec>,
+    meaning: Spanned<String>,
+    monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize)]
@@ -117,12 +171,18 @@ struct FailureModeText {
     occurs: Option<Spanned<String>>,
     opportunity: Option<Spanned<String>>,
     monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
 }
 
 /// Reads `requirements.toml` and checks it against the vocabulary.
 pub fn load(
     folder: &Path,
     vocabulary: &Vocabulary,
+    parameters: &StudyParameters,
+    step_secs: Option<f64>,
 ) -> Result<(Vec<Requirement>, Vec<FailureMode>, Forms), Problem> {
     let source = Source::read(&folder.join("requirements.toml"))?;
     let file: File =
@@ -135,11 +195,18 @@ pub fn load(
                 source.name
             ),
         )
-        .remedy("add a [[requirement]] with `id`, `text`, and a `property` or a `monitor`"));
+        .remedy("add a [[requirement]] with `id`, `text`, and a sentence in `shall`, a `property` or a `monitor`"));
     }
     let reader = Reader {
         source: &source,
         vocabulary,
+        parameters,
+        sentences: SentenceReader {
+            source: &source,
+            vocabulary,
+            parameters,
+            step_secs,
+        },
     };
     let mut subjects: Vec<SubjectForm> = Vec::new();
     let mut requirements = Vec::new();
@@ -161,6 +228,8 @@ pub fn load(
 struct Reader<'a> {
     source: &'a Source,
     vocabulary: &'a Vocabulary,
+    parameters: &'a StudyParameters,
+    sentences: SentenceReader<'a>,
 }
 
 impl Reader<'_> {
@@ -173,15 +242,42 @@ impl Reader<'_> {
         self.check_new(&text.id, before)?;
         let id = text.id.get_ref().clone();
         let same = self.same_as(&text, before, requirements)?;
+        let judging = JudgingText::new(
+            text.monitor,
+            text.formula,
+            text.time,
+            text.ending,
+            text.clock,
+        );
+        let sentence = match (text.shall, text.template) {
+            (Some(_), Some(template)) => {
+                return Err(Problem::new(
+                    "two-sentences",
+                    "a requirement has its own sentence or one of the library, not both",
+                )
+                .at(self.source, template.span())
+                .remedy("remove `shall` or `template`"));
+            }
+            (Some(shall), None) => Some(self.sentences.read(shall, &judging)?),
+            (None, Some(template)) => Some(self.sentences.of_library(&template, &judging)?),
+            (None, None) => None,
+        };
+        let written = judging.compile(self.source, self.vocabulary)?;
+        let threshold = self.required(text.threshold, sentence.as_ref())?;
         let mut form = SubjectForm {
             subject: Subject::Requirement(id.clone()),
             span: text.id.span(),
             property: text.property.map(form_text),
+            no_property: None,
             opportunity: None,
-            monitor: self.monitor(text.monitor)?,
+            monitor: written,
+            no_monitor: None,
+            parameters: self.declared(text.parameters, sentence.as_ref())?,
             readings: self.readings(text.reading)?,
             experiment: self.experiment(text.experiment)?,
+            sentence,
         };
+        form.complete_from_sentence();
         if let Some((_, other)) = &same {
             form = SubjectForm {
                 subject: form.subject,
@@ -193,7 +289,8 @@ impl Reader<'_> {
         let requirement = Requirement {
             id,
             text: text.text,
-            threshold: text.threshold.map(|t| self.threshold(&t)).transpose()?,
+            threshold,
+            sentence: form.sentence.as_ref().map(|s| s.text.clone()),
             property: form.property.as_ref().map(|p| p.text.clone()),
             monitor: form.monitor.as_ref().map(in_words),
             margin: match (&same, text.margin) {
@@ -214,8 +311,11 @@ impl Reader<'_> {
         let Some(same) = &text.same_as else {
             return Ok(None);
         };
-        if text.property.is_some()
+        if text.shall.is_some()
+            || text.template.is_some()
+            || text.property.is_some()
             || text.monitor.is_some()
+            || text.formula.is_some()
             || text.experiment.is_some()
             || !text.reading.is_empty()
         {
@@ -247,12 +347,23 @@ impl Reader<'_> {
     ) -> Result<(FailureMode, SubjectForm), Problem> {
         self.check_new(&text.id, before)?;
         let id = text.id.get_ref().clone();
+        let judging = JudgingText::new(
+            text.monitor,
+            text.formula,
+            text.time,
+            text.ending,
+            text.clock,
+        );
         let form = SubjectForm {
             subject: Subject::FailureMode(id.clone()),
             span: text.id.span(),
+            sentence: None,
             property: text.occurs.map(form_text),
+            no_property: None,
             opportunity: text.opportunity.map(form_text),
-            monitor: self.monitor(text.monitor)?,
+            monitor: judging.compile(self.source, self.vocabulary)?,
+            no_monitor: None,
+            parameters: Vec::new(),
             readings: Vec::new(),
             experiment: self.experiment(text.experiment)?,
         };
@@ -305,36 +416,85 @@ impl Reader<'_> {
         })
     }
 
-    fn monitor(
+    /// The threshold that is written, or the one of the sentence; both must
+    /// be the same.
+    fn required(
         &self,
-        monitor: Option<Spanned<MonitorSpec>>,
-    ) -> Result<Option<MonitorSpec>, Problem> {
-        let Some(monitor) = monitor else {
+        written: Option<Spanned<String>>,
+        sentence: Option<&SentenceForm>,
+    ) -> Result<Option<Threshold>, Problem> {
+        let of_sentence = match sentence {
+            Some(sentence) => self.threshold_of(sentence)?,
+            None => None,
+        };
+        let Some(text) = written else {
+            return Ok(of_sentence);
+        };
+        let threshold = self.threshold(&text)?;
+        match of_sentence {
+            Some(other) if other != threshold => Err(Problem::new(
+                "two-thresholds",
+                "the threshold is not the probability that the sentence asks for",
+            )
+            .at(self.source, text.span())
+            .remedy("remove it, or write the same probability in both")),
+            _ => Ok(Some(threshold)),
+        }
+    }
+
+    fn threshold_of(&self, sentence: &SentenceForm) -> Result<Option<Threshold>, Problem> {
+        let Some(probability) = &sentence.tree.probability else {
             return Ok(None);
         };
-        let span = monitor.span();
-        let spec = monitor.into_inner();
-        let compiled = Monitor::compile(&spec).map_err(|error| {
-            Problem::new("bad-monitor", error.to_string()).at(self.source, span.clone())
-        })?;
-        for name in compiled.propositions() {
-            let place = self.place_of(name, &span);
-            let proposition = self
-                .vocabulary
-                .proposition(name, self.source, place.clone())?;
-            if proposition.trace.is_none() {
+        let direction = match probability.comparison {
+            Comparison::AtLeast => Direction::AtLeast,
+            Comparison::AtMost => Direction::AtMost,
+            Comparison::MoreThan | Comparison::LessThan => {
+                let start = sentence.span.start;
+                let place = start + probability.span.start..start + probability.span.end;
                 return Err(Problem::new(
-                    "unbound-proposition",
-                    format!("the monitor uses `{name}`, which is not bound to traces"),
+                    "strict-threshold",
+                    "a study's thresholds are `at least` or `at most`: no sample can tell more",
                 )
                 .at(self.source, place)
-                .remedy(format!(
-                    "give [{name}] a `trace = \"…\"` in {}",
-                    self.vocabulary.source.name
-                )));
+                .remedy("write `at least` for `more than`, `at most` for `less than`"));
+            }
+        };
+        Ok(Some(Threshold {
+            direction,
+            value: probability.value,
+        }))
+    }
+
+    /// The parameters that a requirement is held against: those named, and
+    /// those of its sentence.
+    fn declared(
+        &self,
+        named: Vec<Spanned<String>>,
+        sentence: Option<&SentenceForm>,
+    ) -> Result<Vec<String>, Problem> {
+        for name in &named {
+            if self.parameters.values.get(name.get_ref()).is_none() {
+                let known = self.parameters.declared.keys().map(String::as_str);
+                let similar = did_you_mean(name.get_ref(), known);
+                return Err(Problem::new(
+                    "unknown-parameter",
+                    format!("parameters.toml declares no `{}`", name.get_ref()),
+                )
+                .at(self.source, name.span())
+                .remedy(match similar {
+                    Some(similar) => format!("did you mean `{similar}`?"),
+                    None => "declare it with a value and a meaning".into(),
+                }));
             }
         }
-        Ok(Some(spec))
+        let mut all: Vec<String> = named.into_iter().map(Spanned::into_inner).collect();
+        if let Some(sentence) = sentence {
+            all.extend(sentence.parameters(self.vocabulary, self.parameters));
+        }
+        all.sort();
+        all.dedup();
+        Ok(all)
     }
 
     fn experiment(&self, name: Option<Spanned<String>>) -> Result<Option<String>, Problem> {
@@ -366,13 +526,26 @@ impl Reader<'_> {
     fn readings(&self, texts: BTreeMap<String, ReadingText>) -> Result<Vec<ReadingForm>, Problem> {
         let mut readings = Vec::new();
         for (name, text) in texts {
-            if let Some(monitor) = self.monitor(Some(text.monitor))? {
-                readings.push(ReadingForm {
-                    name,
-                    meaning: text.meaning,
-                    monitor,
-                });
-            }
+            let judging = JudgingText::new(
+                text.monitor,
+                text.formula,
+                text.time,
+                text.ending,
+                text.clock,
+            );
+            let Some(monitor) = judging.compile(self.source, self.vocabulary)? else {
+                return Err(Problem::new(
+                    "no-monitor",
+                    format!("the reading `{name}` does not say how it judges traces"),
+                )
+                .at(self.source, text.meaning.span())
+                .remedy("give it a `monitor` or a `formula`"));
+            };
+            readings.push(ReadingForm {
+                name,
+                meaning: text.meaning.into_inner(),
+                monitor,
+            });
         }
         Ok(readings)
     }
@@ -380,7 +553,8 @@ impl Reader<'_> {
     /// Checks that the labels of the property are propositions with a binding
     /// to the model. Its syntax is checked with the model, which gives types.
     fn check_property(&self, form: &SubjectForm) -> Result<(), Problem> {
-        for text in form.property.iter().chain(&form.opportunity) {
+        let written = form.property.iter().chain(&form.opportunity);
+        for text in written.filter(|text| !text.from_sentence) {
             let parsed = prism_lang::parse_properties(&text.text);
             if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
                 return Err(problem);
@@ -422,16 +596,6 @@ impl Reader<'_> {
             .collect();
         Problem::from_diagnostics(self.source, &shifted)
     }
-
-    /// Where a name is written inside a span, or the span.
-    fn place_of(&self, name: &str, span: &Range<usize>) -> Range<usize> {
-        let quoted = format!("\"{name}\"");
-        let text = self.source.text.get(span.clone()).unwrap_or("");
-        match text.find(&quoted) {
-            Some(at) => span.start + at + 1..span.start + at + 1 + name.len(),
-            None => span.clone(),
-        }
-    }
 }
 
 fn form_text(text: Spanned<String>) -> FormText {
@@ -439,6 +603,7 @@ fn form_text(text: Spanned<String>) -> FormText {
     FormText {
         text: text.into_inner(),
         span: span.start + 1..span.end.saturating_sub(1).max(span.start + 1),
+        from_sentence: false,
     }
 }
 
@@ -473,7 +638,11 @@ fn parse_threshold(text: &str) -> Option<Threshold> {
 }
 
 /// A monitor in words, for reports.
-fn in_words(spec: &MonitorSpec) -> String {
+fn in_words(form: &JudgingForm) -> String {
+    let spec = match &form.rule {
+        Rule::Staged(spec) => spec,
+        Rule::Formula(formula) => return formula.text.clone(),
+    };
     let stages: Vec<String> = spec.then.iter().map(stage_in_words).collect();
     format!("when {}: {}", spec.when, stages.join("; then "))
 }

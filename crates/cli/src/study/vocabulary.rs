@@ -1,6 +1,7 @@
 //! The vocabulary: each proposition once, with what it means to each
 //! technique.
 
+use super::StudyParameters;
 use crate::problem::{Problem, Source, did_you_mean};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -51,8 +52,8 @@ struct PropositionText {
 }
 
 impl Vocabulary {
-    /// Reads `vocabulary.toml`.
-    pub fn load(folder: &Path) -> Result<Self, Problem> {
+    /// Reads `vocabulary.toml`; its predicates may use the parameters.
+    pub fn load(folder: &Path, parameters: &StudyParameters) -> Result<Self, Problem> {
         let source = Source::read(&folder.join("vocabulary.toml"))?;
         let texts: BTreeMap<String, PropositionText> =
             toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
@@ -71,7 +72,8 @@ impl Vocabulary {
         let bound = propositions
             .iter()
             .filter_map(|(name, p)| p.trace.as_ref().map(|b| (name.clone(), b.text.clone())));
-        let signals = trace::Vocabulary::new(bound).map_err(|errors| {
+        let values = parameters.values.clone();
+        let signals = trace::Vocabulary::with_parameters(bound, values).map_err(|errors| {
             let mut problems = errors
                 .into_iter()
                 .map(|error| predicate_problem(&source, &propositions, &error));

@@ -1,15 +1,22 @@
-//! Judging traces with the study's monitors.
+//! Judging traces with the study's monitors and formulas.
 //!
 //! A trace is judged at every time at which any of its signals was recorded,
 //! so that nothing falls between two polls; signals keep their last value in
-//! between. The clock is the trace's.
+//! between. The clock is the trace's, unless a form names a signal as its
+//! clock. [`Judges`] holds what is compiled once; a [`Session`] is one pass
+//! over one trace, whether it comes from memory, a file or a running system.
+
+mod session;
+
+pub use session::Session;
 
 use crate::problem::Problem;
-use crate::study::{Study, SubjectForm};
+use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm};
 use evidence::Subject;
 use std::collections::BTreeMap;
-use temporal::monitor::{Monitor, MonitorReport, MonitorSpec};
-use trace::{Predicate, Sampling, Trace, Valuations};
+use temporal::formula::FormulaMonitor;
+use temporal::monitor::{Monitor, Verdict};
+use trace::{Cursor, Predicate, Quantity, Sampling, Trace, ticks};
 
 /// All monitors of a study, compiled.
 #[derive(Debug)]
@@ -17,6 +24,8 @@ pub struct Judges<'a> {
     study: &'a Study,
     /// The propositions that any monitor uses, each once.
     predicates: Vec<Predicate>,
+    /// The clocks other than the trace's, each once.
+    clocks: Vec<Quantity>,
     /// The monitors, in the order of the subjects.
     judges: Vec<SubjectJudge<'a>>,
 }
@@ -27,9 +36,22 @@ struct SubjectJudge<'a> {
     subject: &'a Subject,
     /// `None`: the main reading.
     reading: Option<&'a str>,
-    monitor: Monitor,
-    /// For each of the monitor's propositions, its place in `predicates`.
+    rule: CompiledRule,
+    /// For each of its propositions, the place in `predicates`.
     propositions: Vec<usize>,
+    /// Its place in `clocks`; `None` for the trace's clock.
+    clock: Option<usize>,
+}
+
+/// A rule that is ready to judge.
+#[derive(Debug)]
+enum CompiledRule {
+    Staged(Monitor),
+    Formula {
+        monitor: FormulaMonitor,
+        /// The texts of its atoms.
+        atoms: Vec<String>,
+    },
 }
 
 /// What one monitor says of one trace.
@@ -39,101 +61,212 @@ pub struct Judgement<'a> {
     pub subject: &'a Subject,
     /// `None`: the main reading.
     pub reading: Option<&'a str>,
-    /// The verdict and its counts.
-    pub report: MonitorReport,
+    /// The verdict and what it rests on.
+    pub findings: JudgedTrace,
+}
+
+/// A verdict on a trace and what it rests on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedTrace {
+    /// The conclusion.
+    pub verdict: Verdict,
+    /// How often the precondition was met.
+    pub triggered: u64,
+    /// How often all postconditions were; for a formula, 1 if it is satisfied.
+    pub passed: u64,
+    /// How often one was not; for a formula, 1 if it is violated.
+    pub failed: u64,
+    /// By how much the formula is satisfied or, below 0, violated: the least
+    /// and the greatest that it can be. Stages have none.
+    pub robustness: Option<(f64, f64)>,
+    /// When the verdict was determined, if before the end; seconds.
+    pub decided_at_secs: Option<f64>,
+    /// Why it is violated.
+    pub violation: Option<Violation>,
+}
+
+/// The shortest part of a trace that shows a violation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// Where it begins, in seconds.
+    pub from_secs: f64,
+    /// Where it ends and the violation shows.
+    pub to_secs: f64,
+    /// The propositions or predicates responsible, with their truth there and
+    /// the signals that they read.
+    pub responsible: Vec<Responsible>,
+}
+
+/// A proposition that is part of the reason for a violation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Responsible {
+    /// Its name, or its text.
+    pub proposition: String,
+    /// What it was.
+    pub value: bool,
+    /// From when on, in seconds.
+    pub from_secs: f64,
+    /// Until when.
+    pub to_secs: f64,
+    /// The signals that it reads, `/topic.field`.
+    pub signals: Vec<String>,
 }
 
 impl<'a> Judges<'a> {
     /// Compiles the monitors of those subjects for which `wanted` holds.
     pub fn new(study: &'a Study, wanted: impl Fn(&Subject) -> bool) -> Result<Self, Problem> {
-        let mut judges = Self {
-            study,
-            predicates: Vec::new(),
-            judges: Vec::new(),
-        };
-        let mut places = BTreeMap::new();
+        let mut collector = Collector::new(study);
         for form in study.forms.subjects.iter().filter(|f| wanted(&f.subject)) {
-            for (reading, spec) in specs(form) {
-                judges.add(&form.subject, reading, spec, &mut places)?;
+            for (reading, judging) in written_forms(form) {
+                collector.add(&form.subject, reading, judging)?;
             }
         }
-        Ok(judges)
+        Ok(collector.judges)
+    }
+
+    /// Compiles the given forms; each is known by its name.
+    pub fn of_forms(
+        study: &'a Study,
+        forms: impl IntoIterator<Item = (&'a Subject, &'a str, &'a JudgingForm)>,
+    ) -> Result<Self, Problem> {
+        let mut collector = Collector::new(study);
+        for (subject, name, judging) in forms {
+            collector.add(subject, Some(name), judging)?;
+        }
+        Ok(collector.judges)
+    }
+
+    /// The signals that are read, `/topic.field`.
+    pub fn signals(&self) -> std::collections::BTreeSet<String> {
+        let of_predicates = self.predicates.iter().flat_map(Predicate::signals);
+        let of_clocks = self.clocks.iter().flat_map(Quantity::signals);
+        of_predicates.chain(of_clocks).collect()
+    }
+
+    /// Begins to judge a trace with the channels of `layout`.
+    pub fn start<'s>(&'s self, layout: &Trace) -> Result<Session<'s, 'a>, Problem> {
+        Session::new(self, layout)
+    }
+
+    /// Judges one trace with all monitors in one pass.
+    pub fn judge(&self, trace: &Trace) -> Result<Vec<Judgement<'a>>, Problem> {
+        let mut session = self.start(trace)?;
+        let times = ticks(trace, Sampling::EveryRow)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        let mut cursor = Cursor::new(trace);
+        for time_secs in times {
+            cursor.seek(time_secs);
+            session.step(time_secs, &cursor)?;
+        }
+        Ok(session.finish(trace.complete))
+    }
+}
+
+/// Judges that are being put together.
+struct Collector<'a> {
+    judges: Judges<'a>,
+    places: BTreeMap<String, usize>,
+    clocks: BTreeMap<String, usize>,
+}
+
+impl<'a> Collector<'a> {
+    fn new(study: &'a Study) -> Self {
+        Self {
+            judges: Judges {
+                study,
+                predicates: Vec::new(),
+                clocks: Vec::new(),
+                judges: Vec::new(),
+            },
+            places: BTreeMap::new(),
+            clocks: BTreeMap::new(),
+        }
     }
 
     fn add(
         &mut self,
         subject: &'a Subject,
         reading: Option<&'a str>,
-        spec: &MonitorSpec,
-        places: &mut BTreeMap<String, usize>,
+        form: &JudgingForm,
     ) -> Result<(), Problem> {
-        let monitor = Monitor::compile(spec)
-            .map_err(|error| Problem::new("bad-monitor", error.to_string()))?;
-        let mut propositions = Vec::new();
-        for name in monitor.propositions() {
-            let place = match places.get(name) {
-                Some(place) => *place,
-                None => {
-                    let predicate = self.study.vocabulary.signals.predicate(name);
-                    let predicate =
-                        predicate.map_err(|e| self.study.vocabulary.predicate_problem(&e))?;
-                    self.predicates.push(predicate);
-                    places.insert(name.clone(), self.predicates.len() - 1);
-                    self.predicates.len() - 1
-                }
-            };
-            propositions.push(place);
-        }
-        self.judges.push(SubjectJudge {
+        let rule = CompiledRule::new(&form.rule)?;
+        let names: Vec<String> = rule.propositions().to_vec();
+        let propositions = names
+            .iter()
+            .map(|name| self.proposition(name))
+            .collect::<Result<Vec<_>, _>>()?;
+        let clock = match &form.clock {
+            Some(clock) => Some(self.clock(clock)?),
+            None => None,
+        };
+        self.judges.judges.push(SubjectJudge {
             subject,
             reading,
-            monitor,
+            rule,
             propositions,
+            clock,
         });
         Ok(())
     }
 
-    /// Judges one trace with all monitors in one pass.
-    pub fn judge(&self, trace: &Trace) -> Result<Vec<Judgement<'a>>, Problem> {
-        let bound = self
-            .predicates
-            .iter()
-            .map(|p| p.bind(trace))
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(|error| self.study.vocabulary.predicate_problem(&error))?;
-        let sampled = Valuations::sample(trace, &bound, Sampling::EveryRow)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-        self.judges
-            .iter()
-            .map(|judge| {
-                let samples = sampled
-                    .times_secs
-                    .iter()
-                    .enumerate()
-                    .map(|(tick, time_secs)| {
-                        let value = {
-                            let sampled = &sampled;
-                            move |proposition: usize| {
-                                sampled.value(tick, judge.propositions[proposition])
-                            }
-                        };
-                        (*time_secs, value)
-                    });
-                let report = judge.monitor.judge(samples, trace.complete);
-                Ok(Judgement {
-                    subject: judge.subject,
-                    reading: judge.reading,
-                    report: report
-                        .map_err(|error| Problem::new("bad-recording", error.to_string()))?,
-                })
-            })
-            .collect()
+    fn proposition(&mut self, text: &str) -> Result<usize, Problem> {
+        if let Some(place) = self.places.get(text) {
+            return Ok(*place);
+        }
+        let vocabulary = &self.judges.study.vocabulary;
+        let predicate = vocabulary.signals.predicate(text);
+        let predicate = predicate.map_err(|error| vocabulary.predicate_problem(&error))?;
+        self.judges.predicates.push(predicate);
+        let place = self.judges.predicates.len() - 1;
+        self.places.insert(text.to_owned(), place);
+        Ok(place)
+    }
+
+    fn clock(&mut self, text: &str) -> Result<usize, Problem> {
+        if let Some(place) = self.clocks.get(text) {
+            return Ok(*place);
+        }
+        let vocabulary = &self.judges.study.vocabulary;
+        let quantity = vocabulary.signals.quantity(text);
+        let quantity = quantity.map_err(|error| vocabulary.predicate_problem(&error))?;
+        self.judges.clocks.push(quantity);
+        let place = self.judges.clocks.len() - 1;
+        self.clocks.insert(text.to_owned(), place);
+        Ok(place)
     }
 }
 
-/// A subject's monitors: the main one and those of other readings.
-fn specs(form: &SubjectForm) -> impl Iterator<Item = (Option<&str>, &MonitorSpec)> {
-    let main = form.monitor.iter().map(|spec| (None, spec));
+impl CompiledRule {
+    fn new(rule: &Rule) -> Result<Self, Problem> {
+        match rule {
+            Rule::Staged(spec) => Monitor::compile(spec)
+                .map(Self::Staged)
+                .map_err(|error| Problem::new("bad-monitor", error.to_string())),
+            Rule::Formula(formula) => Self::formula(formula),
+        }
+    }
+
+    fn formula(rule: &FormulaRule) -> Result<Self, Problem> {
+        let monitor = FormulaMonitor::compile(&rule.parsed.formula, &rule.settings())
+            .map_err(|error| Problem::new("bad-formula", error.to_string()))?;
+        let atoms = rule.parsed.atoms.iter().map(|atom| atom.text.clone());
+        Ok(Self::Formula {
+            monitor,
+            atoms: atoms.collect(),
+        })
+    }
+
+    fn propositions(&self) -> &[String] {
+        match self {
+            Self::Staged(monitor) => monitor.propositions(),
+            Self::Formula { atoms, .. } => atoms,
+        }
+    }
+}
+
+/// A subject's judging forms: the main one and those of other readings.
+fn written_forms(form: &SubjectForm) -> impl Iterator<Item = (Option<&str>, &JudgingForm)> {
+    let main = form.monitor.iter().map(|judging| (None, judging));
     let others = form
         .readings
         .iter()

@@ -260,9 +260,15 @@ impl<'a> Compiled<'a> {
                 findings.push(Finding {
                     subject: form.subject.clone(),
                     measure: Measure::NotExpressible {
-                        reason:
-                            "It has no logical property: the formal model does not speak of it."
-                                .into(),
+                        reason: match &form.no_property {
+                            Some(reason) => {
+                                format!("Its sentence is no logical property: {reason}.")
+                            }
+                            None => {
+                                "It has no logical property: the formal model does not speak of it."
+                                    .into()
+                            }
+                        },
                     },
                     undecided: 0,
                     witnesses: Vec::new(),

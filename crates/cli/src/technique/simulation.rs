@@ -270,7 +270,10 @@ pub fn findings(
                 return Ok(Finding {
                     subject: form.subject.clone(),
                     measure: Measure::NotExpressible {
-                        reason: "It has no monitor.".into(),
+                        reason: match &form.no_monitor {
+                            Some(reason) => format!("It cannot be judged on traces: {reason}."),
+                            None => "It has no monitor.".into(),
+                        },
                     },
                     undecided: 0,
                     witnesses: Vec::new(),
@@ -325,7 +328,7 @@ impl Tally {
             let judged = judgement
                 .iter()
                 .find(|j| j.subject == subject && j.reading == reading);
-            let verdict = judged.map(|j| j.report.verdict);
+            let verdict = judged.map(|j| j.findings.verdict);
             match verdict {
                 Some(Verdict::Satisfied) => tally.satisfied += 1,
                 Some(Verdict::Violated) => {

@@ -37,6 +37,9 @@ fn as_checked(requirement: &Requirement) -> Markup {
                 @if let Some(first) = &requirement.same_quantity_as {
                     div { dt { "Quantity" } dd { "that of requirement " (first) } }
                 }
+                @if let Some(sentence) = &requirement.sentence {
+                    div { dt { "In structured English" } dd { (sentence) } }
+                }
                 div { dt { "Logical property" } dd {
                     @match &requirement.property { Some(p) => code { (p) }, None => "none" }
                 } }

@@ -292,6 +292,12 @@ impl Judge<'_> {
         }
     }
 
+    /// How many instances have failed so far.
+    #[must_use]
+    pub fn failed(&self) -> u64 {
+        self.report.failed
+    }
+
     /// Ends the trace. `complete` is false if the recording was cut short: then nothing fails for
     /// being under way, and the verdict is [`Verdict::Satisfied`] only if nothing can follow.
     #[must_use]

@@ -1,0 +1,237 @@
+//! A requirement's sentence, and the forms that are made from it: the property,
+//! the monitor, the test goals and the coverage bins.
+//!
+//! What a form cannot express is kept as the reason, never left out silently.
+
+use super::judging_form::{FormulaRule, JudgingForm, JudgingText, Rule, is_name};
+use super::{StudyParameters, Vocabulary};
+use crate::problem::{Problem, Source, did_you_mean};
+use requirement_lang::compile::coverage::{Bin, bins};
+use requirement_lang::compile::goal::{ModelGoal, TraceGoal, model_goal, trace_goal};
+use requirement_lang::compile::monitor::monitor;
+use requirement_lang::compile::property::{Model, Property, property};
+use requirement_lang::sentence::Sentence;
+use requirement_lang::{Context, Explanation, explain, library, parse};
+use std::ops::Range;
+use toml::Spanned;
+
+/// A sentence and what was made from it; an `Err` says why a form is missing.
+#[derive(Clone, Debug)]
+pub struct SentenceForm {
+    /// The sentence, verbatim.
+    pub text: String,
+    /// Its place in the requirements' file, without the quotes.
+    pub span: Range<usize>,
+    /// What was understood.
+    pub tree: Sentence,
+    /// For traces.
+    pub monitor: Result<JudgingForm, String>,
+    /// For the model checker.
+    pub property: Result<Property, String>,
+    /// For a test generator that searches the model.
+    pub model_goal: Result<ModelGoal, String>,
+    /// For a test generator that simulates.
+    pub trace_goal: Result<TraceGoal, String>,
+    /// What a campaign of tests should have seen.
+    pub bins: Result<Vec<Bin>, String>,
+    /// Propositions without a column in the experiments' tables.
+    pub not_in_experiments: Vec<String>,
+}
+
+/// What sentences are read with.
+#[derive(Clone, Copy, Debug)]
+pub struct SentenceReader<'a> {
+    /// The requirements' file.
+    pub source: &'a Source,
+    /// The propositions.
+    pub vocabulary: &'a Vocabulary,
+    /// The parameters.
+    pub parameters: &'a StudyParameters,
+    /// The duration of a step of the formal models, in seconds.
+    pub step_secs: Option<f64>,
+}
+
+impl SentenceReader<'_> {
+    /// Reads a sentence and makes its forms; `judging` says how traces are to
+    /// be read.
+    pub fn read(
+        &self,
+        text: Spanned<String>,
+        judging: &JudgingText,
+    ) -> Result<SentenceForm, Problem> {
+        let span = text.span().start + 1..text.span().end.saturating_sub(1);
+        let text = text.into_inner();
+        let tree = self.parse(&text, span.start)?;
+        Ok(self.forms(text, tree, span, judging))
+    }
+
+    /// The sentence of a template of the library, whose parameters the study
+    /// has declared.
+    pub fn of_library(
+        &self,
+        id: &Spanned<String>,
+        judging: &JudgingText,
+    ) -> Result<SentenceForm, Problem> {
+        let span = id.span();
+        let Some(template) = library::template(id.get_ref()) else {
+            let known = library::templates().map(|template| template.id);
+            let problem = Problem::new(
+                "unknown-template",
+                format!("the library has no requirement `{}`", id.get_ref()),
+            )
+            .at(self.source, span);
+            return Err(match did_you_mean(id.get_ref(), known) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem.remedy("`corroborate requirements --library` lists them"),
+            });
+        };
+        let mut values = Vec::new();
+        for declaration in template.parameters {
+            match self.parameters.declared.get(declaration.name) {
+                Some(parameter) => values.push((declaration.name, parameter.text.as_str())),
+                None => return Err(self.undeclared(template, declaration, span)),
+            }
+        }
+        let instance = template.instantiate(&values).map_err(|error| {
+            Problem::new("bad-parameter", error.to_string())
+                .at(self.source, span.clone())
+                .remedy("correct the value in parameters.toml")
+        })?;
+        for need in template.needs {
+            self.vocabulary
+                .proposition(need.name, self.source, span.clone())?;
+        }
+        let text = instance.text.to_owned();
+        Ok(self.forms(text, instance.sentence, span, judging))
+    }
+
+    fn undeclared(
+        &self,
+        template: &library::Template,
+        declaration: &library::Declaration,
+        span: Range<usize>,
+    ) -> Problem {
+        let value = declaration.default.unwrap_or(declaration.least);
+        Problem::new(
+            "unknown-parameter",
+            format!(
+                "the requirement `{}` needs the parameter `{}`: {}",
+                template.id, declaration.name, declaration.meaning
+            ),
+        )
+        .at(self.source, span)
+        .remedy(format!(
+            "declare it in parameters.toml: [{}] value = \"{value}\"",
+            declaration.name
+        ))
+    }
+
+    /// The forms of a sentence that was understood.
+    fn forms(
+        &self,
+        text: String,
+        tree: Sentence,
+        span: Range<usize>,
+        judging: &JudgingText,
+    ) -> SentenceForm {
+        let proposition = |text: &str| self.in_model(text);
+        let model = Model {
+            step_secs: self.step_secs,
+            proposition: &proposition,
+        };
+        let (time, ending) = judging.reading();
+        let unbound = self.unbound(&tree, |p| p.trace.is_some());
+        let monitor = match unbound.first() {
+            Some(name) => Err(format!("`{name}` is not bound to traces")),
+            None => monitor(&tree)
+                .map(|monitor| JudgingForm {
+                    rule: Rule::Formula(FormulaRule::of_sentence(monitor, time, ending)),
+                    clock: judging.clock(),
+                    from_sentence: true,
+                })
+                .map_err(|reason| reason.to_string()),
+        };
+        SentenceForm {
+            monitor,
+            property: property(&tree, &model).map_err(|reason| reason.to_string()),
+            model_goal: model_goal(&tree, &model).map_err(|reason| reason.to_string()),
+            trace_goal: trace_goal(&tree).map_err(|reason| reason.to_string()),
+            bins: bins(&tree).map_err(|reason| reason.to_string()),
+            not_in_experiments: self.unbound(&tree, |p| p.column.is_some()),
+            text,
+            span,
+            tree,
+        }
+    }
+
+    fn parse(&self, text: &str, start: usize) -> Result<Sentence, Problem> {
+        let names: Vec<&str> = self
+            .vocabulary
+            .propositions
+            .keys()
+            .map(String::as_str)
+            .collect();
+        let context = Context {
+            parameters: Some(&self.parameters.values),
+            vocabulary: Some(&names),
+        };
+        parse(text, &context).into_result().map_err(|mistakes| {
+            let problems = mistakes.into_iter().map(|mistake| {
+                let span = start + mistake.span.start..start + mistake.span.end;
+                let problem = Problem::new(mistake.code, mistake.message).at(self.source, span);
+                match mistake.remedy {
+                    Some(remedy) => problem.remedy(remedy),
+                    None => problem,
+                }
+            });
+            Problem::all(problems)
+                .unwrap_or_else(|| Problem::new("bad-sentence", "the sentence could not be read"))
+        })
+    }
+
+    /// The model's text for an atom of a sentence.
+    fn in_model(&self, text: &str) -> Option<String> {
+        let proposition = self.vocabulary.propositions.get(text)?;
+        proposition.model.as_ref().map(|_| format!("\"{text}\""))
+    }
+
+    /// The propositions of a sentence that lack a binding.
+    fn unbound(
+        &self,
+        tree: &Sentence,
+        bound: impl Fn(&super::vocabulary::Proposition) -> bool,
+    ) -> Vec<String> {
+        let names = tree.propositions().into_iter().filter(|text| is_name(text));
+        names
+            .filter(|name| {
+                let proposition = self.vocabulary.propositions.get(*name);
+                proposition.is_some_and(|p| !bound(p))
+            })
+            .map(str::to_owned)
+            .collect()
+    }
+}
+
+impl SentenceForm {
+    /// What was understood, in words and as a drawing.
+    pub fn explanation(&self) -> Explanation {
+        explain(&self.tree)
+    }
+
+    /// The parameters that it uses, directly or through the vocabulary.
+    pub fn parameters(&self, vocabulary: &Vocabulary, parameters: &StudyParameters) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for stage in &self.tree.stages {
+            let duration = stage.timing.duration();
+            names.extend(duration.map(|duration| duration.text.clone()));
+        }
+        for text in self.tree.propositions() {
+            if let Ok(predicate) = vocabulary.signals.predicate(text) {
+                let constants = predicate.constants().into_iter();
+                names.extend(constants.filter_map(|constant| constant.parameter));
+            }
+        }
+        names.retain(|name| parameters.values.get(name).is_some());
+        names
+    }
+}

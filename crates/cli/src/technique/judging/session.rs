@@ -1,0 +1,220 @@
+//! One pass over one trace: every monitor is given each instant once.
+//!
+//! Memory is bounded by the monitors (their windows), not by the trace.
+
+use super::{CompiledRule, JudgedTrace, Judgement, Judges, Responsible, SubjectJudge, Violation};
+use crate::problem::Problem;
+use temporal::formula::{FormulaJudge, FormulaReport};
+use temporal::monitor::{Judge, MonitorReport, Verdict};
+use trace::{BoundPredicate, BoundQuantity, SignalValues, Trace};
+
+/// The least step of a clock that stands still, in seconds: the resolution of
+/// recorded times.
+const CLOCK_STEP_SECS: f64 = 1e-9;
+
+/// Judging one trace.
+pub struct Session<'s, 'a> {
+    judges: &'s Judges<'a>,
+    predicates: Vec<BoundPredicate>,
+    clocks: Vec<BoundQuantity>,
+    at_work: Vec<AtWork<'s>>,
+    /// Truth of each predicate at this instant.
+    truth: Vec<Option<bool>>,
+    /// Robustness of each predicate at this instant; NaN if unknown.
+    robustness: Vec<f64>,
+    /// Scratch space for one formula's atoms.
+    atom_truth: Vec<Option<bool>>,
+    atom_robustness: Vec<f64>,
+}
+
+/// One monitor at work.
+struct AtWork<'s> {
+    judge: Work<'s>,
+    /// The last time on its own clock.
+    last_secs: f64,
+}
+
+enum Work<'s> {
+    Staged(Judge<'s>),
+    Formula(FormulaJudge),
+}
+
+impl<'s, 'a> Session<'s, 'a> {
+    pub(super) fn new(judges: &'s Judges<'a>, layout: &Trace) -> Result<Self, Problem> {
+        let problem =
+            |error: trace::PredicateError| judges.study.vocabulary.predicate_problem(&error);
+        let predicates = judges.predicates.iter().map(|p| p.bind(layout));
+        let predicates = predicates.collect::<Result<Vec<_>, _>>().map_err(problem)?;
+        let clocks = judges.clocks.iter().map(|c| c.bind(layout));
+        let clocks = clocks.collect::<Result<Vec<_>, _>>().map_err(problem)?;
+        let at_work = judges.judges.iter().map(|judge| AtWork {
+            judge: match &judge.rule {
+                CompiledRule::Staged(monitor) => Work::Staged(monitor.start()),
+                CompiledRule::Formula { monitor, .. } => Work::Formula(monitor.start()),
+            },
+            last_secs: f64::NEG_INFINITY,
+        });
+        Ok(Self {
+            at_work: at_work.collect(),
+            truth: vec![None; predicates.len()],
+            robustness: vec![f64::NAN; predicates.len()],
+            atom_truth: Vec::new(),
+            atom_robustness: Vec::new(),
+            judges,
+            predicates,
+            clocks,
+        })
+    }
+
+    /// Takes the next instant, at which signals have the given values.
+    pub fn step<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
+        for (place, predicate) in self.predicates.iter().enumerate() {
+            let judged = predicate.judge(values);
+            self.truth[place] = judged.map(|(truth, _)| truth);
+            self.robustness[place] = judged.map_or(f64::NAN, |(_, robustness)| robustness);
+        }
+        let judges = self.judges;
+        for (index, judge) in judges.judges.iter().enumerate() {
+            let now_secs = match judge.clock {
+                None => Some(time_secs),
+                Some(clock) => own_time(&self.clocks[clock], values, self.at_work[index].last_secs),
+            };
+            // Before its clock shows a time, a monitor sees nothing.
+            if let Some(now_secs) = now_secs {
+                self.advance(index, judge, now_secs)
+                    .map_err(|error| Problem::new("bad-recording", error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        index: usize,
+        judge: &SubjectJudge<'_>,
+        now_secs: f64,
+    ) -> Result<(), String> {
+        let at_work = &mut self.at_work[index];
+        at_work.last_secs = now_secs;
+        match &mut at_work.judge {
+            Work::Staged(staged) => {
+                let truth = &self.truth;
+                staged
+                    .step(now_secs, &|p| truth[judge.propositions[p]])
+                    .map_err(|error| error.to_string())
+            }
+            Work::Formula(formula) => {
+                self.atom_truth.clear();
+                self.atom_robustness.clear();
+                for place in &judge.propositions {
+                    self.atom_truth.push(self.truth[*place]);
+                    self.atom_robustness.push(self.robustness[*place]);
+                }
+                formula
+                    .step_both(now_secs, &self.atom_truth, &self.atom_robustness)
+                    .map(drop)
+                    .map_err(|error| error.to_string())
+            }
+        }
+    }
+
+    /// The verdict of each monitor that is determined already, `None` while
+    /// it is open, with its subject and reading.
+    pub fn determined(
+        &self,
+    ) -> impl Iterator<Item = (&'a evidence::Subject, Option<&'a str>, Option<Verdict>)> + '_ {
+        let pairs = self.judges.judges.iter().zip(&self.at_work);
+        pairs.map(|(judge, at_work)| {
+            let verdict = match &at_work.judge {
+                Work::Staged(staged) => (staged.failed() > 0).then_some(Verdict::Violated),
+                Work::Formula(formula) => formula.verdict(),
+            };
+            (judge.subject, judge.reading, verdict)
+        })
+    }
+
+    /// Ends the trace; `complete` is false if it was cut short.
+    pub fn finish(self, complete: bool) -> Vec<Judgement<'a>> {
+        let judges = self.judges;
+        let pairs = judges.judges.iter().zip(self.at_work);
+        pairs
+            .map(|(judge, at_work)| Judgement {
+                subject: judge.subject,
+                reading: judge.reading,
+                findings: match at_work.judge {
+                    Work::Staged(staged) => of_stages(judges, staged.finish(complete)),
+                    Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
+                },
+            })
+            .collect()
+    }
+}
+
+/// The time on a monitor's own clock, which never goes back and, where it
+/// stands still, takes the least step.
+fn own_time<V: SignalValues>(clock: &BoundQuantity, values: &V, last_secs: f64) -> Option<f64> {
+    let shown = clock.eval(values)?;
+    let in_secs = match clock.unit() {
+        Some(unit) if unit.dimension() == trace::units::Dimension::TIME => {
+            unit.factor().conversion().apply(shown)
+        }
+        _ => shown,
+    };
+    Some(in_secs.max(last_secs + CLOCK_STEP_SECS))
+}
+
+fn of_stages(judges: &Judges<'_>, report: MonitorReport) -> JudgedTrace {
+    let violation = report.first_failure.map(|failure| Violation {
+        from_secs: failure.triggered_at_secs,
+        to_secs: failure.time_secs,
+        responsible: vec![Responsible {
+            signals: signals(judges, &failure.proposition),
+            proposition: failure.proposition,
+            value: false,
+            from_secs: failure.triggered_at_secs,
+            to_secs: failure.time_secs,
+        }],
+    });
+    JudgedTrace {
+        verdict: report.verdict,
+        triggered: report.triggered,
+        passed: report.passed,
+        failed: report.failed,
+        robustness: None,
+        decided_at_secs: violation.as_ref().map(|v| v.to_secs),
+        violation,
+    }
+}
+
+fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaReport) -> JudgedTrace {
+    let atoms = judge.rule.propositions();
+    let violation = report.explanation.map(|explanation| Violation {
+        from_secs: explanation.from_secs,
+        to_secs: explanation.to_secs,
+        responsible: explanation
+            .atoms
+            .iter()
+            .map(|part| Responsible {
+                proposition: atoms[part.atom.0].clone(),
+                value: part.value,
+                from_secs: part.from_secs,
+                to_secs: part.to_secs,
+                signals: signals(judges, &atoms[part.atom.0]),
+            })
+            .collect(),
+    });
+    JudgedTrace {
+        verdict: report.verdict,
+        triggered: report.triggered,
+        passed: u64::from(report.verdict == Verdict::Satisfied),
+        failed: u64::from(report.verdict == Verdict::Violated),
+        robustness: report.robustness.map(|bounds| (bounds.low, bounds.high)),
+        decided_at_secs: report.decided_at_secs,
+        violation,
+    }
+}
+
+fn signals(judges: &Judges<'_>, proposition: &str) -> Vec<String> {
+    let predicate = judges.study.vocabulary.signals.predicate(proposition);
+    predicate.map_or_else(|_| Vec::new(), |p| p.signals().into_iter().collect())
+}

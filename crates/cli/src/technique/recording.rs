@@ -1,0 +1,198 @@
+//! Recordings of any format, judged by the study's monitors.
+//!
+//! A trace that this program wrote is read whole; any other recording is
+//! streamed through the study's topic map, so that its size does not matter.
+
+use super::judging::{Judgement, Judges};
+use crate::problem::{Problem, Source};
+use recording::{OpenOptions, SignalStream, TopicMap};
+use std::path::{Path, PathBuf};
+use trace::Trace;
+
+/// The name of a study's topic map.
+const TOPIC_MAP: &str = "topics.toml";
+
+/// How recordings are read.
+#[derive(Debug, Default)]
+pub struct ReadingRules {
+    /// Where the signals are.
+    pub map: TopicMap,
+    /// How files are opened.
+    pub options: OpenOptions,
+}
+
+/// One recording, judged.
+#[derive(Debug)]
+pub struct JudgedRecording<'a> {
+    /// One for each monitor.
+    pub judgements: Vec<Judgement<'a>>,
+    /// Whether everything that was recorded was read.
+    pub complete: bool,
+    /// What is missing, a clause each.
+    pub lost: Vec<String>,
+    /// What else is to be known about how it was read.
+    pub notes: Vec<String>,
+    /// Instants that were judged.
+    pub instants: u64,
+}
+
+impl ReadingRules {
+    /// The rules of a study, with another topic map if one is named.
+    pub fn of_study(folder: &Path, map: Option<&Path>) -> Result<Self, Problem> {
+        let of_study = folder.join(TOPIC_MAP);
+        let path = match map {
+            Some(path) => path.to_owned(),
+            None if of_study.exists() => of_study,
+            None => return Ok(Self::default()),
+        };
+        Ok(Self {
+            map: read_map(&path)?,
+            options: OpenOptions::default(),
+        })
+    }
+
+    /// Judges the recording at `path`; `go_on` is asked now and then.
+    pub fn judge<'a>(
+        &self,
+        judges: &Judges<'a>,
+        path: &Path,
+        go_on: &dyn Fn() -> Result<(), Problem>,
+    ) -> Result<JudgedRecording<'a>, Problem> {
+        match own_trace(path)? {
+            Some((trace, lost)) => of_trace(judges, &trace, lost),
+            None => self.of_stream(judges, path, go_on),
+        }
+        .map_err(|problem| problem.about(&path.display().to_string()))
+    }
+
+    fn of_stream<'a>(
+        &self,
+        judges: &Judges<'a>,
+        path: &Path,
+        go_on: &dyn Fn() -> Result<(), Problem>,
+    ) -> Result<JudgedRecording<'a>, Problem> {
+        let mut stream = self.stream(judges, path)?;
+        let mut session = judges.start(stream.layout())?;
+        let mut instants = 0_u64;
+        let mut failed = None;
+        loop {
+            match stream.next_instant() {
+                Ok(Some(instant)) => session.step(instant.time_secs, stream.snapshot())?,
+                Ok(None) => break,
+                // What was read before is judged; the rest is lost.
+                Err(error) => {
+                    failed = Some(error.to_string());
+                    break;
+                }
+            }
+            instants += 1;
+            if instants.is_multiple_of(1 << 16) {
+                go_on()?;
+            }
+        }
+        let complete = stream.complete() && failed.is_none();
+        let (losses, others): (Vec<_>, Vec<_>) = stream
+            .notes()
+            .into_iter()
+            .partition(|note| note.kind.is_loss());
+        let lost = stream.losses().iter().map(ToString::to_string);
+        let lost = lost.chain(losses.iter().map(ToString::to_string));
+        let absent = stream.absent().iter().map(ToString::to_string);
+        Ok(JudgedRecording {
+            judgements: session.finish(complete),
+            lost: lost.chain(failed).collect(),
+            notes: absent
+                .chain(others.iter().map(ToString::to_string))
+                .collect(),
+            complete,
+            instants,
+        })
+    }
+
+    /// The signals of a recording that the judges read.
+    pub fn stream(&self, judges: &Judges<'_>, path: &Path) -> Result<SignalStream, Problem> {
+        let reader = recording::open(path, &self.options)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        let wanted: Vec<String> = judges.signals().into_iter().collect();
+        SignalStream::new(reader, &self.map, &wanted).map_err(|errors| {
+            let problems = errors
+                .iter()
+                .map(|error| Problem::new("bad-recording", error.to_string()));
+            Problem::all(problems)
+                .unwrap_or_else(|| Problem::new("bad-recording", "its signals are not known"))
+                .remedy("say in topics.toml where the signal is; `corroborate inspect` drafts it")
+        })
+    }
+}
+
+fn of_trace<'a>(
+    judges: &Judges<'a>,
+    trace: &Trace,
+    lost: Option<String>,
+) -> Result<JudgedRecording<'a>, Problem> {
+    Ok(JudgedRecording {
+        judgements: judges.judge(trace)?,
+        complete: trace.complete,
+        lost: lost.into_iter().collect(),
+        notes: Vec::new(),
+        instants: trace.channels.iter().map(|c| c.len() as u64).sum(),
+    })
+}
+
+/// A trace that this program wrote, or a table of signals in its form, with
+/// what is lost; `None` if the file is anything else.
+fn own_trace(path: &Path) -> Result<Option<(Trace, Option<String>)>, Problem> {
+    let bad = |message: String| Problem::new("bad-recording", message);
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    match extension {
+        "csv" if has_our_header(path) => {
+            let trace = trace::read_csv_trace(path).map_err(|error| bad(error.to_string()))?;
+            Ok(Some((trace, None)))
+        }
+        "mcap" if recording::is_trace_file(path).map_err(|e| Problem::cannot_read(path, &e))? => {
+            let outcome = recording::read_mcap(path).map_err(|error| bad(error.to_string()))?;
+            Ok(Some((outcome.trace, outcome.lost)))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether a table names its signals as `/topic.field`.
+fn has_our_header(path: &Path) -> bool {
+    let Ok(file) = std::fs::File::open(path) else {
+        return false;
+    };
+    let mut first = String::new();
+    let read = std::io::BufRead::read_line(&mut std::io::BufReader::new(file), &mut first);
+    read.is_ok() && first.starts_with("time_secs,") && first.contains(",/")
+}
+
+/// The recordings named, with those of named folders in natural order.
+pub fn recordings(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Problem> {
+    let mut files = Vec::new();
+    for path in paths {
+        let found = recording::trials(path)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        if found.trials.is_empty() {
+            return Err(Problem::new(
+                "no-recordings",
+                format!("{} holds no recording", path.display()),
+            )
+            .remedy("name recordings (MCAP, bags, CSV, JSON lines), or a folder of them"));
+        }
+        files.extend(found.trials.into_iter().map(|trial| trial.path));
+    }
+    Ok(files)
+}
+
+fn read_map(path: &Path) -> Result<TopicMap, Problem> {
+    let source = Source::read(path)?;
+    TopicMap::parse(&source.name, &source.text).map_err(|errors| {
+        let problems = errors
+            .iter()
+            .map(|error| Problem::new("bad-topic-map", error.to_string()));
+        Problem::all(problems)
+            .unwrap_or_else(|| Problem::new("bad-topic-map", "the topic map cannot be read"))
+            .remedy("`corroborate inspect RECORDING` drafts a topic map")
+    })
+}
