@@ -151,8 +151,12 @@ impl<R: Read + Seek> McapReader<R> {
             Ending::Summarised(summary) => summary,
             _ => Summary::default(),
         };
+        let is_described_outside = !found.schemas.is_empty() || !found.channels.is_empty();
+        let needs_whole = is_described_outside && summary.statistics.is_none();
         for schema in summary.schemas.into_iter().chain(found.schemas) {
-            self.topics.add_schema(schema);
+            if !self.topics.add_schema(schema) {
+                self.lose(0, "a schema is described twice".to_owned(), None, None);
+            }
         }
         for channel in summary.channels.into_iter().chain(found.channels) {
             if !self.topics.add_channel(channel) {
@@ -164,7 +168,7 @@ impl<R: Read + Seek> McapReader<R> {
                 && statistics.messages.len() <= self.topics.all.len()
         });
         self.waiting = found.segments;
-        self.check_bare(found.data_end)?;
+        self.check_bare(found.data_end, needs_whole)?;
         if knows_all && let Some(statistics) = summary.statistics {
             self.topics.set_counts(&statistics.messages);
             self.counts_can_be_checked = true;
@@ -176,10 +180,15 @@ impl<R: Read + Seek> McapReader<R> {
         Ok(())
     }
 
-    /// Checks messages outside chunks, which only the checksum over the whole guards.
-    fn check_bare(&mut self, data_end: Option<(u64, u32)>) -> Result<(), ReadError> {
+    /// Checks messages outside chunks, which only the checksum over the whole guards, and
+    /// descriptions outside them where the summary does not repeat them.
+    fn check_bare(
+        &mut self,
+        data_end: Option<(u64, u32)>,
+        is_described_outside: bool,
+    ) -> Result<(), ReadError> {
         let is_bare = |segment: &Segment| matches!(segment.kind, Kind::Bare { .. });
-        if !self.waiting.iter().any(is_bare) {
+        if !self.waiting.iter().any(is_bare) && !is_described_outside {
             return Ok(());
         }
         match data_end.filter(|(_, crc)| *crc != 0) {
@@ -189,6 +198,7 @@ impl<R: Read + Seek> McapReader<R> {
                 let messages = bare.clone().filter_map(|s| s.messages).sum();
                 let offset = bare.clone().map(|s| s.offset).min().unwrap_or(0);
                 self.waiting.retain(|segment| !is_bare(segment));
+                self.is_checked &= !is_described_outside;
                 let problem = "the checksum over the whole is wrong, so messages outside chunks \
                                cannot be trusted";
                 self.lose(offset, problem.to_owned(), None, Some(messages));
