@@ -136,3 +136,50 @@ pub fn csv(bytes: &[u8]) {
         Err(error) => assert!(error.to_string().contains("input.csv"), "no place: {error}"),
     }
 }
+
+/// Reads a recording in each format: it ends, and it counts as complete only if nothing is lost.
+pub fn recording(bytes: &[u8]) {
+    use recording::Format;
+    let formats = [
+        Format::Mcap,
+        Format::Ros1Bag,
+        Format::Rosbag2Database,
+        Format::Compressed,
+        Format::Csv,
+        Format::JsonLines,
+    ];
+    // What is told to be larger is damage; so memory stays small.
+    let options = recording::OpenOptions {
+        record_bytes: 1 << 20,
+        memory_bytes: 1 << 20,
+        ..recording::OpenOptions::default()
+    };
+    for format in formats {
+        match recording::open_bytes(bytes.to_vec(), format, &options) {
+            Ok(mut reader) => read_all(&mut *reader),
+            Err(error) => assert!(error.to_string().len() > 30, "no sentence: {error}"),
+        }
+    }
+}
+
+fn read_all(reader: &mut dyn recording::Reader) {
+    let topics = reader.topics().len();
+    loop {
+        match reader.next() {
+            Ok(Some(message)) => assert!(message.topic.index() < topics, "no such topic"),
+            Ok(None) => break,
+            Err(error) => {
+                assert!(error.to_string().len() > 30, "no sentence: {error}");
+                break;
+            }
+        }
+    }
+    assert!(
+        matches!(reader.next(), Ok(None)),
+        "it goes on behind its end"
+    );
+    assert!(
+        !reader.complete() || reader.losses().is_empty(),
+        "what is lost does not count"
+    );
+}

@@ -112,3 +112,8 @@ fn recordings() {
 fn tables() {
     replay("csv", targets::csv);
 }
+
+#[test]
+fn foreign_recordings() {
+    replay("recording", targets::recording);
+}
