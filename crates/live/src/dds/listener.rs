@@ -11,7 +11,7 @@
 use super::DdsOptions;
 use super::names;
 use super::quality;
-use super::reader::{Listened, Sample};
+use super::reader::{Listened, Waiting};
 use super::session::{Session, Wanted, Writer};
 use crate::clock::instant;
 use crate::stream::Outlet;
@@ -101,18 +101,19 @@ impl<'a> Listener<'a> {
         Ok(())
     }
 
-    /// Hands out what waits, of all topics in the order of arrival. True if more may wait.
+    /// Hands out what waits, of all topics in the order of arrival and of each writer in its own. True if more may wait.
     fn hand_out_waiting(&mut self) -> Result<bool, LiveError> {
-        let mut samples: Vec<(usize, Sample)> = Vec::new();
+        let mut waiting: Vec<Waiting> = Vec::new();
         let mut more = false;
-        for (index, listened) in self.listened.iter_mut().enumerate() {
+        for (place, listened) in self.listened.iter_mut().enumerate() {
             more |= listened
-                .take(index, &mut samples, self.outlet)
+                .take(place, &mut waiting, self.outlet)
                 .map_err(|error| LiveError::Transport(error.to_string()))?;
         }
-        samples.sort_by_key(|(_, sample)| sample.receive_instant);
-        for (index, sample) in samples {
-            self.listened[index].hand_out(sample, self.outlet);
+        // Stable, so messages of one writer that were released together stay in order.
+        waiting.sort_by_key(|message| message.released);
+        for message in waiting {
+            self.listened[message.place].hand_out(message.sample, self.outlet);
         }
         Ok(more)
     }

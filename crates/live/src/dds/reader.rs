@@ -1,14 +1,14 @@
 //! The reader of one topic.
 
-use super::sequence::{Numbered, Numbers};
+use super::sequence::{Numbered, Numbers, Releases};
 use super::session::{Reader, Session, Wanted};
 use super::stamp::unix_nanos;
 use crate::stream::Outlet;
 use crate::{Event, LossCause, Message, Topic};
-use rustdds::GUID;
 use rustdds::dds::result::ReadError;
 use rustdds::mio1;
 use rustdds::no_key::DeserializedCacheChange;
+use rustdds::{GUID, Timestamp};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -18,6 +18,17 @@ const TAKEN_AT_ONCE: usize = 1024;
 
 /// A message as the stack hands it out.
 pub(super) type Sample = DeserializedCacheChange<Vec<u8>>;
+
+/// A message that waits to be handed out.
+pub(super) struct Waiting {
+    /// When it could be handed out: it and all before it of the same writer had arrived. A message that was lost and
+    /// sent again arrives after those that follow it, so the times of arrival alone would not keep the order.
+    pub(super) released: Timestamp,
+    /// The place of its topic.
+    pub(super) place: usize,
+    /// The message.
+    pub(super) sample: Sample,
+}
 
 /// A topic that is listened to.
 pub(super) struct Listened {
@@ -67,17 +78,25 @@ impl Listened {
         registry.register(&mut self.reader, token, mio1::Interest::READABLE)
     }
 
-    /// Takes what has arrived into `samples`, with `index` to know them by. True if more may wait.
+    /// Takes what has arrived into `waiting`, under the topic's place. True if more may wait.
     pub(super) fn take(
         &mut self,
-        index: usize,
-        samples: &mut Vec<(usize, Sample)>,
+        place: usize,
+        waiting: &mut Vec<Waiting>,
         outlet: &Outlet,
     ) -> Result<bool, ReadError> {
         self.reader.drain_read_notifications();
+        let mut releases = Releases::new();
         for _ in 0..TAKEN_AT_ONCE {
             match self.reader.try_take_one() {
-                Ok(Some(sample)) => samples.push((index, sample)),
+                Ok(Some(sample)) => {
+                    let released = releases.note(sample.writer_guid, sample.receive_instant);
+                    waiting.push(Waiting {
+                        released,
+                        place,
+                        sample,
+                    });
+                }
                 Ok(None) => return Ok(false),
                 Err(ReadError::Deserialization { .. } | ReadError::UnknownKey { .. }) => {
                     self.undecodable += 1;

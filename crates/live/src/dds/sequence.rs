@@ -63,6 +63,28 @@ impl<W: Ord + Copy> Numbers<W> {
     }
 }
 
+/// When messages could be handed out. Of each writer they are noted in the order of their numbers: one that was lost
+/// and sent again arrives after those that follow it, and these could be handed out only when it had arrived.
+#[derive(Debug, Default)]
+pub(crate) struct Releases<W: Ord, T: Ord> {
+    latest: BTreeMap<W, T>,
+}
+
+impl<W: Ord + Copy, T: Ord + Copy> Releases<W, T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            latest: BTreeMap::new(),
+        }
+    }
+
+    /// The time at which a message that arrived at `arrived` could be handed out.
+    pub(crate) fn note(&mut self, writer: W, arrived: T) -> T {
+        let latest = self.latest.entry(writer).or_insert(arrived);
+        *latest = arrived.max(*latest);
+        *latest
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,6 +100,25 @@ mod tests {
         assert_eq!(numbers.note('a', 7), Numbered::Repeated);
         assert_eq!(numbers.note('a', 11), Numbered::Next);
         assert_eq!(numbers.note('b', 2), Numbered::Next);
+    }
+
+    #[test]
+    fn what_was_sent_again_holds_back_what_follows_it_of_the_same_writer() {
+        let mut releases = Releases::new();
+        // Numbers 1 to 4 of writer a arrive at 10, 40 (again), 20, 50; one of writer b at 30.
+        let mut order: Vec<(i32, &str)> = Vec::new();
+        for (name, writer, arrived) in [
+            ("a1", 'a', 10),
+            ("a2", 'a', 40),
+            ("a3", 'a', 20),
+            ("a4", 'a', 50),
+            ("b1", 'b', 30),
+        ] {
+            order.push((releases.note(writer, arrived), name));
+        }
+        order.sort_by_key(|(released, _)| *released);
+        let names: Vec<&str> = order.into_iter().map(|(_, name)| name).collect();
+        assert_eq!(names, ["a1", "b1", "a2", "a3", "a4"]);
     }
 
     #[test]
