@@ -62,6 +62,6 @@ pub use monitor::{FormulaJudge, FormulaMonitor};
 pub use parser::{AtomText, FormulaError, MAX_DEPTH, Parsed, parse};
 pub use print::FormulaText;
 pub use report::{Explanation, FormulaReport, Progress, Responsible, RobustnessBounds, StepError};
-pub use settings::{CompileError, Ending, Settings, TimeModel};
+pub use settings::{CompileError, Ending, Interpolation, Settings, TimeModel};
 
 pub use crate::monitor::Verdict;

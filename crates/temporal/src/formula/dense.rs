@@ -25,18 +25,20 @@
 //!   `eventually`, `until` and so on within another operator keeps what it has not decided, with
 //!   robustness possibly the whole trace; at the top it keeps two numbers.
 
+pub(super) mod between;
 pub(super) mod bounded;
 mod clamp;
 mod program;
 mod stream;
 mod window;
 
+use between::{Between, Line};
 use bounded::{Bounded, Counter};
 
 use super::ast::Formula;
 use super::positive::{Positive, positive};
 use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
-use super::settings::{CompileError, Ending, Settings, TimeModel};
+use super::settings::{CompileError, Ending, Interpolation, Settings, TimeModel};
 use crate::monitor::Verdict;
 
 /// A formula in dense time that is ready to judge traces; it can be shared by threads.
@@ -46,6 +48,7 @@ pub struct DenseMonitor {
     trigger: Option<Positive>,
     atom_count: usize,
     robustness: bool,
+    interpolation: Interpolation,
     ending: Ending,
 }
 
@@ -64,9 +67,15 @@ pub struct DenseJudge {
     trigger: Option<Counter>,
     verdict: Option<Verdict>,
     decided_at_secs: Option<f64>,
-    /// The atoms of the sample at hand, kept to be used again.
+    interpolation: Interpolation,
+    /// The atoms of the last sample, and before it since the one before.
     truth_bounds: Vec<RobustnessBounds>,
+    truth_between: Vec<Between>,
     value_bounds: Vec<RobustnessBounds>,
+    value_between: Vec<Between>,
+    /// The atoms of the sample at hand, to be used again.
+    truth_next: Vec<RobustnessBounds>,
+    value_next: Vec<RobustnessBounds>,
 }
 
 impl DenseMonitor {
@@ -84,6 +93,7 @@ impl DenseMonitor {
             trigger: rises.transpose()?,
             atom_count: formula.atom_count().max(of_trigger),
             robustness: settings.robustness,
+            interpolation: settings.interpolation,
             ending: settings.ending,
         })
     }
@@ -103,8 +113,13 @@ impl DenseMonitor {
             trigger: self.trigger.as_ref().map(Counter::new),
             verdict: None,
             decided_at_secs: None,
+            interpolation: self.interpolation,
             truth_bounds: Vec::new(),
+            truth_between: Vec::new(),
             value_bounds: Vec::new(),
+            value_between: Vec::new(),
+            truth_next: Vec::new(),
+            value_next: Vec::new(),
         }
     }
 }
@@ -119,13 +134,13 @@ impl DenseJudge {
     /// not one value for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
         let place = self.check(time_secs, atoms.len())?;
-        self.truth_bounds.clear();
-        self.truth_bounds.extend(atoms.iter().map(|&value| {
+        self.truth_next.clear();
+        self.truth_next.extend(atoms.iter().map(|&value| {
             let truth = RobustnessBounds::of_value(value).truth();
             RobustnessBounds::of_truth(truth)
         }));
-        self.value_bounds.clear();
-        self.value_bounds
+        self.value_next.clear();
+        self.value_next
             .extend(atoms.iter().map(|&value| RobustnessBounds::of_value(value)));
         Ok(self.take(time_secs, place))
     }
@@ -140,10 +155,10 @@ impl DenseJudge {
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
         let place = self.check(time_secs, atoms.len())?;
-        self.truth_bounds.clear();
-        self.truth_bounds
+        self.truth_next.clear();
+        self.truth_next
             .extend(atoms.iter().map(|&truth| RobustnessBounds::of_truth(truth)));
-        self.value_bounds.clone_from(&self.truth_bounds);
+        self.value_next.clone_from(&self.truth_next);
         Ok(self.take(time_secs, place))
     }
 
@@ -160,11 +175,11 @@ impl DenseJudge {
     ) -> Result<Progress, StepError> {
         self.check(time_secs, truth.len())?;
         let place = self.check(time_secs, robustness.len())?;
-        self.truth_bounds.clear();
-        self.truth_bounds
+        self.truth_next.clear();
+        self.truth_next
             .extend(truth.iter().map(|&truth| RobustnessBounds::of_truth(truth)));
-        self.value_bounds.clear();
-        self.value_bounds.extend(
+        self.value_next.clear();
+        self.value_next.extend(
             robustness
                 .iter()
                 .map(|&value| RobustnessBounds::of_value(value)),
@@ -206,19 +221,83 @@ impl DenseJudge {
         Ok(place)
     }
 
+    /// Takes the sample at hand for the last one, and finds what was in between.
+    fn interpolate(&mut self, place: i64) {
+        self.truth_between.clear();
+        self.value_between.clear();
+        let before = self.truth_bounds.iter().zip(&self.value_bounds);
+        for ((truth, value), next) in before.zip(&self.value_next) {
+            let line = Line {
+                places: [self.place, place],
+                // Of an atom whose value is not known, neither bound is finite.
+                values: [value, next].map(|bounds| {
+                    if bounds.low == bounds.high {
+                        bounds.low
+                    } else {
+                        f64::NAN
+                    }
+                }),
+            };
+            let (of_truth, of_value) = match self.interpolation {
+                Interpolation::Hold => (Between::held(*truth, place), Between::held(*value, place)),
+                Interpolation::Linear => (line.truth(*truth), line.robustness(*value)),
+            };
+            self.truth_between.push(of_truth);
+            self.value_between.push(of_value);
+        }
+        std::mem::swap(&mut self.truth_bounds, &mut self.truth_next);
+        std::mem::swap(&mut self.value_bounds, &mut self.value_next);
+        self.place = place;
+    }
+
+    /// Where atoms change between the last two samples, if they are not held: times in seconds, and
+    /// the truth from there on.
+    pub(super) fn changes(&self, before: i64) -> Vec<(f64, Vec<Option<bool>>)> {
+        if self.interpolation == Interpolation::Hold {
+            return Vec::new();
+        }
+        let mut places: Vec<i64> = (self.truth_between.iter())
+            .flat_map(|part| [before + 2, part.middle])
+            .filter(|place| before < *place && *place < self.place)
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        let at = |place: i64| {
+            let truth = |part: &Between| {
+                if part.middle > place {
+                    part.first
+                } else {
+                    part.then
+                }
+            };
+            let truths = self.truth_between.iter().map(|part| truth(part).truth());
+            (
+                self.first_secs.unwrap_or(0.0) + place as f64 / 2e9,
+                truths.collect(),
+            )
+        };
+        places.into_iter().map(at).collect()
+    }
+
+    /// The place of the last sample.
+    pub(super) fn place(&self) -> i64 {
+        self.place
+    }
+
     fn take(&mut self, time_secs: f64, place: i64) -> Progress {
         self.first_secs.get_or_insert(time_secs);
         self.last_secs = time_secs;
-        self.place = place;
         self.samples += 1;
+        self.interpolate(place);
         if self.verdict.is_none() {
-            self.truth.step(place, &self.truth_bounds);
+            self.truth
+                .step(place, &self.truth_between, &self.truth_bounds);
         }
         if let Some(robustness) = &mut self.robustness {
-            robustness.step(place, &self.value_bounds);
+            robustness.step(place, &self.value_between, &self.value_bounds);
         }
         if let Some(trigger) = &mut self.trigger {
-            trigger.step(place, &self.truth_bounds);
+            trigger.step(place, &self.truth_between, &self.truth_bounds);
         }
         if self.verdict.is_none()
             && let Some(truth) = self.truth.bounds().truth()

@@ -117,16 +117,15 @@ impl FormulaJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
     /// for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
-        let undecided = self.verdict().is_none();
+        let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
-        if undecided {
-            self.record.push(
-                time_secs,
-                atoms
-                    .iter()
-                    .map(|&value| RobustnessBounds::of_value(value).truth()),
-            );
-        }
+        self.keep(
+            before,
+            time_secs,
+            atoms
+                .iter()
+                .map(|&value| RobustnessBounds::of_value(value).truth()),
+        );
         Ok(progress)
     }
 
@@ -139,11 +138,9 @@ impl FormulaJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
-        let undecided = self.verdict().is_none();
+        let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
-        if undecided {
-            self.record.push(time_secs, atoms.iter().copied());
-        }
+        self.keep(before, time_secs, atoms.iter().copied());
         Ok(progress)
     }
 
@@ -158,12 +155,10 @@ impl FormulaJudge {
         truth: &[Option<bool>],
         robustness: &[f64],
     ) -> Result<Progress, StepError> {
-        let undecided = self.verdict().is_none();
+        let before = self.before();
         let progress =
             either!(&mut self.work, judge => judge.step_both(time_secs, truth, robustness))?;
-        if undecided {
-            self.record.push(time_secs, truth.iter().copied());
-        }
+        self.keep(before, time_secs, truth.iter().copied());
         Ok(progress)
     }
 
@@ -209,6 +204,31 @@ impl FormulaJudge {
         Ok(Progress {
             verdict: self.verdict(),
         })
+    }
+
+    /// The place of the last sample, if the next one is to be kept.
+    fn before(&self) -> Option<i64> {
+        let place = match &self.work {
+            Work::Discrete(_) => 0,
+            Work::Dense(judge) => judge.place(),
+        };
+        self.verdict().is_none().then_some(place)
+    }
+
+    /// Keeps a sample for an explanation, and what changed between it and the last one.
+    fn keep(
+        &mut self,
+        before: Option<i64>,
+        time_secs: f64,
+        atoms: impl Iterator<Item = Option<bool>>,
+    ) {
+        let Some(before) = before else { return };
+        if let Work::Dense(judge) = &self.work {
+            for (time_secs, truths) in judge.changes(before) {
+                self.record.push(time_secs, truths.into_iter());
+            }
+        }
+        self.record.push(time_secs, atoms);
     }
 
     /// The verdict, once no continuation can change it.

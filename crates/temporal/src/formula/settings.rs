@@ -18,6 +18,18 @@ pub enum TimeModel {
     Dense,
 }
 
+/// What signals are between samples, in dense time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// They keep their values.
+    #[default]
+    Hold,
+    /// The robustness of an atom goes in a straight line (which it does if it is a linear
+    /// combination of signals that do); atoms that are only true or false keep their values.
+    Linear,
+}
+
 /// What is said at the end of a trace about times that were not seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -38,6 +50,8 @@ pub enum Ending {
 pub struct Settings {
     /// What time is.
     pub time: TimeModel,
+    /// What atoms are between samples, in dense time.
+    pub interpolation: Interpolation,
     /// What is said about times that were not seen.
     pub ending: Ending,
     /// Whether the robustness is computed, too.

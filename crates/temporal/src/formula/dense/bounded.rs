@@ -1,5 +1,6 @@
 //! Least and greatest values together, and how often a formula is true.
 
+use super::between::Between;
 use super::program::{End, Program};
 use crate::formula::positive::Positive;
 use crate::formula::report::RobustnessBounds;
@@ -27,13 +28,25 @@ impl Bounded {
             .get_or_insert_with(|| least.with_end(End::Greatest))
     }
 
-    pub(in crate::formula) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
-        if self.greatest.is_none() && atoms.iter().any(|atom| atom.low != atom.high) {
+    /// Takes the atoms at a place, and what they were between it and the last one.
+    pub(in crate::formula) fn step(
+        &mut self,
+        place: i64,
+        between: &[Between],
+        atoms: &[RobustnessBounds],
+    ) {
+        let is_open = |bounds: &RobustnessBounds| bounds.low != bounds.high;
+        if self.greatest.is_none()
+            && (atoms.iter().any(is_open)
+                || between
+                    .iter()
+                    .any(|part| is_open(&part.first) || is_open(&part.then)))
+        {
             self.split();
         }
-        self.least.step(place, atoms);
+        self.least.step(place, between, atoms);
         if let Some(greatest) = &mut self.greatest {
-            greatest.step(place, atoms);
+            greatest.step(place, between, atoms);
         }
     }
 
@@ -108,8 +121,13 @@ impl Counter {
         }
     }
 
-    pub(in crate::formula) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
-        self.work.step(place, atoms);
+    pub(in crate::formula) fn step(
+        &mut self,
+        place: i64,
+        between: &[Between],
+        atoms: &[RobustnessBounds],
+    ) {
+        self.work.step(place, between, atoms);
         self.count();
     }
 

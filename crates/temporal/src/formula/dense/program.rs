@@ -3,6 +3,7 @@
 //! Each operator gives its values in the order of places, each as soon as its operands determine
 //! it. Conjunctions and disjunctions do so when one operand does.
 
+use super::between::Between;
 use super::stream::Stream;
 use super::window::WindowOperator;
 use crate::formula::ast::Window;
@@ -25,8 +26,6 @@ pub(super) struct Program {
     end: End,
     nodes: Vec<Node>,
     streams: Vec<Stream>,
-    /// The last values of the atoms.
-    now: i64,
 }
 
 #[derive(Debug, Clone)]
@@ -35,7 +34,6 @@ enum Node {
     Literal {
         atom: usize,
         negated: bool,
-        value: f64,
     },
     Junction {
         and: bool,
@@ -64,7 +62,6 @@ impl Program {
             end,
             streams: vec![Stream::default(); nodes.len()],
             nodes,
-            now: 0,
         }
     }
 
@@ -76,25 +73,23 @@ impl Program {
         }
     }
 
-    /// Takes the atoms' values at an even place, not before the last one. They were constant since.
-    pub(super) fn step(&mut self, place: i64, atoms: &[RobustnessBounds]) {
+    /// Takes the atoms' values at an even place after the last one, and what they were in between.
+    pub(super) fn step(&mut self, place: i64, between: &[Between], atoms: &[RobustnessBounds]) {
         for node in 0..self.nodes.len() {
             let stream = &mut self.streams[node];
             match &mut self.nodes[node] {
                 Node::Constant(value) => stream.push(place + 1, *value),
-                Node::Literal {
-                    atom,
-                    negated,
-                    value,
-                } => {
-                    stream.push(place, *value);
-                    *value = self.end.of(atoms.get(*atom).copied(), *negated);
-                    stream.push(place + 1, *value);
+                Node::Literal { atom, negated } => {
+                    if let Some(between) = between.get(*atom) {
+                        stream.push(between.middle, self.end.of(Some(between.first), *negated));
+                        stream.push(place, self.end.of(Some(between.then), *negated));
+                    }
+                    let value = self.end.of(atoms.get(*atom).copied(), *negated);
+                    stream.push(place + 1, value);
                 }
                 _ => self.advance(node, None),
             }
         }
-        self.now = place + 1;
     }
 
     /// Ends the trace; what lies beyond has that value, or is not there.
@@ -212,7 +207,6 @@ fn build(formula: &Positive, first_only: bool, nodes: &mut Vec<Node>) -> usize {
         Positive::Literal { atom, negated } => Node::Literal {
             atom: *atom,
             negated: *negated,
-            value: 0.0,
         },
         Positive::And(operands) | Positive::Or(operands) if operands.is_empty() => {
             let and = matches!(formula, Positive::And(_));

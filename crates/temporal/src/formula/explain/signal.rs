@@ -2,6 +2,7 @@
 
 use super::line::{Line, Reach};
 use crate::formula::ast::{Formula, Interval};
+use crate::formula::dense::between::Between;
 use crate::formula::dense::bounded::Bounded;
 use crate::formula::positive::positive;
 use crate::formula::report::RobustnessBounds;
@@ -103,11 +104,20 @@ fn dense_runs(formula: &Formula, negated: bool, line: &Line<'_>) -> Option<Vec<(
         let truth = |atom| RobustnessBounds::of_truth(line.record.atom(sample, atom));
         (0..line.record.atom_count).map(truth).collect()
     };
+    let mut last: Vec<RobustnessBounds> = Vec::new();
+    let mut step = |place: i64, atoms: Vec<RobustnessBounds>| {
+        let between: Vec<Between> = last
+            .iter()
+            .map(|bounds| Between::held(*bounds, place))
+            .collect();
+        work.step(place, &between, &atoms);
+        last = atoms;
+    };
     if line.record.forgotten > 0 {
-        work.step(0, &vec![RobustnessBounds::UNKNOWN; line.record.atom_count]);
+        step(0, vec![RobustnessBounds::UNKNOWN; line.record.atom_count]);
     }
     for (sample, place) in line.places.iter().enumerate() {
-        work.step(*place, &atoms(sample));
+        step(*place, atoms(sample));
     }
     work.close(line.ending);
     let flip = |(end, truth): (i64, Truth)| (end, truth.map(|truth| truth != negated));

@@ -2,7 +2,8 @@
 //!
 //! # Definition
 //! Samples at t_0 < ... < t_n give each atom the value of sample k on [t_k, t_{k+1}), and that of
-//! sample n at t_n. What was seen is [t_0, t_n]; what is said of later times is as in
+//! sample n at t_n (with [`Interpolation::Linear`](crate::formula::Interpolation::Linear), what the
+//! line through the samples gives). What was seen is [t_0, t_n]; what is said of later times is as in
 //! [`super`], with times in place of samples. For a time t:
 //!
 //! * v(f until_[a,b] g, t) = sup over t' in [t + a, t + b] of min(v(g, t'), inf over [t, t') of v(f));
