@@ -486,15 +486,17 @@ fn a_damaged_chunk_is_left_out_and_the_rest_is_given() {
 fn without_an_index_reading_goes_on_at_the_next_chunk() {
     let whole = std::fs::read(path("ros2_zstd.mcap")).unwrap();
     let all = originals(&whole);
-    // Cut the summary off, then break the length of the first chunk (kind 6 right behind the header).
-    let header_bytes = 8 + 9 + u64::from_le_bytes(whole[9..17].try_into().unwrap()) as usize;
+    // Break the end, so that the index is not believed, and the length of the second chunk (the first has the schemas).
     let mut bytes = whole[..whole.len() - 40].to_vec();
-    let first = header_bytes
-        + bytes[header_bytes..]
-            .iter()
-            .position(|byte| *byte == 6)
-            .unwrap();
-    bytes[first + 3] ^= 0x40;
+    let (mut at, mut chunks) = (8, Vec::new());
+    while whole[at] != 0x0f {
+        if whole[at] == 6 {
+            chunks.push(at);
+        }
+        at += 9 + u64::from_le_bytes(whole[at + 1..at + 9].try_into().unwrap()) as usize;
+    }
+    assert!(chunks.len() > 2);
+    bytes[chunks[1] + 3] ^= 0x40;
     let (found, losses, complete, _) = messages(bytes).unwrap();
     assert!(!complete && !losses.is_empty());
     assert!(
