@@ -1,7 +1,7 @@
 //! Sentences to formulas, properties, test goals and coverage bins.
 //!
 //! Everything is built from two parts. The *obligation* is a formula that is to hold at a trigger
-//! and looks only into the future; [`body`] writes it down for each timing and extent. The *frame*
+//! and looks only into the future; `body` writes it down for each timing and extent. The *frame*
 //! says where the triggers are. Monitors may look into the past, so their frame is `always (trigger
 //! => obligation)` ([`monitor`]). Model checkers may not, so theirs is an equivalent future formula
 //! ([`property`]). That both mean what [`crate::semantics`] defines is tested on all short words.

@@ -312,6 +312,7 @@ fn stage_line(stage: &Stage, start: usize, right: usize, only: bool) -> (String,
         _ => String::new(),
     };
     let meaning = match kind {
+        _ if matches!(stage.timing, Timing::Immediately | Timing::Next) => "at that point (#)",
         '?' => "at some time (?)",
         'x' => "at no time (x)",
         _ => "all the time (#)",

@@ -56,17 +56,22 @@ pub fn parse(text: &str, context: &Context<'_>) -> Parsed<Sentence> {
 }
 
 fn sentence(reader: &mut Reader<'_>, all: &[Token<'_>], shall: usize) -> Sentence {
-    let (left, right) = (&all[..shall], &all[shall + 1..]);
+    let (mut left, right) = (all[..shall].to_vec(), &all[shall + 1..]);
+    // "In at least 95 % of runs, when ..." is no scope.
+    let leading = probability::take(reader, &mut left);
     // "Only in M shall the robot ..." has the component behind.
     let (behind, right) = clauses::component_behind(right);
-    let clauses = clauses::clauses(reader, left, all[shall].span, behind.is_none());
+    let clauses = clauses::clauses(reader, &left, all[shall].span, behind.is_none());
     let component = behind.unwrap_or(clauses.component);
     let response = stages::stages(reader, right, all[shall].span, clauses.scope.kind);
+    if let (Some(_), Some(second)) = (&leading, &response.probability) {
+        probability::refuse_second(reader, second.span);
+    }
     let sentence = Sentence {
         scope: clauses.scope,
         condition: clauses.condition,
         component,
-        probability: response.probability,
+        probability: leading.or(response.probability),
         stages: response.stages,
     };
     warn_of_continual_after(reader, &sentence);

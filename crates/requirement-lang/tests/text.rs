@@ -65,6 +65,10 @@ fn sentences_are_read_and_printed_canonically() {
             "When /robot.state != 'let go, then', the robot shall until done satisfy held",
         ),
         (
+            "In at least 60 % of attempts, when activated, the robot shall eventually satisfy handed_over",
+            "When activated, the robot shall with probability at least 0.6 eventually satisfy handed_over",
+        ),
+        (
             "Before /robot.hand_speed > 0 m/s, the robot shall with probability > 0.5 always satisfy !(a <=> b xor c)",
             "Before /robot.hand_speed > 0 m/s, the robot shall with probability more than 0.5 always satisfy \
              (a <=> b) <=> c",
@@ -276,6 +280,18 @@ fn mistakes_have_places_and_remedies() {
             "second-condition",
             "if",
             "one keyword",
+        ),
+        (
+            "when grasped for 2 s, the robot shall always satisfy hand_open",
+            "phrase",
+            "grasped for 2 s",
+            "plain words",
+        ),
+        (
+            "in at least 9 % of runs, the robot shall with probability > 0.5 always satisfy hand_open",
+            "second-probability",
+            "with probability > 0.5",
+            "Keep one",
         ),
         (
             "whenever grasped, the robot shall after 2 s satisfy hand_open",

@@ -199,16 +199,25 @@ impl Parser<'_, '_, '_> {
     }
 
     fn named(&mut self, words: &[&str], span: Span) -> Expression {
-        let text = if words.iter().all(|word| is_name(word)) {
-            let articles = words.len() > 1
-                && ["the", "a", "an"]
-                    .iter()
-                    .any(|a| words[0].eq_ignore_ascii_case(a));
-            words[usize::from(articles)..].join("_")
-        } else {
-            single_spaced(span.of(self.reader.text))
-        };
-        self.reader.check_name(&text, span);
+        if words.iter().all(|word| is_name(word)) {
+            let text = phrase(words);
+            self.reader.check_name(&text, span);
+            return Expression::Atom(Atom { text, span });
+        }
+        let text = single_spaced(span.of(self.reader.text));
+        let odd = words.iter().find(|word| !is_name(word)).unwrap_or(&"");
+        if words.len() > 1 && !text.contains(|letter| is_operator(letter) || letter == '(') {
+            self.reader.error(
+                "phrase",
+                span,
+                format!(
+                    "This is neither a name nor a comparison, since `{odd}` is no word of a name."
+                ),
+                "Write a name of the vocabulary, a phrase of plain words, or a comparison such as \
+                 `speed < 250 mm/s`.",
+            );
+            return Expression::Missing;
+        }
         Expression::Atom(Atom { text, span })
     }
 
@@ -240,6 +249,14 @@ impl Parser<'_, '_, '_> {
         }
         Expression::Missing
     }
+}
+
+/// Several words are the name with underscores between them; an article at the beginning is left out.
+fn phrase(words: &[&str]) -> String {
+    let article = ["the", "a", "an"]
+        .iter()
+        .any(|article| words[0].eq_ignore_ascii_case(article));
+    words[usize::from(article && words.len() > 1)..].join("_")
 }
 
 fn several(mut operands: Vec<Expression>, join: fn(Vec<Expression>) -> Expression) -> Expression {

@@ -27,11 +27,9 @@ pub(super) fn take<'t>(
     while let Some(start) = (0..tokens.len()).find(|start| begins(&tokens[*start..])) {
         let (read, length) = probability(reader, &tokens[start..]);
         if found.is_some() {
-            reader.error(
-                "second-probability",
+            refuse_second(
+                reader,
                 place(&tokens[start..start + length], Span::default()),
-                "The sentence has a probability already.",
-                "Keep one of the two; it holds for the whole requirement.",
             );
         }
         found = found.or(read);
@@ -45,6 +43,16 @@ pub(super) fn take<'t>(
         }
     }
     found
+}
+
+/// Complains of a second probability.
+pub(super) fn refuse_second(reader: &mut Reader<'_>, span: Span) {
+    reader.error(
+        "second-probability",
+        span,
+        "The sentence has a probability already.",
+        "Keep one of the two; it holds for the whole requirement.",
+    );
 }
 
 fn begins(tokens: &[Token<'_>]) -> bool {
