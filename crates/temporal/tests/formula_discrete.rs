@@ -298,12 +298,19 @@ fn any_interval() -> impl Strategy<Value = Interval> {
 }
 
 fn any_formula() -> impl Strategy<Value = Formula> {
+    formula_with(any_interval)
+}
+
+fn formula_with<S>(any_interval: impl Fn() -> S) -> impl Strategy<Value = Formula>
+where
+    S: Strategy<Value = Interval> + 'static,
+{
     let leaf = prop_oneof![
         8 => (0..2_usize).prop_map(Formula::atom),
         1 => Just(Formula::True),
         1 => Just(Formula::False),
     ];
-    leaf.prop_recursive(4, 12, 2, |inner| {
+    leaf.prop_recursive(4, 12, 2, move |inner| {
         let one =
             (inner.clone(), any_interval(), 0..9_usize).prop_map(|(inner, interval, kind)| {
                 let one = with_one(&inner, &[interval]);
@@ -340,6 +347,48 @@ fn any_value() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// The most that a judge stores while it judges a trace of `length` samples, which does not decide.
+fn most_stored(text: &str, length: u32) -> usize {
+    let formula = temporal::formula::parse(text, &|_| None).unwrap().formula;
+    let settings = Settings::discrete(Ending::Inconclusive).with_robustness();
+    let mut judge = DiscreteMonitor::compile(&formula, &settings)
+        .unwrap()
+        .start();
+    let mut most = 0;
+    for at in 0..length {
+        // No period, and no order.
+        let value = f64::from(at.wrapping_mul(2_654_435_761) % 1_009) - 300.0;
+        let request = if at % 7 == 0 { value } else { -1.0 };
+        let answer = if at % 40 == 39 {
+            500.0
+        } else {
+            value.min(-1.0)
+        };
+        let progress = judge.step(f64::from(at) * 0.1, &[request, answer]).unwrap();
+        assert_eq!(progress.verdict, None);
+        most = most.max(judge.stored());
+    }
+    most
+}
+
+/// Formulas with bounds, and nested ones without, need no more memory for a longer trace.
+#[test]
+fn memory_does_not_grow_with_the_trace() {
+    for text in [
+        "always (p => eventually[0, 50 samples] q)",
+        "always (p => eventually[0, 5 s] q)",
+        "always (eventually[0, 5 s] q and (p or (not q) until[0, 50 samples] q))",
+        "always (not p or (once[0, 5 s] true and historically[1, 2 s] eventually[0, 5 s] q))",
+        "always (p => eventually q)",
+        "always (p => (true until (q and eventually (not q))))",
+    ] {
+        let short = most_stored(text, 2_000);
+        // How many values dominate others within a window is a matter of chance.
+        let long = most_stored(text, 20_000);
+        assert!(short < 1_000 && long < 2 * short, "{text}: {short}, {long}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1_000))]
 
@@ -354,6 +403,17 @@ proptest! {
             // Unknown atoms are rarer.
             let sample = if pick < 13 { pick % 4 } else { 4 + pick % 2 };
             run.step_truth(time_secs, &TRUTHS[sample]);
+        }
+    }
+
+    #[test]
+    fn random_formulas_without_bounds(
+        formula in formula_with(|| Just(Interval::UNBOUNDED)),
+        values in proptest::collection::vec((any_value(), any_value()), 8),
+    ) {
+        let mut run = Run::new(&formula);
+        for (at, (first, second)) in values.into_iter().enumerate() {
+            run.step_values(at as f64, &[first, second]);
         }
     }
 

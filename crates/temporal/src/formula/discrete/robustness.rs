@@ -11,24 +11,28 @@
 //! # Algorithm
 //! Each node gives its values in order of samples, each once it is final; see [`ahead`] for operators
 //! of the future and [`behind`] for those of the past. Where only the value at the first
-//! sample is asked for (a formula's outermost operators) a future operator keeps two numbers. One
+//! sample is asked for (a formula's outermost operators) a future operator keeps two numbers, and
+//! unbounded operators inside each other a few more ([`endless`]). One
 //! *lane* of such nodes computes the lower end; a second one is split off at the first unknown
 //! atom, and at the end, when what comes after the trace is taken for minus and for plus infinity.
 //!
 //! # Cost and guarantee
 //! Amortised O(1) for each sample and operator, whatever the window. Memory: the samples of the
 //! windows (fewer where there is no left operand); an unbounded operator of the future inside
-//! another temporal operator keeps the whole trace, since its values are final only at its end.
+//! a bounded one or one of the past keeps the whole trace, since its values are final only at its
+//! end.
 //! Only minima, maxima and changes of sign are taken, so there are no rounding errors.
 
 mod ahead;
 mod behind;
+mod endless;
 mod fold;
 
 use std::collections::VecDeque;
 
 use self::ahead::Ahead;
 use self::behind::Behind;
+use self::endless::Endless;
 use super::program::{Node, NodeId, Op, Program};
 use super::timeline::Timeline;
 
@@ -36,6 +40,8 @@ use super::timeline::Timeline;
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
     nodes: Vec<(Node, State)>,
+    /// What takes the place of the outermost nodes, if they are unbounded and inside each other.
+    endless: Option<Endless>,
     /// What each node gave in the last step.
     given: Vec<Vec<f64>>,
     root: NodeId,
@@ -46,6 +52,8 @@ pub(super) struct Lane {
 
 #[derive(Debug, Clone)]
 enum State {
+    /// Its values are not needed.
+    Idle,
     Constant,
     Atom,
     And(Box<Pairs>),
@@ -107,8 +115,10 @@ pub(super) fn smaller(left: f64, right: f64) -> f64 {
 
 impl Lane {
     pub(super) fn new(program: &Program, root: NodeId) -> Self {
-        let asked_once = asked_once(program, root);
+        let endless = Endless::new(program, root);
+        let (needed, asked_once) = demands(program, root, endless.as_ref());
         let state = |(index, node): (NodeId, &Node)| match node.op {
+            _ if !needed[index] => State::Idle,
             Op::Constant => State::Constant,
             Op::Atom(_) => State::Atom,
             Op::And(..) => State::And(Box::default()),
@@ -127,6 +137,7 @@ impl Lane {
             nodes: (program.nodes.iter().enumerate())
                 .map(|entry| (*entry.1, state(entry)))
                 .collect(),
+            endless,
             given: vec![Vec::new(); program.nodes.len()],
             root,
             value: None,
@@ -161,6 +172,7 @@ impl Lane {
             let mut giver = Giver::new(out, *node);
             let sign = giver.sign;
             match (node.op, &mut *state) {
+                (_, State::Idle) => continue,
                 (Op::Constant, _) => {
                     let count = (timeline.count() - timeline.fresh()) as usize;
                     giver.out.resize(count, f64::INFINITY * sign);
@@ -183,7 +195,10 @@ impl Lane {
             }
             listen(*node, before, timeline, state, &mut giver);
         }
-        self.value = self.given[self.root].first().copied();
+        match &mut self.endless {
+            Some(endless) => endless.hear(&self.given),
+            None => self.value = self.given[self.root].first().copied(),
+        }
     }
 
     /// The robustness at the first sample, if nothing comes after the trace (`None`), or samples at
@@ -205,7 +220,13 @@ impl Lane {
                 _ => {}
             }
         }
-        self.given[self.root].first().copied()
+        match &mut self.endless {
+            Some(endless) => {
+                endless.hear(&self.given);
+                endless.close(after)
+            }
+            None => self.given[self.root].first().copied(),
+        }
     }
 
     /// The first sample whose time may still be asked for.
@@ -229,32 +250,43 @@ impl Lane {
                 State::Behind(behind) => behind.stored(),
                 _ => 0,
             })
-            .sum()
+            .sum::<usize>()
+            + self.endless.as_ref().map_or(0, Endless::stored)
     }
 }
 
-/// For each node, whether only its value at the first sample is asked for.
-fn asked_once(program: &Program, root: NodeId) -> Vec<bool> {
+/// For each node, whether its values are needed, and whether only that at the first sample is.
+fn demands(program: &Program, root: NodeId, endless: Option<&Endless>) -> (Vec<bool>, Vec<bool>) {
+    let mut needed = vec![false; program.nodes.len()];
     let mut once = vec![true; program.nodes.len()];
+    match endless {
+        None => needed[root] = true,
+        Some(endless) => endless.leaves().for_each(|leaf| {
+            needed[leaf] = true;
+            once[leaf] = false;
+        }),
+    }
     for (index, node) in program.nodes.iter().enumerate().rev() {
-        let once_here = once[index] && index <= root;
-        match node.op {
-            Op::And(left, right) => {
-                once[left] &= once_here;
-                once[right] &= once_here;
-            }
+        if !needed[index] {
+            continue;
+        }
+        let operands = match node.op {
+            Op::Constant | Op::Atom(_) => [None, None],
             Op::Next(operand)
             | Op::Previous(operand)
             | Op::Eventually(_, operand)
-            | Op::Once(_, operand) => once[operand] = false,
-            Op::Until(_, left, right) | Op::Since(_, left, right) => {
-                once[left] = false;
-                once[right] = false;
+            | Op::Once(_, operand) => [Some(operand), None],
+            Op::And(left, right) | Op::Until(_, left, right) | Op::Since(_, left, right) => {
+                [Some(left), Some(right)]
             }
-            Op::Constant | Op::Atom(_) => {}
+        };
+        let is_and = matches!(node.op, Op::And(..));
+        for operand in operands.into_iter().flatten() {
+            needed[operand] = true;
+            once[operand] &= is_and && once[index];
         }
     }
-    once
+    (needed, once)
 }
 
 /// Where a node gives its values; negates those of a dual node.
