@@ -42,6 +42,44 @@
 //! assert_eq!(error.message, "a statement is missing before the end");
 //! # Ok::<(), temporal::formula::FormulaError>(())
 //! ```
+//!
+//! # Judging
+//! A [`FormulaMonitor`] takes a trace sample by sample, in memory that the windows of the formula
+//! bound, and gives in one pass ([`FormulaReport`]):
+//!
+//! | what | how |
+//! |---|---|
+//! | the verdict | at the first sample; what is said of times that were not seen is the [`Ending`] |
+//! | when it was determined | [`FormulaReport::decided_at_secs`], online [`Progress::verdict`] |
+//! | the robustness | bounds, which are equal if all is known ([`RobustnessBounds`]) |
+//! | how often the requirement was put to the test | [`FormulaReport::triggered`]: how often the [`Formula::trigger`], or another formula given in the [`Settings`], became true |
+//! | why it is violated | [`Explanation`]: the atoms and times that by themselves force it |
+//!
+//! Time is discrete or dense ([`TimeModel`]). In discrete time only samples count, so a formula
+//! may hold because nobody looked; in dense time signals keep their values between samples, or go in
+//! straight lines ([`Interpolation`]). Each has its engine ([`discrete`], [`dense`]), and both are
+//! tested against the definition on all small formulas. Properties of the model checker become
+//! formulas by [`ltl::from_ltl`], staged monitors by
+//! [`MonitorSpec::to_formula`](crate::monitor::MonitorSpec::to_formula).
+//!
+//! ```
+//! use temporal::formula::{Ending, FormulaMonitor, Settings, Verdict, parse};
+//! let parsed = parse("always (near => eventually[0, 1 s] slow)", &|_| None)?;
+//! let settings = Settings::dense(Ending::Inconclusive).with_robustness();
+//! let mut judge = FormulaMonitor::compile(&parsed.formula, &settings)?.start();
+//! // By how much each atom holds: near by 0.5 m, say, and slow by -0.25 m/s.
+//! let samples = [(0.0, [-0.5, -0.25]), (0.5, [0.5, -0.25]), (1.5, [0.5, -0.125]), (2.0, [0.5, 0.25])];
+//! for (time_secs, atoms) in samples {
+//!     judge.step(time_secs, &atoms)?;
+//! }
+//! let report = judge.finish(true);
+//! assert_eq!((report.verdict, report.triggered), (Verdict::Violated, 1));
+//! assert_eq!(report.decided_at_secs, Some(1.5));
+//! assert_eq!(report.robustness.map(|bounds| bounds.high), Some(-0.125));
+//! let explanation = report.explanation.ok_or("there is one")?;
+//! assert_eq!((explanation.from_secs, explanation.to_secs), (0.5, 1.5));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod ast;
 pub mod dense;

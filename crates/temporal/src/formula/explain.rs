@@ -8,8 +8,9 @@
 //! window; `always` is false because of the first place where its operand is; `until` is false
 //! because the right is, up to a place where the left is false or the end of the window; and so on.
 //! Where several operands would do, the one that stays so longest is taken, and where several places
-//! would, the first that is known; so the set is not always the smallest, or the segment the
-//! shortest of all, but nothing in it is idle: each is the reason for the step above it.
+//! would, the first that is known. So each step has a reason, but the set need not be the smallest,
+//! nor its segment the shortest, of all that force the violation. What is found is checked: the
+//! formula must be violated with everything else unknown.
 //!
 //! Source: the idea is that of causes in temporal logic (T. Ferrère, O. Maler and D. Nickovic,
 //! "Trace diagnostics using temporal implicants", ATVA 2015); here on places and their runs, with

@@ -36,7 +36,8 @@ pub struct FormulaReport {
     pub verdict: Verdict,
     /// The robustness at the first sample, if it was asked for and there was a sample.
     pub robustness: Option<RobustnessBounds>,
-    /// How often the trigger was seen to become true (0 if the formula has none).
+    /// How often the trigger was seen to become true (0 if the formula has none): it is true, and
+    /// known to have been false just before, or this is the first sample.
     pub triggered: u64,
     /// Whether there is a trigger to count.
     pub has_trigger: bool,

@@ -6,8 +6,8 @@
 //! line through the samples gives). What was seen is [t_0, t_n]; what is said of later times is as in
 //! [`super`], with times in place of samples. For a time t:
 //!
-//! * v(f until_[a,b] g, t) = sup over t' in [t + a, t + b] of min(v(g, t'), inf over [t, t') of v(f));
-//! * v(f since_[a,b] g, t) = sup over t' in [t - b, t - a] of min(v(g, t'), inf over (t', t] of v(f)),
+//! * v(f until_(a,b) g, t) = sup over t' in [t + a, t + b] of min(v(g, t'), inf over [t, t') of v(f));
+//! * v(f since_(a,b) g, t) = sup over t' in [t - b, t - a] of min(v(g, t'), inf over (t', t] of v(f)),
 //!   with t' >= t_0;
 //! * v(rise f, t) = min(v(f, t), -(value of f just before t)), and v(f, t_0) at t_0. (Within a
 //!   stretch where f is constant nothing becomes true, but unless f is known, nor is that.)
