@@ -206,3 +206,28 @@ fn staged_monitors_of_several_stages_fail_where_the_sentence_is_missed() {
     }
     assert!(compared > 20_000, "{compared} compared");
 }
+
+#[test]
+fn the_text_of_a_monitor_is_read_back_as_its_formula() {
+    let mut sentences = single_stage_sentences();
+    for text in [
+        "While not /robot.speed < 3 mm/s, when (/a.x - /b.x)*2 > 3 cm, the robot shall within 2 s satisfy \
+         norm(/a.x, /a.y) < near and not /robot.state = 'let go'",
+        "Whenever a <=> b, the robot shall for 0.25 s satisfy c or not (d => e)",
+    ] {
+        sentences.push(parse(text, &Context::default()).into_result().unwrap());
+    }
+    for sentence in sentences {
+        let form = monitor(&sentence).unwrap();
+        let text = form.to_string();
+        let read = temporal::formula::parse(&text, &|_| None)
+            .unwrap_or_else(|error| panic!("{text}: {error}"));
+        // Atoms are numbered in another order, so the formulas are compared as text with their atoms.
+        assert_eq!(read.to_string(), text);
+        let count = |atoms: &[temporal::formula::AtomText]| atoms.len();
+        assert!(
+            count(&read.atoms) <= count(&form.requirement.atoms),
+            "{text}"
+        );
+    }
+}

@@ -294,6 +294,24 @@ fn mistakes_have_places_and_remedies() {
             "Keep one",
         ),
         (
+            "the robot shall always satisfy grasped when hand_open",
+            "misplaced",
+            "grasped when hand_open",
+            "before the component",
+        ),
+        (
+            "when grasped the robot in mode lifting shall always satisfy hand_open",
+            "component",
+            "in",
+            "before `the COMPONENT`",
+        ),
+        (
+            "while grasped while hand_open, the robot shall always satisfy hand_open",
+            "misplaced",
+            "grasped while hand_open",
+            "before the component",
+        ),
+        (
             "whenever grasped, the robot shall after 2 s satisfy hand_open",
             "continual-after",
             "2 s",

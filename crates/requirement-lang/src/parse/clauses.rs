@@ -121,12 +121,15 @@ fn component(reader: &mut Reader<'_>, tokens: &[Token<'_>], shall: Span, needed:
             "Write `the COMPONENT` before `shall`, for example `the robot shall`.",
         );
     }
-    if let Some(odd) = words.iter().find(|token| token.kind != Kind::Word) {
+    let odd = |token: &&Token<'_>| {
+        token.kind != Kind::Word || token.is_any(&SCOPE_WORDS) || token.is_any(&CONDITION_WORDS)
+    };
+    if let Some(odd) = words.iter().find(odd) {
         reader.error(
             "component",
             odd.span,
             format!("`{}` cannot be part of the name of a component.", odd.text),
-            "End the clause before with a comma, and name the component in words, as in `the robot`.",
+            "Put scope and condition before `the COMPONENT`, and name it in plain words, as in `the robot`.",
         );
     }
     spoken(words)

@@ -8,6 +8,12 @@ use crate::lexer::{Kind, Token};
 /// How deeply parentheses may nest, so that no text can exhaust the stack.
 const MAX_DEPTH: usize = 64;
 
+/// Words that begin another part of the sentence, so that a phrase with one of them would hide it.
+const MISPLACED: [&str; 12] = [
+    "when", "whenever", "upon", "if", "unless", "where", "while", "during", "only", "shall",
+    "then", "satisfy",
+];
+
 /// Reads all of `tokens` as an expression. `after` is where an operand is missed if there is none.
 pub(super) fn expression(reader: &mut Reader<'_>, tokens: &[Token<'_>], after: Span) -> Expression {
     let mut parser = Parser {
@@ -199,6 +205,21 @@ impl Parser<'_, '_, '_> {
     }
 
     fn named(&mut self, words: &[&str], span: Span) -> Expression {
+        let misplaced = |word: &&&str| {
+            MISPLACED
+                .iter()
+                .any(|other| word.eq_ignore_ascii_case(other))
+        };
+        if let Some(word) = words.iter().find(misplaced) {
+            self.reader.error(
+                "misplaced",
+                span,
+                format!("`{word}` stands inside an expression."),
+                "Put scope and condition before the component, and begin a stage with `, then`; a name \
+                 cannot have this word as a part of its own.",
+            );
+            return Expression::Missing;
+        }
         if words.iter().all(|word| is_name(word)) {
             let text = phrase(words);
             self.reader.check_name(&text, span);
