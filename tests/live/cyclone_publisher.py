@@ -67,6 +67,9 @@ def main():
     topic = Topic(participant, "rt/joint_states", JointState)
     writer = DataWriter(participant, topic, quality(options.best_effort))
     print("ready", flush=True)
+    # Discovery takes its time where datagrams are lost.
+    while not writer.get_matched_subscriptions():
+        time.sleep(0.01)
     count = round(options.rate * options.seconds)
     start = time.monotonic()
     for number in range(1, count + 1):

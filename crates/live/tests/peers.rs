@@ -225,6 +225,7 @@ impl Seen {
     }
 
     fn report(&mut self, what: &str, cost: &Cost) {
+        assert!(self.received > 0, "{what}: nothing arrived");
         self.latencies_nanos.sort_unstable();
         let at = |share: f64| {
             let place = (self.latencies_nanos.len() - 1) as f64 * share;
