@@ -13,6 +13,7 @@
 //! once, in the order of the file, or is a [`Loss`] with its number. A line that was cut is no JSON
 //! object any more, so it is always noticed.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
@@ -143,18 +144,22 @@ impl<'de> Visitor<'de> for TopVisitor<'_> {
 
     fn visit_map<M: MapAccess<'de>>(self, mut map: M) -> Result<Top, M::Error> {
         let mut top = Top::default();
-        while let Some(key) = map.next_key::<String>()? {
+        while let Some(Key(key)) = map.next_key()? {
             // Kept as text: a time in nanoseconds has more digits than a double holds.
             let value: &RawValue = map.next_value()?;
             if key == self.time_key {
                 top.time = Some(unquoted(value.get()));
-            } else if top.topic.is_none() && TOPIC_KEYS.contains(&key.as_str()) {
+            } else if top.topic.is_none() && TOPIC_KEYS.contains(&&*key) {
                 top.topic = serde_json::from_str(value.get()).ok();
             }
         }
         Ok(top)
     }
 }
+
+/// A key, borrowed from the line unless it has escapes.
+#[derive(serde::Deserialize)]
+struct Key<'a>(#[serde(borrow)] Cow<'a, str>);
 
 /// The keys at the top of an object, in their order.
 struct Keys(Vec<String>);
@@ -183,7 +188,10 @@ impl<'de> serde::Deserialize<'de> for Keys {
 
 /// A text without its quotes; anything else as it stands.
 fn unquoted(raw: &str) -> String {
-    serde_json::from_str::<String>(raw).unwrap_or_else(|_| raw.to_owned())
+    if !raw.starts_with('"') {
+        return raw.to_owned();
+    }
+    serde_json::from_str(raw).unwrap_or_else(|_| raw.to_owned())
 }
 
 impl<R: BufRead + Seek> JsonLinesReader<R> {
