@@ -47,6 +47,7 @@
 
 mod bind;
 mod decode;
+mod error;
 mod frames;
 mod linear;
 mod plan;
@@ -54,10 +55,12 @@ mod report;
 mod sequencer;
 mod source;
 mod stream;
+mod taking;
 mod tf_message;
 
 pub(crate) use tf_message::transforms_of;
 
 pub use bind::BindError;
+pub use error::StreamError;
 pub use report::{StreamNote, StreamNoteKind};
-pub use stream::{Instant, SignalStream, StreamError};
+pub use stream::{Instant, SignalStream};

@@ -30,8 +30,10 @@ fn files() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/frames")
 }
 
-/// What is expected, by what it is and its time in nanoseconds.
-fn expected() -> Result<BTreeMap<(String, i64), [f64; 4]>, Box<dyn std::error::Error>> {
+/// Numbers by what they are and their time in nanoseconds.
+type Expected = BTreeMap<(String, i64), [f64; 4]>;
+
+fn expected() -> Result<Expected, Box<dyn std::error::Error>> {
     let table = Table::read(&files().join("expected.csv"))?;
     let what = table.column("what")?.as_texts();
     let nanos = table.column("nanos")?.as_integers()?;

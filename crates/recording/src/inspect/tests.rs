@@ -151,7 +151,10 @@ fn the_draft_is_a_map_that_can_be_used() {
         instants += 1;
     }
     // The two messages at the end come more than a second too late.
-    assert_eq!((instants, stream.notes()[0].kind), (1000, crate::StreamNoteKind::Late));
+    assert_eq!(
+        (instants, stream.notes()[0].kind),
+        (1000, crate::StreamNoteKind::Late)
+    );
     let velocity = stream
         .layout()
         .signal("/arm/joints.velocity_wrist")

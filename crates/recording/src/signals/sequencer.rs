@@ -48,6 +48,10 @@ pub(super) struct Sequencer {
     frame_wait_nanos: i64,
     /// Static frames that have come since the last item.
     new_static: Vec<FrameId>,
+    /// The most rows that wait for others; more are given out before all is known.
+    max_waiting: usize,
+    /// The last instant that was given out.
+    last_nanos: i64,
     /// The time up to which everything has come; `i64::MIN` before the first item.
     now_nanos: i64,
     finished: bool,
@@ -74,6 +78,8 @@ impl Sequencer {
             frames,
             frame_wait_nanos: nanos_of_secs(time.frame_wait_secs),
             new_static: Vec::new(),
+            max_waiting: time.reorder_messages,
+            last_nanos: i64::MIN,
             now_nanos: i64::MIN,
             finished: false,
             at_once: reorder_nanos == 0,
@@ -134,9 +140,13 @@ impl Sequencer {
     pub fn next(&mut self, notes: &mut Notes) -> Result<Option<i64>, TraceError> {
         loop {
             if let Some(front) = self.outgoing.front_nanos()
-                && front <= self.horizon_nanos()
+                && (front <= self.horizon_nanos() || self.outgoing.len() > self.max_waiting)
             {
-                return self.instant(front).map(Some);
+                if front >= self.last_nanos {
+                    return self.instant(front).map(Some);
+                }
+                self.drop_late(front, notes);
+                continue;
             }
             let popped = match self.incoming.pop() {
                 None if self.finished => self.incoming.pop_any(),
@@ -291,7 +301,18 @@ impl Sequencer {
             }
         }
         self.interpolate(time_nanos)?;
+        self.last_nanos = time_nanos;
         Ok(time_nanos)
+    }
+
+    /// Leaves out what became known only after a later instant had to be given out.
+    fn drop_late(&mut self, time_nanos: i64, notes: &mut Notes) {
+        if let Some(Ready::Row { source, slot }) = self.outgoing.pop_at(time_nanos) {
+            let source = &mut self.sources[source];
+            source.ready.free.push(slot);
+            let note = || "more messages wait than are kept".to_owned();
+            notes.add(StreamNoteKind::Late, &source.plan.name, 0, note);
+        }
     }
 
     /// Takes the values of a row for the signals that hold them.
@@ -353,6 +374,7 @@ impl Sequencer {
             }
         }
         self.interpolate(first_nanos)?;
+        self.last_nanos = first_nanos;
         Ok(Some(first_nanos))
     }
 

@@ -81,6 +81,10 @@ impl Outgoing {
         self.queue.insert(place, (time_nanos, item));
     }
 
+    pub fn len(&self) -> usize {
+        self.queue.len()
+    }
+
     pub fn front_nanos(&self) -> Option<i64> {
         self.queue.front().map(|(time, _)| *time)
     }

@@ -3,38 +3,19 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::fmt;
 
-use trace::{Snapshot, Trace, TraceError};
+use trace::{Snapshot, Trace};
 
 use super::bind::{self, BindError, Binding};
 use super::decode::{TopicDecoder, kind_of};
+use super::error::StreamError;
 use super::plan::Treatment;
 use super::report::{Notes, StreamNote, StreamNoteKind};
-use super::sequencer::{Edge, Sequencer};
-use super::tf_message::transforms_of;
+use super::sequencer::Sequencer;
+use super::taking::{Role, Taking, Topic};
+use super::tf_message::clock_nanos_of;
 use crate::clock::{Mapped, SimulationClock, TimeSettings, TimeSource};
-use crate::reader::{Encoding, Loss, RawMessage, ReadError, Reader, TopicId, TopicInfo};
+use crate::reader::{Loss, RawMessage, Reader, TopicId, TopicInfo};
 use crate::topic_map::TopicMap;
-use crate::transform::Transform;
-
-/// How far stamps may be from log time, in nanoseconds, for the two to be mixed: a minute.
-const SAME_CLOCK_NANOS: i64 = 60_000_000_000;
-
-/// What a message of a topic is for.
-#[derive(Debug)]
-enum Role {
-    Ignored,
-    Clock,
-    Transforms { is_static: bool },
-    Rows(Box<TopicDecoder>),
-}
-
-/// A topic as far as this stream is concerned.
-#[derive(Debug)]
-struct Topic {
-    name: String,
-    encoding: Encoding,
-    role: Role,
-}
 
 /// A message that waits for the next one of `/clock`.
 #[derive(Debug)]
@@ -52,60 +33,6 @@ pub struct Instant {
     pub time_secs: f64,
     /// Its time in nanoseconds of the chosen clock.
     pub time_nanos: i64,
-}
-
-/// A stream cannot go on.
-#[derive(Debug)]
-pub enum StreamError {
-    /// The recording cannot be read on.
-    Read(ReadError),
-    /// A topic that appeared late does not fit the topic map.
-    Bind(Vec<BindError>),
-    /// Messages with and without stamps cannot be put in one order, because the stamps are not of
-    /// the recorder's clock.
-    MixedClocks {
-        /// A topic whose messages have no stamp.
-        unstamped: String,
-        /// A topic whose messages have one.
-        stamped: String,
-        /// How far its first stamp is from log time, in seconds.
-        apart_secs: f64,
-    },
-    /// A value does not fit into a trace.
-    Trace(TraceError),
-}
-
-impl fmt::Display for StreamError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            StreamError::Read(error) => error.fmt(out),
-            StreamError::Bind(errors) => {
-                let texts: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                out.write_str(&texts.join("; "))
-            }
-            StreamError::MixedClocks {
-                unstamped,
-                stamped,
-                apart_secs,
-            } => write!(
-                out,
-                "messages of {unstamped} have no header, and the stamps of {stamped} are \
-                 {apart_secs} s away from log time, so the two cannot be put in one order; use log \
-                 or clock as the time"
-            ),
-            StreamError::Trace(error) => error.fmt(out),
-        }
-    }
-}
-
-impl std::error::Error for StreamError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            StreamError::Read(error) => Some(error),
-            StreamError::Trace(error) => Some(error),
-            _ => None,
-        }
-    }
 }
 
 /// The signals of a recording, or of anything else that can be read as one.
@@ -425,7 +352,7 @@ impl SignalStream {
             }
             return Ok(());
         }
-        match clock_nanos(&topic.encoding, &message.data) {
+        match clock_nanos_of(&topic.encoding, &message.data) {
             Ok(sim_nanos) => {
                 if let Err(reset) = self.clock.push(message.log_nanos, sim_nanos) {
                     let note = || {
@@ -513,199 +440,6 @@ impl Waiting {
             offset: self.offset,
         }
     }
-}
-
-/// The parts of a stream that are needed to take a message, apart from the reader that lends it.
-struct Taking<'a> {
-    source: TimeSource,
-    sequencer: &'a mut Sequencer,
-    notes: &'a mut Notes,
-    unstamped: &'a mut Option<String>,
-    far_stamped: &'a mut Option<(String, i64)>,
-}
-
-impl Taking<'_> {
-    /// Takes a message; its time is `mapped_nanos` if that is given.
-    fn message(
-        &mut self,
-        topic: &mut Topic,
-        message: &RawMessage<'_>,
-        mapped_nanos: Option<i64>,
-    ) -> Result<(), StreamError> {
-        let time_nanos = mapped_nanos.unwrap_or(match self.source {
-            TimeSource::Publish => message.publish_nanos,
-            _ => message.log_nanos,
-        });
-        match &mut topic.role {
-            Role::Ignored | Role::Clock => Ok(()),
-            Role::Transforms { is_static } => {
-                let is_static = *is_static;
-                self.transforms(topic, message, time_nanos, is_static);
-                Ok(())
-            }
-            Role::Rows(decoder) => self.rows(&topic.name, decoder, message, time_nanos),
-        }
-    }
-
-    fn rows(
-        &mut self,
-        topic: &str,
-        decoder: &mut TopicDecoder,
-        message: &RawMessage<'_>,
-        time_nanos: i64,
-    ) -> Result<(), StreamError> {
-        let decoded = match decoder.decode(message.data, self.sequencer.frames()) {
-            Ok(decoded) => decoded,
-            Err(problem) => {
-                self.notes
-                    .add(StreamNoteKind::Undecodable, topic, message.offset, || {
-                        problem
-                    });
-                return Ok(());
-            }
-        };
-        if let Some(name) = decoded.unknown_name {
-            self.notes
-                .add(StreamNoteKind::UnknownName, topic, message.offset, || name);
-        }
-        let time_nanos = match (self.source, decoded.stamp_nanos) {
-            (TimeSource::Header, Some(0)) => {
-                self.notes.add(
-                    StreamNoteKind::Unstamped,
-                    topic,
-                    message.offset,
-                    String::new,
-                );
-                return Ok(());
-            }
-            (TimeSource::Header, Some(stamp_nanos)) => {
-                self.stamped(topic, stamp_nanos, message.log_nanos)?;
-                stamp_nanos
-            }
-            (TimeSource::Header, None) => {
-                self.without_stamp(topic)?;
-                time_nanos
-            }
-            _ => time_nanos,
-        };
-        for row in decoder.rows() {
-            let taken = self
-                .sequencer
-                .row(row.source, time_nanos, message.log_nanos, &row.values);
-            if let Err(late) = taken {
-                let by_secs = late.by_nanos as f64 / 1e9;
-                let note = || format!("{by_secs} s behind what was given already");
-                self.notes
-                    .add(StreamNoteKind::Late, topic, message.offset, note);
-                // The other rows of the message are as late.
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    fn stamped(
-        &mut self,
-        topic: &str,
-        stamp_nanos: i64,
-        log_nanos: i64,
-    ) -> Result<(), StreamError> {
-        let apart_nanos = log_nanos.saturating_sub(stamp_nanos);
-        if self.far_stamped.is_none() && apart_nanos.saturating_abs() > SAME_CLOCK_NANOS {
-            *self.far_stamped = Some((topic.to_owned(), apart_nanos));
-            return self.check_clocks();
-        }
-        Ok(())
-    }
-
-    fn without_stamp(&mut self, topic: &str) -> Result<(), StreamError> {
-        self.notes
-            .add(StreamNoteKind::LogTimeTaken, topic, 0, String::new);
-        if self.unstamped.is_none() {
-            *self.unstamped = Some(topic.to_owned());
-            return self.check_clocks();
-        }
-        Ok(())
-    }
-
-    fn check_clocks(&self) -> Result<(), StreamError> {
-        match (&self.unstamped, &self.far_stamped) {
-            (Some(unstamped), Some((stamped, apart_nanos))) => Err(StreamError::MixedClocks {
-                unstamped: unstamped.clone(),
-                stamped: stamped.clone(),
-                apart_secs: *apart_nanos as f64 / 1e9,
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    fn transforms(
-        &mut self,
-        topic: &Topic,
-        message: &RawMessage<'_>,
-        time_nanos: i64,
-        is_static: bool,
-    ) {
-        let name = &topic.name;
-        let recorded = match transforms_of(&topic.encoding, message.data) {
-            Ok(recorded) => recorded,
-            Err(problem) => {
-                self.notes
-                    .add(StreamNoteKind::Undecodable, name, message.offset, || {
-                        problem
-                    });
-                return;
-            }
-        };
-        for one in recorded {
-            let pose = match Transform::new(one.translation_m, one.rotation_xyzw) {
-                Ok(pose) => pose,
-                Err(problem) => {
-                    let note = || format!("{} in {}: {problem}", one.child, one.parent);
-                    self.notes
-                        .add(StreamNoteKind::BadTransform, name, message.offset, note);
-                    continue;
-                }
-            };
-            let edge = Edge {
-                parent: one.parent,
-                child: one.child,
-                pose,
-                offset: message.offset,
-            };
-            if is_static {
-                self.sequencer.static_transform(&edge, self.notes);
-                continue;
-            }
-            let time_nanos = match self.source {
-                TimeSource::Header if one.stamp_nanos == 0 => {
-                    self.notes
-                        .add(StreamNoteKind::Unstamped, name, message.offset, String::new);
-                    continue;
-                }
-                TimeSource::Header => one.stamp_nanos,
-                _ => time_nanos,
-            };
-            if let Err(late) = self
-                .sequencer
-                .transform(time_nanos, message.log_nanos, edge)
-            {
-                let note = || {
-                    format!(
-                        "{} s behind what was given already",
-                        late.by_nanos as f64 / 1e9
-                    )
-                };
-                self.notes
-                    .add(StreamNoteKind::Late, name, message.offset, note);
-            }
-        }
-    }
-}
-
-/// The time that a message of `/clock` holds.
-fn clock_nanos(encoding: &Encoding, data: &[u8]) -> Result<i64, String> {
-    super::tf_message::clock_nanos_of(encoding, data)
 }
 
 #[cfg(test)]

@@ -294,3 +294,45 @@ fn dates_are_counted_from_the_first_item() {
     assert_eq!(secs, [0.0, 1e-9, 1.5]);
     assert_eq!(sequencer.origin_nanos(), start);
 }
+
+/// A sensor whose stamp stands still must not fill the memory.
+#[test]
+fn what_waits_is_bounded_even_if_time_stands_still() {
+    let treatment = Treatment::Transform {
+        in_frame: "world".into(),
+        is_point: true,
+        metres_per_unit: 1.0,
+    };
+    let sources = vec![
+        plan(
+            vec![output(0, Interpolation::Hold, None)],
+            Treatment::Plain,
+            1,
+        ),
+        plan(vec![output(1, Interpolation::Hold, None)], treatment, 4),
+    ];
+    let settings = TimeSettings {
+        reorder_messages: 10,
+        ..settings()
+    };
+    let mut sequencer = Sequencer::new(&layout(2), sources, &settings);
+    let camera = f64::from(sequencer.frames().frame("camera").number());
+    let mut notes = Notes::default();
+    sequencer
+        .row(1, 4 * MS, 0, &[1.0, 0.0, 0.0, camera])
+        .unwrap();
+    let mut given = 0;
+    for arrival in 0..1000 {
+        sequencer
+            .row(0, 5 * MS, arrival * MS, &[arrival as f64])
+            .unwrap();
+        given += drain(&mut sequencer, 2, &mut notes).len();
+        assert!(sequencer.outgoing.len() <= 11);
+    }
+    assert!(given > 10);
+    sequencer.finish();
+    drain(&mut sequencer, 2, &mut notes);
+    // The point was known to be missing only when later rows had been given out.
+    let kinds: Vec<_> = notes.list().iter().map(|note| note.kind).collect();
+    assert_eq!(kinds, [StreamNoteKind::Late, StreamNoteKind::NoTransform]);
+}
