@@ -133,7 +133,39 @@ fn check(
             what()
         );
     }
+    // With other endings the end itself may do what an atom did before.
+    if (time, ending) == (TimeModel::Discrete, Ending::Inconclusive) && explanation.atoms.len() <= 8
+    {
+        // What came after the sample that determined it may do what an atom did before.
+        let decided = (1..=trace.len()).find(|&count| {
+            by_definition(formula, &trace[..count].to_vec(), time, ending) == Verdict::Violated
+        });
+        let seen = trace[..decided.unwrap_or(trace.len())].to_vec();
+        check_that_nothing_is_idle(formula, &seen, &explanation);
+    }
     true
+}
+
+/// Without any one part, everything else being unknown, the violation is not certain.
+fn check_that_nothing_is_idle(formula: &Formula, trace: &Trace, explanation: &Explanation) {
+    for left_out in 0..explanation.atoms.len() {
+        let mut fewer = explanation.clone();
+        fewer.atoms.remove(left_out);
+        let mut changed = trace.clone();
+        for (sample, row) in changed.iter_mut().enumerate() {
+            for atom in 0..2 {
+                if !is_responsible(&fewer, trace, TimeModel::Discrete, sample, atom) {
+                    row.1[atom] = None;
+                }
+            }
+        }
+        let after = by_definition(formula, &changed, TimeModel::Discrete, Ending::Inconclusive);
+        assert_ne!(
+            after,
+            Verdict::Violated,
+            "{formula} on {trace:?}: {explanation:?}, part {left_out}"
+        );
+    }
 }
 
 fn random_trace(numbers: &mut Numbers, longest: u64) -> Trace {

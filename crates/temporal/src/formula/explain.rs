@@ -8,9 +8,10 @@
 //! window; `always` is false because of the first place where its operand is; `until` is false
 //! because the right is, up to a place where the left is false or the end of the window; and so on.
 //! Where several operands would do, the one that stays so longest is taken, and where several places
-//! would, the first that is known. So each step has a reason, but the set need not be the smallest,
-//! nor its segment the shortest, of all that force the violation. What is found is checked: the
-//! formula must be violated with everything else unknown.
+//! would, the first that is known. What is found is checked: the formula must be violated with
+//! everything else unknown; and if it has few parts (an atom over a stretch), those without which
+//! it is still violated are left out. So no part is idle, but the segment need not be the shortest of
+//! all that force the violation.
 //!
 //! Source: the idea is that of causes in temporal logic (T. Ferrère, O. Maler and D. Nickovic,
 //! "Trace diagnostics using temporal implicants", ATVA 2015); here on places and their runs, with
@@ -34,6 +35,9 @@ use self::search::Piece;
 use super::ast::{AtomId, Formula};
 use super::report::{Explanation, Responsible, RobustnessBounds};
 use super::settings::{Ending, TimeModel};
+
+/// Up to so many pieces, each is left out by way of trial.
+const MAX_TRIED: usize = 8;
 
 /// The last samples of a trace, for an explanation.
 #[derive(Debug, Clone)]
@@ -132,9 +136,12 @@ pub(super) fn explain(
     let formula = simplest(formula)?;
     let line = Line::new(record, time, ending);
     let found = search::violation(&formula, &line)?;
+    let suffices = |pieces: &[Piece]| {
+        let alone = record.only(pieces, &line);
+        search::violation(&formula, &Line::new(&alone, time, ending)).is_some()
+    };
     // Nothing is reported that would not do by itself.
-    let alone = record.only(&found, &line);
-    search::violation(&formula, &Line::new(&alone, time, ending))?;
+    let found = suffices(&found).then(|| without_idle(found, suffices))?;
     let mut atoms: Vec<Responsible> = found
         .into_iter()
         .map(|part| Responsible {
@@ -170,4 +177,20 @@ pub(super) fn explain(
         },
         atoms,
     })
+}
+
+/// The pieces without those that the others can do without, if they are few.
+fn without_idle(mut pieces: Vec<Piece>, suffices: impl Fn(&[Piece]) -> bool) -> Vec<Piece> {
+    if pieces.len() > MAX_TRIED {
+        return pieces;
+    }
+    let mut at = 0;
+    while at < pieces.len() {
+        let piece = pieces.remove(at);
+        if !suffices(&pieces) {
+            pieces.insert(at, piece);
+            at += 1;
+        }
+    }
+    pieces
 }
