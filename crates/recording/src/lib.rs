@@ -55,7 +55,7 @@ pub use trials::{SkippedPath, TrialPath, Trials, trials};
 mod inspect;
 mod signals;
 
-pub use signals::{BindError, Instant, SignalStream, StreamError, StreamNote, StreamNoteKind};
+pub use signals::{BindError, Moment, SignalStream, StreamError, StreamNote, StreamNoteKind};
 pub use inspect::{
     FieldSummary, FieldValue, FrameInspection, InspectOptions, Inspection, TopicInspection, inspect,
     inspect_reader,

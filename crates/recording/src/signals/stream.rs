@@ -28,7 +28,7 @@ struct Waiting {
 
 /// An instant of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Instant {
+pub struct Moment {
     /// Its time in seconds from [`SignalStream::origin_nanos`].
     pub time_secs: f64,
     /// Its time in nanoseconds of the chosen clock.
@@ -184,7 +184,7 @@ impl SignalStream {
     ///
     /// # Errors
     /// [`StreamError`] if the recording cannot be read on or understood.
-    pub fn next_instant(&mut self) -> Result<Option<Instant>, StreamError> {
+    pub fn next_instant(&mut self) -> Result<Option<Moment>, StreamError> {
         loop {
             let next = self
                 .sequencer
@@ -192,7 +192,7 @@ impl SignalStream {
                 .map_err(StreamError::Trace)?;
             if let Some(time_nanos) = next {
                 let time_secs = self.sequencer.secs(time_nanos);
-                return Ok(Some(Instant {
+                return Ok(Some(Moment {
                     time_secs,
                     time_nanos,
                 }));
