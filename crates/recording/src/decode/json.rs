@@ -260,8 +260,8 @@ fn choose<'j>(elements: &'j [Json], around: &Json, conditions: &[Condition]) -> 
 }
 
 fn at<'j>(value: &'j Json, condition: &Condition) -> Option<&'j Json> {
-    let names = condition.names.iter();
-    names.fold(Some(value), |value, name| value?.get(name))
+    let mut names = condition.names.iter();
+    names.try_fold(value, |value, name| value.get(name))
 }
 
 fn equals(found: Option<&Json>, key: &Key) -> bool {
