@@ -186,6 +186,43 @@ fn random_larger_formulas_on_longer_traces() {
     }
 }
 
+#[test]
+fn triggers_are_counted_where_they_become_true() {
+    let mut numbers = Numbers(13);
+    let mut counted = 0;
+    for _ in 0..2_000 {
+        let trigger = random_formula(&mut numbers, 2);
+        let trace = random_trace(&mut numbers, 6);
+        let ending = [Ending::Inconclusive, Ending::Finite][numbers.below(2) as usize];
+        let formula = Formula::always(
+            Interval::UNBOUNDED,
+            Formula::implies(trigger.clone(), Formula::atom(1)),
+        );
+        let settings = Settings::dense(ending);
+        let monitor = FormulaMonitor::compile(&formula, &settings).expect("sensible");
+        let mut judge = monitor.start();
+        for (tick, atoms) in &trace {
+            judge.step(*tick as f64, atoms).expect("times ascend");
+        }
+        let report = judge.finish(true);
+        // All windows are whole seconds, so it can become true only at whole seconds.
+        let last = trace.last().map_or(0, |sample| sample.0);
+        let becomes_true = |tick: &usize| {
+            let there = Interval::secs(*tick as f64, *tick as f64);
+            let rises = Formula::eventually(there, Formula::rise(trigger.clone()));
+            let bounds = value(&rises, &word(&trace, true), ending).expect("sensible");
+            bounds.truth() == Some(true)
+        };
+        let expected = (0..=last).filter(becomes_true).count() as u64;
+        assert_eq!(
+            report.triggered, expected,
+            "{trigger} on {trace:?} with {ending:?}"
+        );
+        counted += expected;
+    }
+    assert!(counted > 1_000, "{counted}");
+}
+
 /// Truth by the definition itself at points `GRID` to a tick: the quantifiers range over grid points
 /// instead of all times. With a grid fine enough for the nesting, that is the same. (Complete traces.)
 const GRID: usize = 8;
