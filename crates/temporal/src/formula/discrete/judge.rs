@@ -15,6 +15,29 @@ use crate::monitor::Verdict;
 const BATCH: usize = 1_024;
 
 /// A formula in discrete time that is ready to judge traces; it can be shared by threads.
+///
+/// [`FormulaMonitor`](crate::formula::FormulaMonitor) is the same for both models of time, and
+/// explains violations.
+///
+/// ```
+/// use temporal::formula::discrete::DiscreteMonitor;
+/// use temporal::formula::{Ending, Settings, Verdict, parse};
+/// let parsed = parse("always (grasped => eventually[0, 2 samples] /hand.width > 8 cm)", &|_| None)?;
+/// let settings = Settings::discrete(Ending::Finite).with_robustness();
+/// let monitor = DiscreteMonitor::compile(&parsed.formula, &settings)?;
+///
+/// // The robustness of both atoms: the first is only true or false.
+/// let times_secs = [0.0, 0.1, 0.2, 0.3];
+/// let grasped = [-f64::INFINITY, f64::INFINITY, -f64::INFINITY, -f64::INFINITY];
+/// let width = [-0.02, -0.01, 0.005, -0.01];
+/// let mut judge = monitor.start();
+/// let progress = judge.step_many(&times_secs, &[&grasped, &width])?;
+/// assert_eq!(progress.verdict, None); // it may be grasped again
+/// let report = judge.finish(true);
+/// assert_eq!(report.verdict, Verdict::Satisfied);
+/// assert_eq!(report.robustness.and_then(|bounds| bounds.value()), Some(0.005));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct DiscreteMonitor {
     start: DiscreteJudge,
