@@ -57,6 +57,12 @@ fn atoms_are_taken_as_they_are_written() {
             vec!["/robot.until < 3", "/U/and.W[3] != 2"],
         ),
         (
+            "F[0, 1 s] /until.x / 2 < 3 and p U[1 s, inf) /and.y > /U/since.x",
+            "(eventually[0 s, 1 s] p0) and (p1 until[1 s, inf] p2)",
+            vec!["/until.x / 2 < 3", "p", "/and.y > /U/since.x"],
+        ),
+        ("/a.x[3] /divisor < 3", "p0", vec!["/a.x[3] /divisor < 3"]),
+        (
             "not a < b <=> !(c) -> d",
             "(not p0) <=> ((not p1) => p2)",
             vec!["a < b", "c", "d"],
@@ -165,6 +171,7 @@ fn mistakes_have_a_place_and_a_remedy() {
             "the operator \"U\" stands where a value is needed",
         ),
         ("a <", "<", "something is missing behind \"<\""),
+        ("F<=20 a", "<=", "something is missing before \"<=\""),
         ("a AND b", "AND", "\"AND\" directly follows \"a\""),
         ("min(a, b < 3", "(", "this bracket is never closed"),
         (

@@ -120,22 +120,41 @@ const SIGNS: [(&str, Kind); 27] = [
     (",", Kind::Comma),
 ];
 
+/// Where the last word stands in relation to the interval of an operator. Behind one a slash begins
+/// a signal, and does not divide.
+#[derive(Clone, Copy, PartialEq)]
+enum Interval {
+    None,
+    Open,
+    Closed,
+}
+
 /// Splits `text` into words; the last one is [`Kind::End`].
 pub(super) fn lex(text: &str) -> Result<Vec<Token<'_>>, FormulaError> {
     let mut tokens: Vec<Token<'_>> = Vec::new();
+    let mut interval = Interval::None;
     let mut at = 0;
     while let Some(first) = text[at..].chars().next() {
         if first.is_whitespace() {
             at += first.len_utf8();
             continue;
         }
-        let after_operand = (tokens.last()).is_some_and(|token| {
-            matches!(
-                token.kind,
-                Kind::Word | Kind::Number | Kind::Close | Kind::CloseSquare
-            )
-        });
+        let after_operand = interval != Interval::Closed
+            && (tokens.last()).is_some_and(|token| {
+                matches!(
+                    token.kind,
+                    Kind::Word | Kind::Number | Kind::Close | Kind::CloseSquare
+                )
+            });
         let (kind, length) = lex_one(text, at, first, after_operand)?;
+        let after_operator =
+            (tokens.last()).is_some_and(|token| matches!(token.kind, Kind::Operator(_)));
+        interval = match (kind, interval) {
+            (Kind::OpenSquare, _) if after_operator => Interval::Open,
+            (Kind::CloseSquare | Kind::Close, Interval::Open) => Interval::Closed,
+            (_, Interval::Open) => Interval::Open,
+            _ => Interval::None,
+        };
         let span = at..at + length;
         tokens.push(Token {
             kind,

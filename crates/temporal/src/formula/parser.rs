@@ -368,6 +368,17 @@ impl<'t> Parser<'t> {
                 "write the value to compare or compute with".to_owned(),
             ));
         }
+        if let Some(sign) = (words.first())
+            .filter(|first| first.kind == Kind::Joint && !matches!(first.text, "-" | "+"))
+        {
+            return Err(FormulaError::new(
+                self.text,
+                sign.span.clone(),
+                format!("something is missing before \"{}\"", sign.text),
+                "write the value to compare or compute with; a window is written [0, 2 s]"
+                    .to_owned(),
+            ));
+        }
         if let Some(pair) = (words.windows(2)).find(|pair| is_juxtaposed(pair)) {
             return Err(juxtaposed(self.text, pair));
         }
