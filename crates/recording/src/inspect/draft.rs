@@ -18,12 +18,8 @@ pub(super) fn draft_map(found: &Inspection) -> String {
         if matches!(topic.name.as_str(), "/tf" | "/tf_static" | "/clock") {
             continue;
         }
-        let _ = write!(
-            text,
-            "\n# {} ({})",
-            topic.name,
-            or_unknown(&topic.type_name)
-        );
+        let (name, type_name) = (comment(&topic.name), comment(or_unknown(&topic.type_name)));
+        let _ = write!(text, "\n# {name} ({type_name})");
         match topic.rate_hz {
             Some(rate_hz) => {
                 let _ = writeln!(text, ", {rate_hz:.1} Hz");
@@ -48,9 +44,10 @@ fn or_unknown(type_name: &str) -> &str {
     }
 }
 
-/// One line of a comment.
+/// One line of a comment: letters that would end it, or that TOML does not allow, become spaces.
 fn comment(text: &str) -> String {
-    text.replace(['\n', '\r'], " ")
+    let shown = |letter: char| if letter.is_control() { ' ' } else { letter };
+    text.chars().map(shown).collect()
 }
 
 fn time_section(found: &Inspection, text: &mut String) {
@@ -65,7 +62,7 @@ fn time_section(found: &Inspection, text: &mut String) {
     }
     for topic in stamped {
         if let Some((least, most)) = topic.behind_stamp_secs {
-            let name = &topic.name;
+            let name = comment(&topic.name);
             let _ = writeln!(text, "#   {name}: {least:.6} s to {most:.6} s");
         }
     }
@@ -173,16 +170,24 @@ fn joint_hint(topic: &TopicInspection, field: &FieldSummary) -> &'static str {
 /// The topic without its first slash as a field: `/arm/joint_states` and `velocity[name='wrist']`
 /// become `/arm/joint_states.velocity_wrist`.
 fn signal_name(topic: &TopicInspection, field: &FieldSummary) -> String {
-    let mut path = String::new();
     let words = field.path.replace("[name='", "_").replace(['[', ' '], "_");
-    for letter in words.chars() {
-        if letter.is_alphanumeric() || "._-".contains(letter) {
-            path.push(letter);
-        }
-    }
-    let topic_name = topic.name.replace(['.', ' '], "_");
-    let slash = if topic_name.starts_with('/') { "" } else { "/" };
-    format!("{slash}{topic_name}.{path}")
+    let fits = |letter: &char| letter.is_alphanumeric() || "._-".contains(*letter);
+    let path: String = words.chars().filter(fits).collect();
+    let path = if path.is_empty() { "value" } else { &path };
+    let fits = |letter: &char| letter.is_alphanumeric() || "/_-".contains(*letter);
+    let topic_name: String = topic
+        .name
+        .replace(['.', ' '], "_")
+        .chars()
+        .filter(fits)
+        .collect();
+    let topic_name = topic_name.trim_start_matches('/');
+    let topic_name = if topic_name.is_empty() {
+        "topic"
+    } else {
+        topic_name
+    };
+    format!("/{topic_name}.{path}")
 }
 
 fn unique(name: String, names: &mut BTreeSet<String>) -> String {

@@ -124,7 +124,8 @@ fn joined(above: &str, name: &str) -> String {
 
 impl Walk<'_> {
     fn add(&mut self, path: String, elements: Option<u64>) {
-        if self.found.len() < MAX_FIELDS {
+        // A name of a field may be anything; what no path can say is left out.
+        if self.found.len() < MAX_FIELDS && FieldPath::parse(&path).is_ok() {
             self.found.push(Found { path, elements });
         }
     }

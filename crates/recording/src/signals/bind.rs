@@ -166,6 +166,8 @@ impl Binder<'_> {
             .first()
             .map_or("", |info| crate::inspect::usual_unit(info, path));
         let (topic, path) = (topic.to_owned(), path.to_owned());
+        let slash = if topic.starts_with('/') { "" } else { "/" };
+        let channel = format!("{slash}{topic}");
         let field = Field {
             name: path.clone(),
             unit: unit.to_owned(),
@@ -186,7 +188,7 @@ impl Binder<'_> {
                 from: name.to_owned(),
             },
         );
-        let signal = self.add_field(&topic, field);
+        let signal = self.add_field(&channel, field);
         self.plain(&topic, &entry, vec![column], &[signal]);
     }
 
@@ -501,12 +503,15 @@ fn output(entry: &MappedSignal, signal: SignalIndex, column: usize) -> Output {
     }
 }
 
-/// The longest topic with which `name` begins, and the path behind the dot.
-fn split_at_topic<'n>(topics: &[TopicInfo], name: &'n str) -> Option<(&'n str, &'n str)> {
+/// The longest topic with which `name` begins, and the path behind the dot. Signals begin with a
+/// slash; topics of other systems than ROS need not.
+fn split_at_topic<'t, 'n>(topics: &'t [TopicInfo], name: &'n str) -> Option<(&'t str, &'n str)> {
     let fitting = topics.iter().filter_map(|info| {
-        let path = name.strip_prefix(info.name.as_str())?.strip_prefix('.')?;
-        (!path.is_empty()).then_some((info.name.len(), path))
+        let topic = info.name.as_str();
+        let plain = name.strip_prefix(topic);
+        let behind = plain.or_else(|| name.strip_prefix('/')?.strip_prefix(topic));
+        let path = behind?.strip_prefix('.')?;
+        (!path.is_empty() && !topic.is_empty()).then_some((topic, path))
     });
-    let (length, path) = fitting.max_by_key(|(length, _)| *length)?;
-    Some((&name[..length], path))
+    fitting.max_by_key(|(topic, _)| topic.len())
 }

@@ -323,7 +323,7 @@ impl Reader<'_> {
             self.error(span, "the norm of nothing", "list the paths of the numbers");
             return None;
         }
-        if paths.iter().any(|path| MappedSignal::split(path).is_none()) {
+        if paths.iter().any(|path| !is_path(path)) {
             let remedy = "write the topic, a dot and the field, as in /joint_states.velocity[0]";
             self.error(span, "this is no path into a topic", remedy);
             return None;
@@ -474,6 +474,13 @@ impl Reader<'_> {
         }
         secs
     }
+}
+
+/// Whether there is something before and behind a dot. Topics of other systems than ROS need not
+/// begin with a slash.
+fn is_path(path: &str) -> bool {
+    path.split_once('.')
+        .is_some_and(|(topic, field)| !topic.is_empty() && !field.is_empty())
 }
 
 /// A number and a unit of time, as seconds.

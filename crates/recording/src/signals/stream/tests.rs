@@ -439,3 +439,13 @@ fn messages_that_do_not_fit_are_left_out_and_counted() {
         notes[0]
     );
 }
+
+#[test]
+fn topics_of_other_systems_need_no_slash() {
+    let mut kept = recorded(&[("/x", NUMBER, 0, vec![("data", Ros2Value::Number(7.0))])]);
+    kept.topics[0].name = "wheel.left".to_owned();
+    let map = map("[\"/a.x\"]\nfrom = \"wheel.left.data\"\n");
+    let wanted = ["/a.x", "/wheel.left.data"];
+    let mut stream = streamed(kept, &map, &wanted).unwrap();
+    assert_eq!(values(&mut stream, &wanted), [(0.0, vec![7.0, 7.0])]);
+}

@@ -84,7 +84,7 @@ point = "/t.p"
 ["/c.x"]
 unit = "m"
 ["/d.x"]
-from = "t.x"
+from = "/tx"
 ["/e.x"]
 from = "/t.x"
 staleness = "fast"
