@@ -134,6 +134,34 @@ impl<R: Read + Seek> Rows<R> {
         Ok((line, offset))
     }
 
+    /// Reads all rows, to learn the format of the times (if there are any) and the kinds of the
+    /// other columns.
+    fn survey(
+        &mut self,
+        headers: &[String],
+        time_column: usize,
+        options: &OpenOptions,
+    ) -> Result<(Option<TimeFormat>, Vec<Option<Kind>>), ReadError> {
+        let mut census = vec![Census::default(); headers.len()];
+        let mut format = None;
+        while self.advance()?.is_some() {
+            if self.row.len() != headers.len() {
+                continue;
+            }
+            if format.is_none() && !self.cell(time_column).is_empty() {
+                let line = self.place()?.0;
+                let first = self.cell(time_column);
+                format = Some(format_of(&headers[time_column], &first, line, options)?);
+            }
+            for (column, census) in census.iter_mut().enumerate() {
+                census.count(&self.cell(column));
+            }
+        }
+        let kinds = census.iter().enumerate();
+        let kinds = kinds.map(|(column, census)| (column != time_column).then(|| census.kind()));
+        Ok((format, kinds.collect()))
+    }
+
     /// A cell; bytes that are no text are replaced.
     fn cell(&self, column: usize) -> std::borrow::Cow<'_, str> {
         String::from_utf8_lossy(self.row.get(column).unwrap_or_default())
@@ -158,26 +186,7 @@ impl<R: Read + Seek> CsvReader<R> {
             .collect();
         let time_column = time_column(&headers, options)?;
         let start = rows.csv.position().clone();
-        let mut census = vec![Census::default(); headers.len()];
-        let mut time_format = None;
-        while rows.advance()?.is_some() {
-            if rows.row.len() != headers.len() {
-                continue;
-            }
-            if time_format.is_none() && !rows.cell(time_column).is_empty() {
-                let line = rows.place()?.0;
-                let first = rows.cell(time_column);
-                time_format = Some(format_of(&headers[time_column], &first, line, options)?);
-            }
-            census
-                .iter_mut()
-                .enumerate()
-                .for_each(|(column, census)| census.count(&rows.cell(column)));
-        }
-        let kinds = census.iter().enumerate();
-        let kinds: Vec<Option<Kind>> = kinds
-            .map(|(column, census)| (column != time_column).then(|| census.kind()))
-            .collect();
+        let (time_format, kinds) = rows.survey(&headers, time_column, options)?;
         let layout = layout(&headers, &kinds).map_err(malformed)?;
         rows.csv
             .seek(start)

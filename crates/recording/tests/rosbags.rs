@@ -21,7 +21,7 @@ const ROS1_FILES: [&str; 5] = [
     "unfinished.bag",
     "unordered.bag",
 ];
-const ROS2_FILES: [&str; 8] = [
+const ROS2_FILES: [&str; 9] = [
     "sqlite",
     "sqlite_file",
     "sqlite_message",
@@ -30,6 +30,7 @@ const ROS2_FILES: [&str; 8] = [
     "live_copy.db3",
     "mcap",
     "mcap_file",
+    "mcap_message",
 ];
 
 fn file(name: &str) -> PathBuf {

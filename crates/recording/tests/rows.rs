@@ -51,7 +51,7 @@ fn show(rows: &[Row]) -> Vec<String> {
 
 #[test]
 fn a_table_is_one_topic_with_a_field_for_each_column() {
-    let text = "t [ms];speed [m/s];state;ready;position[0]\n\
+    let text = "\u{feff}t [ms];speed [m/s];state;ready;position[0]\n\
                 0;0.25;idle;true;1e-3\n250.5;;\"a;b\";false;-2\n";
     let (rows, reader) = csv(text, &["speed", "state", "ready", "position_0"]).unwrap();
     assert_eq!(

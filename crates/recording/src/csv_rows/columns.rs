@@ -110,20 +110,14 @@ pub(crate) fn layout(headers: &[String], kinds: &[Option<Kind>]) -> Result<Layou
             continue;
         };
         let (name, unit) = split_unit(header);
-        let (topic, path) = match split_topic(name) {
-            Some((topic, field)) => (topic, field.split('.').map(str::to_owned).collect()),
-            None => (TABLE_TOPIC, vec![plain_name(name, column)]),
-        };
+        let (topic, path) = place_of(name, column);
         let signal = format!("{topic}.{}", path.join("."));
+        let notes = &mut layout.notes;
         if !unit.is_empty() {
-            layout
-                .notes
-                .insert(format!("unit of {signal}"), unit.to_owned());
+            notes.insert(format!("unit of {signal}"), unit.to_owned());
         }
         if topic == TABLE_TOPIC && path[0] != name {
-            layout
-                .notes
-                .insert(format!("header of {signal}"), header.clone());
+            notes.insert(format!("header of {signal}"), header.clone());
         }
         let place = topics
             .iter()
@@ -139,18 +133,26 @@ pub(crate) fn layout(headers: &[String], kinds: &[Option<Kind>]) -> Result<Layou
                 format!("two columns are called {signal}; give one of them another name")
             })?;
     }
-    for (name, part) in topics {
-        let mut columns = Vec::new();
-        let message_type = part.message_type(&name, &mut columns);
-        let skips_empty_rows = name != TABLE_TOPIC;
-        layout.topics.push(TableTopic {
-            name,
-            message_type,
-            columns,
-            skips_empty_rows,
-        });
-    }
+    layout.topics = topics.into_iter().map(table_topic).collect();
     Ok(layout)
+}
+
+/// The topic of a column without its unit, and the path of its field.
+fn place_of(name: &str, column: usize) -> (&str, Vec<String>) {
+    match split_topic(name) {
+        Some((topic, field)) => (topic, field.split('.').map(str::to_owned).collect()),
+        None => (TABLE_TOPIC, vec![plain_name(name, column)]),
+    }
+}
+
+fn table_topic((name, part): (String, Part)) -> TableTopic {
+    let mut columns = Vec::new();
+    TableTopic {
+        message_type: part.message_type(&name, &mut columns),
+        columns,
+        skips_empty_rows: name != TABLE_TOPIC,
+        name,
+    }
 }
 
 impl Part {

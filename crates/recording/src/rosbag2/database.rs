@@ -53,6 +53,16 @@ struct MessageColumns {
     data: usize,
 }
 
+impl MessageColumns {
+    fn of(messages: &Table) -> Option<Self> {
+        Some(MessageColumns {
+            topic: messages.column("topic_id")?,
+            time: messages.column("timestamp")?,
+            data: messages.column("data")?,
+        })
+    }
+}
+
 /// Where the data of a message are.
 enum Place {
     Page(Row, Range<usize>),
@@ -86,15 +96,8 @@ impl DatabaseReader {
         let (Some(messages), Some(topic_table)) = (find("messages"), find("topics")) else {
             return Err(without_tables(&damages));
         };
-        let column = |name: &str| {
-            messages
-                .column(name)
-                .ok_or_else(|| without_tables(&damages))
-        };
-        let columns = MessageColumns {
-            topic: column("topic_id")?,
-            time: column("timestamp")?,
-            data: column("data")?,
+        let Some(columns) = MessageColumns::of(messages) else {
+            return Err(without_tables(&damages));
         };
         let defined = find("message_definitions");
         let defined = defined.map_or_else(BTreeMap::new, |table| {
@@ -157,61 +160,26 @@ impl DatabaseReader {
 
     /// The message in `row`; `None` if its topic is not selected.
     fn message(&mut self, row: Row) -> Result<Option<Found>, Damage> {
-        let wrong =
-            |what: &str| Damage::new(row.offset, format!("row {} {what} and is lost", row.id));
-        if row.len > self.record_bytes {
-            return Err(wrong(&format!(
-                "claims {} bytes, more than is believed,",
-                row.len
-            )));
-        }
-        let mut is_whole = false;
-        let header = locate(self.scan.local(&row), row.len, &mut self.fields);
-        if header == Err(HeaderError::Incomplete) {
-            self.scan.whole(&row, &mut self.pager, &mut self.payload)?;
-            is_whole = true;
-        }
-        let bytes = if is_whole {
-            &self.payload[..]
-        } else {
-            self.scan.local(&row)
-        };
-        if header.is_err() && locate(bytes, row.len, &mut self.fields).is_err() {
-            return Err(wrong("contradicts its own header"));
-        }
-        let number = |column: usize| self.fields.get(column)?.value(bytes)?.integer();
-        let (Some(topic), Some(nanos)) = (number(self.columns.topic), number(self.columns.time))
-        else {
-            return Err(wrong("has no topic or no time"));
-        };
-        let Some(&topic) = self.topic_of.get(&topic) else {
-            return Err(wrong(&format!(
-                "belongs to the topic {topic}, which is not described,"
-            )));
-        };
-        if !self.selected[topic.index()] {
+        let is_whole = self.locate_columns(&row)?;
+        let Some((topic, nanos)) = self.topic_and_time(&row, is_whole)? else {
             return Ok(None);
-        }
-        let data = self
-            .fields
-            .get(self.columns.data)
-            .filter(|field| field.is_bytes());
-        let Some(&data) = data else {
-            return Err(wrong("has no data"));
+        };
+        let data = self.fields.get(self.columns.data);
+        let Some(&data) = data.filter(|field| field.is_bytes()) else {
+            return Err(lost(&row, "has no data"));
         };
         let range = data.start as usize..(data.start + data.len) as usize;
-        let is_local = data.is_within(self.scan.local(&row).len());
-        if !is_local && !is_whole {
-            self.scan.whole(&row, &mut self.pager, &mut self.payload)?;
-        }
-        let place = if is_local {
+        let place = if data.is_within(self.scan.local(&row).len()) {
             Place::Page(row, range)
         } else {
+            if !is_whole {
+                self.scan.whole(&row, &mut self.pager, &mut self.payload)?;
+            }
             Place::Payload(range)
         };
         let place = self
             .uncompress(place, topic)
-            .map_err(|error| wrong(&format!("cannot be uncompressed ({error})")))?;
+            .map_err(|error| lost(&row, &format!("cannot be uncompressed ({error})")))?;
         let offset = row.offset;
         Ok(Some(Found {
             topic,
@@ -219,6 +187,43 @@ impl DatabaseReader {
             offset,
             place,
         }))
+    }
+
+    /// Finds the columns of a row; whether its overflow pages had to be read for that.
+    fn locate_columns(&mut self, row: &Row) -> Result<bool, Damage> {
+        if row.len > self.record_bytes {
+            let problem = format!("claims {} bytes, more than is believed,", row.len);
+            return Err(lost(row, &problem));
+        }
+        let local = self.scan.local(row);
+        let mut located = locate(local, row.len, &mut self.fields);
+        let is_whole = located == Err(HeaderError::Incomplete);
+        if is_whole {
+            self.scan.whole(row, &mut self.pager, &mut self.payload)?;
+            located = locate(&self.payload, row.len, &mut self.fields);
+        }
+        match located {
+            Ok(()) => Ok(is_whole),
+            Err(_) => Err(lost(row, "contradicts its own header")),
+        }
+    }
+
+    /// Topic and time of a row whose columns are located; `None` if the topic is not selected.
+    fn topic_and_time(&self, row: &Row, is_whole: bool) -> Result<Option<(TopicId, i64)>, Damage> {
+        let bytes = match is_whole {
+            true => &self.payload[..],
+            false => self.scan.local(row),
+        };
+        let number = |column: usize| self.fields.get(column)?.value(bytes)?.integer();
+        let numbers = (number(self.columns.topic), number(self.columns.time));
+        let (Some(topic), Some(nanos)) = numbers else {
+            return Err(lost(row, "has no topic or no time"));
+        };
+        let Some(&topic) = self.topic_of.get(&topic) else {
+            let problem = format!("belongs to the topic {topic}, which is not described,");
+            return Err(lost(row, &problem));
+        };
+        Ok(self.selected[topic.index()].then_some((topic, nanos)))
     }
 
     /// Uncompresses a message that was compressed on its own.
@@ -306,6 +311,11 @@ impl Reader for DatabaseReader {
     fn in_time_order(&self) -> bool {
         false
     }
+}
+
+/// A row that cannot be given: `problem` follows its id.
+fn lost(row: &Row, problem: &str) -> Damage {
+    Damage::new(row.offset, format!("row {} {problem} and is lost", row.id))
 }
 
 /// The schemas that the database itself defines, by type.

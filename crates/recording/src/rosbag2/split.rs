@@ -27,7 +27,16 @@ pub(crate) struct SplitReader {
     /// How many losses of the current part are in `losses` already.
     taken_losses: usize,
     is_complete: bool,
-    uncompressed: Vec<u8>,
+    /// What the present message holds.
+    data: Vec<u8>,
+}
+
+/// What comes next in a file.
+enum PartStep {
+    /// A message, whose data are kept apart.
+    Message(RawMessage<'static>),
+    Lost(Loss),
+    End,
 }
 
 /// One file.
@@ -56,7 +65,7 @@ impl SplitReader {
             losses,
             taken_losses: 0,
             is_complete: true,
-            uncompressed: Vec::new(),
+            data: Vec::new(),
         };
         for name in reader.metadata.files.clone() {
             reader.add_part(folder, &name)?;
@@ -213,6 +222,46 @@ impl SplitReader {
         }
     }
 
+    /// Reads the next message of the current part, and puts what it holds into `data`.
+    fn next_in_part(&mut self) -> Result<PartStep, ReadError> {
+        self.prepare()?;
+        self.take_losses();
+        // Of the two storages, only the database uncompresses messages itself.
+        let uncompresses = !self.metadata.compression.is_empty()
+            && !self.metadata.files_are_compressed
+            && self.metadata.storage == "mcap";
+        let part = &mut self.parts[self.current];
+        let Some(reader) = &mut part.reader else {
+            return Ok(PartStep::End);
+        };
+        let found = reader.next().map_err(|error| error.in_file(&part.path))?;
+        let Some(found) = found else {
+            return Ok(PartStep::End);
+        };
+        // A part that finds topics late names them with ids that are not known here.
+        let Some(&topic) = part.topics.get(found.topic.index()) else {
+            let message = "a message of a topic that was found late is left out";
+            return Ok(PartStep::Lost(loss(found.offset, message)));
+        };
+        self.data.clear();
+        if !uncompresses {
+            self.data.extend_from_slice(found.data);
+        } else if let Err(error) = unzstd(found.data, self.options.record_bytes, &mut self.data) {
+            let message = format!("a message cannot be uncompressed ({error})");
+            return Ok(PartStep::Lost(Loss {
+                messages: Some(1),
+                ..loss(found.offset, message)
+            }));
+        }
+        Ok(PartStep::Message(RawMessage {
+            topic,
+            log_nanos: found.log_nanos,
+            publish_nanos: found.publish_nanos,
+            data: &[],
+            offset: found.offset,
+        }))
+    }
+
     /// Takes over the losses that the current part found by now.
     fn take_losses(&mut self) {
         let part = &self.parts[self.current];
@@ -239,58 +288,24 @@ impl Reader for SplitReader {
     }
 
     fn next(&mut self) -> Result<Option<RawMessage<'_>>, ReadError> {
-        let messages_are_compressed =
-            !self.metadata.compression.is_empty() && !self.metadata.files_are_compressed;
-        let uncompresses = messages_are_compressed && self.metadata.storage == "mcap";
         while self.current < self.parts.len() {
-            self.prepare()?;
-            self.take_losses();
-            let part = &mut self.parts[self.current];
-            let found = match &mut part.reader {
-                Some(reader) => reader.next().map_err(|error| error.in_file(&part.path))?,
-                None => None,
-            };
-            let Some(found) = found else {
-                self.take_losses();
-                self.parts[self.current].reader = None;
-                self.current += 1;
-                self.taken_losses = 0;
-                continue;
-            };
-            // A part that finds topics late names them with ids that are not known here.
-            let Some(&topic) = part.topics.get(found.topic.index()) else {
-                self.losses.push(loss(
-                    found.offset,
-                    "a message of a topic that was found late is left out",
-                ));
-                continue;
-            };
-            let (log_nanos, publish_nanos, offset) =
-                (found.log_nanos, found.publish_nanos, found.offset);
-            self.uncompressed.clear();
-            let limit = self.options.record_bytes;
-            let result = if uncompresses {
-                unzstd(found.data, limit, &mut self.uncompressed)
-            } else {
-                self.uncompressed.extend_from_slice(found.data);
-                Ok(())
-            };
-            if let Err(error) = result {
-                let message = format!("a message cannot be uncompressed ({error})");
-                self.losses.push(Loss {
-                    messages: Some(1),
-                    ..loss(offset, message)
-                });
-                continue;
+            match self.next_in_part() {
+                Ok(PartStep::Message(found)) => {
+                    let data = &self.data[..];
+                    return Ok(Some(RawMessage { data, ..found }));
+                }
+                Ok(PartStep::Lost(found)) => self.losses.push(found),
+                Ok(PartStep::End) => {
+                    self.take_losses();
+                    self.parts[self.current].reader = None;
+                    self.current += 1;
+                    self.taken_losses = 0;
+                }
+                Err(error) => {
+                    self.current = self.parts.len();
+                    return Err(error);
+                }
             }
-            let data = &self.uncompressed[..];
-            return Ok(Some(RawMessage {
-                topic,
-                log_nanos,
-                publish_nanos,
-                data,
-                offset,
-            }));
         }
         Ok(None)
     }

@@ -161,7 +161,9 @@ def age(name, source):
 
 
 def log_ahead(name, source):
-    """The database of `source` as it is while it is recorded: the last rows are in the write-ahead log only."""
+    """The database of `source` as it is while it is recorded: the last rows are in the write-ahead log only.
+
+    The log has other salts and checksums each time."""
     path = FOLDER / name
     shutil.copyfile(FOLDER / source, FOLDER / "live.db3")
     connection = sqlite3.connect(FOLDER / "live.db3", isolation_level=None)
@@ -189,6 +191,7 @@ write_ros2("sqlite", StoragePlugin.SQLITE3, CompressionMode.NONE)
 write_ros2("sqlite_file", StoragePlugin.SQLITE3, CompressionMode.FILE)
 write_ros2("sqlite_message", StoragePlugin.SQLITE3, CompressionMode.MESSAGE)
 write_ros2("mcap", StoragePlugin.MCAP, CompressionMode.NONE)
+write_ros2("mcap_message", StoragePlugin.MCAP, CompressionMode.MESSAGE)
 write_ros2("mcap_file", StoragePlugin.MCAP, CompressionMode.FILE)
 split("split")
 age("humble.db3", "sqlite/sqlite.db3")

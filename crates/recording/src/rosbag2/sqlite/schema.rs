@@ -136,11 +136,33 @@ fn values(row: &[u8], pager: &Pager, offset: u64) -> Result<Vec<Owned>, Damage> 
 /// `None` for what is no ordinary table.
 fn columns(sql: &str) -> Option<(Vec<String>, Option<usize>)> {
     let tokens = tokens(sql);
+    let (mut names, mut id_column) = (Vec::new(), None);
+    for words in definitions(&tokens)? {
+        let is = |index: usize, word: &str| {
+            let other = words.get(index);
+            other.is_some_and(|other| other.eq_ignore_ascii_case(word))
+        };
+        let constraints = ["constraint", "primary", "unique", "check", "foreign"];
+        if words.is_empty() || constraints.iter().any(|word| is(0, word)) {
+            continue;
+        }
+        if is(1, "integer") && is(2, "primary") && is(3, "key") && !is(4, "desc") {
+            id_column = Some(names.len());
+        }
+        names.push(unquoted(words[0]).to_ascii_lowercase());
+    }
+    Some((names, id_column))
+}
+
+/// The words of each definition in the parentheses of `CREATE TABLE`, without those in inner ones.
+/// `None` if they do not close, or the table has no row ids.
+fn definitions(tokens: &[String]) -> Option<Vec<Vec<&str>>> {
     let open = tokens.iter().position(|token| token == "(")?;
     let mut definitions: Vec<Vec<&str>> = vec![Vec::new()];
     let mut depth = 1;
     let mut rest = &tokens[open + 1..];
-    while let [token, behind @ ..] = rest {
+    while depth > 0 {
+        let (token, behind) = rest.split_first()?;
         rest = behind;
         match token.as_str() {
             "(" => depth += 1,
@@ -149,37 +171,9 @@ fn columns(sql: &str) -> Option<(Vec<String>, Option<usize>)> {
             word if depth == 1 => definitions.last_mut()?.push(word),
             _ => {}
         }
-        if depth == 0 {
-            break;
-        }
     }
-    let is_without_ids = rest.iter().any(|word| word.eq_ignore_ascii_case("without"));
-    if depth != 0 || is_without_ids {
-        return None;
-    }
-    let is_constraint = |words: &[&str]| {
-        let words_of_constraints = ["constraint", "primary", "unique", "check", "foreign"];
-        let first = words.first().map_or("", |word| *word);
-        words_of_constraints
-            .iter()
-            .any(|word| first.eq_ignore_ascii_case(word))
-    };
-    let (mut names, mut id_column) = (Vec::new(), None);
-    for words in definitions
-        .iter()
-        .filter(|words| !words.is_empty() && !is_constraint(words))
-    {
-        let is = |index: usize, word: &str| {
-            words
-                .get(index)
-                .is_some_and(|other| other.eq_ignore_ascii_case(word))
-        };
-        if is(1, "integer") && is(2, "primary") && is(3, "key") && !is(4, "desc") {
-            id_column = Some(names.len());
-        }
-        names.push(unquoted(words[0]).to_ascii_lowercase());
-    }
-    Some((names, id_column))
+    let has_ids = !rest.iter().any(|word| word.eq_ignore_ascii_case("without"));
+    has_ids.then_some(definitions)
 }
 
 /// Words, quoted names with their quotes, and single signs; comments are dropped.
