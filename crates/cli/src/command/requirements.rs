@@ -43,6 +43,8 @@ pub struct RequirementForms {
     pub id: String,
     /// Its text, verbatim.
     pub text: String,
+    /// The requirement whose forms it has, if it differs in its threshold only.
+    pub same_quantity_as: Option<String>,
     /// The sentence in structured English.
     pub sentence: Option<String>,
     /// What was understood, one statement each.
@@ -202,7 +204,12 @@ fn forms_shown(study: &Study, form: &SubjectForm) -> Option<RequirementForms> {
         }),
         ..RequirementForms::default()
     };
-    if let Some(sentence) = &form.sentence {
+    shown.same_quantity_as = requirement.same_quantity_as.clone();
+    if let Some(sentence) = form
+        .sentence
+        .as_ref()
+        .filter(|_| shown.same_quantity_as.is_none())
+    {
         add_sentence(&mut shown, sentence);
     }
     Some(shown)
@@ -286,6 +293,11 @@ fn requirement_text(out: &mut String, shown: &RequirementForms) {
         let _ = writeln!(out, "  {label:<11} {text}");
     };
     line("text", &shown.text);
+    if let Some(first) = &shown.same_quantity_as {
+        line("forms", &format!("those of {first}"));
+        out.push('\n');
+        return;
+    }
     if let Some(sentence) = &shown.sentence {
         line("sentence", sentence);
     }

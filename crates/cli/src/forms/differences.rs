@@ -53,9 +53,17 @@ pub struct Difference {
     pub at_secs: Option<f64>,
 }
 
-/// The forms of all requirements that have more than one.
+/// The forms of all requirements that have more than one of their own. A
+/// failure mode's property asks whether it occurs, its monitor whether it does
+/// not, so these are not compared.
 pub fn forms_of(study: &Study) -> Vec<NamedForm<'_>> {
-    let several = study.forms.subjects.iter().map(|form| forms(study, form));
+    let own = study
+        .requirements
+        .iter()
+        .filter(|r| r.same_quantity_as.is_none());
+    let several = own
+        .filter_map(|requirement| study.forms.by_id(&requirement.id))
+        .map(|form| forms(study, form));
     several.filter(|forms| forms.len() > 1).flatten().collect()
 }
 

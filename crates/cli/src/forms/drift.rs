@@ -71,7 +71,11 @@ impl DriftKind {
 
 /// All drift of a study's requirements.
 pub fn of_study(study: &Study) -> Vec<Drift> {
-    let forms = study.forms.subjects.iter();
+    let own = study
+        .requirements
+        .iter()
+        .filter(|r| r.same_quantity_as.is_none());
+    let forms = own.filter_map(|requirement| study.forms.by_id(&requirement.id));
     forms.flat_map(|form| of_requirement(study, form)).collect()
 }
 

@@ -290,7 +290,11 @@ impl Reader<'_> {
             id,
             text: text.text,
             threshold,
-            sentence: form.sentence.as_ref().map(|s| s.text.clone()),
+            // The other's sentence asks for the other's probability.
+            sentence: match same {
+                Some(_) => None,
+                None => form.sentence.as_ref().map(|s| s.text.clone()),
+            },
             property: form.property.as_ref().map(|p| p.text.clone()),
             monitor: form.monitor.as_ref().map(in_words),
             margin: match (&same, text.margin) {
