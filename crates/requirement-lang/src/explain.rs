@@ -132,15 +132,12 @@ fn stages(sentence: &Sentence) -> Vec<String> {
 /// What a stage demands; `ends`: of a scope that can end; `followed` by another stage.
 fn demanded(stage: &Stage, ends: bool, followed: bool) -> String {
     let response = format!("`{}`", stage.response);
-    let excused = if ends {
-        "; excused if the interval ends before"
-    } else {
-        ""
-    };
-    let to_the_end = if ends {
-        "to the end of the interval"
-    } else {
-        "to the end of the run"
+    let (excused, to_the_end) = match ends {
+        true => (
+            "; excused if the interval ends before",
+            "to the end of the interval",
+        ),
+        false => ("", "to the end of the run"),
     };
     match &stage.timing {
         Timing::Immediately => format!("{response} must hold at once"),
@@ -154,33 +151,38 @@ fn demanded(stage: &Stage, ends: bool, followed: bool) -> String {
         Timing::Within(duration) => {
             format!("{response} must hold at some time within {duration}{excused}")
         }
-        Timing::For(duration) if ends => {
-            format!(
-                "{response} must hold for {duration}, or to the end of the interval if that comes before"
-            )
-        }
+        Timing::For(duration) if ends => format!(
+            "{response} must hold for {duration}, or to the end of the interval if that comes before"
+        ),
         Timing::For(duration) => format!("{response} must hold for {duration}"),
-        Timing::After(duration) => {
+        Timing::After(duration) => format!(
+            "{response} must not hold before {duration} have passed, and must hold then{excused}"
+        ),
+        Timing::Until(stop) | Timing::Before(stop) => {
+            let ending = if followed { excused } else { to_the_end };
+            demanded_until(stage, &stop.to_string(), followed, ending)
+        }
+    }
+}
+
+/// The same for the timings with a stop condition. `ending`: what is said of the end of the interval.
+fn demanded_until(stage: &Stage, stop: &str, followed: bool, ending: &str) -> String {
+    let response = format!("`{}`", stage.response);
+    match (&stage.timing, followed) {
+        (Timing::Until(_), true) => {
+            format!("{response} must hold until `{stop}` holds, which must come{ending}")
+        }
+        (Timing::Until(_), false) => {
+            format!("{response} must hold until `{stop}` holds, or {ending} if it does not")
+        }
+        (_, true) => {
             format!(
-                "{response} must not hold before {duration} have passed, and must hold then{excused}"
+                "{response} must hold at some time, and `{stop}` not before or at that time{ending}"
             )
         }
-        Timing::Until(stop) if followed => {
-            format!("{response} must hold until `{stop}` holds, which must come{excused}")
-        }
-        Timing::Until(stop) => {
-            format!("{response} must hold until `{stop}` holds, or {to_the_end} if it does not")
-        }
-        Timing::Before(stop) if followed => {
-            format!(
-                "{response} must hold at some time, and `{stop}` not before or at that time{excused}"
-            )
-        }
-        Timing::Before(stop) => {
-            format!(
-                "{response} must hold at some time before `{stop}` holds; excused if that does not come"
-            )
-        }
+        (_, false) => format!(
+            "{response} must hold at some time before `{stop}` holds; excused if that does not come"
+        ),
     }
 }
 
@@ -225,46 +227,44 @@ fn forbidden(stage: &Stage) -> String {
 ///            ^ near          at some time: slow
 /// ```
 fn diagram(sentence: &Sentence) -> String {
-    const WIDTH: usize = 48;
     let (left, right, label) = extent(&sentence.scope);
-    let mut lines = Vec::new();
-    let mut top: Vec<char> = vec![' '; WIDTH];
-    top[left..right].fill('-');
-    top[left] = '[';
-    top[right - 1] = if right == WIDTH { '>' } else { ')' };
-    lines.push(format!(
-        "scope     {} {label}",
-        top.into_iter().collect::<String>()
-    ));
-    let trigger = if sentence.condition.is_some() {
-        left + 6
-    } else {
-        left
-    };
-    let what = match &sentence.condition {
-        None => "beginning of the scope".to_owned(),
-        Some(condition) => {
-            let how = match condition.kind {
-                ConditionKind::Upon => "becomes true",
-                ConditionKind::Whenever => "is true",
-                ConditionKind::Unless => "becomes false",
-            };
-            format!("{} {how}", condition.expression)
-        }
-    };
-    let mut line: Vec<char> = vec![' '; WIDTH];
-    line[trigger] = 'T';
-    lines.push(format!(
-        "trigger   {} {what}",
-        line.into_iter().collect::<String>()
-    ));
-    let mut start = trigger;
+    let mut scope = vec![' '; WIDTH];
+    scope[left..right].fill('-');
+    scope[left] = '[';
+    scope[right - 1] = if right == WIDTH { '>' } else { ')' };
+    let at = left + 6 * usize::from(sentence.condition.is_some());
+    let mut trigger = vec![' '; WIDTH];
+    trigger[at] = 'T';
+    let mut lines = vec![
+        line("scope", scope, &label),
+        line("trigger", trigger, &triggered_by(sentence)),
+    ];
+    let mut start = at;
     for stage in &sentence.stages {
         let (drawn, end) = stage_line(stage, start, right, sentence.scope.kind.is_only());
         lines.push(drawn);
         start = end;
     }
     lines.join("\n")
+}
+
+/// How many letters the line of time has.
+const WIDTH: usize = 48;
+
+fn line(name: &str, drawn: Vec<char>, text: &str) -> String {
+    format!("{name:<9} {} {text}", drawn.into_iter().collect::<String>())
+}
+
+fn triggered_by(sentence: &Sentence) -> String {
+    let Some(condition) = &sentence.condition else {
+        return "beginning of the scope".to_owned();
+    };
+    let how = match condition.kind {
+        ConditionKind::Upon => "becomes true",
+        ConditionKind::Whenever => "is true",
+        ConditionKind::Unless => "becomes false",
+    };
+    format!("{} {how}", condition.expression)
 }
 
 /// Where the scope is drawn, and what it is called.
@@ -288,7 +288,6 @@ fn extent(scope: &Scope) -> (usize, usize, String) {
 
 /// The line of one stage that begins at `start`, and where the next one begins.
 fn stage_line(stage: &Stage, start: usize, right: usize, only: bool) -> (String, usize) {
-    const WIDTH: usize = 48;
     let time = (start + 12).min(right - 1);
     let (from, to, kind, next) = match &stage.timing {
         Timing::Immediately => (start, start + 1, '#', start),
@@ -300,12 +299,12 @@ fn stage_line(stage: &Stage, start: usize, right: usize, only: bool) -> (String,
         Timing::For(_) | Timing::Until(_) => (start, time, '#', time),
         Timing::After(_) => (start, time, 'x', time),
     };
-    let mut line: Vec<char> = vec![' '; WIDTH];
-    line[from..to.min(WIDTH)].fill(kind);
+    let mut drawn = vec![' '; WIDTH];
+    drawn[from..to.min(WIDTH)].fill(kind);
     let end = match &stage.timing {
         Timing::Within(duration) | Timing::For(duration) => format!(", up to {duration}"),
         Timing::After(duration) => {
-            line[time] = '#';
+            drawn[time] = '#';
             format!(", {duration}")
         }
         Timing::Until(stop) | Timing::Before(stop) => format!(", up to {stop}"),
@@ -318,10 +317,6 @@ fn stage_line(stage: &Stage, start: usize, right: usize, only: bool) -> (String,
         _ => "all the time (#)",
     };
     let negation = if only { "not: " } else { "" };
-    let drawn = line.into_iter().collect::<String>();
-    let text = format!(
-        "response  {drawn} {negation}{}, {meaning}{end}",
-        stage.response
-    );
-    (text, next.min(right - 2))
+    let text = format!("{negation}{}, {meaning}{end}", stage.response);
+    (line("response", drawn, &text), next.min(right - 2))
 }

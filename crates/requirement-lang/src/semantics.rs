@@ -102,6 +102,15 @@ impl Interval {
         Interval { first, ..self }
     }
 
+    /// What becomes of a stage that is under way at its end.
+    fn cut_short(self) -> Completion {
+        if self.ends {
+            Completion::Excused
+        } else {
+            Completion::Missed
+        }
+    }
+
     /// Whether it has the position.
     fn has(self, position: usize) -> bool {
         self.positions().contains(&position)
@@ -329,17 +338,11 @@ impl<'a> Reading<'a> {
     fn completed(&self, stage: &Stage, rest: Interval) -> Completion {
         let response = |position: usize| self.truth(&stage.response, position);
         let due = rest.first + self.steps(&stage.timing).unwrap_or(0);
-        let stop = self.stop(&stage.timing, rest);
         let first = rest.positions().find(|position| response(*position));
-        let excused = if rest.ends {
-            Completion::Excused
-        } else {
-            Completion::Missed
-        };
         let here = |position: usize, well: bool| match (well, rest.has(position)) {
             (false, _) => Completion::Missed,
             (true, true) => Completion::At(position),
-            (true, false) => excused,
+            (true, false) => rest.cut_short(),
         };
         match stage.timing {
             Timing::Immediately => here(rest.first, response(rest.first)),
@@ -351,36 +354,37 @@ impl<'a> Reading<'a> {
             Timing::Within(_) => match first {
                 Some(first) if first <= due => Completion::At(first),
                 _ if rest.has(due) => Completion::Missed,
-                _ => excused,
+                _ => rest.cut_short(),
             },
             Timing::For(_) => {
-                let held = rest
-                    .positions()
-                    .all(|position| position > due || response(position));
-                here(due, held)
+                let held = |position: usize| position > due || response(position);
+                here(due, rest.positions().all(held))
             }
             Timing::After(_) => {
                 let early = first.is_some_and(|first| first < due);
                 here(due, !early && (!rest.has(due) || response(due)))
             }
-            Timing::Until(_) => {
-                let held = rest.positions().all(|position| {
-                    stop.is_some_and(|stop| position >= stop) || response(position)
-                });
+            Timing::Until(_) | Timing::Before(_) => self.completed_by_stop(stage, rest, first),
+            Timing::Always | Timing::Never => Completion::Missed,
+        }
+    }
+
+    /// The same for `until` and `before`; `first` is where the response first holds.
+    fn completed_by_stop(&self, stage: &Stage, rest: Interval, first: Option<usize>) -> Completion {
+        let stop = self.stop(&stage.timing, rest);
+        let open = |position: &usize| stop.is_none_or(|stop| *position < stop);
+        match (&stage.timing, first.filter(open), stop) {
+            (Timing::Before(_), Some(first), _) => Completion::At(first),
+            (Timing::Before(_), None, Some(_)) => Completion::Missed,
+            (Timing::Before(_), None, None) => rest.cut_short(),
+            (_, _, stop) => {
+                let held = |position: usize| self.truth(&stage.response, position);
                 match stop {
-                    _ if !held => Completion::Missed,
+                    _ if !rest.positions().take_while(open).all(held) => Completion::Missed,
                     Some(stop) => Completion::At(stop),
-                    None => excused,
+                    None => rest.cut_short(),
                 }
             }
-            Timing::Before(_) => match (first, stop) {
-                (Some(first), stop) if stop.is_none_or(|stop| first < stop) => {
-                    Completion::At(first)
-                }
-                (_, Some(_)) => Completion::Missed,
-                _ => excused,
-            },
-            Timing::Always | Timing::Never => Completion::Missed,
         }
     }
 }

@@ -264,3 +264,49 @@ fn bins_of_a_trigger_are_complete_and_exclude_each_other() {
         );
     }
 }
+
+#[test]
+fn bins_of_a_deadline_tell_when_the_response_came() {
+    for scope in [ScopeKind::Global, ScopeKind::In] {
+        let timing = Timing::Within(requirement_lang::sentence::Duration::steps(2));
+        let sentence = sentence(scope, CONDITIONS[1], vec![(timing, name(2))]);
+        let bins = bins(&sentence).unwrap();
+        words(&letters(&sentence), 4, &mut |word| {
+            if triggers(&sentence, word) != 1 {
+                return;
+            }
+            // By hand: the first position with scope and condition, then how far the response is.
+            let has = |letter: &u64, bit: usize| letter >> bit & 1 == 1;
+            let inside = |letter: &u64| scope == ScopeKind::Global || has(letter, 0);
+            let start = word
+                .iter()
+                .position(|letter| inside(letter) && has(letter, 1))
+                .unwrap();
+            let rest: Vec<&u64> = word[start..].iter().take(3).collect();
+            let lasting = rest.iter().take_while(|letter| inside(letter)).count();
+            let delay = rest[..lasting].iter().position(|letter| has(letter, 2));
+            let expected = match delay {
+                Some(0 | 1) => vec!["response-first-half"],
+                Some(_) => vec!["response-second-half"],
+                None if lasting == 3 => vec!["response-late"],
+                // The word ends before anything is decided.
+                None if lasting == rest.len() => vec![],
+                None => vec!["scope-ended-first"],
+            };
+            let named = [
+                "response-first-half",
+                "response-second-half",
+                "response-late",
+                "scope-ended-first",
+            ];
+            let hit = |bin: &&requirement_lang::compile::coverage::Bin| {
+                truth(&bin.formula.formula, &bits(&bin.formula.atoms), word) & 1 == 1
+            };
+            let found: Vec<&str> = (bins.iter().filter(hit))
+                .map(|bin| bin.name)
+                .filter(|name| named.contains(name))
+                .collect();
+            assert_eq!(found, expected, "{sentence} on {word:?}");
+        });
+    }
+}

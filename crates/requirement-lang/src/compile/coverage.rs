@@ -1,13 +1,14 @@
 //! Coverage bins: situations of a requirement that a campaign of tests should have been in.
 //!
-//! A bin is a formula; a trace hits it if the formula is satisfied. Besides scope and trigger, the
+//! A bin is a formula; a trace hits it if the formula is satisfied, best judged so that what a trace
+//! leaves open is not counted ([`Ending::Inconclusive`](temporal::formula::Ending)). Besides scope and trigger, the
 //! ways in which the obligation can be met are told apart, with the boundaries of its times: a
 //! response within 2 s can come in the first half, in the second half, or late.
 
 use temporal::formula::{Formula, Parsed};
 
 use super::body::{Extent, When, obligation};
-use super::build::{ALL, Numbering, always, and, at, eventually, not, until, up_to};
+use super::build::{ALL, Numbering, and, at, eventually, not, until, up_to};
 use super::frame::Frame;
 use super::{NotExpressible, check};
 use crate::sentence::{Amount, ScopeKind, Sentence};
@@ -47,20 +48,7 @@ pub fn bins(sentence: &Sentence) -> Result<Vec<Bin>, NotExpressible> {
         trigger: frame.trigger(),
         list: Vec::new(),
     };
-    if sentence.scope.kind != ScopeKind::Global {
-        bins.somewhere("scope-entered", "the scope is entered", frame.scope());
-    }
-    bins.at_trigger("triggered", "the requirement is triggered", Formula::True);
-    if sentence.condition.is_some() {
-        let again = and([bins.trigger.clone(), not(Formula::rise(Formula::True))]);
-        let later = eventually(ALL, again);
-        let twice = and([bins.trigger.clone(), later_than_now(&bins.trigger, later)]);
-        bins.somewhere(
-            "triggered-again",
-            "the requirement is triggered more than once",
-            twice,
-        );
-    }
+    bins.triggers(sentence, &frame);
     let body = obligation(&frame.stages, &frame.extent());
     bins.at_trigger(
         "met",
@@ -87,11 +75,6 @@ pub fn bins(sentence: &Sentence) -> Result<Vec<Bin>, NotExpressible> {
     Ok(bins.list.into_iter().map(parsed).collect())
 }
 
-/// That the trigger ends and `later` follows.
-fn later_than_now(trigger: &Formula, later: Formula) -> Formula {
-    until(ALL, Formula::True, and([not(trigger.clone()), later]))
-}
-
 /// A name, a meaning and a formula.
 type Entry = (&'static str, &'static str, Formula);
 
@@ -110,17 +93,35 @@ impl Bins {
         self.somewhere(name, meaning, formula);
     }
 
+    /// Scope and trigger.
+    fn triggers(&mut self, sentence: &Sentence, frame: &Frame) {
+        if sentence.scope.kind != ScopeKind::Global {
+            self.somewhere("scope-entered", "the scope is entered", frame.scope());
+        }
+        self.at_trigger("triggered", "the requirement is triggered", Formula::True);
+        if sentence.condition.is_some() {
+            let again = eventually(ALL, self.trigger.clone());
+            let ends = eventually(ALL, and([not(self.trigger.clone()), again]));
+            self.at_trigger(
+                "triggered-again",
+                "the requirement is triggered more than once",
+                ends,
+            );
+        }
+    }
+
     /// The ways of one stage.
     fn timing(&mut self, when: &When, response: &Formula, extent: &Extent) {
         let scope = match extent {
             Extent::While(scope) => scope.clone(),
             _ => Formula::True,
         };
-        let open = |what: Formula| and([scope.clone(), what]);
+        let reached =
+            |what: &Formula| until(ALL, scope.clone(), and([scope.clone(), what.clone()]));
         match when {
             When::Within(amount) => self.within(*amount, response, &scope),
             When::Until(stop) | When::Before(stop) => {
-                let stopped = until(ALL, scope.clone(), open(stop.clone()));
+                let stopped = reached(stop);
                 self.at_trigger("stopped", "the stop condition comes", stopped.clone());
                 self.at_trigger(
                     "not-stopped",
@@ -129,26 +130,23 @@ impl Bins {
                 );
             }
             When::Eventually => {
+                let later = and([not(response.clone()), reached(response)]);
+                let at_once = response.clone();
                 self.at_trigger(
                     "response-at-once",
                     "the response is there at the trigger",
-                    response.clone(),
+                    at_once,
                 );
-                let later = until(ALL, scope.clone(), open(response.clone()));
                 self.at_trigger(
                     "response-later",
                     "the response comes after the trigger",
-                    and([not(response.clone()), later]),
+                    later,
                 );
             }
             When::For(amount) | When::After(amount) | When::NotAfter(amount) => {
                 let lasts = until(at(*amount), scope.clone(), scope.clone());
-                self.at_trigger(
-                    "scope-lasts",
-                    "the scope lasts for the whole time",
-                    lasts.clone(),
-                );
-                self.ended_first(&scope, lasts);
+                self.at_trigger("scope-lasts", "the scope lasts for the whole time", lasts);
+                self.ended_first(*amount, &scope, scope.clone());
             }
             When::Immediately | When::Next | When::Always | When::Never => {}
         }
@@ -178,27 +176,23 @@ impl Bins {
             "the response comes in the second half of the time",
             and([not(early), in_time.clone()]),
         );
-        let still = always(up_to(amount), and([scope.clone(), not(response.clone())]));
+        let waiting = and([scope.clone(), not(response.clone())]);
         self.at_trigger(
             "response-late",
             "the time passes in the scope without the response",
-            still.clone(),
+            until(at(amount), waiting.clone(), waiting.clone()),
         );
-        self.ended_first(scope, or_reached(in_time, still));
+        self.ended_first(amount, scope, waiting);
     }
 
-    /// That the scope ends before anything else is decided.
-    fn ended_first(&mut self, scope: &Formula, decided: Formula) {
+    /// That the scope ends in the time, before anything else is decided.
+    fn ended_first(&mut self, amount: Amount, scope: &Formula, undecided: Formula) {
         if *scope != Formula::True {
             self.at_trigger(
                 "scope-ended-first",
                 "the scope ends before the time is over",
-                not(decided),
+                until(up_to(amount), undecided, not(scope.clone())),
             );
         }
     }
-}
-
-fn or_reached(in_time: Formula, still: Formula) -> Formula {
-    super::build::or([in_time, still])
 }

@@ -207,21 +207,28 @@ fn timing(reader: &mut Reader<'_>, tokens: &[Token<'_>]) -> (Option<Timing>, usi
             };
             (Some(timing), next + length)
         }
-        () if word.is_any(&["until", "before"]) => {
-            let ends = top_level(&tokens[next..], |token| {
-                token.kind == Kind::Comma || token.is("satisfy")
-            });
-            let end = ends.first().map_or(tokens.len(), |end| next + end);
-            let stop = expression(reader, &tokens[next..end], word.span);
-            let timing = if word.is("until") {
-                Timing::Until(stop)
-            } else {
-                Timing::Before(stop)
-            };
-            (Some(timing), end)
-        }
+        () if word.is_any(&["until", "before"]) => stopped(reader, tokens, repeated),
         () => (None, 0),
     }
+}
+
+/// "until" or "before" at `keyword`, with a condition that ends at a comma or at "satisfy".
+fn stopped(
+    reader: &mut Reader<'_>,
+    tokens: &[Token<'_>],
+    keyword: usize,
+) -> (Option<Timing>, usize) {
+    let behind = &tokens[keyword + 1..];
+    let ends = top_level(behind, |token| {
+        token.kind == Kind::Comma || token.is("satisfy")
+    });
+    let length = ends.first().copied().unwrap_or(behind.len());
+    let stop = expression(reader, &behind[..length], tokens[keyword].span);
+    let timing = match tokens[keyword].is("until") {
+        true => Timing::Until(stop),
+        false => Timing::Before(stop),
+    };
+    (Some(timing), keyword + 1 + length)
 }
 
 /// "at the next step", "at the same time" and the like.
