@@ -128,4 +128,16 @@ mod stream {
             &MAP.replace("staleness", "interpolation = \"linear\"\nstaleness"),
         );
     }
+
+    #[divan::bench]
+    fn inspected(bencher: divan::Bencher<'_, '_>) {
+        let file = written().expect("the recording is written");
+        bencher
+            .counter(divan::counter::ItemsCount::new(MESSAGES as usize * 6 / 5))
+            .bench_local(|| {
+                let options = recording::InspectOptions::default();
+                recording::inspect(file.path(), &OpenOptions::default(), &options)
+                    .expect("the recording is read")
+            });
+    }
 }

@@ -2,8 +2,10 @@
 //!
 //! # Format
 //! An MCAP file of ROS 2 messages (see [`Ros2Recording`](crate::Ros2Recording)), since these are
-//! what both Foxglove and Rerun show without being told how. Times are those of the original, so
-//! that both can be laid over each other. For each requirement:
+//! what both Foxglove and Rerun read. Give the log times of the original
+//! ([`Moment::log_nanos`](crate::Moment)), so that both lie over each other. Foxglove plots the
+//! numbers and lists the log; Rerun (0.41) shows the log by level and the verdicts as text, and has
+//! the numbers as a component to be chosen for a plot. For each requirement:
 //!
 //! | topic | type | holds |
 //! |---|---|---|

@@ -20,7 +20,13 @@ use crate::transform::{FrameId, Transform, TransformBuffer};
 /// Times from here on (3 years, in seconds) are taken for dates and counted from the first instant.
 const DATE_NANOS: i64 = 100_000_000_000_000_000;
 
-/// What arrives.
+/// What arrives, and when in log time.
+#[derive(Debug)]
+struct Arrived {
+    arrival_nanos: i64,
+    item: Item,
+}
+
 #[derive(Debug)]
 enum Item {
     Row { source: usize, slot: usize },
@@ -41,7 +47,7 @@ pub(super) struct Edge {
 #[derive(Debug)]
 pub(super) struct Sequencer {
     sources: Vec<Source>,
-    incoming: ReorderBuffer<Item>,
+    incoming: ReorderBuffer<Arrived>,
     /// In order of time.
     outgoing: Outgoing,
     frames: TransformBuffer,
@@ -50,8 +56,12 @@ pub(super) struct Sequencer {
     new_static: Vec<FrameId>,
     /// The most rows that wait for others; more are given out before all is known.
     max_waiting: usize,
-    /// The last instant that was given out.
+    /// How far log time is ahead of the chosen time, at the last item and at the last row given.
+    behind_nanos: i64,
+    log_behind_nanos: i64,
+    /// The last instant that was given out, and its log time.
     last_nanos: i64,
+    log_nanos: i64,
     /// The time up to which everything has come; `i64::MIN` before the first item.
     now_nanos: i64,
     finished: bool,
@@ -79,7 +89,10 @@ impl Sequencer {
             frame_wait_nanos: nanos_of_secs(time.frame_wait_secs),
             new_static: Vec::new(),
             max_waiting: time.reorder_messages,
+            behind_nanos: 0,
+            log_behind_nanos: 0,
             last_nanos: i64::MIN,
+            log_nanos: i64::MIN,
             now_nanos: i64::MIN,
             finished: false,
             at_once: reorder_nanos == 0,
@@ -105,7 +118,10 @@ impl Sequencer {
     ) -> Result<(), Late> {
         let arrived = &mut self.sources[source].arrived;
         let slot = arrived.keep(row);
-        let item = Item::Row { source, slot };
+        let item = Arrived {
+            arrival_nanos,
+            item: Item::Row { source, slot },
+        };
         let taken = self.incoming.push(time_nanos, arrival_nanos, item);
         if taken.is_err() {
             arrived.free.push(slot);
@@ -120,7 +136,10 @@ impl Sequencer {
         arrival_nanos: i64,
         edge: Edge,
     ) -> Result<(), Late> {
-        let item = Item::Transform(Box::new(edge));
+        let item = Arrived {
+            arrival_nanos,
+            item: Item::Transform(Box::new(edge)),
+        };
         self.incoming.push(time_nanos, arrival_nanos, item)
     }
 
@@ -184,13 +203,14 @@ impl Sequencer {
         horizon
     }
 
-    fn take(&mut self, time_nanos: i64, item: Item, notes: &mut Notes) {
+    fn take(&mut self, time_nanos: i64, arrived: Arrived, notes: &mut Notes) {
+        self.behind_nanos = arrived.arrival_nanos.saturating_sub(time_nanos);
         self.now_nanos = time_nanos;
         self.origin_nanos.get_or_insert(origin_of(time_nanos));
         for frame in std::mem::take(&mut self.new_static) {
             self.tell_frames(time_nanos, frame);
         }
-        match item {
+        match arrived.item {
             Item::Row { source, slot } => {
                 let state = &mut self.sources[source];
                 state.arrived.free.push(slot);
@@ -200,7 +220,13 @@ impl Sequencer {
                     Some(frames) => frames.row(time_nanos, row),
                     None => {
                         let ready = state.ready.keep(row);
-                        state.give(source, time_nanos, ready, &mut self.outgoing);
+                        let behind_nanos = self.behind_nanos;
+                        state.give(
+                            source,
+                            time_nanos,
+                            (ready, behind_nanos),
+                            &mut self.outgoing,
+                        );
                     }
                 }
             }
@@ -265,7 +291,8 @@ impl Sequencer {
                     notes.add(StreamNoteKind::NoTransform, &source.plan.name, 0, note);
                 }
                 let slot = source.ready.keep(&found.row);
-                source.give(index, found.time_nanos, slot, &mut self.outgoing);
+                let ready = (slot, self.behind_nanos);
+                source.give(index, found.time_nanos, ready, &mut self.outgoing);
             }
             source.frames = Some(frames);
         }
@@ -290,13 +317,21 @@ impl Sequencer {
     /// too old.
     fn instant(&mut self, time_nanos: i64) -> Result<i64, TraceError> {
         self.changed.fill(false);
+        self.log_nanos = time_nanos.saturating_add(self.log_behind_nanos);
         if self.next_expiry_nanos < time_nanos
             && let Some(expiry_nanos) = self.expire(time_nanos)?
         {
             return Ok(expiry_nanos);
         }
         while let Some(item) = self.outgoing.pop_at(time_nanos) {
-            if let Ready::Row { source, slot } = item {
+            if let Ready::Row {
+                source,
+                slot,
+                behind_nanos,
+            } = item
+            {
+                self.log_nanos = time_nanos.saturating_add(behind_nanos);
+                self.log_behind_nanos = behind_nanos;
                 self.hold(source, slot, time_nanos)?;
             }
         }
@@ -307,7 +342,7 @@ impl Sequencer {
 
     /// Leaves out what became known only after a later instant had to be given out.
     fn drop_late(&mut self, time_nanos: i64, notes: &mut Notes) {
-        if let Some(Ready::Row { source, slot }) = self.outgoing.pop_at(time_nanos) {
+        if let Some(Ready::Row { source, slot, .. }) = self.outgoing.pop_at(time_nanos) {
             let source = &mut self.sources[source];
             source.ready.free.push(slot);
             let note = || "more messages wait than are kept".to_owned();
@@ -374,6 +409,7 @@ impl Sequencer {
             }
         }
         self.interpolate(first_nanos)?;
+        self.log_nanos = first_nanos.saturating_add(self.log_behind_nanos);
         self.last_nanos = first_nanos;
         Ok(Some(first_nanos))
     }
@@ -381,6 +417,11 @@ impl Sequencer {
     /// A time in seconds from the origin.
     pub fn secs(&self, time_nanos: i64) -> f64 {
         time_nanos.saturating_sub(self.origin_nanos()) as f64 / 1e9
+    }
+
+    /// The log time of the last instant.
+    pub fn log_nanos(&self) -> i64 {
+        self.log_nanos
     }
 
     /// From where seconds are counted.

@@ -11,9 +11,11 @@ use crate::transform::TransformBuffer;
 /// What is given out.
 #[derive(Debug)]
 pub(super) enum Ready {
+    /// A row, and how far its log time is ahead of its time.
     Row {
         source: usize,
         slot: usize,
+        behind_nanos: i64,
     },
     /// Linearly interpolated values end here.
     Touch,
@@ -118,7 +120,13 @@ impl Source {
     }
 
     /// A row is ready: it is a sample of what is interpolated, and an instant.
-    pub fn give(&mut self, index: usize, time_nanos: i64, slot: usize, outgoing: &mut Outgoing) {
+    pub fn give(
+        &mut self,
+        index: usize,
+        time_nanos: i64,
+        (slot, behind_nanos): (usize, i64),
+        outgoing: &mut Outgoing,
+    ) {
         self.look_for_gap(time_nanos, outgoing);
         if let Some(samples) = &mut self.samples {
             samples.push(time_nanos, self.ready.get(slot));
@@ -129,6 +137,7 @@ impl Source {
             Ready::Row {
                 source: index,
                 slot,
+                behind_nanos,
             },
         );
     }

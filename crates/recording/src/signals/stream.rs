@@ -33,6 +33,11 @@ pub struct Moment {
     pub time_secs: f64,
     /// Its time in nanoseconds of the chosen clock.
     pub time_nanos: i64,
+    /// When its last message was logged, in nanoseconds: where it stands in the recording, for
+    /// what is shown beside it. Of values that become too old, and of those that waited for a
+    /// transform, to within the delays of neighbouring messages. Equal to `time_nanos` by log
+    /// time; otherwise it need not increase.
+    pub log_nanos: i64,
 }
 
 /// The signals of a recording, or of anything else that can be read as one.
@@ -195,6 +200,7 @@ impl SignalStream {
                 return Ok(Some(Moment {
                     time_secs,
                     time_nanos,
+                    log_nanos: self.sequencer.log_nanos(),
                 }));
             }
             if self.finished {

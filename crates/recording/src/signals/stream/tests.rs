@@ -449,3 +449,20 @@ fn topics_of_other_systems_need_no_slash() {
     let mut stream = streamed(kept, &map, &wanted).unwrap();
     assert_eq!(values(&mut stream, &wanted), [(0.0, vec![7.0, 7.0])]);
 }
+
+#[test]
+fn moments_know_where_they_stand_in_the_recording() {
+    let messages = [
+        ("/p", POINT, 100, stamped(90, 1.0)),
+        ("/q", POINT, 110, stamped(60, 2.0)),
+        ("/p", POINT, 120, stamped(110, 3.0)),
+    ];
+    let wanted = ["/p.point.x", "/q.point.x"];
+    for (source, expected) in [("header", [110, 100, 120]), ("log", [100, 110, 120])] {
+        let map = map(&format!("[time]\nfrom = \"{source}\"\n"));
+        let mut stream = streamed(recorded(&messages), &map, &wanted).unwrap();
+        let moments = std::iter::from_fn(|| stream.next_instant().unwrap());
+        let logged: Vec<i64> = moments.map(|moment| moment.log_nanos / MS).collect();
+        assert_eq!(logged, expected);
+    }
+}
