@@ -183,3 +183,87 @@ fn read_all(reader: &mut dyn recording::Reader) {
         "what is lost does not count"
     );
 }
+
+/// Reads a schema, and a message by it: the text of the schema, a zero byte, the bytes of the message.
+pub fn message(bytes: &[u8]) {
+    use recording::{Dialect, Encoding, Schema};
+    let Some(end) = bytes.iter().position(|byte| *byte == 0) else {
+        return;
+    };
+    let (schema, data) = (&bytes[..end], &bytes[end + 1..]);
+    let text = String::from_utf8_lossy(schema);
+    let structures = [
+        (
+            recording::parse_msg("p/T", &text, Dialect::Ros2),
+            Encoding::Cdr,
+        ),
+        (
+            recording::parse_msg("p/T", &text, Dialect::Ros1),
+            Encoding::Ros1,
+        ),
+        (recording::parse_idl("p/msg/T", &text), Encoding::Cdr),
+    ];
+    for (read, encoding) in structures {
+        if let Ok(structure) = read {
+            let mut paths = vec![];
+            leaves(&structure, "", &mut paths);
+            extract(Schema::Struct(structure), encoding, &paths, data);
+        }
+    }
+    let paths = ["a", "a.b", "a[1]", "length(a)", "a[b='x'].c", "c[a=1]"].map(str::to_owned);
+    extract(Schema::Schemaless, Encoding::Json, &paths, data);
+    if let Ok(schema) = recording::ProtobufSchema::parse("T", schema) {
+        let fields = schema.messages[schema.root].fields.iter();
+        let paths: Vec<String> = fields.map(|field| field.name.clone()).collect();
+        extract(Schema::Protobuf(schema), Encoding::Protobuf, &paths, data);
+    }
+}
+
+/// Paths to numbers of a type, arrays by their second element; not all, if there are very many.
+fn leaves(message: &recording::MessageType, before: &str, found: &mut Vec<String>) {
+    use recording::Type;
+    for field in &message.fields {
+        let mut path = format!("{before}{}", field.name);
+        let mut kind = &field.kind;
+        while let Type::Array(element, _) | Type::Sequence(element) = kind {
+            path += "[1]";
+            kind = element;
+        }
+        match kind {
+            _ if found.len() > 50 => return,
+            Type::Struct(inner) => leaves(inner, &format!("{path}."), found),
+            _ => found.push(path),
+        }
+    }
+}
+
+fn extract(
+    schema: recording::Schema,
+    encoding: recording::Encoding,
+    paths: &[String],
+    data: &[u8],
+) {
+    let topic = recording::TopicInfo {
+        id: recording::TopicId(0),
+        name: "/topic".to_owned(),
+        type_name: String::new(),
+        encoding,
+        schema: std::sync::Arc::new(schema),
+        message_count: None,
+    };
+    for path in paths {
+        // A name with other signs is no path as it stands.
+        let Ok(path) = recording::FieldPath::parse(path) else {
+            continue;
+        };
+        let Ok(mut extractor) = recording::Extractor::new(&topic, &[path]) else {
+            continue;
+        };
+        let mut value = [0.0];
+        if let Err(error) = extractor.extract(data, &mut value) {
+            assert!(error.offset_in_message <= data.len(), "no place: {error}");
+        }
+        let _ = extractor.verify(data);
+        let _ = extractor.extract_values(data);
+    }
+}

@@ -117,3 +117,8 @@ fn tables() {
 fn foreign_recordings() {
     replay("recording", targets::recording);
 }
+
+#[test]
+fn messages_and_their_schemas() {
+    replay("message", targets::message);
+}
