@@ -45,14 +45,34 @@ pub fn parse(text: &str, context: &Context<'_>) -> Parsed<Sentence> {
         diagnostics: Vec::new(),
     };
     let all = tokens(text);
-    reader.check_parentheses(&all);
-    let tree = match top_level(&all, |token| token.is("shall")).first() {
-        Some(&shall) => sentence(&mut reader, &all, shall),
-        None => without_shall(&mut reader, &all),
+    let tree = match all.get(MAX_WORDS) {
+        Some(beyond) => too_long(&mut reader, beyond.span),
+        None => whole(&mut reader, &all),
     };
     let mut diagnostics = reader.diagnostics;
     diagnostics.sort_by_key(|diagnostic| (diagnostic.span, !diagnostic.is_error()));
     Parsed { tree, diagnostics }
+}
+
+/// The longest sentence in words and signs, so that no tree is too deep to be walked.
+const MAX_WORDS: usize = 2000;
+
+fn too_long(reader: &mut Reader<'_>, beyond: Span) -> Sentence {
+    reader.error(
+        "too-long",
+        beyond,
+        format!("The sentence has more than {MAX_WORDS} words and signs."),
+        "Give parts of it names in the vocabulary, or write several requirements.",
+    );
+    nothing()
+}
+
+fn whole(reader: &mut Reader<'_>, all: &[Token<'_>]) -> Sentence {
+    reader.check_parentheses(all);
+    match top_level(all, |token| token.is("shall")).first() {
+        Some(&shall) => sentence(reader, all, shall),
+        None => without_shall(reader, all),
+    }
 }
 
 fn sentence(reader: &mut Reader<'_>, all: &[Token<'_>], shall: usize) -> Sentence {
@@ -119,6 +139,11 @@ fn without_shall(reader: &mut Reader<'_>, all: &[Token<'_>]) -> Sentence {
         "A requirement needs the word `shall`.",
         remedy,
     );
+    nothing()
+}
+
+/// The tree of a text in which nothing could be understood.
+fn nothing() -> Sentence {
     Sentence {
         scope: no_scope(),
         condition: None,

@@ -294,6 +294,18 @@ fn mistakes_have_places_and_remedies() {
             "Keep one",
         ),
         (
+            "the robot shall always satisfy grasped. or hand_open",
+            "phrase",
+            "grasped.",
+            "plain words",
+        ),
+        (
+            "the robot shall . before hand_open",
+            "phrase",
+            ".",
+            "plain words",
+        ),
+        (
             "the robot shall always satisfy grasped when hand_open",
             "misplaced",
             "grasped when hand_open",

@@ -74,7 +74,7 @@ pub(super) fn component_behind<'a, 't>(
     }
     let words = right[1..].iter();
     let length = words
-        .take_while(|token| token.kind == Kind::Word && !token.is_any(&TIMING_WORDS))
+        .take_while(|token| token.kind == Kind::Word && !begins_other(token))
         .count();
     // Without a keyword behind it, all of it is the component and the response; one word is enough.
     let length = if length + 1 == right.len() {
@@ -87,6 +87,12 @@ pub(super) fn component_behind<'a, 't>(
     }
     let name = spoken(&right[1..=length]);
     (Some(name), &right[1 + length..])
+}
+
+/// Whether a word cannot be part of a component's name.
+fn begins_other(token: &Token<'_>) -> bool {
+    let words = [&TIMING_WORDS[..], &SCOPE_WORDS, &CONDITION_WORDS, &["the"]];
+    words.iter().any(|words| token.is_any(words))
 }
 
 /// Where the component begins: at the last `the`, else behind the last comma, else, where there are

@@ -227,7 +227,9 @@ impl Parser<'_, '_, '_> {
         }
         let text = single_spaced(span.of(self.reader.text));
         let odd = words.iter().find(|word| !is_name(word)).unwrap_or(&"");
-        if words.len() > 1 && !text.contains(|letter| is_operator(letter) || letter == '(') {
+        let operator = text.contains(|letter| is_operator(letter) || letter == '(');
+        let stop = text.ends_with('.') || !text.contains(char::is_alphanumeric);
+        if stop || (words.len() > 1 && !operator) {
             self.reader.error(
                 "phrase",
                 span,
