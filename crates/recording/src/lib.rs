@@ -83,8 +83,7 @@ pub use schema::{
 };
 pub use trace_file::{
     ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, is_trace_file,
-    read_mcap, to_mcap,
-    write_mcap,
+    read_mcap, to_mcap, write_mcap,
 };
 
 mod ros2_writer;
@@ -118,11 +117,11 @@ pub use trials::{SkippedPath, TrialPath, Trials, trials};
 mod inspect;
 mod signals;
 
-pub use signals::{BindError, Moment, SignalStream, StreamError, StreamNote, StreamNoteKind};
 pub use inspect::{
-    FieldSummary, FieldValue, FrameInspection, InspectOptions, Inspection, TopicInspection, inspect,
-    inspect_reader,
+    FieldSummary, FieldValue, FrameInspection, InspectOptions, Inspection, TopicInspection,
+    inspect, inspect_reader,
 };
+pub use signals::{BindError, Moment, SignalStream, StreamError, StreamNote, StreamNoteKind};
 
 #[cfg(test)]
 mod kept;

@@ -40,8 +40,8 @@ enum Pick {
     /// The field itself.
     Only,
     Index(u64),
-    /// The first element whose parts equal keys.
-    Where(Vec<(Message, usize, Key)>),
+    /// The first element whose parts equal keys; the slot says whether it was found already.
+    Where(Vec<(Message, usize, Key)>, usize),
     /// The element at the place where the field of this number and kind equals the key.
     Beside(u32, ProtoKind, Key),
     Length,
@@ -180,7 +180,9 @@ impl Planner<'_> {
                 let wanted = vec![self.wanted(inner, (&plain, &steps), slot)?];
                 tests.push((Message { wanted }, slot, condition.key.clone()));
             }
-            return Ok(Pick::Where(tests));
+            let found = self.kinds.len();
+            self.kinds.push(ValueKind::Unknown);
+            return Ok(Pick::Where(tests, found));
         }
         let [condition] = conditions else {
             return Err(path.error("only one condition can choose by an array beside it"));
@@ -264,6 +266,9 @@ impl Message {
 impl Wanted {
     /// Sets what holds if the field is absent.
     fn prepare(&self, cells: &mut Cells) {
+        if let Pick::Where(_, found) = self.pick {
+            cells.set(&[found], Cell::Missing);
+        }
         let Then::Slot(slot) = self.then else {
             return;
         };
@@ -324,9 +329,14 @@ impl Wanted {
                 }
                 false
             }
-            Pick::Where(tests) => {
-                // The first that fits counts: once something was found, the rest is passed over.
-                !self.is_settled(cells) && all_hold(tests, value, offset, cells)?
+            Pick::Where(tests, found) => {
+                // The first that fits counts: once it was found, the rest is passed over.
+                let is_first =
+                    cells.cells[*found] == Cell::Missing && all_hold(tests, value, offset, cells)?;
+                if is_first {
+                    cells.set(&[*found], Cell::Bool(true));
+                }
+                is_first
             }
             Pick::Beside(number, kind, key) => {
                 place_of(message, *number, kind, key, cells)? == Some(index)
@@ -349,14 +359,6 @@ impl Wanted {
                 let mut counts = vec![before; inner.wanted.len()];
                 inner.read(bytes, offset, cells, &mut counts)
             }
-        }
-    }
-
-    /// Whether something was read already.
-    fn is_settled(&self, cells: &Cells) -> bool {
-        match &self.then {
-            Then::Slot(slot) => cells.cells[*slot] != Cell::Missing,
-            Then::Message(inner) => inner.wanted.iter().any(|wanted| wanted.is_settled(cells)),
         }
     }
 }
