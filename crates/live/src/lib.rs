@@ -2,7 +2,8 @@
 //!
 //! A running robot is listened to over **DDS** (ROS 2, [`dds`]) or a **Foxglove WebSocket** ([`foxglove`]). Both give
 //! a [`Source`]: one stream of raw messages, each with its topic, the publisher's time and the time of arrival, and of
-//! events: topics that appear, messages that were lost, connections that broke and came back. Nothing is decoded here.
+//! events: topics that appear, messages that were lost, connections that broke and came back. Messages are not decoded
+//! here; [`Topic::info`] describes a topic for [`recording::Extractor`].
 //!
 //! The way back is a [`Publisher`]; a [`Bridge`] joins both, so that a robot's part runs in the loop with a simulated
 //! rest: some topics come from outside, some from the test bench, paced by the wall clock, all in one stream.
@@ -10,6 +11,7 @@
 mod bridge;
 mod clock;
 pub mod dds;
+mod described;
 mod error;
 pub mod foxglove;
 mod pace;
