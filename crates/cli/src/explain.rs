@@ -124,6 +124,10 @@ mod tests {
             "../prism-lang/src",
             &["Diagnostic::error(", "Diagnostic::warning("],
         ));
+        used.extend(codes(
+            "../requirement-lang/src",
+            &["Diagnostic::error(", "Diagnostic::warning(", ".error(", ".warning("],
+        ));
         assert!(used.len() > 30, "codes are not found any more: {used:?}");
         let missing: Vec<_> = used
             .iter()

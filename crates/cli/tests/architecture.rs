@@ -11,15 +11,17 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 10] = [
+const CRATES: [(&str, u8, &[&str]); 12] = [
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
     ("stats", 0, &[]),
     ("trace", 0, &[]),
     ("checker", 1, &["prism-lang", "temporal", "stats"]),
     ("recording", 1, &["trace"]),
+    ("requirement-lang", 1, &["temporal", "trace"]),
     ("testbench", 1, &["trace"]),
     ("evidence", 2, &["stats"]),
+    ("live", 2, &["trace", "recording"]),
     ("report", 2, &["evidence"]),
     (
         "cli",
@@ -31,17 +33,22 @@ const CRATES: [(&str, u8, &[&str]); 10] = [
             "trace",
             "checker",
             "recording",
+            "requirement-lang",
             "testbench",
             "evidence",
+            "live",
             "report",
         ],
     ),
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 8] = [
+const OUTSIDE: [(&str, &str); 11] = [
     ("libloading", "testbench"),
     ("mcap", "recording"),
+    ("saphyr-parser", "recording"),
+    ("rustdds", "live"),
+    ("tungstenite", "live"),
     ("clap", "cli"),
     ("annotate-snippets", "cli"),
     ("indicatif", "cli"),
