@@ -35,7 +35,7 @@ fn monitors_mean_their_sentences_on_all_short_finite_words() {
 }
 
 #[test]
-#[ignore = "takes minutes: words one letter longer than in the test before"]
+#[ignore = "takes some 20 s: words one letter longer than in the test before"]
 fn monitors_mean_their_sentences_on_longer_finite_words() {
     for sentence in single_stage_sentences() {
         monitor_agrees(&sentence, 1);
