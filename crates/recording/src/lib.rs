@@ -15,6 +15,7 @@
 //! | signals from topics: units, frames, times | [`TopicMap`], [`SignalStream`] |
 //! | frames | [`TransformBuffer`] |
 //! | traces as recordings in ROS 2 types | [`Ros2Recording`] |
+//! | raw messages as they come, kept | [`RawRecording`], [`TypeDefinitions`] |
 //! | verdicts as a recording, beside the original | [`VerdictFile`] |
 //! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 //!
@@ -94,6 +95,12 @@ pub use ros2_writer::{
     Ros2Value, Ros2WriteError, ros2_recording_of, ros2_type_names,
 };
 pub use transform::{FrameId, LookupError, Transform, TransformBuffer, TransformProblem};
+
+mod raw_writer;
+mod type_definitions;
+
+pub use raw_writer::{RawRecording, RawTopicId, RawWriteError};
+pub use type_definitions::TypeDefinitions;
 
 mod clock;
 mod topic_map;

@@ -83,7 +83,7 @@ impl Definitions {
 
     /// The definition of a type and of all that it consists of, as recordings join them.
     /// The error is the name of a type that is not known.
-    fn joined(&self, name: &str) -> Result<String, String> {
+    pub(crate) fn joined(&self, name: &str) -> Result<String, String> {
         let name = name.replacen("/msg/", "/", 1);
         let mut joined = self.texts.get(&name).ok_or_else(|| name.clone())?.clone();
         let (mut pending, mut done) = (parts(&joined, &name), vec![name]);

@@ -158,6 +158,14 @@ impl Sequencer {
     /// first, or after the end.
     pub fn next(&mut self, notes: &mut Notes) -> Result<Option<i64>, TraceError> {
         loop {
+            // All rows of a message are taken before an instant is given, or it would hold half of
+            // them.
+            if self.at_once
+                && let Some((time_nanos, item)) = self.incoming.pop()
+            {
+                self.take(time_nanos, item, notes);
+                continue;
+            }
             if let Some(front) = self.outgoing.front_nanos()
                 && (front <= self.horizon_nanos() || self.outgoing.len() > self.max_waiting)
             {
