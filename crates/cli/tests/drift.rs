@@ -1,0 +1,224 @@
+//! The study whose hand-written forms drifted from its sentences: each drift and each difference is found, nothing
+//! else is, and mending one form makes exactly what was said of that form go.
+
+mod support;
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use support::program::corroborate;
+use support::{files_below, read, root};
+use tempfile::TempDir;
+
+/// What was planted, as (requirement, form, kind, a part of what is found, a part of what is declared).
+const DRIFT: [(&str, &str, &str, &str, &str); 8] = [
+    ("4", "simulation", "limit", "5 s", "release_time = 2 s"),
+    (
+        "4",
+        "simulation",
+        "clock",
+        "/clock.wall",
+        "recording's time",
+    ),
+    ("6", "simulation", "shape", "abs(", "distance("),
+    ("8", "experiment", "limit", "20 cm", "near_distance = 0.1 m"),
+    ("8", "experiment", "shape", "abs(", "distance("),
+    ("8", "simulation", "limit", "5 cm", "near_distance = 0.1 m"),
+    ("8", "simulation", "shape", "abs(", "distance("),
+    (
+        "8",
+        "simulation",
+        "instant",
+        "previous hand_slow",
+        "instant",
+    ),
+];
+
+/// The recordings on which a form answers otherwise than the sentence, as (requirement, form, recording, the
+/// sentence's verdict, the form's). Only `agrees.csv` is not among them.
+const DIFFERENCES: [(&str, &str, &str, &str, &str); 6] = [
+    ("6", "simulation", "closing_beside", "satisfied", "violated"),
+    (
+        "8",
+        "experiment",
+        "fast_below_in_the_tall_box",
+        "not-covered",
+        "violated",
+    ),
+    (
+        "8",
+        "simulation",
+        "fast_beside_the_small_box",
+        "violated",
+        "not-covered",
+    ),
+    (
+        "8",
+        "simulation",
+        "fast_in_the_small_box",
+        "violated",
+        "satisfied",
+    ),
+    ("4", "simulation", "late_release", "violated", "satisfied"),
+    ("4", "simulation", "slow_computer", "satisfied", "violated"),
+];
+
+/// Forms mended: what is replaced by what in which file, and the form that is then without drift and differences.
+const MENDED: [(&[(&str, &str, &str)], &str, &str); 4] = [
+    (
+        &[
+            ("requirements.toml", "within_secs = 5", "within_secs = 2"),
+            ("requirements.toml", "clock = \"/clock.wall\"\n", ""),
+        ],
+        "4",
+        "simulation",
+    ),
+    (
+        &[("requirements.toml", "person_clear_by_axis", "person_clear")],
+        "6",
+        "simulation",
+    ),
+    (
+        &[(
+            "requirements.toml",
+            "rise(in_small_box) => previous hand_slow",
+            "near => hand_slow",
+        )],
+        "8",
+        "simulation",
+    ),
+    (
+        &[(
+            "requirements.toml",
+            "in_tall_box => hand_slow",
+            "near => hand_slow",
+        )],
+        "8",
+        "experiment",
+    ),
+];
+
+type Key = (String, String, String);
+
+/// The study in a folder of its own, with texts replaced.
+fn study(changes: &[(&str, &str, &str)]) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let from = root().join("conformance/drift");
+    for file in files_below(&from) {
+        let name = file.strip_prefix(&from).expect("below it");
+        let to = folder.path().join(name);
+        std::fs::create_dir_all(to.parent().expect("a folder")).expect("made");
+        std::fs::copy(&file, to).expect("copied");
+    }
+    for (file, old, new) in changes {
+        let path = folder.path().join(file);
+        let text = read(&path);
+        assert!(text.contains(old), "`{old}` is no longer in {file}");
+        std::fs::write(&path, text.replacen(old, new, 1)).expect("written");
+    }
+    folder
+}
+
+/// What `requirements` reports of the study, and its exit code.
+fn reported(changes: &[(&str, &str, &str)]) -> (Value, i32) {
+    let folder = study(changes);
+    let arguments = ["requirements", ".", "recordings", "--format", "json"];
+    let said = corroborate(folder.path(), &arguments);
+    let report = serde_json::from_str(&said.out);
+    (
+        report.unwrap_or_else(|error| panic!("{error}: {said:?}")),
+        said.code,
+    )
+}
+
+fn list<'a>(report: &'a Value, name: &str) -> &'a [Value] {
+    let list = report[name].as_array();
+    list.unwrap_or_else(|| panic!("no list {name} in {report}"))
+}
+
+fn keys(report: &Value, name: &str, third: &str) -> BTreeSet<Key> {
+    let text = |value: &Value| value.as_str().expect("a text").to_owned();
+    let keys = list(report, name);
+    keys.iter()
+        .map(|v| (text(&v["requirement"]), text(&v["form"]), text(&v[third])))
+        .collect()
+}
+
+/// All that is said against the hand-written forms.
+fn findings(report: &Value) -> BTreeSet<Key> {
+    let mut all = keys(report, "drift", "kind");
+    all.extend(keys(report, "differences", "recording"));
+    all
+}
+
+fn says(value: &Value, part: &str) -> bool {
+    value.as_str().is_some_and(|text| text.contains(part))
+}
+
+#[test]
+fn each_planted_drift_is_found_and_nothing_else() {
+    let (report, code) = reported(&[]);
+    assert_eq!(code, 1);
+    let found = list(&report, "drift");
+    for (requirement, form, kind, seen, declared) in DRIFT {
+        let hits = found.iter().filter(|drift| {
+            drift["requirement"] == requirement
+                && drift["form"] == form
+                && drift["kind"] == kind
+                && says(&drift["found"], seen)
+                && says(&drift["declared"], declared)
+        });
+        assert_eq!(hits.count(), 1, "{requirement} {form} {kind}: {found:#?}");
+    }
+    assert_eq!(found.len(), DRIFT.len(), "{found:#?}");
+}
+
+#[test]
+fn each_recording_shows_its_difference_and_one_shows_none() {
+    let (report, _) = reported(&[]);
+    let recordings = list(&report, "recordings");
+    assert_eq!(recordings.len(), DIFFERENCES.len() + 1);
+    assert!(recordings.iter().any(|name| says(name, "agrees.csv")));
+    let found = list(&report, "differences");
+    for (requirement, form, recording, sentence, verdict) in DIFFERENCES {
+        let hits = found.iter().filter(|difference| {
+            difference["requirement"] == requirement
+                && difference["form"] == form
+                && says(&difference["recording"], &format!("{recording}.csv"))
+                && difference["reference"] == "sentence"
+                && difference["reference_verdict"] == sentence
+                && difference["verdict"] == verdict
+        });
+        assert_eq!(hits.count(), 1, "{recording}: {found:#?}");
+    }
+    assert_eq!(found.len(), DIFFERENCES.len(), "{found:#?}");
+}
+
+#[test]
+fn mending_a_form_makes_exactly_what_was_said_of_it_go() {
+    let before = findings(&reported(&[]).0);
+    for (changes, requirement, form) in MENDED {
+        let (report, code) = reported(changes);
+        assert_eq!(code, 1, "the others still drift");
+        let mut left = before.clone();
+        left.retain(|(r, f, _)| r != requirement || f != form);
+        assert!(left.len() < before.len());
+        assert_eq!(findings(&report), left, "{requirement}, {form}");
+    }
+}
+
+#[test]
+fn mending_one_thing_of_a_form_leaves_its_other_drift() {
+    let before = keys(&reported(&[]).0, "drift", "kind");
+    let changes = [("requirements.toml", "within_secs = 5", "within_secs = 2")];
+    let mut left = before;
+    assert!(left.remove(&("4".into(), "simulation".into(), "limit".into())));
+    assert_eq!(keys(&reported(&changes).0, "drift", "kind"), left);
+}
+
+#[test]
+fn mended_throughout_the_study_has_no_drift() {
+    let changes: Vec<_> = MENDED.iter().flat_map(|mended| mended.0).copied().collect();
+    let (report, code) = reported(&changes);
+    assert_eq!(findings(&report), BTreeSet::new());
+    assert_eq!(code, 0, "{report}");
+}
