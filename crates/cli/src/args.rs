@@ -41,8 +41,10 @@ pub enum Command {
     Check(Check),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
-    /// Judge recordings with a study's monitors.
+    /// Judge recordings with a study's monitors, or with a formula.
     Monitor(Monitor),
+    /// Show what is in a recording, and draft its topic map.
+    Inspect(Inspect),
     /// Show requirements in all their forms, and where the forms disagree.
     Requirements(Requirements),
     /// Compare the pieces of evidence of a study that has been run.
@@ -173,29 +175,132 @@ pub struct Simulate {
     pub format: Format,
 }
 
+/// How recordings are opened.
+#[derive(Clone, Debug, Default, Args)]
+pub struct Opening {
+    /// The column or key that has the time, in tables and JSON lines.
+    #[arg(long, value_name = "NAME")]
+    pub time_field: Option<String>,
+    /// The unit of the times in tables and JSON lines: s, ms, us or ns.
+    #[arg(long, value_name = "UNIT")]
+    pub time_unit: Option<recording::TimeUnit>,
+    /// A folder of `.msg` files, for types that a recording does not define
+    /// itself (may be repeated).
+    #[arg(long, value_name = "FOLDER")]
+    pub message_path: Vec<PathBuf>,
+}
+
+/// Which time of a message counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TimeChoice {
+    /// When the recorder received it.
+    Log,
+    /// When it was sent.
+    Publish,
+    /// When it was measured, by its header.
+    Header,
+    /// When it was received, by the simulation's /clock.
+    Clock,
+}
+
+/// What is said of times behind the end of a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EndingChoice {
+    /// The recording is all there is.
+    #[default]
+    Finite,
+    /// The benefit of the doubt.
+    Weak,
+    /// No benefit.
+    Strong,
+    /// Nothing: a verdict only if no continuation can change it.
+    Inconclusive,
+}
+
 /// Arguments of `monitor`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
+#[command(
+    override_usage = "corroborate monitor [OPTIONS] STUDY RECORDINGS...\n       \
+                      corroborate monitor [OPTIONS] --formula FORMULA RECORDINGS...",
+    after_help = "\
 Examples:
   corroborate monitor case-studies/handover recordings/*.mcap
   corroborate monitor case-studies/handover recordings --only 3 --format json
+  corroborate monitor my-study run.bag --map topics.toml --time header
+  corroborate monitor my-study run.mcap --verdicts shown
+  corroborate monitor --formula 'always (/robot.speed < 250 mm/s)' run.mcap
 
-Judges on the clock of the recording. Exits 1 if a requirement is violated, 3
-if a verdict is open. A recording that was cut short is an error, unless
---partial says to judge what there is; then it exits 3.")]
+Reads MCAP, ROS 1 bags, rosbag2 (sqlite and MCAP), CSV and JSON lines; a folder
+of recordings is a set of trials. The topic map (STUDY/topics.toml, or --map)
+says where the signals are; others are looked up as they are written.
+Exits 1 if a requirement is violated, 3 if a verdict is open. A recording that
+was cut short or lost messages is an error, unless --partial says to judge what
+there is; then it exits 3, since what is lost may have changed a verdict."
+)]
 pub struct Monitor {
-    /// The study whose requirements and failure modes are monitored.
-    pub study: PathBuf,
-    /// Recordings (MCAP or CSV), or folders of them.
-    #[arg(required = true)]
-    pub recordings: Vec<PathBuf>,
+    /// The study whose requirements and failure modes are monitored (none with
+    /// --formula), then recordings, or folders of them.
+    #[arg(required = true, value_name = "STUDY RECORDINGS")]
+    pub paths: Vec<PathBuf>,
+    /// Judge this formula of temporal logic instead of a study (may be
+    /// repeated).
+    #[arg(long, value_name = "FORMULA", conflicts_with = "only")]
+    pub formula: Vec<String>,
+    /// What the formula assumes behind the end of a recording.
+    #[arg(long, value_enum, default_value_t, requires = "formula")]
+    pub ending: EndingChoice,
+    /// The formula's operators speak of all times, not of the samples.
+    #[arg(long, requires = "formula")]
+    pub dense: bool,
     /// Only this requirement or failure mode (may be repeated).
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
-    /// Judge recordings that were cut short as far as they go.
+    /// Where recordings have the signals, instead of the study's topics.toml.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Which time of a message counts, instead of what the topic map says.
+    #[arg(long, value_enum)]
+    pub time: Option<TimeChoice>,
+    /// How recordings are opened.
+    #[command(flatten)]
+    pub opening: Opening,
+    /// Judge recordings that are not complete as far as they go.
     #[arg(long)]
     pub partial: bool,
+    /// Write verdicts and robustness over time to this folder, as MCAP files
+    /// that viewers open beside the recordings.
+    #[arg(long, value_name = "FOLDER")]
+    pub verdicts: Option<PathBuf>,
     /// How the verdicts are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate inspect run.mcap
+  corroborate inspect bag_folder --draft-map topics.toml
+  corroborate inspect run.bag --draft-map -
+
+Lists topics with their types, rates, jitter and gaps, and what does not fit.
+The draft has an entry for every value; delete what is not needed. Exits 3 if
+something of the recording is lost.")]
+pub struct Inspect {
+    /// The recording: a file, or a folder that rosbag2 recorded.
+    pub recording: PathBuf,
+    /// Write a draft of the topic map to this new file (`-`: print it instead
+    /// of the table).
+    #[arg(long, value_name = "FILE")]
+    pub draft_map: Option<PathBuf>,
+    /// A period this many times as long as the middle one is a gap.
+    #[arg(long, value_name = "X", default_value = "5", value_parser = gap_factor)]
+    pub gap_factor: f64,
+    /// How the recording is opened.
+    #[command(flatten)]
+    pub opening: Opening,
+    /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }
@@ -291,6 +396,13 @@ Examples:
 pub struct Explain {
     /// The code or word.
     pub topic: Option<String>,
+}
+
+fn gap_factor(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 1.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a number above 1, for example 5".into()),
+    }
 }
 
 fn precision(text: &str) -> Result<f64, String> {

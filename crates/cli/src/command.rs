@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod init;
+mod inspect;
 mod library;
 mod monitor;
 mod report;
@@ -54,6 +55,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
+        Command::Inspect(arguments) => inspect::inspect(arguments),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),

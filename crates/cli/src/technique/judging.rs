@@ -7,11 +7,13 @@
 //! over one trace, whether it comes from memory, a file or a running system.
 
 mod session;
+mod shown;
 
 pub use session::Session;
+pub use shown::Shown;
 
 use crate::problem::Problem;
-use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm};
+use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
 use evidence::Subject;
 use std::collections::BTreeMap;
 use temporal::formula::FormulaMonitor;
@@ -21,7 +23,7 @@ use trace::{Cursor, Predicate, Quantity, Sampling, Trace, ticks};
 /// All monitors of a study, compiled.
 #[derive(Debug)]
 pub struct Judges<'a> {
-    study: &'a Study,
+    vocabulary: &'a Vocabulary,
     /// The propositions that any monitor uses, each once.
     predicates: Vec<Predicate>,
     /// The clocks other than the trace's, each once.
@@ -49,6 +51,8 @@ enum CompiledRule {
     Staged(Monitor),
     Formula {
         monitor: FormulaMonitor,
+        /// The same, of which the robustness so far is shown.
+        looking_back: FormulaMonitor,
         /// The texts of its atoms.
         atoms: Vec<String>,
     },
@@ -115,7 +119,7 @@ pub struct Responsible {
 impl<'a> Judges<'a> {
     /// Compiles the monitors of those subjects for which `wanted` holds.
     pub fn new(study: &'a Study, wanted: impl Fn(&Subject) -> bool) -> Result<Self, Problem> {
-        let mut collector = Collector::new(study);
+        let mut collector = Collector::new(&study.vocabulary);
         for form in study.forms.subjects.iter().filter(|f| wanted(&f.subject)) {
             for (reading, judging) in written_forms(form) {
                 collector.add(&form.subject, reading, judging)?;
@@ -129,9 +133,22 @@ impl<'a> Judges<'a> {
         study: &'a Study,
         forms: impl IntoIterator<Item = (&'a Subject, &'a str, &'a JudgingForm)>,
     ) -> Result<Self, Problem> {
-        let mut collector = Collector::new(study);
+        let mut collector = Collector::new(&study.vocabulary);
         for (subject, name, judging) in forms {
             collector.add(subject, Some(name), judging)?;
+        }
+        Ok(collector.judges)
+    }
+
+    /// Compiles forms that belong to no study, over the names of a
+    /// vocabulary.
+    pub fn without_study(
+        vocabulary: &'a Vocabulary,
+        forms: impl IntoIterator<Item = (&'a Subject, &'a JudgingForm)>,
+    ) -> Result<Self, Problem> {
+        let mut collector = Collector::new(vocabulary);
+        for (subject, judging) in forms {
+            collector.add(subject, None, judging)?;
         }
         Ok(collector.judges)
     }
@@ -150,6 +167,16 @@ impl<'a> Judges<'a> {
 
     /// Judges one trace with all monitors in one pass.
     pub fn judge(&self, trace: &Trace) -> Result<Vec<Judgement<'a>>, Problem> {
+        self.judge_and_watch(trace, &mut |_, _| Ok(()))
+    }
+
+    /// Judges one trace; `watch` is shown the session after each instant,
+    /// with its time in seconds.
+    pub fn judge_and_watch(
+        &self,
+        trace: &Trace,
+        watch: &mut dyn FnMut(f64, &Session<'_, 'a>) -> Result<(), Problem>,
+    ) -> Result<Vec<Judgement<'a>>, Problem> {
         let mut session = self.start(trace)?;
         let times = ticks(trace, Sampling::EveryRow)
             .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
@@ -157,6 +184,7 @@ impl<'a> Judges<'a> {
         for time_secs in times {
             cursor.seek(time_secs);
             session.step(time_secs, &cursor)?;
+            watch(time_secs, &session)?;
         }
         Ok(session.finish(trace.complete))
     }
@@ -170,10 +198,10 @@ struct Collector<'a> {
 }
 
 impl<'a> Collector<'a> {
-    fn new(study: &'a Study) -> Self {
+    fn new(vocabulary: &'a Vocabulary) -> Self {
         Self {
             judges: Judges {
-                study,
+                vocabulary,
                 predicates: Vec::new(),
                 clocks: Vec::new(),
                 judges: Vec::new(),
@@ -213,7 +241,7 @@ impl<'a> Collector<'a> {
         if let Some(place) = self.places.get(text) {
             return Ok(*place);
         }
-        let vocabulary = &self.judges.study.vocabulary;
+        let vocabulary = self.judges.vocabulary;
         let predicate = vocabulary.signals.predicate(text);
         let predicate = predicate.map_err(|error| vocabulary.predicate_problem(&error))?;
         self.judges.predicates.push(predicate);
@@ -226,7 +254,7 @@ impl<'a> Collector<'a> {
         if let Some(place) = self.clocks.get(text) {
             return Ok(*place);
         }
-        let vocabulary = &self.judges.study.vocabulary;
+        let vocabulary = self.judges.vocabulary;
         let quantity = vocabulary.signals.quantity(text);
         let quantity = quantity.map_err(|error| vocabulary.predicate_problem(&error))?;
         self.judges.clocks.push(quantity);
@@ -247,11 +275,14 @@ impl CompiledRule {
     }
 
     fn formula(rule: &FormulaRule) -> Result<Self, Problem> {
-        let monitor = FormulaMonitor::compile(&rule.parsed.formula, &rule.settings())
-            .map_err(|error| Problem::new("bad-formula", error.to_string()))?;
+        let compile = |settings| {
+            FormulaMonitor::compile(&rule.parsed.formula, &settings)
+                .map_err(|error| Problem::new("bad-formula", error.to_string()))
+        };
         let atoms = rule.parsed.atoms.iter().map(|atom| atom.text.clone());
         Ok(Self::Formula {
-            monitor,
+            monitor: compile(rule.settings())?,
+            looking_back: compile(shown::looking_back(rule))?,
             atoms: atoms.collect(),
         })
     }

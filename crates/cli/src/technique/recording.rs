@@ -3,9 +3,11 @@
 //! A trace that this program wrote is read whole; any other recording is
 //! streamed through the study's topic map, so that its size does not matter.
 
-use super::judging::{Judgement, Judges};
+use super::judging::{Judgement, Judges, Session, Shown};
+use crate::args::{Opening, TimeChoice};
 use crate::problem::{Problem, Source};
-use recording::{OpenOptions, SignalStream, TopicMap};
+use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trace::Trace;
 
@@ -21,6 +23,25 @@ pub struct ReadingRules {
     pub options: OpenOptions,
 }
 
+/// How a file is opened, as the call says.
+pub fn open_options(opening: &Opening) -> OpenOptions {
+    OpenOptions {
+        time_field: opening.time_field.clone(),
+        time_unit: opening.time_unit,
+        message_path: opening.message_path.clone(),
+        ..OpenOptions::default()
+    }
+}
+
+/// Where a signal's values are measured in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SignalInfo {
+    /// Its unit; empty if it has none.
+    pub unit: String,
+    /// The frame of its values.
+    pub frame: Option<String>,
+}
+
 /// One recording, judged.
 #[derive(Debug)]
 pub struct JudgedRecording<'a> {
@@ -34,6 +55,8 @@ pub struct JudgedRecording<'a> {
     pub notes: Vec<String>,
     /// Instants that were judged.
     pub instants: u64,
+    /// The signals that were read.
+    pub signals: BTreeMap<String, SignalInfo>,
 }
 
 impl ReadingRules {
@@ -51,6 +74,30 @@ impl ReadingRules {
         })
     }
 
+    /// The rules of a call: another time or way of opening files counts more
+    /// than the topic map.
+    pub fn with_call(mut self, time: Option<TimeChoice>, opening: &Opening) -> Self {
+        if let Some(time) = time {
+            self.map.time.source = match time {
+                TimeChoice::Log => TimeSource::Log,
+                TimeChoice::Publish => TimeSource::Publish,
+                TimeChoice::Header => TimeSource::Header,
+                TimeChoice::Clock => TimeSource::Clock,
+            };
+        }
+        self.options = open_options(opening);
+        self
+    }
+
+    /// The rules without a study: a topic map, if one is named.
+    pub fn of_map(map: Option<&Path>) -> Result<Self, Problem> {
+        let map = map.map(read_map).transpose()?;
+        Ok(Self {
+            map: map.unwrap_or_default(),
+            options: OpenOptions::default(),
+        })
+    }
+
     /// Judges the recording at `path`; `go_on` is asked now and then.
     pub fn judge<'a>(
         &self,
@@ -58,9 +105,30 @@ impl ReadingRules {
         path: &Path,
         go_on: &dyn Fn() -> Result<(), Problem>,
     ) -> Result<JudgedRecording<'a>, Problem> {
-        match own_trace(path)? {
-            Some((trace, lost)) => of_trace(judges, &trace, lost),
-            None => self.of_stream(judges, path, go_on),
+        self.judge_and_show(judges, path, None, go_on)
+    }
+
+    /// As [`ReadingRules::judge`]; what is known at each instant is written
+    /// to `shown`.
+    pub fn judge_and_show<'a>(
+        &self,
+        judges: &Judges<'a>,
+        path: &Path,
+        shown: Option<&mut Shown>,
+        go_on: &dyn Fn() -> Result<(), Problem>,
+    ) -> Result<JudgedRecording<'a>, Problem> {
+        let told = self.options.time_field.is_some() || self.options.time_unit.is_some();
+        let own = if told { None } else { own_trace(path)? };
+        match own {
+            Some((trace, lost)) => {
+                let mut judged = of_trace(judges, &trace, lost, shown)?;
+                if self.map.time.source != TimeSource::Log {
+                    let note = "it is a trace with one time, which counts, not another one";
+                    judged.notes.push(note.to_owned());
+                }
+                Ok(judged)
+            }
+            None => self.of_stream(judges, path, shown, go_on),
         }
         .map_err(|problem| problem.about(&path.display().to_string()))
     }
@@ -69,6 +137,7 @@ impl ReadingRules {
         &self,
         judges: &Judges<'a>,
         path: &Path,
+        mut shown: Option<&mut Shown>,
         go_on: &dyn Fn() -> Result<(), Problem>,
     ) -> Result<JudgedRecording<'a>, Problem> {
         let mut stream = self.stream(judges, path)?;
@@ -77,7 +146,7 @@ impl ReadingRules {
         let mut failed = None;
         loop {
             match stream.next_instant() {
-                Ok(Some(instant)) => session.step(instant.time_secs, stream.snapshot())?,
+                Ok(Some(moment)) => take(&mut session, &stream, moment, shown.as_deref_mut())?,
                 Ok(None) => break,
                 // What was read before is judged; the rest is lost.
                 Err(error) => {
@@ -91,19 +160,16 @@ impl ReadingRules {
             }
         }
         let complete = stream.complete() && failed.is_none();
-        let (losses, others): (Vec<_>, Vec<_>) = stream
-            .notes()
-            .into_iter()
-            .partition(|note| note.kind.is_loss());
-        let lost = stream.losses().iter().map(ToString::to_string);
-        let lost = lost.chain(losses.iter().map(ToString::to_string));
-        let absent = stream.absent().iter().map(ToString::to_string);
+        let (mut lost, notes) = left_out(&stream);
+        lost.extend(failed);
+        if !complete && lost.is_empty() {
+            lost.push("it has no proper end, so its last messages may be missing".to_owned());
+        }
         Ok(JudgedRecording {
             judgements: session.finish(complete),
-            lost: lost.chain(failed).collect(),
-            notes: absent
-                .chain(others.iter().map(ToString::to_string))
-                .collect(),
+            lost,
+            notes,
+            signals: signals_of(judges, stream.layout()),
             complete,
             instants,
         })
@@ -125,13 +191,66 @@ impl ReadingRules {
     }
 }
 
+/// Gives an instant to the monitors, and shows what they make of it.
+fn take(
+    session: &mut Session<'_, '_>,
+    stream: &SignalStream,
+    moment: Moment,
+    shown: Option<&mut Shown>,
+) -> Result<(), Problem> {
+    session.step_changed(moment.time_secs, stream.snapshot(), stream.changed())?;
+    match shown {
+        Some(shown) => shown.instant(moment.log_nanos, session),
+        None => Ok(()),
+    }
+}
+
+/// What of a recording is lost, and what else is to be known of how it was
+/// read.
+fn left_out(stream: &SignalStream) -> (Vec<String>, Vec<String>) {
+    let (losses, others): (Vec<_>, Vec<_>) = stream
+        .notes()
+        .into_iter()
+        .partition(|note| note.kind.is_loss());
+    let lost = stream.losses().iter().map(ToString::to_string);
+    let lost = lost.chain(losses.iter().map(ToString::to_string));
+    let absent = stream.absent().iter().map(ToString::to_string);
+    let notes = absent.chain(others.iter().map(ToString::to_string));
+    (lost.collect(), notes.collect())
+}
+
+/// The units and frames of the signals that are judged.
+fn signals_of(judges: &Judges<'_>, layout: &Trace) -> BTreeMap<String, SignalInfo> {
+    let mut signals = BTreeMap::new();
+    for name in judges.signals() {
+        let Some(at) = layout.signal(&name) else {
+            continue;
+        };
+        let field = &layout.channels[at.channel].fields[at.field];
+        let info = SignalInfo {
+            unit: field.unit.clone(),
+            frame: field.frame.clone(),
+        };
+        signals.insert(name, info);
+    }
+    signals
+}
+
 fn of_trace<'a>(
     judges: &Judges<'a>,
     trace: &Trace,
     lost: Option<String>,
+    shown: Option<&mut Shown>,
 ) -> Result<JudgedRecording<'a>, Problem> {
+    let judgements = match shown {
+        None => judges.judge(trace)?,
+        Some(shown) => judges.judge_and_watch(trace, &mut |time_secs, session| {
+            shown.instant((time_secs * 1e9).round() as i64, session)
+        })?,
+    };
     Ok(JudgedRecording {
-        judgements: judges.judge(trace)?,
+        judgements,
+        signals: signals_of(judges, trace),
         complete: trace.complete,
         lost: lost.into_iter().collect(),
         notes: Vec::new(),

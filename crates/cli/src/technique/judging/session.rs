@@ -16,6 +16,10 @@ const CLOCK_STEP_SECS: f64 = 1e-9;
 pub struct Session<'s, 'a> {
     judges: &'s Judges<'a>,
     predicates: Vec<BoundPredicate>,
+    /// For each predicate, the channels that it reads.
+    channels: Vec<Vec<usize>>,
+    /// Whether an instant has been taken.
+    begun: bool,
     clocks: Vec<BoundQuantity>,
     at_work: Vec<AtWork<'s>>,
     /// Truth of each predicate at this instant.
@@ -32,8 +36,11 @@ struct AtWork<'s> {
     judge: Work<'s>,
     /// The last time on its own clock.
     last_secs: f64,
+    /// Whether the last instant had a time on it.
+    stepped: bool,
 }
 
+#[derive(Clone)]
 enum Work<'s> {
     Staged(Judge<'s>),
     Formula(FormulaJudge),
@@ -41,8 +48,7 @@ enum Work<'s> {
 
 impl<'s, 'a> Session<'s, 'a> {
     pub(super) fn new(judges: &'s Judges<'a>, layout: &Trace) -> Result<Self, Problem> {
-        let problem =
-            |error: trace::PredicateError| judges.study.vocabulary.predicate_problem(&error);
+        let problem = |error: trace::PredicateError| judges.vocabulary.predicate_problem(&error);
         let predicates = judges.predicates.iter().map(|p| p.bind(layout));
         let predicates = predicates.collect::<Result<Vec<_>, _>>().map_err(problem)?;
         let clocks = judges.clocks.iter().map(|c| c.bind(layout));
@@ -53,8 +59,12 @@ impl<'s, 'a> Session<'s, 'a> {
                 CompiledRule::Formula { monitor, .. } => Work::Formula(monitor.start()),
             },
             last_secs: f64::NEG_INFINITY,
+            stepped: false,
         });
+        let channels = predicates.iter().map(channels_of).collect();
         Ok(Self {
+            channels,
+            begun: false,
             at_work: at_work.collect(),
             truth: vec![None; predicates.len()],
             robustness: vec![f64::NAN; predicates.len()],
@@ -68,17 +78,46 @@ impl<'s, 'a> Session<'s, 'a> {
 
     /// Takes the next instant, at which signals have the given values.
     pub fn step<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
-        for (place, predicate) in self.predicates.iter().enumerate() {
-            let judged = predicate.judge(values);
-            self.truth[place] = judged.map(|(truth, _)| truth);
-            self.robustness[place] = judged.map_or(f64::NAN, |(_, robustness)| robustness);
+        for place in 0..self.predicates.len() {
+            self.evaluate(place, values);
         }
+        self.take(time_secs, values)
+    }
+
+    /// As [`Session::step`], where only channels for which `changed` holds
+    /// have other values than at the instant before: a predicate over others
+    /// is what it was. The monitors see every instant, since some count them.
+    pub fn step_changed<V: SignalValues>(
+        &mut self,
+        time_secs: f64,
+        values: &V,
+        changed: &[bool],
+    ) -> Result<(), Problem> {
+        for place in 0..self.predicates.len() {
+            let is_changed = |channel: &usize| changed.get(*channel).is_none_or(|it| *it);
+            if !self.begun || self.channels[place].iter().any(is_changed) {
+                self.evaluate(place, values);
+            }
+        }
+        self.take(time_secs, values)
+    }
+
+    fn evaluate<V: SignalValues>(&mut self, place: usize, values: &V) {
+        let judged = self.predicates[place].judge(values);
+        self.truth[place] = judged.map(|(truth, _)| truth);
+        self.robustness[place] = judged.map_or(f64::NAN, |(_, robustness)| robustness);
+    }
+
+    /// Gives the monitors the truth that the predicates have now.
+    fn take<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
+        self.begun = true;
         let judges = self.judges;
         for (index, judge) in judges.judges.iter().enumerate() {
             let now_secs = match judge.clock {
                 None => Some(time_secs),
                 Some(clock) => own_time(&self.clocks[clock], values, self.at_work[index].last_secs),
             };
+            self.at_work[index].stepped = now_secs.is_some();
             // Before its clock shows a time, a monitor sees nothing.
             if let Some(now_secs) = now_secs {
                 self.advance(index, judge, now_secs)
@@ -133,20 +172,54 @@ impl<'s, 'a> Session<'s, 'a> {
         })
     }
 
+    /// Lets `other`, a judge of the same formula, see what the monitor at
+    /// `index` has just seen. False if that saw nothing or has stages.
+    pub fn show_to(&self, index: usize, other: &mut FormulaJudge) -> Result<bool, Problem> {
+        let (judge, at_work) = (&self.judges.judges[index], &self.at_work[index]);
+        if !at_work.stepped || !matches!(at_work.judge, Work::Formula(_)) {
+            return Ok(false);
+        }
+        let places = &judge.propositions;
+        let truth: Vec<_> = places.iter().map(|place| self.truth[*place]).collect();
+        let robustness: Vec<_> = places.iter().map(|place| self.robustness[*place]).collect();
+        other
+            .step_both(at_work.last_secs, &truth, &robustness)
+            .map(|_| true)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))
+    }
+
     /// Ends the trace; `complete` is false if it was cut short.
     pub fn finish(self, complete: bool) -> Vec<Judgement<'a>> {
         let judges = self.judges;
         let pairs = judges.judges.iter().zip(self.at_work);
         pairs
-            .map(|(judge, at_work)| Judgement {
-                subject: judge.subject,
-                reading: judge.reading,
-                findings: match at_work.judge {
-                    Work::Staged(staged) => of_stages(judges, staged.finish(complete)),
-                    Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
-                },
-            })
+            .map(|(judge, at_work)| conclude(judges, judge, at_work.judge, complete))
             .collect()
+    }
+
+    /// What each monitor would say if the trace were cut short here. The
+    /// monitors are copied, so this costs as much as they keep.
+    pub fn so_far(&self) -> Vec<Judgement<'a>> {
+        let pairs = self.judges.judges.iter().zip(&self.at_work);
+        pairs
+            .map(|(judge, at_work)| conclude(self.judges, judge, at_work.judge.clone(), false))
+            .collect()
+    }
+}
+
+fn conclude<'a>(
+    judges: &Judges<'a>,
+    judge: &SubjectJudge<'a>,
+    work: Work<'_>,
+    complete: bool,
+) -> Judgement<'a> {
+    Judgement {
+        subject: judge.subject,
+        reading: judge.reading,
+        findings: match work {
+            Work::Staged(staged) => of_stages(judges, staged.finish(complete)),
+            Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
+        },
     }
 }
 
@@ -161,6 +234,14 @@ fn own_time<V: SignalValues>(clock: &BoundQuantity, values: &V, last_secs: f64) 
         _ => shown,
     };
     Some(in_secs.max(last_secs + CLOCK_STEP_SECS))
+}
+
+/// The channels that a predicate reads, each once.
+fn channels_of(predicate: &BoundPredicate) -> Vec<usize> {
+    let signals = predicate.signals();
+    let channels: std::collections::BTreeSet<usize> =
+        signals.iter().map(|signal| signal.channel).collect();
+    channels.into_iter().collect()
 }
 
 fn of_stages(judges: &Judges<'_>, report: MonitorReport) -> JudgedTrace {
@@ -215,6 +296,6 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
 }
 
 fn signals(judges: &Judges<'_>, proposition: &str) -> Vec<String> {
-    let predicate = judges.study.vocabulary.signals.predicate(proposition);
+    let predicate = judges.vocabulary.signals.predicate(proposition);
     predicate.map_or_else(|_| Vec::new(), |p| p.signals().into_iter().collect())
 }

@@ -1,0 +1,231 @@
+//! What `monitor --format json` prints.
+
+use super::asked::Asked;
+use crate::technique::judging::{Judgement, Responsible, Violation};
+use crate::technique::recording::JudgedRecording;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::Path;
+use temporal::monitor::Verdict;
+
+/// What `monitor --format json` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct MonitorReport {
+    /// Version of this form.
+    pub format: String,
+    /// One for each recording.
+    pub recordings: Vec<RecordingVerdicts>,
+    /// One for each monitor, over all recordings.
+    pub totals: Vec<Total>,
+}
+
+/// The verdicts on one recording.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RecordingVerdicts {
+    /// The file.
+    pub file: String,
+    /// Whether it was recorded to its end and all of it was read.
+    pub complete: bool,
+    /// What is missing, if it was not.
+    pub lost: Option<String>,
+    /// What else is to be known about how it was read.
+    pub notes: Vec<String>,
+    /// How many instants were judged; for a trace in columns, its rows.
+    pub instants: u64,
+    /// The file with verdicts and robustness over time.
+    pub shown_in: Option<String>,
+    /// One for each monitor.
+    pub verdicts: Vec<SubjectVerdict>,
+}
+
+/// The verdict of one monitor on one recording.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct SubjectVerdict {
+    /// The requirement or failure mode.
+    pub subject: String,
+    /// The reading, if it is not the main one.
+    pub reading: Option<String>,
+    /// `satisfied`, `violated`, `inconclusive` or `not-covered`. For a failure
+    /// mode, `violated` means that it occurred.
+    pub verdict: String,
+    /// How often the precondition was met.
+    pub covered: u64,
+    /// How often all postconditions were.
+    pub passed: u64,
+    /// How often one was not.
+    pub failed: u64,
+    /// How far a formula is from changing its truth, in the SI unit of what it
+    /// compares: above 0 satisfied, below 0 violated. Stages have none.
+    pub robustness: Option<Robustness>,
+    /// When the verdict was determined, if before the end of the recording;
+    /// seconds of its clock.
+    pub decided_at_secs: Option<f64>,
+    /// The part of the recording that shows the violation.
+    pub violation: Option<ShownViolation>,
+    /// When the first failure shows, in seconds of the recording's clock.
+    pub failed_at_secs: Option<f64>,
+    /// The proposition that decided then.
+    pub failed_proposition: Option<String>,
+    /// What that proposition means.
+    pub failed_meaning: Option<String>,
+}
+
+/// What the robustness can be, given what was recorded.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Robustness {
+    /// The least; null if there is no limit.
+    pub least: Option<f64>,
+    /// The greatest; null if there is no limit.
+    pub greatest: Option<f64>,
+}
+
+/// The shortest part of a recording that shows a violation.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ShownViolation {
+    /// Where it begins, in seconds of the recording's clock.
+    pub from_secs: f64,
+    /// Where it ends.
+    pub to_secs: f64,
+    /// What is responsible.
+    pub responsible: Vec<ShownResponsible>,
+}
+
+/// A proposition that is part of the reason.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ShownResponsible {
+    /// Its name, or its text.
+    pub proposition: String,
+    /// What it means, if it is named.
+    pub meaning: Option<String>,
+    /// What it was.
+    pub value: bool,
+    /// From when on, in seconds.
+    pub from_secs: f64,
+    /// Until when.
+    pub to_secs: f64,
+    /// The signals that it reads.
+    pub signals: Vec<ShownSignal>,
+}
+
+/// A signal with its unit and frame.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ShownSignal {
+    /// Its name, `/topic.field`.
+    pub name: String,
+    /// Its unit; empty if it has none or none is known.
+    pub unit: String,
+    /// The frame of its values, if they have one.
+    pub frame: Option<String>,
+}
+
+/// One monitor over all recordings.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Total {
+    /// The requirement or failure mode.
+    pub subject: String,
+    /// The reading, if it is not the main one.
+    pub reading: Option<String>,
+    /// Recordings in which its precondition was met and a verdict reached.
+    pub covered: u64,
+    /// Recordings that passed.
+    pub passed: u64,
+    /// Recordings that failed.
+    pub failed: u64,
+    /// Recordings that ended before a verdict.
+    pub inconclusive: u64,
+}
+
+impl MonitorReport {
+    /// A report on nothing yet.
+    pub fn new() -> Self {
+        Self {
+            format: "1.1".into(),
+            recordings: Vec::new(),
+            totals: Vec::new(),
+        }
+    }
+}
+
+impl RecordingVerdicts {
+    /// What was found in `file`.
+    pub fn new(asked: &Asked<'_>, file: &Path, found: &JudgedRecording<'_>) -> Self {
+        Self {
+            file: file.display().to_string(),
+            complete: found.complete,
+            lost: (!found.lost.is_empty()).then(|| found.lost.join("; ")),
+            notes: found.notes.clone(),
+            instants: found.instants,
+            shown_in: None,
+            verdicts: found
+                .judgements
+                .iter()
+                .map(|judgement| SubjectVerdict::new(asked, found, judgement))
+                .collect(),
+        }
+    }
+}
+
+impl SubjectVerdict {
+    fn new(asked: &Asked<'_>, found: &JudgedRecording<'_>, judgement: &Judgement<'_>) -> Self {
+        let findings = &judgement.findings;
+        let violation = findings.violation.as_ref();
+        let responsible = violation.and_then(|v| v.responsible.last());
+        Self {
+            subject: judgement.subject.id().to_owned(),
+            reading: judgement.reading.map(str::to_owned),
+            verdict: verdict_name(findings.verdict).into(),
+            covered: findings.triggered,
+            passed: findings.passed,
+            failed: findings.failed,
+            robustness: findings.robustness.map(|(least, greatest)| Robustness {
+                least: least.is_finite().then_some(least),
+                greatest: greatest.is_finite().then_some(greatest),
+            }),
+            decided_at_secs: findings.decided_at_secs,
+            violation: violation.map(|violation| shown_violation(asked, found, violation)),
+            failed_at_secs: violation.map(|v| v.to_secs),
+            failed_proposition: responsible.map(|r| r.proposition.clone()),
+            failed_meaning: responsible.and_then(|r| asked.meaning(&r.proposition)),
+        }
+    }
+}
+
+fn shown_violation(
+    asked: &Asked<'_>,
+    found: &JudgedRecording<'_>,
+    violation: &Violation,
+) -> ShownViolation {
+    let shown = |part: &Responsible| ShownResponsible {
+        proposition: part.proposition.clone(),
+        meaning: asked.meaning(&part.proposition),
+        value: part.value,
+        from_secs: part.from_secs,
+        to_secs: part.to_secs,
+        signals: part
+            .signals
+            .iter()
+            .map(|name| {
+                let info = found.signals.get(name);
+                ShownSignal {
+                    name: name.clone(),
+                    unit: info.map(|info| info.unit.clone()).unwrap_or_default(),
+                    frame: info.and_then(|info| info.frame.clone()),
+                }
+            })
+            .collect(),
+    };
+    ShownViolation {
+        from_secs: violation.from_secs,
+        to_secs: violation.to_secs,
+        responsible: violation.responsible.iter().map(shown).collect(),
+    }
+}
+
+fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NotCovered => "not-covered",
+        Verdict::Satisfied => "satisfied",
+        Verdict::Violated => "violated",
+        Verdict::Inconclusive => "inconclusive",
+    }
+}

@@ -1,0 +1,147 @@
+//! Verdicts as text for people.
+
+use super::form::{
+    MonitorReport, RecordingVerdicts, Robustness, ShownResponsible, ShownSignal, SubjectVerdict,
+};
+use std::fmt::Write;
+
+/// The most propositions that are named for one violation.
+const NAMED: usize = 12;
+
+/// The report, violations first.
+pub fn text(report: &MonitorReport) -> String {
+    let mut output = String::new();
+    for recording in &report.recordings {
+        of_recording(&mut output, recording);
+    }
+    totals(&mut output, report);
+    output.trim_start().to_owned()
+}
+
+fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
+    let file = &recording.file;
+    for verdict in &recording.verdicts {
+        let label = label(&verdict.subject, verdict.reading.as_deref());
+        // Writing to a String cannot fail.
+        let _ = match verdict.verdict.as_str() {
+            "violated" => writeln!(output, "{file}: {label} {}", violated(verdict)),
+            word => match &verdict.robustness {
+                Some(robustness) => {
+                    let shown = shown_robustness(robustness);
+                    writeln!(output, "{file}: {label} {word}, robustness {shown}")
+                }
+                None => Ok(()),
+            },
+        };
+        for part in responsible(verdict) {
+            let _ = writeln!(output, "    {part}");
+        }
+    }
+    if let Some(lost) = &recording.lost {
+        let _ = writeln!(output, "{file}: lost: {lost}");
+    }
+    if !recording.complete {
+        let _ = writeln!(
+            output,
+            "{file}: not complete, so what is missing may have changed a verdict"
+        );
+    }
+    for note in &recording.notes {
+        let _ = writeln!(output, "{file}: note: {note}");
+    }
+    if let Some(shown) = &recording.shown_in {
+        let _ = writeln!(output, "{file}: verdicts over time are in {shown}");
+    }
+}
+
+fn violated(verdict: &SubjectVerdict) -> String {
+    let mut said = "violated".to_owned();
+    if let Some(violation) = &verdict.violation {
+        let (from, to) = (violation.from_secs, violation.to_secs);
+        let _ = write!(said, " at {to:.3} s (from {from:.3} s)");
+    } else if let Some(secs) = verdict.decided_at_secs {
+        let _ = write!(said, " at {secs:.3} s");
+    }
+    if let Some(robustness) = &verdict.robustness {
+        let _ = write!(said, ", robustness {}", shown_robustness(robustness));
+    }
+    said
+}
+
+fn responsible(verdict: &SubjectVerdict) -> Vec<String> {
+    let Some(violation) = &verdict.violation else {
+        return Vec::new();
+    };
+    let all = &violation.responsible;
+    let mut lines: Vec<String> = all.iter().take(NAMED).map(one_responsible).collect();
+    if all.len() > NAMED {
+        lines.push(format!("and {} more", all.len() - NAMED));
+    }
+    lines
+}
+
+fn one_responsible(part: &ShownResponsible) -> String {
+    let (name, value) = (&part.proposition, part.value);
+    let mut line = format!("`{name}` is {value}");
+    let (from, to) = (part.from_secs, part.to_secs);
+    if from < to {
+        let _ = write!(line, " from {from:.3} s to {to:.3} s");
+    } else {
+        let _ = write!(line, " at {to:.3} s");
+    }
+    if let Some(meaning) = &part.meaning {
+        let _ = write!(line, ": {meaning}");
+    }
+    let signals: Vec<String> = part.signals.iter().map(shown_signal).collect();
+    if !signals.is_empty() {
+        let _ = write!(line, " ({})", signals.join(", "));
+    }
+    line
+}
+
+fn shown_signal(signal: &ShownSignal) -> String {
+    let mut shown = signal.name.clone();
+    if !signal.unit.is_empty() && signal.unit != "1" {
+        let _ = write!(shown, " [{}]", signal.unit);
+    }
+    if let Some(frame) = &signal.frame {
+        let _ = write!(shown, " in {frame}");
+    }
+    shown
+}
+
+fn shown_robustness(robustness: &Robustness) -> String {
+    match (robustness.least, robustness.greatest) {
+        (Some(least), Some(greatest)) if least == greatest => format!("{least}"),
+        (Some(least), Some(greatest)) => format!("from {least} to {greatest}"),
+        (Some(least), None) => format!("at least {least}"),
+        (None, Some(greatest)) => format!("at most {greatest}"),
+        (None, None) => "without limits".to_owned(),
+    }
+}
+
+fn totals(output: &mut String, report: &MonitorReport) {
+    let _ = writeln!(
+        output,
+        "\n{:<34} {:>8} {:>8} {:>8} {:>13}",
+        "requirement or failure mode", "covered", "passed", "failed", "inconclusive"
+    );
+    for total in &report.totals {
+        let _ = writeln!(
+            output,
+            "{:<34} {:>8} {:>8} {:>8} {:>13}",
+            label(&total.subject, total.reading.as_deref()),
+            total.covered,
+            total.passed,
+            total.failed,
+            total.inconclusive
+        );
+    }
+}
+
+fn label(subject: &str, reading: Option<&str>) -> String {
+    match reading {
+        Some(reading) => format!("{subject} (reading `{reading}`)"),
+        None => subject.to_owned(),
+    }
+}
