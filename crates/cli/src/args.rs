@@ -1,5 +1,9 @@
 //! The command line, as plain data.
 
+mod watch;
+
+pub use watch::Watch;
+
 use crate::study::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
@@ -43,6 +47,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Judge recordings with a study's monitors, or with a formula.
     Monitor(Monitor),
+    /// Judge a running system, and record the run.
+    Watch(Watch),
     /// Show what is in a recording, and draft its topic map.
     Inspect(Inspect),
     /// Show requirements in all their forms, and where the forms disagree.
@@ -147,6 +153,7 @@ pub struct Check {
 Examples:
   corroborate simulate case-studies/handover E4 --episodes 20 --out recordings
   corroborate simulate case-studies/handover E2 --seed 7 --episodes 1 --out one
+  corroborate simulate case-studies/handover E2 --as ros2 --episodes 3 --out bags
 
 Each episode becomes one MCAP file, which Foxglove opens and `corroborate
 monitor` judges. The same study and seed give the same bytes.")]
@@ -167,6 +174,9 @@ pub struct Simulate {
     /// Where the recordings go.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
+    /// What the recordings hold.
+    #[arg(long = "as", value_enum, default_value_t, value_name = "FORM")]
+    pub form: RecordingForm,
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -215,6 +225,16 @@ pub enum EndingChoice {
     Strong,
     /// Nothing: a verdict only if no continuation can change it.
     Inconclusive,
+}
+
+/// What the recordings of a simulation hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum RecordingForm {
+    /// The simulation's own signals.
+    #[default]
+    Corroborate,
+    /// ROS 2 messages, by the table `ros2.toml` beside the scenario.
+    Ros2,
 }
 
 /// Arguments of `monitor`.

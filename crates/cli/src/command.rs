@@ -10,6 +10,7 @@ mod report;
 mod requirements;
 mod run;
 mod simulate;
+mod watch;
 
 use crate::args::Command;
 use crate::outcome::Outcome;
@@ -56,6 +57,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
         Command::Inspect(arguments) => inspect::inspect(arguments),
+        Command::Watch(arguments) => watch::watch(arguments, setting),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),

@@ -1,0 +1,105 @@
+//! Arguments of `watch`.
+
+use super::{Format, TimeChoice};
+use clap::{ArgGroup, Args};
+use std::net::IpAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Arguments of `watch`.
+#[derive(Debug, Args)]
+#[command(
+    group = ArgGroup::new("connection").required(true).args(["dds", "foxglove"]),
+    after_help = "\
+Examples:
+  corroborate watch my-study --dds                          ROS 2, domain 0
+  corroborate watch my-study --dds 42 --out runs            and record the run
+  corroborate watch my-study --foxglove ws://robot:8765 --for 60s --format json
+  corroborate watch my-study --dds --topics '/robot/*' --out runs
+
+Judges as messages come: a verdict is said as soon as it is determined. By the
+time of arrival (`--time log`, unless the topic map says otherwise) nothing is
+waited for; by other times a verdict waits for what may still come late (as
+long as `reorder` in the topic map says). Time passes only with messages: while
+all is silent, nothing is judged.
+
+Ctrl-C ends and sums up; a second one ends at once. Exits 1 if a requirement
+is violated, 3 if messages were lost or a verdict is open, 130 if it was
+interrupted before anything was judged."
+)]
+pub struct Watch {
+    /// The study whose requirements and failure modes are judged.
+    pub study: PathBuf,
+    /// Listen to ROS 2 (or plain DDS) in this domain; 0 if none is said.
+    #[arg(long, value_name = "DOMAIN", num_args = 0..=1, default_missing_value = "0", value_parser = clap::value_parser!(u16).range(0..=232))]
+    pub dds: Option<u16>,
+    /// Listen to a Foxglove WebSocket, `ws://HOST:PORT`.
+    #[arg(long, value_name = "URL")]
+    pub foxglove: Option<String>,
+    /// Topics to listen to and record beside those that the requirements need;
+    /// `*` stands for anything (may be repeated).
+    #[arg(long, value_name = "PATTERN")]
+    pub topics: Vec<String>,
+    /// This machine's address on the network of the robot (DDS; may be
+    /// repeated; all networks if left out).
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "foxglove")]
+    pub network: Vec<IpAddr>,
+    /// A folder of `.msg` files, for types that the connection does not define
+    /// (may be repeated).
+    #[arg(long, value_name = "FOLDER")]
+    pub message_path: Vec<PathBuf>,
+    /// Where the signals are, instead of the study's topics.toml.
+    #[arg(long, value_name = "FILE")]
+    pub map: Option<PathBuf>,
+    /// Which time of a message counts, instead of what the topic map says.
+    #[arg(long, value_enum)]
+    pub time: Option<TimeChoice>,
+    /// Only this requirement or failure mode (may be repeated).
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// End after this time, for example `60s` or `5 min`; by default with Ctrl-C.
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub limit: Option<Duration>,
+    /// How long to wait for the topics that the requirements need.
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = duration)]
+    pub wait: Duration,
+    /// Record the messages as they come, and the verdicts, in this folder; a
+    /// ledger's `recordings` may name it.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How what happens is told; `json`: one object a line.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// A duration with its unit.
+fn duration(text: &str) -> Result<Duration, String> {
+    let written = text.trim();
+    let digits = written
+        .find(|c: char| !(c.is_ascii_digit() || c == '.'))
+        .unwrap_or(written.len());
+    let spaced = format!("{} {}", &written[..digits], written[digits..].trim());
+    let quantity = spaced.parse::<trace::units::QuantityValue>().ok();
+    let secs = quantity
+        .filter(|q| q.dimension() == trace::units::Dimension::TIME)
+        .map(|q| q.si_value())
+        .filter(|secs| *secs > 0.0 && *secs <= 1e9);
+    secs.map(Duration::from_secs_f64)
+        .ok_or_else(|| "must be a time with its unit, for example 60s or 5 min".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::duration;
+    use std::time::Duration;
+
+    #[test]
+    fn durations_have_units() {
+        assert_eq!(duration("60s"), Ok(Duration::from_secs(60)));
+        assert_eq!(duration("2 min"), Ok(Duration::from_secs(120)));
+        assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
+        for bad in ["", "60", "s", "5 m", "-1 s", "0s", "1e400 s"] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+    }
+}
