@@ -1,15 +1,18 @@
 //! `corroborate simulate`: episodes of a study's simulation, recorded.
 
+mod ros2_table;
+
 use super::{Done, Setting, json, use_threads};
-use crate::args::{Format, Simulate};
+use crate::args::{Format, RecordingForm, Simulate};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::store::{Inputs, program_hash};
 use crate::study::{Study, Work};
-use crate::technique::simulation::{Campaign, Seeds, record};
+use crate::technique::simulation::{Campaign, Seeds, record, record_with};
+use ros2_table::Ros2Table;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What `simulate --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -55,24 +58,27 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
     let count = arguments.episodes.unwrap_or(*episodes);
     let numbers = arguments.first..arguments.first + count;
+    let ros2 = match arguments.form {
+        RecordingForm::Corroborate => None,
+        RecordingForm::Ros2 => Some(Ros2Table::beside(&study.folder.join(scenario))?),
+    };
     let mut inputs = Inputs::default();
     campaign.inputs(&mut inputs);
+    if let Some(table) = &ros2 {
+        inputs.add("ros2", table.text.as_bytes());
+    }
     inputs
         .add("program", program_hash()?.as_bytes())
         .add_json("seed", &seeds.of(0));
     claim(&arguments.out, &inputs.hash())?;
-    let stage = setting
-        .talk
-        .begin(&format!("{}: episodes", entry.id), count);
-    let files = record(
+    let files = record_all(
         &campaign,
         &seeds,
         numbers.clone(),
-        &arguments.out,
-        &setting.interrupt,
-        &stage,
+        arguments,
+        ros2.as_ref(),
+        setting,
     )?;
-    drop(stage);
     let tool = campaign.tool();
     let report = SimulateReport {
         format: "1.0".into(),
@@ -101,6 +107,40 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
         output,
         outcome: Outcome::Holds,
     })
+}
+
+/// Records the episodes in the form that is wanted.
+fn record_all(
+    campaign: &Campaign,
+    seeds: &Seeds,
+    numbers: std::ops::Range<u64>,
+    arguments: &Simulate,
+    ros2: Option<&Ros2Table>,
+    setting: &Setting,
+) -> Result<Vec<PathBuf>, Problem> {
+    let title = format!("{}: episodes", arguments.evidence);
+    let stage = setting.talk.begin(&title, numbers.end - numbers.start);
+    let (folder, interrupt) = (&arguments.out, &setting.interrupt);
+    let Some(table) = ros2 else {
+        return record(campaign, seeds, numbers, folder, interrupt, &stage);
+    };
+    let written = record_with(
+        campaign,
+        seeds,
+        numbers,
+        folder,
+        interrupt,
+        &stage,
+        |trace, path| table.write(trace, path),
+    )?;
+    drop(stage);
+    let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
+    if left_out > 0 {
+        setting.talk.say(&format!(
+            "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
+        ));
+    }
+    Ok(written.into_iter().map(|(path, _)| path).collect())
 }
 
 /// The file that says which campaign a folder's recordings are of.

@@ -204,6 +204,36 @@ pub fn record(
     Ok(numbers.map(|n| folder.join(episode_name(n))).collect())
 }
 
+/// Simulates episodes and hands each trace, with its file's path, to `write`,
+/// which may run on any thread; the results come in the order of the numbers.
+pub fn record_with<T: Send>(
+    campaign: &Campaign,
+    seeds: &Seeds,
+    numbers: std::ops::Range<u64>,
+    folder: &Path,
+    interrupt: &Interrupt,
+    stage: &Stage,
+    write: impl Fn(&Trace, &Path) -> Result<T, Problem> + Sync,
+) -> Result<Vec<(PathBuf, T)>, Problem> {
+    let numbers: Vec<u64> = numbers.collect();
+    numbers
+        .into_par_iter()
+        .map_init(
+            || None,
+            |world: &mut Option<World>, number| {
+                if interrupt.is_set() {
+                    return Err(Problem::interrupted());
+                }
+                let trace = campaign.simulate(world, seeds.of(number), interrupt)?;
+                let path = folder.join(episode_name(number));
+                let result = write(&trace, &path)?;
+                stage.advance();
+                Ok((path, result))
+            },
+        )
+        .collect()
+}
+
 /// Runs a campaign and judges it.
 pub fn produce(
     study: &Study,
