@@ -28,8 +28,8 @@ use reader::LiveReader;
 use recording::{SignalStream, TimeSource, TopicMap, TypeDefinitions};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
-use temporal::monitor::Verdict;
 use teller::Teller;
+use temporal::monitor::Verdict;
 
 /// Judges a running system until it is told to end.
 pub fn watch(arguments: &Watch, setting: &Setting) -> Result<Done, Problem> {
@@ -210,12 +210,7 @@ impl Run<'_> {
     }
 
     /// Sums up, ends the recording, and decides on the outcome.
-    fn finish(
-        self,
-        stream: &SignalStream,
-        judgements: &[Judgement<'_>],
-        format: Format,
-    ) -> Done {
+    fn finish(self, stream: &SignalStream, judgements: &[Judgement<'_>], format: Format) -> Done {
         let mut hub = locked(self.hub);
         let notes = stream.notes();
         for note in notes.iter().filter(|note| note.kind.is_loss()) {

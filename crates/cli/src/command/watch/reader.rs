@@ -59,7 +59,9 @@ impl LiveReader {
                     }
                     // No two messages of one time: each is an instant, and the
                     // recording of the run is judged alike.
-                    let log_nanos = message.received_nanos.max(self.last_nanos.saturating_add(1));
+                    let log_nanos = message
+                        .received_nanos
+                        .max(self.last_nanos.saturating_add(1));
                     self.last_nanos = log_nanos;
                     locked(&self.hub).message(&message, log_nanos);
                     let publish_nanos = message.publish_nanos.unwrap_or(log_nanos);

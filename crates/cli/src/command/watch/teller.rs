@@ -150,7 +150,11 @@ pub fn row(verdict: &LiveVerdict) -> String {
     };
     let robustness = verdict.robustness.map_or(String::new(), |bounds| {
         let [low, high] = bounds.map(|b| b.map_or("?".to_owned(), |value| format!("{value:.4}")));
-        if low == high { low } else { format!("{low} to {high}") }
+        if low == high {
+            low
+        } else {
+            format!("{low} to {high}")
+        }
     });
     let line = format!(
         "{:<34} {:<12} {:>8} {:>8} {:>8} {:>22}",
