@@ -126,7 +126,12 @@ mod tests {
         ));
         used.extend(codes(
             "../requirement-lang/src",
-            &["Diagnostic::error(", "Diagnostic::warning(", ".error(", ".warning("],
+            &[
+                "Diagnostic::error(",
+                "Diagnostic::warning(",
+                ".error(",
+                ".warning(",
+            ],
         ));
         assert!(used.len() > 30, "codes are not found any more: {used:?}");
         let missing: Vec<_> = used

@@ -273,7 +273,7 @@ fn requirements() -> Vec<Requirement> {
         threshold,
         property: None,
         sentence: None,
-            monitor: None,
+        monitor: None,
         margin,
         same_quantity_as: None,
     };
