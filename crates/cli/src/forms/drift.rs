@@ -2,7 +2,10 @@
 //!
 //! What the requirement declares is taken from its sentence and its
 //! parameters. In each form that was written by hand, found are
-//! * a limit that is none of the declared ones of its dimension,
+//! * a limit that is none of the declared ones of its dimension, or of a
+//!   dimension of which the requirement's sentence has none,
+//! * a number without a unit that is compared with what the requirement
+//!   limits, and that is not the limit in any unit in which that is known,
 //! * coordinates compared one by one (a box) where the requirement compares a
 //!   distance (a ball),
 //! * other signals than the requirement's, for a quantity of the same
@@ -10,14 +13,18 @@
 //! * another clock,
 //! * an earlier instant than the one that the requirement speaks of.
 //!
+//! Clock and instant are those of the sentence's monitor or, without a
+//! sentence, of the main monitor.
+//!
 //! Not found is what only shows in use, such as another signal of the same
 //! name; [`super::differences`] finds that on recordings.
 
-use super::limits::{Compared, Limit, of_judging, of_property, of_sentence};
-use crate::study::{JudgingForm, Rule, Study, SubjectForm};
+use super::limits::{Compared, Limit, of_judging, of_property, of_sentence, secs_of};
+use crate::study::{JudgingForm, Rule, SentenceForm, Study, SubjectForm};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
+use std::mem::discriminant;
 use temporal::formula::Formula;
 use trace::Measure;
 
@@ -103,7 +110,11 @@ fn of_requirement(study: &Study, form: &SubjectForm) -> Vec<Drift> {
 /// What a requirement declares.
 struct Declared {
     limits: Vec<Limit>,
+    /// Whether these are all, as a sentence says.
+    are_all: bool,
     clock: Option<String>,
+    /// The operators of the past in the form that all others are held against.
+    past: Vec<Formula>,
 }
 
 impl Declared {
@@ -116,17 +127,27 @@ impl Declared {
                 limits.push(Limit {
                     text: name.clone(),
                     si_value: value.si_value(),
-                    dimension: value.dimension(),
+                    number: value.number(),
+                    dimension: value.unit().map(|unit| unit.dimension()),
                     parameter: Some(name.clone()),
                     compared: None,
                     proposition: None,
                 });
             }
         }
-        let monitor = sentence.and_then(|s| s.monitor.as_ref().ok());
+        let monitor = match sentence {
+            Some(sentence) => sentence.monitor.as_ref().ok(),
+            None => form.monitor.as_ref(),
+        };
+        let mut past = Vec::new();
+        if let Some(Rule::Formula(rule)) = monitor.map(|monitor| &monitor.rule) {
+            past_parts(&rule.parsed.formula, &mut past);
+        }
         Self {
             limits,
+            are_all: sentence.is_some_and(|s| has_known_durations(study, s)),
             clock: monitor.and_then(|m| m.clock.clone()),
+            past: past.into_iter().cloned().collect(),
         }
     }
 
@@ -169,8 +190,16 @@ impl Finder<'_> {
             let declared = words(&self.declared.clock);
             self.add(name, DriftKind::Clock, words(&judging.clock), declared);
         }
+        let mut parts = Vec::new();
+        if let Rule::Formula(rule) = &judging.rule {
+            past_parts(&rule.parsed.formula, &mut parts);
+        }
+        let is_declared = |part: &Formula| {
+            let mut operators = self.declared.past.iter().map(discriminant);
+            operators.any(|operator| operator == discriminant(part))
+        };
         if let Rule::Formula(rule) = &judging.rule
-            && let Some(past) = past_of(&rule.parsed.formula)
+            && let Some(past) = parts.into_iter().find(|part| !is_declared(part))
         {
             let text = past.display(&rule.parsed.atoms).to_string();
             let declared = "the instant at which it applies".to_owned();
@@ -180,21 +209,31 @@ impl Finder<'_> {
 
     fn limits(&mut self, form: &str, limits: &[Limit]) {
         for limit in limits {
-            let same_dimension: Vec<&Limit> = self
-                .declared
-                .limits
-                .iter()
-                .filter(|other| other.dimension == limit.dimension)
-                .collect();
-            let known = same_dimension
-                .iter()
-                .any(|other| is_same(other.si_value, limit.si_value));
-            if known || same_dimension.is_empty() {
+            let counterparts = self.counterparts(limit);
+            if counterparts.iter().any(|other| is_same_limit(other, limit)) {
                 continue;
             }
-            let declared = self.declared.words(&same_dimension, in_words);
+            let declared = match counterparts.as_slice() {
+                [] if !self.declared.are_all || limit.dimension.is_none() => continue,
+                [] => "no such limit".to_owned(),
+                some => self.declared.words(some, in_words),
+            };
             self.add(form, DriftKind::Limit, in_words(limit), declared);
         }
+    }
+
+    /// The declared limits that a limit has to be one of: those of its
+    /// dimension or, where a unit is missing, those of what it limits.
+    fn counterparts(&self, limit: &Limit) -> Vec<&Limit> {
+        let all = self.declared.limits.iter();
+        all.filter(|other| match (other.dimension, limit.dimension) {
+            (Some(one), Some(other)) => one == other,
+            _ => match (&other.compared, &limit.compared) {
+                (Some(one), Some(other)) => agree(one, other),
+                _ => false,
+            },
+        })
+        .collect()
     }
 
     fn shapes(&mut self, form: &str, limits: &[Limit]) {
@@ -226,7 +265,7 @@ impl Finder<'_> {
             .declared
             .limits
             .iter()
-            .filter(|other| other.dimension == limit.dimension)
+            .filter(|other| limit.dimension.is_some() && other.dimension == limit.dimension)
             .filter_map(|other| other.compared.as_ref())
             .collect();
         if required.is_empty() || required.iter().any(|other| agree(other, found)) {
@@ -266,7 +305,7 @@ fn is_distance_of(required: &Compared, found: &Compared) -> bool {
                 axes: other_axes,
             },
         ) => {
-            axes.len() == other_axes.len()
+            BTreeSet::from_iter(axes) == BTreeSet::from_iter(other_axes)
                 && BTreeSet::from([first, second]) == BTreeSet::from([other_first, other_second])
         }
         _ => false,
@@ -278,15 +317,34 @@ fn same_signals(required: &Compared, found: &Compared) -> bool {
     found.signals.iter().all(|s| required.signals.contains(s))
 }
 
+/// Whether two limits are the same. A number without a unit is in that of the
+/// signals, of which all that is known is the unit in which the other is
+/// written, and the SI unit.
+fn is_same_limit(one: &Limit, other: &Limit) -> bool {
+    if one.dimension.is_some() == other.dimension.is_some() {
+        return is_same(one.si_value, other.si_value);
+    }
+    is_same(one.number, other.number) || is_same(one.si_value, other.si_value)
+}
+
+/// Whether all durations of a sentence are known in seconds.
+fn has_known_durations(study: &Study, sentence: &SentenceForm) -> bool {
+    let stages = sentence.tree.stages.iter();
+    let mut durations = stages.filter_map(|stage| stage.timing.duration());
+    durations.all(|duration| secs_of(study, duration.amount).is_some())
+}
+
 fn is_same(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME * one.abs().max(other.abs())
 }
 
 /// A limit for people: `5 s`, `near_distance (0.1 m)`, `released: 2 s`.
 fn in_words(limit: &Limit) -> String {
-    let unit = limit.dimension.si_unit();
-    let value = format!("{} {unit}", rounded(limit.si_value));
-    let same = limit.text == value;
+    let value = match limit.dimension {
+        Some(dimension) => format!("{} {}", rounded(limit.si_value), dimension.si_unit()),
+        None => format!("{} without a unit", rounded(limit.number)),
+    };
+    let same = limit.text == value || limit.dimension.is_none();
     let with_value = match (&limit.parameter, same) {
         (Some(name), _) => format!("{name} = {value}"),
         (None, true) => value,
@@ -303,13 +361,15 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.12e}").parse().unwrap_or(value)
 }
 
-/// The first part of a formula that speaks of the past.
-fn past_of(formula: &Formula) -> Option<&Formula> {
-    match formula {
-        Formula::Previous(_)
-        | Formula::Once(..)
-        | Formula::Historically(..)
-        | Formula::Since(..) => Some(formula),
-        _ => formula.operands().into_iter().find_map(past_of),
+/// The parts of a formula that speak of the past.
+fn past_parts<'f>(formula: &'f Formula, parts: &mut Vec<&'f Formula>) {
+    if matches!(
+        formula,
+        Formula::Previous(_) | Formula::Once(..) | Formula::Historically(..) | Formula::Since(..)
+    ) {
+        parts.push(formula);
+    }
+    for operand in formula.operands() {
+        past_parts(operand, parts);
     }
 }

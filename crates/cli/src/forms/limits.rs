@@ -15,10 +15,12 @@ use trace::{Measure, ThresholdOrigin};
 pub struct Limit {
     /// The constant as it is written.
     pub text: String,
-    /// Its value in SI units.
+    /// Its value in SI units; in the unit of the signals if it has none.
     pub si_value: f64,
-    /// What it measures.
-    pub dimension: Dimension,
+    /// Its value in the unit in which it is written.
+    pub number: f64,
+    /// What it measures; `None` for a number without a unit.
+    pub dimension: Option<Dimension>,
     /// The parameter whose value it is, if it is one by name.
     pub parameter: Option<String>,
     /// What is compared with it; `None` for a duration.
@@ -43,7 +45,7 @@ pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
     let mut limits = Vec::new();
     for stage in &sentence.tree.stages {
         if let Some(duration) = stage.timing.duration()
-            && let Amount::Secs(secs) = duration.amount
+            && let Some(secs) = secs_of(study, duration.amount)
         {
             let is_parameter = study.parameters.values.get(&duration.text).is_some();
             limits.push(Limit {
@@ -56,6 +58,15 @@ pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
         limits.extend(of_proposition(study, text));
     }
     limits
+}
+
+/// A duration in seconds; steps have the declared duration of the models'.
+pub fn secs_of(study: &Study, amount: Amount) -> Option<f64> {
+    match amount {
+        Amount::Secs(secs) => Some(secs),
+        Amount::Steps(count) => Some(f64::from(count) * study.about.model.step_secs()?),
+        Amount::Missing => None,
+    }
 }
 
 /// The limits by which traces are judged.
@@ -101,7 +112,8 @@ fn duration_limit(secs: f64, text: String) -> Limit {
     Limit {
         text,
         si_value: secs,
-        dimension: Dimension::TIME,
+        number: secs,
+        dimension: Some(Dimension::TIME),
         parameter: None,
         compared: None,
         proposition: None,
@@ -138,11 +150,12 @@ fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
     };
     let comparisons = predicate.comparisons().into_iter();
     comparisons
-        .filter_map(|comparison| {
+        .map(|comparison| {
             let threshold = comparison.threshold;
-            Some(Limit {
-                si_value: threshold.si_value?,
-                dimension: threshold.dimension()?,
+            Limit {
+                si_value: threshold.si_value.unwrap_or(threshold.number),
+                number: threshold.number,
+                dimension: threshold.dimension(),
                 parameter: match threshold.origin {
                     ThresholdOrigin::Parameter(name) => Some(name),
                     _ => None,
@@ -154,7 +167,7 @@ fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
                     signals: comparison.signals.into_iter().collect(),
                 }),
                 proposition: is_name(text).then(|| text.to_owned()),
-            })
+            }
         })
         .collect()
 }
@@ -194,7 +207,8 @@ fn of_variables(study: &Study, expr: &Expr, name: &str, limits: &mut Vec<Limit>)
                 limits.push(Limit {
                     text: format!("{variable} {number}"),
                     si_value: number * unit.si_value(),
-                    dimension: unit.dimension(),
+                    number,
+                    dimension: Some(unit.dimension()),
                     parameter: None,
                     compared: None,
                     proposition: Some(name.to_owned()),

@@ -112,12 +112,15 @@ impl JudgingText {
         }
     }
 
-    /// How time and the end of a trace are to be read, for a formula from
-    /// elsewhere.
-    pub fn reading(&self) -> (TimeModel, Ending) {
-        let time = self.time.as_ref().map(|t| *t.get_ref());
-        let ending = self.ending.as_ref().map(|e| *e.get_ref());
-        (time.unwrap_or_default(), ending.unwrap_or(Ending::Finite))
+    /// How time is to be read, if that is written.
+    pub fn time(&self) -> Option<TimeModel> {
+        self.time.as_ref().map(|time| *time.get_ref())
+    }
+
+    /// How the end of a trace is to be read.
+    pub fn ending(&self) -> Ending {
+        let ending = self.ending.as_ref().map(|ending| *ending.get_ref());
+        ending.unwrap_or(Ending::Finite)
     }
 
     /// The clock that was named.
@@ -132,7 +135,7 @@ impl JudgingText {
         vocabulary: &Vocabulary,
     ) -> Result<Option<JudgingForm>, Problem> {
         let reader = Reader { source, vocabulary };
-        let (time, ending) = self.reading();
+        let (time, ending) = (self.time().unwrap_or_default(), self.ending());
         let clock = self.clock();
         if let Some(clock) = &self.clock {
             reader.check_clock(clock)?;

@@ -8,11 +8,12 @@ use super::{StudyParameters, Vocabulary};
 use crate::problem::{Problem, Source, did_you_mean};
 use requirement_lang::compile::coverage::{Bin, bins};
 use requirement_lang::compile::goal::{ModelGoal, TraceGoal, model_goal, trace_goal};
-use requirement_lang::compile::monitor::monitor;
+use requirement_lang::compile::monitor::{Monitor, monitor};
 use requirement_lang::compile::property::{Model, Property, property};
-use requirement_lang::sentence::Sentence;
+use requirement_lang::sentence::{Amount, Duration, Sentence, Stage, Timing};
 use requirement_lang::{Context, Explanation, explain, library, parse};
 use std::ops::Range;
+use temporal::formula::TimeModel;
 use toml::Spanned;
 
 /// A sentence and what was made from it; an `Err` says why a form is missing.
@@ -139,15 +140,18 @@ impl SentenceReader<'_> {
             step_secs: self.step_secs,
             proposition: &proposition,
         };
-        let (time, ending) = judging.reading();
         let unbound = self.unbound(&tree, |p| p.trace.is_some());
         let monitor = match unbound.first() {
             Some(name) => Err(format!("`{name}` is not bound to traces")),
             None => monitor(&tree)
-                .map(|monitor| JudgingForm {
-                    rule: Rule::Formula(FormulaRule::of_sentence(monitor, time, ending)),
-                    clock: judging.clock(),
-                    from_sentence: true,
+                .map(|monitor| {
+                    let time = judging.time().unwrap_or_else(|| time_of(&tree, &monitor));
+                    let rule = FormulaRule::of_sentence(monitor, time, judging.ending());
+                    JudgingForm {
+                        rule: Rule::Formula(rule),
+                        clock: judging.clock(),
+                        from_sentence: true,
+                    }
                 })
                 .map_err(|reason| reason.to_string()),
         };
@@ -209,6 +213,27 @@ impl SentenceReader<'_> {
             })
             .map(str::to_owned)
             .collect()
+    }
+}
+
+/// The time in which a sentence is judged where none is written: discrete,
+/// unless a stage begins some seconds after the one before, when its `for` is
+/// over. Then a recording need not have a sample, but signals keep their
+/// values. `after` is left as it is: that what holds exactly then does not
+/// hold before can only be seen where there is a sample.
+fn time_of(sentence: &Sentence, monitor: &Monitor) -> TimeModel {
+    let is_secs = |duration: &Duration| matches!(duration.amount, Amount::Secs(_));
+    let (_, earlier) = sentence.stages.split_last().unzip();
+    let earlier: &[Stage] = earlier.unwrap_or_default();
+    let waits = |stage: &Stage| matches!(&stage.timing, Timing::For(d) if is_secs(d));
+    let needs_sample = |stage: &Stage| matches!(&stage.timing, Timing::After(d) if is_secs(d));
+    if earlier.iter().any(waits)
+        && !sentence.stages.iter().any(needs_sample)
+        && !monitor.needs_discrete_time()
+    {
+        TimeModel::Dense
+    } else {
+        TimeModel::Discrete
     }
 }
 

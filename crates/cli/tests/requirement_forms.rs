@@ -1,0 +1,152 @@
+//! What the text of a requirement's forms alone shows, and when a sentence is judged in dense time.
+
+mod support;
+
+use serde_json::Value;
+use support::program::corroborate;
+use tempfile::TempDir;
+
+const PARAMETERS: &str = r#"
+near = { value = "10 cm", meaning = "near" }
+slow = { value = "250 mm/s", meaning = "slow" }
+many = { value = "3", meaning = "many" }
+late = { value = "2 s", meaning = "late" }
+"#;
+
+const VOCABULARY: &str = r#"
+active = { meaning = "active", trace = "/r.active" }
+done = { meaning = "done", trace = "/r.done" }
+hand_slow = { meaning = "slow", trace = "/r.speed < slow" }
+hand_slow_in_si = { meaning = "slow", trace = "/r.speed < 0.25" }
+hand_slow_as_written = { meaning = "slow", trace = "/r.speed < 250" }
+hand_less_slow = { meaning = "slow", trace = "/r.speed < 0.3" }
+hand_not_fast = { meaning = "slow", trace = "!(/r.speed >= 0.5)" }
+few = { meaning = "few", trace = "/r.count < many" }
+few_more = { meaning = "few", trace = "/r.count < 5" }
+turns_slowly = { meaning = "turns", trace = "/r.turn < 0.25 rad/s" }
+near_in_plane = { meaning = "near", trace = "norm(/a.x - /b.x, /a.y - /b.y) < near" }
+near_upright = { meaning = "near", trace = "norm(/a.x - /b.x, /a.z - /b.z) < near" }
+"#;
+
+const STUDY: &str = "title = \"t\"\nsummary = \"s\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n\
+                     [model]\nstep = \"0.1 s\"\n";
+
+fn study(requirement: &str) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let requirements = format!("[[requirement]]\nid = \"1\"\ntext = \"t\"\n{requirement}\n");
+    for (name, text) in [
+        ("study.toml", STUDY),
+        ("parameters.toml", PARAMETERS),
+        ("vocabulary.toml", VOCABULARY),
+        ("requirements.toml", &requirements),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    folder
+}
+
+fn reported(folder: &TempDir, arguments: &[&str]) -> Value {
+    let said = corroborate(folder.path(), arguments);
+    serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"))
+}
+
+/// The kinds of drift between a sentence and a formula.
+fn drift(sentence: &str, formula: &str) -> Vec<String> {
+    let folder = study(&format!("shall = \"{sentence}\"\nformula = \"{formula}\""));
+    kinds(&folder)
+}
+
+fn kinds(folder: &TempDir) -> Vec<String> {
+    let report = reported(folder, &["requirements", ".", "--format", "json"]);
+    let found = report["drift"].as_array().expect("a list");
+    let kind = |drift: &Value| drift["kind"].as_str().expect("a text").to_owned();
+    found.iter().map(kind).collect()
+}
+
+const SLOW: &str = "Whenever active the robot shall immediately satisfy hand_slow.";
+
+#[test]
+fn a_number_without_a_unit_is_held_against_the_limit_of_the_same_signal() {
+    for same in ["hand_slow_in_si", "hand_slow_as_written"] {
+        let formula = format!("always (active => {same})");
+        assert_eq!(drift(SLOW, &formula), Vec::<String>::new(), "{same}");
+    }
+    for other in ["hand_less_slow", "hand_not_fast", "/r.speed < 0.26"] {
+        let formula = format!("always (active => {other})");
+        assert_eq!(drift(SLOW, &formula), ["limit"], "{other}");
+    }
+}
+
+#[test]
+fn limits_without_a_dimension_are_compared() {
+    let sentence = "Whenever active the robot shall immediately satisfy few.";
+    assert_eq!(
+        drift(sentence, "always (active => /r.count < 3)"),
+        Vec::<String>::new()
+    );
+    assert_eq!(drift(sentence, "always (active => few_more)"), ["limit"]);
+}
+
+#[test]
+fn a_limit_of_a_kind_that_the_sentence_has_not_is_drift() {
+    assert_eq!(drift(SLOW, "always (active => turns_slowly)"), ["limit"]);
+    let eventually = "When active the robot shall eventually satisfy done.";
+    let deadline = "always (rise(active) => eventually[0, 5 s] done)";
+    assert_eq!(drift(eventually, deadline), ["limit"]);
+}
+
+#[test]
+fn steps_are_held_against_seconds() {
+    let within =
+        |steps: u32| format!("When active the robot shall within {steps} steps satisfy done.");
+    let deadline = "always (rise(active) => eventually[0, 2 s] done)";
+    assert_eq!(drift(&within(20), deadline), Vec::<String>::new());
+    assert_eq!(drift(&within(30), deadline), ["limit"]);
+}
+
+#[test]
+fn a_distance_in_another_plane_is_another_quantity() {
+    let sentence = "Whenever active the robot shall immediately satisfy near_in_plane.";
+    assert_eq!(
+        drift(sentence, "always (active => near_upright)"),
+        ["signal"]
+    );
+}
+
+#[test]
+fn the_past_is_another_instant_only_where_the_requirement_does_not_speak_of_it() {
+    let after = "After active the robot shall always satisfy hand_slow.";
+    let same = "always (once(not active and once active) => hand_slow)";
+    assert_eq!(drift(after, same), Vec::<String>::new());
+    let earlier = "always (once(not active and once active) => previous hand_slow)";
+    assert_eq!(drift(after, earlier), ["instant"]);
+}
+
+#[test]
+fn without_a_sentence_the_clock_and_the_past_of_the_main_monitor_are_the_declared_ones() {
+    let main = "parameters = [\"late\"]\nclock = \"/r.time\"\n\
+                formula = \"always (done => once[0, 2 s] active)\"\n";
+    assert_eq!(kinds(&study(main)), Vec::<String>::new());
+    let reading = "[requirement.reading.other]\nmeaning = \"m\"\n\
+                   formula = \"always (done => once[0, 2 s] active)\"";
+    assert_eq!(kinds(&study(&format!("{main}{reading}"))), ["clock"]);
+}
+
+/// Samples at 0.0, 0.31, 0.62, ... s: none is exactly 2 s behind another.
+#[test]
+fn a_stage_that_begins_between_two_samples_is_judged() {
+    let sentence =
+        "When active, the robot shall for 2 s satisfy active, then within 1 s satisfy done.";
+    for (done_from, verdict) in [(10, "satisfied"), (13, "violated")] {
+        let folder = study(&format!("shall = \"{sentence}\""));
+        let mut table = String::from("time_secs,/r.active,/r.done\n");
+        for sample in 0..20 {
+            let time_secs = f64::from(sample) * 0.31;
+            table += &format!("{time_secs:.2},{},{}\n", sample >= 1, sample >= done_from);
+        }
+        std::fs::write(folder.path().join("uneven.csv"), table).expect("written");
+        let report = reported(&folder, &["monitor", ".", "uneven.csv", "--format", "json"]);
+        let judged = &report["recordings"][0]["verdicts"][0];
+        assert_eq!(judged["verdict"], verdict, "{report:#}");
+    }
+}
