@@ -160,6 +160,29 @@ mod tests {
         assert_eq!(message.data[4..], 0.25_f64.to_le_bytes());
     }
 
+    /// A missing number stays missing; a truth value cannot, so its message is left out and counted.
+    #[test]
+    fn what_is_missing_is_written_as_missing_or_counted() {
+        let text = topic("{ data = \"/robot.speed\" }")
+            + &topic("{ data = \"/robot.ready\" }")
+                .replace("Float64", "Bool")
+                .replace("\"/speed\"", "\"/ready\"");
+        let (folder, table) = table(&text);
+        let mut trace = Trace::new();
+        let fields = vec![Field::number("speed", "m/s"), Field::bool("ready")];
+        let channel = trace.add_channel("/robot", fields).expect("a channel");
+        let row = [f64::NAN, f64::NAN];
+        trace.channels[channel].push(0.5, &row).expect("a row");
+        let path = folder.path().join("one.mcap");
+        let left_out = table.expect("a table").write(&trace, &path);
+        assert_eq!(left_out.expect("written"), 1);
+        let mut reader = recording::open(&path, &recording::OpenOptions::default()).expect("open");
+        let message = reader.next().expect("read").expect("a message");
+        let bytes = message.data[4..].try_into().expect("eight bytes");
+        assert!(f64::from_le_bytes(bytes).is_nan());
+        assert!(reader.next().expect("read").is_none());
+    }
+
     #[test]
     fn what_cannot_be_written_is_refused_at_its_place() {
         for fields in [
