@@ -6,6 +6,7 @@
 pub mod experiment;
 pub mod judging;
 pub mod model_checking;
+pub mod operation;
 pub mod recording;
 pub mod simulation;
 

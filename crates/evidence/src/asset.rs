@@ -15,6 +15,8 @@ pub enum Technique {
     Simulation,
     /// Trials with the real robot.
     Experiment,
+    /// Recordings of the robot at work, judged by monitors, live or later.
+    Operation,
 }
 
 impl Technique {
@@ -24,6 +26,7 @@ impl Technique {
             Technique::ModelChecking => "model checking",
             Technique::Simulation => "simulation",
             Technique::Experiment => "experiments",
+            Technique::Operation => "operation",
         }
     }
 }

@@ -260,6 +260,7 @@ fn shape(technique: Technique, hollow: bool) -> Markup {
             Technique::ModelChecking => path class=(class) d="M0-6L6 0L0 6L-6 0Z" {},
             Technique::Simulation => circle class=(class) r="4.5" {},
             Technique::Experiment => rect class=(class) x="-4.2" y="-4.2" width="8.4" height="8.4" {},
+            Technique::Operation => path class=(class) d="M0-5.6L5.6 4.4L-5.6 4.4Z" {},
         }
     }
 }

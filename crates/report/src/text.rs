@@ -182,8 +182,9 @@ fn matrix(page: &mut Page, view: View) {
         return;
     }
     page.heading("Requirements by techniques");
-    let column = page.width.saturating_sub(5) / words::TECHNIQUES.len();
-    let heads: String = words::TECHNIQUES
+    let techniques = words::techniques(view.study);
+    let column = page.width.saturating_sub(5) / techniques.len();
+    let heads: String = techniques
         .iter()
         .map(|t| pad(words::technique(*t), column))
         .collect();
@@ -191,7 +192,7 @@ fn matrix(page: &mut Page, view: View) {
     let styled = page.styled(&heads, "2");
     page.line(&styled);
     for requirement in &view.study.requirements {
-        let cells: String = words::TECHNIQUES
+        let cells: String = techniques
             .iter()
             .map(|t| cell(page, view, requirement, *t, column))
             .collect();

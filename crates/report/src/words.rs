@@ -179,15 +179,24 @@ pub fn technique(technique: Technique) -> &'static str {
         Technique::ModelChecking => "Model checking",
         Technique::Simulation => "Simulation",
         Technique::Experiment => "Experiments",
+        Technique::Operation => "Operation",
     }
 }
 
-/// All techniques, from the most abstract to the most real.
-pub const TECHNIQUES: [Technique; 3] = [
-    Technique::ModelChecking,
-    Technique::Simulation,
-    Technique::Experiment,
-];
+/// The techniques to show, from the most abstract to the most real: operation
+/// only if the study has evidence of it.
+pub fn techniques(study: &evidence::StudyResult) -> Vec<Technique> {
+    let mut techniques = vec![
+        Technique::ModelChecking,
+        Technique::Simulation,
+        Technique::Experiment,
+    ];
+    let mut ledger = study.evidence.iter();
+    if ledger.any(|e| e.technique == Technique::Operation) {
+        techniques.push(Technique::Operation);
+    }
+    techniques
+}
 
 /// Where a fault is to be sought.
 pub fn inaccuracy(inaccuracy: Inaccuracy) -> &'static str {

@@ -10,6 +10,7 @@ use crate::store::{Inputs, Store, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::Tables;
 use crate::technique::model_checking::{Compiled, CountedConstant};
+use crate::technique::operation::Recordings;
 use crate::technique::simulation::{self, Campaign};
 use crate::technique::{self, Produced};
 use evidence::{AssetRole, Measure, StudyResult};
@@ -24,6 +25,7 @@ enum Prepared<'a> {
     /// that all else still runs.
     CannotSimulate(Problem),
     Read(Tables),
+    Judge(Recordings),
 }
 
 /// Runs a study.
@@ -46,7 +48,14 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     let assets = study
         .ledger
         .iter()
-        .map(|entry| Ok((entry.id.as_str(), assets(&study, entry)?)))
+        .zip(&prepared)
+        .map(|(entry, prepared)| {
+            let mut assets = assets(&study, entry)?;
+            if let Prepared::Judge(recordings) = prepared {
+                assets.extend_from_slice(recordings.assets());
+            }
+            Ok((entry.id.as_str(), assets))
+        })
         .collect::<Result<BTreeMap<_, _>, Problem>>()?;
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
     let store = Store::open(&folder)?;
@@ -138,6 +147,9 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
                 requirements.as_deref(),
                 failure_modes.as_deref(),
             )?)),
+            Work::Judge { recordings, .. } => {
+                Ok(Prepared::Judge(Recordings::find(study, recordings)?))
+            }
         })
         .collect::<Result<Vec<_>, Problem>>()?;
     technique::judging::Judges::new(study, |_| true)?;
@@ -237,6 +249,7 @@ impl Runner<'_> {
             (Prepared::Read(tables), Work::Read { technique, .. }) => {
                 tables.produce(self.study, &entry.id, *technique)?
             }
+            (Prepared::Judge(recordings), Work::Judge { .. }) => self.judge(entry, recordings)?,
             _ => {
                 return Err(Problem::new(
                     "bad-ledger",
@@ -278,6 +291,15 @@ impl Runner<'_> {
         )
     }
 
+    fn judge(&self, entry: &Entry, recordings: &Recordings) -> Result<Produced, Problem> {
+        let talk = &self.setting.talk;
+        let stage = talk.begin(&format!("{}: recordings", entry.id), recordings.count());
+        let interrupt = &self.setting.interrupt;
+        recordings.produce(self.study, &entry.id, interrupt, &stage, &|line| {
+            talk.say(line);
+        })
+    }
+
     /// The hash of everything that the entry's findings depend on.
     fn inputs(
         &self,
@@ -311,6 +333,10 @@ impl Runner<'_> {
                 self.monitors(&mut inputs);
             }
             (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
+            (Prepared::Judge(recordings), Work::Judge { .. }) => {
+                recordings.inputs(self.study, &mut inputs)?;
+                self.monitors(&mut inputs);
+            }
             _ => {}
         }
         Ok(inputs.hash())
@@ -489,6 +515,12 @@ fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem>
         } => {
             let tables = [cohort, requirements, failure_modes];
             files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
+        }
+        Work::Judge { .. } => {
+            let map = Path::new("topics.toml");
+            if study.folder.join(map).exists() {
+                files.push((RequirementModel, map));
+            }
         }
     }
     files.push((RequirementModel, Path::new("requirements.toml")));

@@ -63,6 +63,13 @@ pub enum Work {
         /// Occurrences by failure mode.
         failure_modes: Option<PathBuf>,
     },
+    /// Judge recordings with the monitors; each is a trial.
+    Judge {
+        /// Of the robot at work, or of trials with it.
+        technique: evidence::Technique,
+        /// Their folder, relative to the study.
+        recordings: PathBuf,
+    },
 }
 
 impl Work {
@@ -71,7 +78,7 @@ impl Work {
         match self {
             Work::Check { .. } => evidence::Technique::ModelChecking,
             Work::Simulate { .. } => evidence::Technique::Simulation,
-            Work::Read { technique, .. } => *technique,
+            Work::Read { technique, .. } | Work::Judge { technique, .. } => *technique,
         }
     }
 
@@ -182,6 +189,7 @@ struct EntryText {
     parameters: Option<Spanned<PathBuf>>,
     episodes: Option<Spanned<u64>>,
     tables: Option<Spanned<TablesText>>,
+    recordings: Option<Spanned<PathBuf>>,
 }
 
 #[derive(Deserialize)]
@@ -380,11 +388,13 @@ impl Reader<'_> {
     }
 
     fn work(&self, text: &EntryText) -> Result<Work, Problem> {
-        use evidence::Technique::{Experiment, ModelChecking, Simulation};
+        use evidence::Technique::{Experiment, ModelChecking, Operation, Simulation};
         match text.technique.get_ref() {
             ModelChecking => self.check(text),
             Simulation if text.tables.is_none() => self.simulate(text),
+            Experiment if text.recordings.is_some() => self.judge(text, Experiment),
             technique @ (Simulation | Experiment) => self.read(text, *technique),
+            Operation => self.judge(text, Operation),
         }
     }
 
@@ -432,13 +442,34 @@ impl Reader<'_> {
         })
     }
 
+    fn judge(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let (Some(recordings), None) = (&text.recordings, &text.tables) else {
+            return Err(self.problem(
+                "missing-entry",
+                format!(
+                    "`{}` has to name either `recordings` or, for an experiment, `tables`",
+                    text.id.get_ref()
+                ),
+                text.id.span(),
+                "add for example `recordings = \"runs/recordings\"`, a folder of the study",
+            ));
+        };
+        Ok(Work::Judge {
+            technique,
+            recordings: match self.folder.join(recordings.get_ref()).exists() {
+                true => recordings.get_ref().clone(),
+                false => self.existing(recordings)?,
+            },
+        })
+    }
+
     fn read(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
         let Some(tables) = &text.tables else {
             return Err(self.problem(
                 "missing-entry",
                 format!("the experiment `{}` names no tables", text.id.get_ref()),
                 text.id.span(),
-                "add `tables.cohort`, `tables.requirements` or `tables.failure_modes`",
+                "add `tables.cohort`, `tables.requirements` or `tables.failure_modes`, or `recordings`",
             ));
         };
         let span = tables.span();

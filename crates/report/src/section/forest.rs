@@ -14,17 +14,17 @@ pub fn render(view: View) -> Markup {
         "the line through it is its interval; the dashed line is what is required."
     };
     let body = html! {
-        (key())
+        (key(view))
         @for group in groups(view) { (figure(view, &group)) }
     };
     section("forest", "The evidence", lead, body)
 }
 
 /// What the marks mean.
-pub fn key() -> Markup {
+pub fn key(view: View) -> Markup {
     html! {
         ul class="key" aria-label="Key to the marks" {
-            @for technique in words::TECHNIQUES {
+            @for technique in words::techniques(view.study) {
                 li { (glyph(technique, false)) " " (words::technique(technique)) }
             }
             li { (glyph(evidence::Technique::Simulation, true)) " hollow: published, reproduced by ours" }

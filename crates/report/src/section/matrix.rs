@@ -23,7 +23,7 @@ fn table(view: View) -> Markup {
             thead role="rowgroup" {
                 tr role="row" {
                     th scope="col" role="columnheader" { "Requirement" }
-                    @for technique in words::TECHNIQUES {
+                    @for technique in words::techniques(view.study) {
                         th scope="col" role="columnheader" { (words::technique(technique)) }
                     }
                     th scope="col" role="columnheader" { "Conclusion" }
@@ -49,7 +49,7 @@ fn row(view: View, requirement: &Requirement) -> Markup {
                 span class="asks" { (words::asked(requirement)) }
                 span class="text" { (requirement.text) }
             }
-            @for technique in words::TECHNIQUES {
+            @for technique in words::techniques(view.study) {
                 td role="cell" data-label=(words::technique(technique)) {
                     (cell(view, requirement, &view.current(requirement, technique)))
                 }

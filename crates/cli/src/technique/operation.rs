@@ -1,0 +1,176 @@
+//! Recordings as evidence: of the robot at work (operation), or of trials with
+//! it (experiments). Each recording is a trial, judged by the study's monitors
+//! as a simulated episode is.
+//!
+//! A recording from which something is missing cannot show that a requirement
+//! was kept, since what is missing may have broken it: such a trial counts if
+//! it is violated, and is undecided otherwise.
+
+use super::judging::{Judgement, Judges};
+use super::recording::ReadingRules;
+use super::{Produced, simulation};
+use crate::problem::Problem;
+use crate::store::Inputs;
+use crate::study::Study;
+use crate::talk::{Interrupt, Stage};
+use evidence::{Asset, AssetRole, Cost, Tool};
+use recording::TrialPath;
+use std::path::Path;
+use std::time::Instant;
+use temporal::monitor::Verdict;
+
+/// What a recording of `corroborate watch` says of its run.
+const COMPLETE: &str = "corroborate.watch.complete";
+
+/// The recordings of one entry, found and hashed.
+pub struct Recordings {
+    rules: ReadingRules,
+    trials: Vec<TrialPath>,
+    /// One for each file.
+    assets: Vec<Asset>,
+}
+
+impl Recordings {
+    /// Finds the recordings in `folder`, relative to the study's.
+    pub fn find(study: &Study, folder: &Path) -> Result<Self, Problem> {
+        let full = study.folder.join(folder);
+        let found = recording::trials(&full)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        if found.trials.is_empty() {
+            let message = format!("{} holds no recording", full.display());
+            return Err(Problem::new("no-recordings", message)
+                .remedy("name a folder of recordings (MCAP, bags, CSV, JSON lines)"));
+        }
+        let mut assets = Vec::new();
+        for trial in &found.trials {
+            add_assets(&study.folder, &trial.path, &mut assets)?;
+        }
+        Ok(Self {
+            rules: ReadingRules::of_study(&study.folder, None)?,
+            trials: found.trials,
+            assets,
+        })
+    }
+
+    /// How many trials there are.
+    pub fn count(&self) -> u64 {
+        self.trials.len() as u64
+    }
+
+    /// The files.
+    pub fn assets(&self) -> &[Asset] {
+        &self.assets
+    }
+
+    /// What the verdicts depend on, besides the monitors and this program.
+    pub fn inputs(&self, study: &Study, inputs: &mut Inputs) -> Result<(), Problem> {
+        for asset in &self.assets {
+            inputs.add(&asset.path, asset.hash.as_bytes());
+        }
+        let map = study.folder.join("topics.toml");
+        if map.exists() {
+            let text = std::fs::read(&map).map_err(|error| Problem::cannot_read(&map, &error))?;
+            inputs.add("topics.toml", &text);
+        }
+        Ok(())
+    }
+
+    /// Judges every recording; `say` is told of those that are not complete.
+    pub fn produce(
+        &self,
+        study: &Study,
+        id: &str,
+        interrupt: &Interrupt,
+        stage: &Stage,
+        say: &dyn Fn(&str),
+    ) -> Result<Produced, Problem> {
+        let began = Instant::now();
+        let judges = Judges::new(study, |_| true)?;
+        let go_on = || match interrupt.is_set() {
+            true => Err(Problem::interrupted()),
+            false => Ok(()),
+        };
+        let mut all = Vec::new();
+        for trial in &self.trials {
+            go_on()?;
+            let judged = self.rules.judge(&judges, &trial.path, &go_on)?;
+            let whole = judged.complete && !lost_live(&trial.path, &self.rules)?;
+            if !whole {
+                let name = &trial.name;
+                say(&format!(
+                    "{id}: {name} is not complete; it counts only where it is violated"
+                ));
+            }
+            all.push(if whole {
+                judged.judgements
+            } else {
+                only_violations(judged.judgements)
+            });
+            stage.advance();
+        }
+        let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
+        Ok(Produced {
+            tool: Tool {
+                name: "corroborate recordings".into(),
+                version: env!("CARGO_PKG_VERSION").into(),
+                settings: format!("{} recordings", self.trials.len()),
+            },
+            findings: simulation::findings(study, &all, &names)?,
+            clusters: None,
+            influences: Vec::new(),
+            cost: Cost {
+                evidence: id.to_owned(),
+                wall_secs: began.elapsed().as_secs_f64(),
+                ..Cost::default()
+            },
+        })
+    }
+}
+
+/// Whether the run lost messages while it was recorded, as it says itself.
+fn lost_live(path: &Path, rules: &ReadingRules) -> Result<bool, Problem> {
+    let reader = recording::open(path, &rules.options)
+        .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+    Ok(reader
+        .metadata()
+        .get(COMPLETE)
+        .is_some_and(|said| said != "true"))
+}
+
+/// What a trial from which something is missing can still show.
+fn only_violations(mut judgements: Vec<Judgement<'_>>) -> Vec<Judgement<'_>> {
+    for judgement in &mut judgements {
+        if judgement.findings.verdict != Verdict::Violated {
+            judgement.findings.verdict = Verdict::Inconclusive;
+        }
+    }
+    judgements
+}
+
+/// A file as an asset, or all files of a recording that is a folder.
+fn add_assets(study: &Path, path: &Path, assets: &mut Vec<Asset>) -> Result<(), Problem> {
+    let unreadable = |error: &std::io::Error| Problem::cannot_read(path, error);
+    if path.is_dir() {
+        let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+        let mut inside: Vec<_> = entries
+            .map_err(|error| unreadable(&error))?
+            .iter()
+            .map(std::fs::DirEntry::path)
+            .collect();
+        inside.sort();
+        return inside
+            .iter()
+            .try_for_each(|path| add_assets(study, path, assets));
+    }
+    let mut hasher = blake3::Hasher::new();
+    std::fs::File::open(path)
+        .and_then(|file| hasher.update_reader(file).map(drop))
+        .map_err(|error| unreadable(&error))?;
+    let shown = path.strip_prefix(study).unwrap_or(path);
+    assets.push(Asset {
+        role: AssetRole::Data,
+        path: shown.to_string_lossy().replace('\\', "/"),
+        hash: hasher.finalize().to_hex().to_string(),
+    });
+    Ok(())
+}
