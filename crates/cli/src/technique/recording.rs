@@ -186,7 +186,7 @@ impl ReadingRules {
                 .map(|error| Problem::new("bad-recording", error.to_string()));
             Problem::all(problems)
                 .unwrap_or_else(|| Problem::new("bad-recording", "its signals are not known"))
-                .remedy("say in topics.toml where the signal is; `corroborate inspect` drafts it")
+                .remedy("say in the topic map (topics.toml, or --map) where the signal is; `corroborate inspect --draft-map` drafts it")
         })
     }
 }

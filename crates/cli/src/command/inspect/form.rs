@@ -18,7 +18,7 @@ pub struct InspectionForm {
     /// The frames that transforms connect.
     frames: Vec<FrameForm>,
     /// Transforms that cannot be used: what is wrong, and how often.
-    frame_problems: Vec<(String, u64)>,
+    frame_problems: Vec<Vec<TextOrCount>>,
     /// What could not be read, each with its place.
     losses: Vec<String>,
     /// Whether everything that was recorded could be read.
@@ -59,7 +59,7 @@ struct TopicForm {
     /// How many messages have an earlier log time than one before them.
     out_of_order: u64,
     /// Least and greatest log time minus stamp, in seconds, if the messages have stamps.
-    behind_stamp_secs: Option<(f64, f64)>,
+    behind_stamp_secs: Option<Vec<f64>>,
     /// How many messages have the stamp 0.
     unstamped: u64,
     /// Why the messages cannot be decoded at all, if so.
@@ -109,4 +109,14 @@ enum FieldValueForm {
     Text(String),
     /// Nothing is there.
     Missing,
+}
+
+/// What is wrong, or how often.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+enum TextOrCount {
+    /// What is wrong.
+    Text(String),
+    /// How often.
+    Count(u64),
 }

@@ -173,7 +173,7 @@ fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
                     error.kind.to_string(),
                     start + error.span.start..start + error.span.end,
                 )
-                .remedy("without a study, a formula compares signals: /topic.field < 250 mm/s")
+                .remedy("without a study, a formula compares signals: /topic.field < 250 mm/s; a topic map (--map) names those that are elements of arrays")
             })?;
     }
     let rule = FormulaRule {
