@@ -62,8 +62,11 @@ const DIFFERENCES: [(&str, &str, &str, &str, &str); 6] = [
     ("4", "simulation", "slow_computer", "satisfied", "violated"),
 ];
 
+/// A text of a file that is replaced: the file, the old text, the new one.
+type Change = (&'static str, &'static str, &'static str);
+
 /// Forms mended: what is replaced by what in which file, and the form that is then without drift and differences.
-const MENDED: [(&[(&str, &str, &str)], &str, &str); 4] = [
+const MENDED: [(&[Change], &str, &str); 4] = [
     (
         &[
             ("requirements.toml", "within_secs = 5", "within_secs = 2"),
