@@ -50,9 +50,9 @@ struct SubjectJudge<'a> {
 enum CompiledRule {
     Staged(Monitor),
     Formula {
-        monitor: FormulaMonitor,
+        monitor: Box<FormulaMonitor>,
         /// The same, of which the robustness so far is shown.
-        looking_back: FormulaMonitor,
+        looking_back: Box<FormulaMonitor>,
         /// The texts of its atoms.
         atoms: Vec<String>,
     },
@@ -277,6 +277,7 @@ impl CompiledRule {
     fn formula(rule: &FormulaRule) -> Result<Self, Problem> {
         let compile = |settings| {
             FormulaMonitor::compile(&rule.parsed.formula, &settings)
+                .map(Box::new)
                 .map_err(|error| Problem::new("bad-formula", error.to_string()))
         };
         let atoms = rule.parsed.atoms.iter().map(|atom| atom.text.clone());
