@@ -150,3 +150,25 @@ fn a_stage_that_begins_between_two_samples_is_judged() {
         assert_eq!(judged["verdict"], verdict, "{report:#}");
     }
 }
+
+/// A clock that shows the time of the calendar, and stands still for three samples at a time.
+#[test]
+fn a_late_clock_that_stands_still_can_be_judged_by() {
+    let sentence = "When active, the robot shall within 2 s satisfy done.";
+    for (done_from, verdict) in [(20, "satisfied"), (40, "violated")] {
+        let folder = study(&format!("shall = \"{sentence}\"\nclock = \"/clock.wall\""));
+        let mut table = String::from("time_secs,/r.active,/r.done,/clock.wall [s]\n");
+        for sample in 0..50_u32 {
+            let (time_secs, wall_secs) = (f64::from(sample) * 0.1, 0.3 * f64::from(sample / 3));
+            let (active, done) = (sample >= 6, sample >= done_from);
+            table += &format!("{time_secs:.1},{active},{done},{:.1}\n", 1.7e9 + wall_secs);
+        }
+        std::fs::write(folder.path().join("calendar.csv"), table).expect("written");
+        let arguments = ["monitor", ".", "calendar.csv", "--format", "json"];
+        let judged = reported(&folder, &arguments);
+        assert_eq!(
+            judged["recordings"][0]["verdicts"][0]["verdict"], verdict,
+            "{judged:#}"
+        );
+    }
+}

@@ -233,7 +233,9 @@ fn own_time<V: SignalValues>(clock: &BoundQuantity, values: &V, last_secs: f64) 
         }
         _ => shown,
     };
-    Some(in_secs.max(last_secs + CLOCK_STEP_SECS))
+    // Of late times, such as those of the calendar, a nanosecond is no part.
+    let next_secs = (last_secs + CLOCK_STEP_SECS).max(last_secs.next_up());
+    Some(in_secs.max(next_secs))
 }
 
 /// The channels that a predicate reads, each once.
