@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 
 /// The template's files. It needs no simulation, so that it runs in a moment.
-const FILES: [(&str, &str); 8] = [
+const FILES: [(&str, &str); 9] = [
     ("study.toml", include_str!("../template/study.toml")),
     (
         "requirements.toml",
@@ -15,6 +15,10 @@ const FILES: [(&str, &str); 8] = [
     (
         "vocabulary.toml",
         include_str!("../template/vocabulary.toml"),
+    ),
+    (
+        "parameters.toml",
+        include_str!("../template/parameters.toml"),
     ),
     ("ledger.toml", include_str!("../template/ledger.toml")),
     ("model.prism", include_str!("../template/model.prism")),
