@@ -151,13 +151,8 @@ impl JudgingText {
                 .remedy("move one of them into a [requirement.reading.NAME]"));
             }
             (Some(monitor), None) => {
-                for place in [
-                    self.time.as_ref().map(Spanned::span),
-                    self.ending.as_ref().map(Spanned::span),
-                ]
-                .into_iter()
-                .flatten()
-                {
+                let time = self.time.as_ref().map(Spanned::span);
+                if let Some(place) = time.or(self.ending.as_ref().map(Spanned::span)) {
                     return Err(Problem::new(
                         "not-for-monitors",
                         "`time` and `ending` are for formulas; a monitor in stages has `at_end`",
