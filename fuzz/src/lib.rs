@@ -267,3 +267,90 @@ fn extract(
         let _ = extractor.extract_values(data);
     }
 }
+
+/// Reads a formula and prints it; then compiles it in both models of time and judges a few samples.
+pub fn formula(bytes: &[u8]) {
+    use temporal::formula::{FormulaMonitor, Settings, TimeModel, parse};
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let parameters = |name: &str| (name == "release_time").then_some(2.0);
+    let parsed = match parse(text, &parameters) {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            assert!(text.get(error.span.clone()).is_some(), "no place: {error}");
+            assert!(!error.remedy.is_empty(), "no remedy: {error}");
+            return;
+        }
+    };
+    let printed = parsed.to_string();
+    let again = parse(&printed, &parameters).expect("what we print, we read");
+    assert_eq!(again.to_string(), printed, "printing twice differs");
+    for time in [TimeModel::Discrete, TimeModel::Dense] {
+        let settings = Settings {
+            time,
+            ..Settings::default()
+        };
+        // What would need too much memory is refused.
+        let Ok(monitor) = FormulaMonitor::compile(&parsed.formula, &settings) else {
+            continue;
+        };
+        let mut judge = monitor.start();
+        for step in 0..5 {
+            let atoms: Vec<Option<bool>> = (0..parsed.atoms.len())
+                .map(|atom| Some((step + atom) % 3 == 0))
+                .collect();
+            if judge.step_truth(step as f64, &atoms).is_err() {
+                break;
+            }
+        }
+        let _ = judge.finish(true);
+    }
+}
+
+/// Reads a requirement in structured English, explains and prints it.
+pub fn sentence(bytes: &[u8]) {
+    use requirement_lang::{Context, explain, parse};
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let parsed = parse(text, &Context::default());
+    for diagnostic in &parsed.diagnostics {
+        let place = text.get(diagnostic.span.start..diagnostic.span.end);
+        assert!(place.is_some(), "not in the text: {diagnostic:?}");
+        assert!(!diagnostic.message.is_empty(), "{diagnostic:?}");
+    }
+    let printed = parsed.tree.to_string();
+    let _ = explain(&parsed.tree);
+    if parsed.has_errors() {
+        return;
+    }
+    let again = parse(&printed, &Context::default());
+    assert!(
+        !again.has_errors(),
+        "printed, it has errors: {:?}\n{printed}",
+        again.diagnostics
+    );
+    assert_eq!(printed, again.tree.to_string(), "printing twice differs");
+}
+
+/// Reads the map from topics to signals; each signal that it names is found in it.
+pub fn topic_map(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    match recording::TopicMap::parse("map.toml", text) {
+        Ok(map) => {
+            for name in map.signal_names() {
+                assert!(map.find(&name).is_some(), "{name} is not found");
+            }
+        }
+        Err(errors) => {
+            assert!(!errors.is_empty(), "refused without a reason");
+            for error in errors {
+                assert!(text.get(error.span.clone()).is_some(), "no place: {error}");
+                assert!(error.to_string().contains("map.toml"), "no file: {error}");
+            }
+        }
+    }
+}

@@ -122,3 +122,18 @@ fn foreign_recordings() {
 fn messages_and_their_schemas() {
     replay("message", targets::message);
 }
+
+#[test]
+fn formulas() {
+    replay("formula", targets::formula);
+}
+
+#[test]
+fn sentences() {
+    replay("sentence", targets::sentence);
+}
+
+#[test]
+fn topic_maps() {
+    replay("topic_map", targets::topic_map);
+}
