@@ -254,7 +254,8 @@ fn of_trace<'a>(
         complete: trace.complete,
         lost: lost.into_iter().collect(),
         notes: Vec::new(),
-        instants: trace.channels.iter().map(|c| c.len() as u64).sum(),
+        instants: trace::ticks(trace, trace::Sampling::EveryRow)
+            .map_or(0, |times| times.len() as u64),
     })
 }
 
