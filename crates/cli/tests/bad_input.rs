@@ -92,7 +92,7 @@ fn a_property_over_an_unknown_label() {
             s.edit("requirements.toml", "F \"docked\"", "F \"dokced\"");
         },
         "unknown-proposition",
-        "study/requirements.toml:14",
+        "study/requirements.toml:15",
     );
 }
 
@@ -226,7 +226,6 @@ fn empty_files() {
     for (file, code) in [
         ("study.toml", "bad-study-file"),
         ("ledger.toml", "empty-ledger"),
-        ("vocabulary.toml", "unknown-proposition"),
         ("attempts.csv", "bad-table"),
         ("model.prism", "unknown-name"),
     ] {
@@ -238,6 +237,26 @@ fn empty_files() {
             "study/",
         );
     }
+}
+
+/// A sentence tells all its unknown names at once.
+#[test]
+fn an_empty_vocabulary() {
+    let study = Study::new();
+    study.write("vocabulary.toml", "");
+    let said = study.run(&["run", "study"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert_eq!(
+        said.talk.matches("error[unknown-name]").count(),
+        2,
+        "{}",
+        said.talk
+    );
+    assert!(
+        said.talk.contains("study/requirements.toml:13:15"),
+        "{}",
+        said.talk
+    );
 }
 
 #[test]
@@ -297,7 +316,7 @@ fn levels_margins_and_thresholds_that_are_none() {
             s.edit("requirements.toml", "margin = 0.10", "margin = -1");
         },
         "bad-margin",
-        "study/requirements.toml:13:10",
+        "study/requirements.toml:14:10",
     );
     refuses(
         |s| {

@@ -58,7 +58,12 @@ fn library() -> Option<PathBuf> {
 fn study() -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
     let from = root().join("case-studies/handover");
-    for name in ["study.toml", "requirements.toml", "vocabulary.toml"] {
+    for name in [
+        "study.toml",
+        "parameters.toml",
+        "requirements.toml",
+        "vocabulary.toml",
+    ] {
         std::fs::copy(from.join(name), folder.path().join(name)).expect("copied");
     }
     let simulation = folder.path().join("simulation");

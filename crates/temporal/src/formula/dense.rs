@@ -344,8 +344,11 @@ impl DenseJudge {
             };
             if seen { trigger.close(ending) } else { 0 }
         });
+        let doubtful = self.trigger.as_ref().is_some_and(|t| t.is_doubtful());
         FormulaReport {
             verdict: match (verdict, triggered) {
+                // An unseen trigger may have been followed by anything.
+                (Verdict::Inconclusive, Some(0)) if doubtful => verdict,
                 (Verdict::Satisfied | Verdict::Inconclusive, Some(0)) => Verdict::NotCovered,
                 (verdict, _) => verdict,
             },

@@ -32,7 +32,8 @@ impl RobustnessBounds {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormulaReport {
     /// The conclusion. [`Verdict::NotCovered`] if there is a trigger, it was never seen to trigger
-    /// and the formula is not violated.
+    /// and the formula is not violated; but [`Verdict::Inconclusive`] if that is what is known of
+    /// the formula and the trigger was unknown somewhere, so that it may have been missed.
     pub verdict: Verdict,
     /// The robustness at the first sample, if it was asked for and there was a sample.
     pub robustness: Option<RobustnessBounds>,

@@ -207,13 +207,13 @@ mod tests {
 
     #[test]
     fn the_topics_that_the_signals_need_are_listened_to() {
-        let text = "[\"/speed\"]\nnorm = \"/odom.twist.linear\"\nunit = \"m/s\"\n[\"/hand\"]\nposition_of = \"hand\"\nin_frame = \"world\"\n";
+        let text = "[\"/robot.speed\"]\nnorm = \"/odom.twist.linear\"\nunit = \"m/s\"\n[\"/hand\"]\nposition_of = \"hand\"\nin_frame = \"world\"\n";
         let map = TopicMap::parse("topics.toml", text).expect("a map");
-        let signals = ["/speed", "/hand.x", "/task.phase"].map(str::to_owned);
+        let signals = ["/robot.speed", "/hand.x", "/task.phase"].map(str::to_owned);
         let filter = filter(&["/extra/*".to_owned()], &map, &signals);
         for wanted in ["/odom", "/tf", "/tf_static", "/task", "task", "/extra/a"] {
             assert!(filter.wants(wanted), "{wanted}");
         }
-        assert!(!filter.wants("/speed") && !filter.wants("/camera"));
+        assert!(!filter.wants("/robot") && !filter.wants("/camera"));
     }
 }

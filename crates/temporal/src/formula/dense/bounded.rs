@@ -109,6 +109,8 @@ pub(in crate::formula) struct Counter {
     place: i64,
     was_true: bool,
     count: u64,
+    /// Whether the truth was unknown anywhere that was seen.
+    doubtful: bool,
 }
 
 impl Counter {
@@ -118,6 +120,7 @@ impl Counter {
             place: 0,
             was_true: false,
             count: 0,
+            doubtful: false,
         }
     }
 
@@ -128,13 +131,18 @@ impl Counter {
         atoms: &[RobustnessBounds],
     ) {
         self.work.step(place, between, atoms);
-        self.count();
+        self.count(true);
+    }
+
+    /// Whether the formula may have been true where that was not known.
+    pub(in crate::formula) fn is_doubtful(&self) -> bool {
+        self.doubtful
     }
 
     /// Ends the trace and gives the count.
     pub(in crate::formula) fn close(&mut self, ending: Ending) -> u64 {
         self.work.close(ending);
-        self.count();
+        self.count(false);
         self.count
     }
 
@@ -142,8 +150,9 @@ impl Counter {
         self.work.len()
     }
 
-    /// Takes what has been found since.
-    fn count(&mut self) {
+    /// Takes what has been found since; `seen` is false at the end, when what is unknown is so
+    /// because it was not seen.
+    fn count(&mut self, seen: bool) {
         loop {
             let least = self.work.least.root();
             least.forget_before(self.place);
@@ -157,6 +166,7 @@ impl Counter {
             };
             let Some(high) = high else { return };
             let is_true = low.value > 0.0;
+            self.doubtful |= seen && !is_true && high.value >= 0.0;
             self.count += u64::from(is_true && !self.was_true);
             self.was_true = is_true;
             self.place = low.end.min(high.end);

@@ -70,6 +70,8 @@ struct Trigger {
     next: u64,
     before: Truth,
     risen: u64,
+    /// Whether its truth was unknown anywhere, so that it may have risen unseen.
+    doubtful: bool,
 }
 
 /// The lanes for both ends of the robustness.
@@ -249,12 +251,17 @@ impl DiscreteJudge {
         let robustness = self.robustness_at_end(ending);
         let verdict = self.verdict_at_end(ending);
         let triggered = self.trigger.as_ref().map_or(0, |trigger| trigger.risen);
-        let covered = self.trigger.is_none() || triggered > 0;
+        let doubtful = self
+            .trigger
+            .as_ref()
+            .is_some_and(|trigger| trigger.doubtful);
         FormulaReport {
-            verdict: if covered || verdict == Verdict::Violated {
-                verdict
-            } else {
-                Verdict::NotCovered
+            verdict: match verdict {
+                Verdict::Violated => verdict,
+                // An unseen trigger may have been followed by anything.
+                Verdict::Inconclusive if doubtful => verdict,
+                _ if self.trigger.is_none() || triggered > 0 => verdict,
+                _ => Verdict::NotCovered,
             },
             robustness,
             triggered,
@@ -413,6 +420,7 @@ impl Trigger {
             next: 0,
             before: Truth::False,
             risen: 0,
+            doubtful: false,
         }
     }
 
@@ -434,6 +442,7 @@ impl Trigger {
     fn count(&mut self, to: u64, value: Truth) {
         let rises = value == Truth::True && self.before == Truth::False;
         self.risen += u64::from(rises);
+        self.doubtful |= value == Truth::Unknown;
         (self.next, self.before) = (to, value);
     }
 }
