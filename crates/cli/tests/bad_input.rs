@@ -322,8 +322,16 @@ fn levels_margins_and_thresholds_that_are_none() {
         |s| {
             s.edit("requirements.toml", "at least 0.9", "at least 7");
         },
+        "probability",
+        "study/requirements.toml:13:44",
+    );
+    refuses(
+        |s| {
+            let both = "threshold = \"at least 7\"\nmargin = 0.10";
+            s.edit("requirements.toml", "margin = 0.10", both);
+        },
         "bad-threshold",
-        "study/requirements.toml:12:13",
+        "study/requirements.toml:14:13",
     );
 }
 
