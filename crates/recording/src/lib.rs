@@ -6,12 +6,12 @@
 //!
 //! | what | how |
 //! |---|---|
-//! | open a recording of any format | [`open`], [`open_bytes`], [`detect`] |
+//! | open a recording of any format | [`open()`], [`open_bytes`], [`detect`] |
 //! | its topics and raw messages, in bounded memory | [`Reader`] |
 //! | places in messages, as text | [`FieldPath`] |
 //! | the numbers at these places | [`Extractor`] |
 //! | what a schema says | [`Schema`], [`parse_msg`], [`parse_idl`], [`ProtobufSchema`] |
-//! | several recordings as trials | [`trials`] |
+//! | several recordings as trials | [`trials()`] |
 //! | signals from topics: units, frames, times | [`TopicMap`], [`SignalStream`] |
 //! | frames | [`TransformBuffer`] |
 //! | traces as recordings in ROS 2 types | [`Ros2Recording`] |

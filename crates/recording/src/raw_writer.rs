@@ -4,7 +4,7 @@
 //! MCAP with the profile `ros2` where all types are of ROS 2, chunks without compression (compressing would delay
 //! the one who writes), each with its checksum. Topics may be added at any time. A chunk is written whole or not at
 //! all and is ended by [`RawRecording::flush`], so a process that is killed leaves a file from which
-//! [`open`](crate::open) gives everything up to the last flush and says that it was cut short.
+//! [`open`](crate::open()) gives everything up to the last flush and says that it was cut short.
 //!
 //! # Example
 //! ```

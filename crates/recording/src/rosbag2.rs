@@ -3,7 +3,7 @@
 //! | part | file |
 //! |---|---|
 //! | the folder: which files, in which order, how compressed | [`metadata`], [`split`] |
-//! | one SQLite file | [`database`], on the tables that [`sqlite`] reads |
+//! | one SQLite file | [`database`](mod@database), on the tables that [`sqlite`] reads |
 //! | types that the recording does not define | [`types`] |
 //!
 //! MCAP files are read as any other MCAP file. Compressed files (`.db3.zstd`) are uncompressed into

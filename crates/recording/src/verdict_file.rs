@@ -1,7 +1,7 @@
 //! Verdicts and robustness over time, as a recording that viewers open beside the original.
 //!
 //! # Format
-//! An MCAP file of ROS 2 messages (see [`Ros2Recording`](crate::Ros2Recording)), since these are
+//! An MCAP file of ROS 2 messages (see [`Ros2Recording`]), since these are
 //! what both Foxglove and Rerun read. Give the log times of the original
 //! ([`Moment::log_nanos`](crate::Moment)), so that both lie over each other. Foxglove plots the
 //! numbers and lists the log; Rerun (0.41) shows the log by level and the verdicts as text, and has

@@ -1,4 +1,4 @@
-//! Carries a [`Plan`] out on the bytes of a message.
+//! Carries a [`Plan`](super::plan::Plan) out on the bytes of a message.
 //!
 //! Costs: passing over fields of fixed layout is one look-up however many they are; texts and
 //! sequences cost one step each, sequences of fixed elements one in all. Every position is checked

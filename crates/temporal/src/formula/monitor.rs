@@ -244,8 +244,8 @@ impl FormulaJudge {
     }
 
     /// Ends the trace. `complete` is false if it was cut short: then
-    /// [`Ending::Finite`](super::Ending::Finite) is treated as
-    /// [`Ending::Inconclusive`](super::Ending::Inconclusive).
+    /// [`Ending::Finite`] is treated as
+    /// [`Ending::Inconclusive`].
     #[must_use]
     pub fn finish(self, complete: bool) -> FormulaReport {
         let ending = match self.ending {

@@ -39,7 +39,7 @@ impl BoundPredicate {
     /// 0 on the border, infinite where nothing but truth values and names decides; `None` where
     /// the truth is unknown. `a < b` has the robustness b - a in the coherent SI unit of the two,
     /// `&` the least and `|` the greatest of their sides; all of it is defined at
-    /// [`Predicate`](crate::Predicate).
+    /// [`Predicate`].
     #[must_use]
     pub fn robustness<V: SignalValues + ?Sized>(&self, values: &V) -> Option<f64> {
         self.truth.judge(values).map(|judged| judged.robustness)
