@@ -70,7 +70,6 @@ mod parse;
 mod print;
 pub mod semantics;
 pub mod sentence;
-mod suggest;
 mod usage;
 
 pub use diagnostic::{Diagnostic, Parsed, Severity, Span};

@@ -43,7 +43,6 @@ pub use separation::{SeparationTerms, protective_separation_distance_m};
 
 use crate::parse::{Context, parse};
 use crate::sentence::Sentence;
-use crate::suggest::nearest;
 
 /// A requirement with parameters still open.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,7 +148,7 @@ impl Template {
             if !names().any(|known| known == *name) {
                 return Err(TemplateError::Unknown {
                     name: (*name).to_owned(),
-                    similar: nearest(name, names()).map(str::to_owned),
+                    similar: trace::nearest(name, names()),
                 });
             }
             if values[..index].iter().any(|(earlier, _)| earlier == name) {

@@ -17,7 +17,6 @@ use crate::diagnostic::{Diagnostic, Parsed, Span};
 use crate::expression::is_name;
 use crate::lexer::{Kind, Token, tokens};
 use crate::sentence::{Condition, ConditionKind, Scope, ScopeKind, Sentence, Timing};
-use crate::suggest::nearest;
 
 /// What the names in a sentence may refer to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -118,7 +117,7 @@ fn warn_of_continual_after(reader: &mut Reader<'_>, sentence: &Sentence) {
 
 fn without_shall(reader: &mut Reader<'_>, all: &[Token<'_>]) -> Sentence {
     let meant = |token: &&Token<'_>| {
-        let misspelt = nearest(&token.text.to_lowercase(), ["shall"]).is_some();
+        let misspelt = trace::nearest(&token.text.to_lowercase(), ["shall"]).is_some();
         misspelt || token.is_any(&["should", "must", "will"])
     };
     let near = all.iter().find(meant);
@@ -219,7 +218,7 @@ impl Reader<'_> {
         if !is_name(name) || known.contains(&name) {
             return;
         }
-        let remedy = match nearest(name, known.iter().copied()) {
+        let remedy = match trace::nearest(name, known.iter().copied()) {
             Some(similar) => format!("Did you mean `{similar}`?"),
             None => "Add it to the vocabulary, or use a name that is there.".to_owned(),
         };

@@ -89,5 +89,6 @@ pub use predicate::{
 pub use sampling::{Sampling, SamplingError, Valuations, ticks};
 pub use signal::{Cursor, SignalIndex, SignalValues, Trace};
 pub use snapshot::Snapshot;
+pub use suggest::nearest;
 pub use table::{Column, Table, TableError};
 pub use vocabulary::Vocabulary;

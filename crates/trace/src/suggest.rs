@@ -6,7 +6,8 @@
 //! the ACM 21(1), 1974. Cost: O(|a| |b|) for each known name. Of equal ones the first is taken.
 
 /// The nearest of `known` to `name`, if any is near enough to be worth suggesting.
-pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
+#[must_use]
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let limit = name.chars().count().div_ceil(3);
     let mut best: Option<(usize, &str)> = None;
     for candidate in known {
@@ -52,5 +53,8 @@ mod tests {
             Some("/robot.hand_speed".to_owned())
         );
         assert_eq!(nearest("/camera.image", known), None);
+        let words = ["shall", "satisfy"];
+        assert_eq!(nearest("shal", words), Some("shall".to_owned()));
+        assert_eq!(nearest("banana", words), None);
     }
 }

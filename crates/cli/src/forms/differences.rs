@@ -10,7 +10,7 @@
 use super::judged_on_traces;
 use crate::problem::Problem;
 use crate::study::{JudgingForm, Study, SubjectForm};
-use crate::technique::judging::{Judgement, Judges};
+use crate::technique::judging::{Judgement, Judges, verdict_name};
 use evidence::Subject;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -131,14 +131,4 @@ pub fn on_recording(recording: &str, judgements: &[Judgement<'_>]) -> Vec<Differ
 fn differ(one: Verdict, other: Verdict) -> bool {
     let undecided = [one, other].contains(&Verdict::Inconclusive);
     !undecided && (one == Verdict::Violated) != (other == Verdict::Violated)
-}
-
-/// The name of a verdict in results.
-pub fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NotCovered => "not-covered",
-        Verdict::Satisfied => "satisfied",
-        Verdict::Violated => "violated",
-        Verdict::Inconclusive => "inconclusive",
-    }
 }

@@ -305,3 +305,13 @@ fn written_forms(form: &SubjectForm) -> impl Iterator<Item = (Option<&str>, &Jud
         .map(|reading| (Some(reading.name.as_str()), &reading.monitor));
     main.chain(others)
 }
+
+/// The name of a verdict in results.
+pub fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NotCovered => "not-covered",
+        Verdict::Satisfied => "satisfied",
+        Verdict::Violated => "violated",
+        Verdict::Inconclusive => "inconclusive",
+    }
+}

@@ -7,7 +7,6 @@ use crate::diagnostic::Span;
 use crate::expression::Expression;
 use crate::lexer::{Kind, Token};
 use crate::sentence::{Amount, Probability, ScopeKind, Stage, Timing};
-use crate::suggest::nearest;
 
 /// What stands behind `shall`.
 pub(super) struct Response {
@@ -159,7 +158,7 @@ fn no_timing(reader: &mut Reader<'_>, response: &[Token<'_>], span: Span) {
         .map_or("", |token| token.text)
         .to_lowercase();
     if response.len() > 1
-        && let Some(similar) = nearest(
+        && let Some(similar) = trace::nearest(
             &word,
             TIMING_WORDS.iter().copied().filter(|known| known.len() > 4),
         )

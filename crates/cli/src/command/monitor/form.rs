@@ -1,12 +1,11 @@
 //! What `monitor --format json` prints.
 
 use super::asked::Asked;
-use crate::technique::judging::{Judgement, Responsible, Violation};
+use crate::technique::judging::{Judgement, Responsible, Violation, verdict_name};
 use crate::technique::recording::JudgedRecording;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
-use temporal::monitor::Verdict;
 
 /// What `monitor --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -218,14 +217,5 @@ fn shown_violation(
         from_secs: violation.from_secs,
         to_secs: violation.to_secs,
         responsible: violation.responsible.iter().map(shown).collect(),
-    }
-}
-
-fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NotCovered => "not-covered",
-        Verdict::Satisfied => "satisfied",
-        Verdict::Violated => "violated",
-        Verdict::Inconclusive => "inconclusive",
     }
 }

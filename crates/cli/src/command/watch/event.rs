@@ -1,10 +1,9 @@
 //! What happens while a system is watched, as JSON lines and as text.
 
-use crate::technique::judging::{JudgedTrace, Judgement, Violation};
+use crate::technique::judging::{JudgedTrace, Judgement, Violation, verdict_name};
 use evidence::Subject;
 use schemars::JsonSchema;
 use serde::Serialize;
-use temporal::monitor::Verdict;
 
 /// One line of `watch --format json`.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -221,16 +220,6 @@ impl LiveViolation {
             to_secs: violation.to_secs,
             responsible: responsible.collect(),
         }
-    }
-}
-
-/// A verdict's name in JSON.
-fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NotCovered => "not-covered",
-        Verdict::Satisfied => "satisfied",
-        Verdict::Violated => "violated",
-        Verdict::Inconclusive => "inconclusive",
     }
 }
 
