@@ -91,8 +91,8 @@ mod ros2_writer;
 mod transform;
 
 pub use ros2_writer::{
-    Ros2Recording, Ros2Source, Ros2Topic, Ros2TopicId, Ros2TraceOptions, Ros2TraceOutcome,
-    Ros2Value, Ros2WriteError, ros2_recording_of, ros2_type_names,
+    Ros2Encoder, Ros2Recording, Ros2Source, Ros2Topic, Ros2TopicId, Ros2TraceOptions,
+    Ros2TraceOutcome, Ros2Value, Ros2WriteError, ros2_recording_of, ros2_type_names,
 };
 pub use transform::{FrameId, LookupError, Transform, TransformBuffer, TransformProblem};
 

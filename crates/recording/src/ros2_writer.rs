@@ -43,5 +43,7 @@ mod writer;
 pub use definitions::ros2_type_names;
 pub use encode::Ros2Value;
 pub use error::Ros2WriteError;
-pub use mapping::{Ros2Source, Ros2Topic, Ros2TraceOptions, Ros2TraceOutcome, ros2_recording_of};
+pub use mapping::{
+    Ros2Encoder, Ros2Source, Ros2Topic, Ros2TraceOptions, Ros2TraceOutcome, ros2_recording_of,
+};
 pub use writer::{Ros2Recording, Ros2TopicId};

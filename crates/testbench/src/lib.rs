@@ -60,6 +60,13 @@
 //! former. `/truth.human_distance` is between the centre of the robot's wrist and the centre of the
 //! human's hand or head, whichever is nearer.
 //!
+//! # Hardware in the loop
+//!
+//! [`run_episode_with`] joins an episode to an [`Outside`]: it is told of every time step, so that it
+//! can hold the episode in step with a clock and pass on what is recorded, and gives readings that
+//! replace simulated ones (the human's signals, tracked positions, the sensors' judgements). This
+//! crate knows neither clocks nor networks; see `crates/live` for those.
+//!
 //! # Performance
 //!
 //! Six handovers of 35 s each, steps of 2 ms, contact physics throughout, recording included, took
@@ -95,6 +102,7 @@
 pub mod geometry;
 mod model;
 mod mujoco;
+mod outside;
 mod random;
 pub mod robot;
 pub mod scenario;
@@ -104,6 +112,7 @@ pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
     BodyId, Contact, Engine, EngineError, GeomId, SUPPORTED_VERSION, SavedState, Simulation,
 };
+pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};
 pub use scenario::{Parameters, Scenario, ScenarioError};
-pub use world::{Cancel, Episode, Outcome, SimError, World, run_episode};
+pub use world::{Cancel, Episode, Outcome, SimError, World, run_episode, run_episode_with};

@@ -2,6 +2,7 @@
 
 mod common;
 
+use testbench::SensorsOutside;
 use testbench::geometry::{IDENTITY, Pose};
 use testbench::robot::{
     Controller, Decision, HandCommand, PlannerStatus, Readings, ResetPose, State, TrackedPoses,
@@ -60,6 +61,7 @@ impl Bench {
             activated: self.activated,
             human_ready: self.ready,
             planner: self.planner,
+            sensors: SensorsOutside::default(),
         });
         self.clock_secs += 0.02;
         if self.seen.last() != Some(&self.controller.state()) {

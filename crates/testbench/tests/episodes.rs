@@ -2,8 +2,12 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use testbench::robot::Decision;
-use testbench::{Cancel, Distribution, Engine, Episode, Parameters, SimError, World, run_episode};
+use testbench::{
+    Cancel, Distribution, Engine, Episode, Outside, OutsideReadings, Parameters, Reading, SimError,
+    World, run_episode, run_episode_with,
+};
 use trace::Trace;
 
 fn world(engine: &Engine, parameters: &Parameters) -> World {
@@ -251,4 +255,89 @@ fn the_trace_shows_the_end_of_sensing_no_later_than_the_decision() {
     assert_eq!(first_time("/sensors", "sensing_done"), decided_secs);
     assert!(first_time("/sensors", "all_ok") <= decided_secs);
     assert!(first_time("/truth", "human_ready") < decided_secs);
+}
+
+/// An outside that says the same all the time, and breaks off at a time.
+struct Constant {
+    readings: OutsideReadings,
+    until_secs: f64,
+    steps: u64,
+    rows: usize,
+}
+
+impl Constant {
+    fn new(readings: OutsideReadings) -> Self {
+        Self {
+            readings,
+            until_secs: f64::INFINITY,
+            steps: 0,
+            rows: 0,
+        }
+    }
+}
+
+impl Outside for Constant {
+    fn step(&mut self, now_secs: f64, recorded: &Trace) -> ControlFlow<()> {
+        self.steps += 1;
+        let rows = recorded.channels.iter().map(|channel| channel.len()).sum();
+        assert!(rows >= self.rows, "rows are only added");
+        self.rows = rows;
+        match now_secs < self.until_secs {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        }
+    }
+
+    fn readings(&self) -> OutsideReadings {
+        self.readings
+    }
+}
+
+#[test]
+fn an_outside_that_says_nothing_changes_no_bit_and_sees_every_step() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut world = world(&engine, &faultless());
+    let expected = run(&mut world, 1);
+    let mut outside = Constant::new(OutsideReadings::default());
+    let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+    let joined = joined.expect("the episode runs");
+    assert_eq!(bits(&joined.trace), bits(&expected.trace));
+    assert_eq!(outside.steps, expected.steps);
+    assert!(outside.rows > 0);
+}
+
+#[test]
+fn the_robot_decides_by_what_a_sensor_outside_says() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut world = world(&engine, &faultless());
+    assert_eq!(run(&mut world, 1).outcome.decision, Decision::Release);
+    for (says, expected) in [
+        (Some(true), Decision::Release),
+        (Some(false), Decision::Keep),
+        // A sensor that never speaks: the robot gives up.
+        (None, Decision::TimeOut),
+    ] {
+        let mut readings = OutsideReadings::default();
+        readings.sensors.pressure = Reading::Outside(says);
+        let mut outside = Constant::new(readings);
+        let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+        let decision = joined.expect("the episode runs").outcome.decision;
+        assert_eq!(decision, expected, "{says:?}");
+    }
+}
+
+#[test]
+fn an_outside_may_break_off() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let mut world = world(&engine, &faultless());
+    let mut outside = Constant::new(OutsideReadings::default());
+    outside.until_secs = 0.5;
+    let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+    assert!(matches!(joined, Err(SimError::Cancelled)));
 }

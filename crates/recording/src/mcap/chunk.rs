@@ -17,14 +17,15 @@ impl Decompressor {
         Decompressor { zstd: None }
     }
 
-    /// Decompresses a whole chunk into `out` and checks its length and checksum.
+    /// Decompresses a whole chunk into `out` and checks its length and checksum. What was compressed
+    /// is of no use afterwards.
     ///
     /// # Errors
     /// What is wrong, as a clause.
     pub(super) fn whole(
         &mut self,
         head: &ChunkHead,
-        compressed: &[u8],
+        compressed: &mut Vec<u8>,
         limit_bytes: u64,
         out: &mut Vec<u8>,
     ) -> Result<(), String> {
@@ -37,7 +38,7 @@ impl Decompressor {
         }
         let usual = (compressed.len() as u64).saturating_mul(USUAL_GROWTH);
         match head.compression.as_str() {
-            "" => out.extend_from_slice(compressed),
+            "" => std::mem::swap(compressed, out),
             "zstd" if claimed <= usual => self.zstd(compressed, claimed, out)?,
             "zstd" | "lz4" => {
                 let reader = reader(head, compressed)?;

@@ -2,10 +2,10 @@
 
 use trace::{FieldKind, SignalIndex, Trace};
 
-use super::definitions::Primitive;
+use super::definitions::{Primitive, schema_text, short_name};
 use super::encode::{Plan, Ros2Value};
 use super::error::Ros2WriteError;
-use super::writer::{Ros2Recording, Ros2TopicId};
+use super::writer::Ros2Recording;
 
 /// Where the value of a field comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,9 +72,10 @@ pub fn ros2_recording_of(
     if !trace.metadata.is_empty() {
         recording.add_metadata("corroborate.metadata", &trace.metadata)?;
     }
-    let mut plans = Vec::with_capacity(topics.len());
+    let (mut plans, mut ids) = (Vec::new(), Vec::new());
     for topic in topics {
-        plans.push(Mapped::new(&mut recording, trace, topic)?);
+        plans.push(Ros2Encoder::new(trace, topic)?);
+        ids.push(recording.add_topic(&topic.name, &topic.type_name)?);
     }
     let mut order: Vec<(i64, usize, usize)> = Vec::new();
     for (index, mapped) in plans.iter().enumerate() {
@@ -87,7 +88,7 @@ pub fn ros2_recording_of(
         match plans[index].values(trace, row, nanos) {
             Some(values) => {
                 let mapped = &plans[index];
-                recording.write_planned(mapped.topic, nanos, &mapped.plan, &values)?;
+                recording.write_planned(ids[index], nanos, &mapped.plan, &values)?;
                 messages += 1;
             }
             None => left_out += 1,
@@ -107,9 +108,29 @@ impl Ros2TraceOptions {
     }
 }
 
-/// A topic whose signals were found.
-struct Mapped<'t> {
-    topic: Ros2TopicId,
+/// Makes the messages of one topic of the rows of a trace, one at a time, for those who send them
+/// instead of writing a file.
+///
+/// ```
+/// use recording::{Ros2Encoder, Ros2Source, Ros2Topic};
+/// use trace::{Field, Trace};
+/// let mut trace = Trace::new();
+/// let robot = trace.add_channel("/robot", vec![Field::number("speed", "m/s")])?;
+/// let topic = Ros2Topic {
+///     name: "/speed".into(),
+///     type_name: "std_msgs/msg/Float64".into(),
+///     rows_of: "/robot".into(),
+///     fields: vec![("data".into(), Ros2Source::Signal("/robot.speed".into()))],
+/// };
+/// let encoder = Ros2Encoder::new(&trace, &topic)?;
+/// trace.channels[robot].push(0.5, &[1.5])?;
+/// let mut message = Vec::new();
+/// assert!(encoder.encode(&trace, 0, 500_000_000, &mut message)?);
+/// assert_eq!(message, [0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0xf8, 0x3f]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Ros2Encoder<'t> {
+    type_name: &'static str,
     plan: Plan,
     /// Index of the channel whose rows become messages.
     channel: usize,
@@ -122,12 +143,16 @@ enum Found<'t> {
     Stamp,
 }
 
-impl<'t> Mapped<'t> {
-    fn new(
-        recording: &mut Ros2Recording,
-        trace: &Trace,
-        topic: &'t Ros2Topic,
-    ) -> Result<Self, Ros2WriteError> {
+impl<'t> Ros2Encoder<'t> {
+    /// The encoder of `topic` for traces with the channels of `trace`, which need no rows yet.
+    ///
+    /// # Errors
+    /// [`Ros2WriteError`] if the table names a type, field or signal that is not there.
+    pub fn new(trace: &Trace, topic: &'t Ros2Topic) -> Result<Self, Ros2WriteError> {
+        let type_name =
+            short_name(&topic.type_name).ok_or_else(|| Ros2WriteError::UnknownType {
+                type_name: topic.type_name.clone(),
+            })?;
         let unknown = |name: &str| Ros2WriteError::UnknownSignal {
             name: name.to_owned(),
         };
@@ -148,14 +173,43 @@ impl<'t> Mapped<'t> {
             });
         }
         let paths: Vec<&str> = topic.fields.iter().map(|(path, _)| path.as_str()).collect();
-        let id = recording.add_topic(&topic.name, &topic.type_name)?;
-        let plan = Plan::new(recording.type_of(id), &paths)?;
-        Ok(Mapped {
-            topic: id,
+        let plan = Plan::new(type_name, &paths)?;
+        Ok(Ros2Encoder {
+            type_name,
             plan,
             channel,
             sources,
         })
+    }
+
+    /// The definition of the messages' type, in `ros2msg`.
+    #[must_use]
+    pub fn schema_text(&self) -> String {
+        schema_text(self.type_name)
+    }
+
+    /// Index of the channel whose rows become messages.
+    #[must_use]
+    pub fn channel(&self) -> usize {
+        self.channel
+    }
+
+    /// Writes the message of row `row` to `out`, replacing what is there, with `nanos` where the
+    /// table wants the time. `false`, and no message, if a value is missing that cannot be NaN.
+    ///
+    /// # Errors
+    /// [`Ros2WriteError`] if a value does not fit its field.
+    pub fn encode(
+        &self,
+        trace: &Trace,
+        row: usize,
+        nanos: i64,
+        out: &mut Vec<u8>,
+    ) -> Result<bool, Ros2WriteError> {
+        match self.values(trace, row, nanos) {
+            Some(values) => self.plan.encode(&values, out).map(|()| true),
+            None => Ok(false),
+        }
     }
 
     /// The values for the message of row `row`; `None` if one is missing that cannot be NaN.

@@ -134,11 +134,6 @@ impl Ros2Recording {
         written
     }
 
-    /// The type of a topic, by its short name.
-    pub(super) fn type_of(&self, topic: Ros2TopicId) -> &'static str {
-        self.topics[topic.0].type_name
-    }
-
     pub(super) fn write_planned(
         &mut self,
         topic: Ros2TopicId,

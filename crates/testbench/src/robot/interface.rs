@@ -1,6 +1,7 @@
 //! What passes between the robot's code and its body.
 
 use crate::geometry::{Pose, Vector};
+use crate::outside::SensorsOutside;
 use crate::scenario::JointAngles;
 
 /// One reading of the motion-tracking system, in the world frame.
@@ -45,6 +46,8 @@ pub struct Readings<'a> {
     pub human_ready: bool,
     /// The motion planner.
     pub planner: PlannerStatus,
+    /// Judgements of sensors that are not simulated; by default there are none.
+    pub sensors: SensorsOutside,
 }
 
 /// What the hand is told to do.

@@ -22,9 +22,12 @@ struct Latch {
 }
 
 impl Latch {
-    fn take(&mut self, satisfied: bool) {
-        self.any |= satisfied;
-        self.last = Some(satisfied);
+    /// Takes a reading, if there is one.
+    fn take(&mut self, reading: Option<bool>) {
+        if let Some(satisfied) = reading {
+            self.any |= satisfied;
+            self.last = Some(satisfied);
+        }
     }
 
     /// `None` while there has been no reading.
@@ -92,10 +95,11 @@ impl SensorNodes {
 
     /// Takes one reading of each sensor.
     pub fn read(&mut self, readings: &Readings<'_>) {
-        if let Some(tracked) = readings.tracking {
-            self.gaze.take(gaze_satisfied(&self.rules, tracked));
-            self.location.take(location_satisfied(&self.rules, tracked));
-        }
+        let (rules, outside) = (&self.rules, &readings.sensors);
+        let gaze = readings.tracking.map(|it| gaze_satisfied(rules, it));
+        let location = readings.tracking.map(|it| location_satisfied(rules, it));
+        self.gaze.take(outside.gaze.or(gaze));
+        self.location.take(outside.location.or(location));
         if readings.clock_secs - self.began_secs < self.baseline_after_secs - 1e-9 {
             return;
         }
@@ -104,11 +108,8 @@ impl SensorNodes {
             .get_or_insert_with(|| readings.finger_counts.to_vec());
         let moved = largest_displacement(baseline, readings.finger_counts);
         self.largest_displacement_counts = self.largest_displacement_counts.max(moved);
-        self.pressure.take(pressure_satisfied(
-            &self.rules,
-            baseline,
-            readings.finger_counts,
-        ));
+        let pressure = pressure_satisfied(rules, baseline, readings.finger_counts);
+        self.pressure.take(outside.pressure.or(Some(pressure)));
     }
 
     /// What the sensors say now.
@@ -165,6 +166,7 @@ pub(crate) fn pressure_satisfied(rules: &Sensors, baseline: &[i64], counts: &[i6
 mod tests {
     use super::*;
     use crate::geometry::{IDENTITY, Pose, Vector, about};
+    use crate::outside::{Reading, SensorsOutside};
     use crate::robot::PlannerStatus;
 
     fn rules() -> Sensors {
@@ -260,6 +262,7 @@ mod tests {
                 activated: true,
                 human_ready: true,
                 planner: PlannerStatus::Idle,
+                sensors: SensorsOutside::default(),
             });
             nodes.report()
         };
@@ -283,5 +286,37 @@ mod tests {
         );
         assert!(last.complete() && !last.all_satisfied());
         assert_eq!(nodes.largest_displacement_counts(), 20);
+    }
+
+    #[test]
+    fn a_sensor_outside_replaces_the_simulated_one_and_says_nothing_while_it_is_not_known() {
+        let good = tracked([1.0, 0.0, 0.0], [1.0, 0.0, -0.1], 0.0);
+        let mut nodes = SensorNodes::begin(&rules(), 0.0, 0.0);
+        let mut read = |clock_secs: f64, gaze: Reading<bool>, pressure: Reading<bool>| {
+            nodes.read(&Readings {
+                clock_secs,
+                arm_rad: &[],
+                finger_counts: &[0],
+                tracking: Some(&good),
+                activated: true,
+                human_ready: true,
+                planner: PlannerStatus::Idle,
+                sensors: SensorsOutside {
+                    gaze,
+                    pressure,
+                    location: Reading::Simulated,
+                },
+            });
+            nodes.report()
+        };
+        let unknown = Reading::Outside(None);
+        let first = read(1.0, unknown, unknown);
+        assert_eq!((first.gaze, first.pressure), (None, None));
+        assert_eq!(first.location, Some(true), "still simulated");
+        let second = read(1.1, Reading::Outside(Some(false)), unknown);
+        assert_eq!((second.gaze, second.pressure), (Some(false), None));
+        // No finger has moved: the simulation would deny the pull.
+        let third = read(1.2, unknown, Reading::Outside(Some(true)));
+        assert_eq!((third.gaze, third.pressure), (Some(false), Some(true)));
     }
 }

@@ -18,6 +18,7 @@ use super::recorder::Recorder;
 use super::tracking::{Reading, Tracker, TruePoses};
 use crate::model::{PhysicalDraws, standing_pose};
 use crate::mujoco::{Engine, EngineError};
+use crate::outside::{Nothing, Outside, OutsideReadings};
 use crate::random::{Purpose, Stream};
 use crate::robot::{
     Controller, HandCommand, PlannerStatus, Readings, ResetPose, SensorReport, State,
@@ -195,6 +196,20 @@ impl World {
 /// # Errors
 /// [`SimError::Cancelled`] when `cancel` is set, [`SimError::Unstable`] when the physics fails.
 pub fn run_episode(world: &mut World, seed: u64, cancel: &Cancel) -> Result<Episode, SimError> {
+    run_episode_with(world, seed, cancel, &mut Nothing)
+}
+
+/// Runs one episode that is joined to `outside`.
+///
+/// # Errors
+/// [`SimError::Cancelled`] when `cancel` is set or `outside` breaks off, [`SimError::Unstable`]
+/// when the physics fails.
+pub fn run_episode_with(
+    world: &mut World,
+    seed: u64,
+    cancel: &Cancel,
+    outside: &mut dyn Outside,
+) -> Result<Episode, SimError> {
     let mut run = Run::new(world, seed)?;
     let longest_steps =
         (world.scenario.simulation.longest_secs / world.scenario.simulation.time_step_secs) as u64;
@@ -202,7 +217,14 @@ pub fn run_episode(world: &mut World, seed: u64, cancel: &Cancel) -> Result<Epis
         if run.plant.steps() % CANCEL_CHECK_STEPS == 0 && cancel.is_cancelled() {
             return Err(SimError::Cancelled);
         }
+        run.from_outside = outside.readings();
         run.advance()?;
+        if outside
+            .step(run.plant.now_secs(), run.recorder.so_far())
+            .is_break()
+        {
+            return Err(SimError::Cancelled);
+        }
     }
     run.finish()
 }
@@ -241,6 +263,7 @@ struct Run<'a> {
     recorder: Recorder,
     outcome: Outcome,
     reading: Option<Reading>,
+    from_outside: OutsideReadings,
     planner_status: PlannerStatus,
     announced: bool,
     ended_at_secs: Option<f64>,
@@ -280,6 +303,7 @@ impl<'a> Run<'a> {
             recorder,
             outcome: Outcome::new(),
             reading: None,
+            from_outside: OutsideReadings::default(),
             planner_status: PlannerStatus::Idle,
             announced: false,
             ended_at_secs: None,
@@ -370,14 +394,18 @@ impl<'a> Run<'a> {
         );
         let requests = self.controller.commands().planner_requests;
         self.planner_status = self.planner.update(requests, clock_secs);
+        let outside = &self.from_outside;
+        let tracking = self.reading.as_ref().map(|reading| reading.reported);
+        let tracking = tracking.and_then(|reported| outside.tracked(reported));
         let readings = Readings {
             clock_secs,
             arm_rad: &self.arm_rad,
             finger_counts: &self.finger_counts,
-            tracking: self.reading.as_ref().map(|reading| &reading.reported),
-            activated: self.human.activated(),
-            human_ready: self.human.ready(),
+            tracking: tracking.as_ref(),
+            activated: outside.activated.or(Some(self.human.activated())) == Some(true),
+            human_ready: outside.human_ready.or(Some(self.human.ready())) == Some(true),
             planner: self.planner_status,
+            sensors: outside.sensors,
         };
         self.controller.tick(&readings);
         self.announced |= self.controller.commands().announcing;

@@ -9,5 +9,5 @@ mod plant;
 mod recorder;
 mod tracking;
 
-pub use episode::{Cancel, Episode, SimError, World, run_episode};
+pub use episode::{Cancel, Episode, SimError, World, run_episode, run_episode_with};
 pub use judge::Outcome;

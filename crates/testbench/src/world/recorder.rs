@@ -47,6 +47,11 @@ impl Recorder {
             .insert(key.to_owned(), value.to_string());
     }
 
+    /// What was recorded so far.
+    pub(crate) fn so_far(&self) -> &Trace {
+        &self.trace
+    }
+
     /// The recording; `complete` is false when the episode was cut short.
     pub(crate) fn finish(mut self, complete: bool) -> Trace {
         self.trace.complete = complete;
