@@ -1,0 +1,1 @@
+//! Which stimuli to run next, and what the outcomes so far say.

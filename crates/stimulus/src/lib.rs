@@ -1,0 +1,1 @@
+//! What is done to a system under test.
