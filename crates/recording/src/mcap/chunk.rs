@@ -17,15 +17,14 @@ impl Decompressor {
         Decompressor { zstd: None }
     }
 
-    /// Decompresses a whole chunk into `out` and checks its length and checksum. What was compressed
-    /// is of no use afterwards.
+    /// Decompresses a whole chunk into `out` and checks its length and checksum.
     ///
     /// # Errors
     /// What is wrong, as a clause.
     pub(super) fn whole(
         &mut self,
         head: &ChunkHead,
-        compressed: &mut Vec<u8>,
+        compressed: &[u8],
         limit_bytes: u64,
         out: &mut Vec<u8>,
     ) -> Result<(), String> {
@@ -38,7 +37,7 @@ impl Decompressor {
         }
         let usual = (compressed.len() as u64).saturating_mul(USUAL_GROWTH);
         match head.compression.as_str() {
-            "" => std::mem::swap(compressed, out),
+            "" => out.extend_from_slice(compressed),
             "zstd" if claimed <= usual => self.zstd(compressed, claimed, out)?,
             "zstd" | "lz4" => {
                 let reader = reader(head, compressed)?;
