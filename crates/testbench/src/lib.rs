@@ -110,7 +110,8 @@ mod world;
 
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
-    BodyId, Contact, Engine, EngineError, GeomId, SUPPORTED_VERSION, SavedState, Simulation,
+    BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,
+    Simulation,
 };
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};

@@ -42,6 +42,22 @@ impl Stream {
         Self(generator)
     }
 
+    /// The stream of `name` under `seed`, for purposes that data names (a sensor, a person).
+    ///
+    /// The stream's number is the name's FNV-1a hash (Fowler, Noll, Vo, 1991) with the highest bit
+    /// set, so it never is that of a [`Purpose`].
+    #[must_use]
+    pub fn named(seed: u64, name: &str) -> Self {
+        const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+        const PRIME: u64 = 0x0000_0100_0000_01b3;
+        let hash = name.bytes().fold(OFFSET_BASIS, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+        });
+        let mut generator = ChaCha8Rng::seed_from_u64(seed);
+        generator.set_stream(hash | 1 << 63);
+        Self(generator)
+    }
+
     /// A number uniform in [0, 1), from the upper 53 bits of a draw.
     pub fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
@@ -170,6 +186,16 @@ mod tests {
             draw(7, Purpose::Human).to_bits(),
             draw(8, Purpose::Human).to_bits()
         );
+    }
+
+    #[test]
+    fn named_streams_differ_from_each_other_and_from_purposes() {
+        let first = |name| Stream::named(7, name).unit().to_bits();
+        assert_eq!(first("lidar"), first("lidar"));
+        assert_ne!(first("lidar"), first("lidar2"));
+        for purpose in [Purpose::Object, Purpose::Human, Purpose::Planner] {
+            assert_ne!(first("lidar"), Stream::new(7, purpose).unit().to_bits());
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use libloading::Library;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum ObjectKind {
     Body = 1,
+    Joint = 3,
     Geom = 5,
 }
 
@@ -78,6 +79,11 @@ function_table! {
     contact_force = b"mj_contactForce": fn(*const RawModel, *const RawData, c_int, *mut f64);
     object_velocity = b"mj_objectVelocity":
         fn(*const RawModel, *const RawData, c_int, c_int, *mut f64, c_int);
+    ray = b"mj_ray":
+        fn(*const RawModel, *const RawData, *const f64, *const f64, *const u8, bool, c_int,
+           *mut c_int, *mut f64) -> f64;
+    geom_distance = b"mj_geomDistance":
+        fn(*const RawModel, *mut RawData, c_int, c_int, f64, *mut f64) -> f64;
 }
 
 /// Why the library could not be opened, before any of its functions was trusted.

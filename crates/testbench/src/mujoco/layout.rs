@@ -1,4 +1,4 @@
-//! Where the fields of MuJoCo 3.17.0's `mjData` and `mjContact` lie, in bytes, on 64-bit machines.
+//! Where the fields of MuJoCo 3.17.0's `mjData`, `mjContact` and `mjModel` lie, in bytes, on 64-bit machines.
 //!
 //! Taken with `offsetof` from the headers inside the pinned wheel. Only a dozen fields are needed;
 //! everything else goes through MuJoCo's functions. The numbers are trusted only after
@@ -38,6 +38,11 @@ pub(super) const CONTACT_SIZE: usize = 584;
 pub(super) const CONTACT_DISTANCE: usize = 0;
 /// `mjContact.geom`: two `int`.
 pub(super) const CONTACT_GEOMS: usize = 540;
+
+/// `mjModel.jnt_qposadr`: pointer, an `int` for each joint.
+pub(super) const MODEL_JOINT_POSITION: usize = 2_112;
+/// `mjModel.jnt_dofadr`: pointer, an `int` for each joint.
+pub(super) const MODEL_JOINT_VELOCITY: usize = 2_120;
 
 /// `mjtState` bits used with `mj_getState` and `mj_setState`.
 pub(super) mod state {

@@ -31,6 +31,7 @@ pub(super) fn run(engine: &Engine) -> Result<(), EngineError> {
     }
     check_state(&simulation)?;
     check_frames(&simulation)?;
+    check_queries(&mut simulation)?;
     check_contact(&simulation)
 }
 
@@ -110,6 +111,29 @@ fn check_frames(simulation: &Simulation) -> Result<(), EngineError> {
         (velocity[2] - simulation.velocities()[2]).abs() < 1e-3,
         "mj_objectVelocity",
     )
+}
+
+/// The pendulum's joint comes after the ball's free joint; rays and distances meet the ball.
+fn check_queries(simulation: &mut Simulation) -> Result<(), EngineError> {
+    let missing = EngineError::SelfCheck { what: "mj_name2id" };
+    let swing = simulation.joint("swing").ok_or_else(|| missing.clone())?;
+    require(swing.position_index() == 7, "jnt_qposadr")?;
+    require(swing.velocity_index() == 6, "jnt_dofadr")?;
+    let (ball, shell) = (simulation.body("ball"), simulation.geom("shell"));
+    let (Some(ball), Some(shell), Some(ground)) = (ball, shell, simulation.geom("ground")) else {
+        return Err(missing);
+    };
+    let [x, y, z] = simulation.body_position(ball);
+    let down = [0.0, 0.0, -1.0];
+    let hit = simulation.ray([x, y, z + 1.0], down, None);
+    require(
+        hit.is_some_and(|hit| hit.geom == shell && (hit.distance_m - 0.9).abs() < 1e-9),
+        "mj_ray",
+    )?;
+    let beyond = simulation.ray([x, y, z + 1.0], down, Some(ball));
+    require(beyond.is_some_and(|hit| hit.geom == ground), "mj_ray")?;
+    let depth = simulation.geom_distance(ground, shell, 1.0);
+    require((depth - (z - 0.1)).abs() < 1e-6, "mj_geomDistance")
 }
 
 /// The contact carries the ball's weight.

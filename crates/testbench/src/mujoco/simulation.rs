@@ -1,8 +1,12 @@
 //! A compiled model with its data: the safe face of `mjModel` and `mjData`.
 
+mod queries;
+
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::NonNull;
 use std::sync::Arc;
+
+pub use queries::{JointId, RayHit};
 
 use super::EngineError;
 use super::functions::{Functions, ObjectKind, RawData, RawModel};
