@@ -6,6 +6,7 @@
 //! * [`monitor`]: staged assertions that judge one finite trace while time passes.
 
 pub mod automaton;
+mod clock;
 pub mod formula;
 pub mod ltl;
 pub mod monitor;

@@ -27,6 +27,7 @@
 //! least of p so far or the greatest of q, as for until. For a stage before others it also says how
 //! far its end is from coming at another sample: it is a bound on what may change with no effect on
 //! the verdict, not always the largest. That of the monitor is the least over its instances.
+//! [`RobustnessMonitor`](super::RobustnessMonitor) computes it without the formula.
 
 use super::spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};
 use crate::formula::{AtomText, Ending, Formula, Interval};

@@ -4,12 +4,10 @@ use std::fmt;
 
 use super::report::{Failure, FailureReason, MonitorReport, Verdict};
 use super::spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};
+use crate::clock::tolerance_secs;
 
 /// A proposition of one monitor: its position in [`Monitor::propositions`].
 pub type PropId = usize;
-
-/// The resolution of recorded times, in seconds.
-const RESOLUTION_SECS: f64 = 1e-9;
 
 /// A monitor that is ready to judge traces; it can be shared by threads.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +22,7 @@ pub struct Monitor {
 
 /// A stage over proposition numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Step {
+pub(super) enum Step {
     Assert(PropId),
     WaitFor {
         proposition: PropId,
@@ -43,6 +41,14 @@ impl Step {
             Step::Assert(proposition)
             | Step::WaitFor { proposition, .. }
             | Step::Hold { proposition, .. } => proposition,
+        }
+    }
+
+    /// The longest that it may last, in seconds; infinite if there is no limit.
+    pub(super) fn within_secs(self) -> f64 {
+        match self {
+            Step::Assert(_) => 0.0,
+            Step::WaitFor { within_secs, .. } | Step::Hold { within_secs, .. } => within_secs,
         }
     }
 }
@@ -97,6 +103,17 @@ impl Monitor {
     #[must_use]
     pub fn propositions(&self) -> &[String] {
         &self.propositions
+    }
+
+    /// What it is made of.
+    pub(super) fn parts(&self) -> (PropId, Trigger, Repeat, AtEnd, &[Step]) {
+        (
+            self.when,
+            self.trigger,
+            self.repeat,
+            self.at_end,
+            &self.stages,
+        )
     }
 
     /// Begins to judge a trace.
@@ -388,7 +405,7 @@ impl Instance {
 
     fn deadline(&self, time_secs: f64, within_secs: f64) -> Deadline {
         let left_secs = within_secs - (time_secs - self.entered_secs);
-        let tolerance_secs = RESOLUTION_SECS.max(4.0 * f64::EPSILON * time_secs.abs());
+        let tolerance_secs = tolerance_secs(time_secs);
         if left_secs > tolerance_secs {
             Deadline::Ahead
         } else if left_secs >= -tolerance_secs {

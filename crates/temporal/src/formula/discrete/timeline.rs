@@ -15,8 +15,7 @@
 
 use std::collections::VecDeque;
 
-/// The resolution of recorded times, in seconds.
-const RESOLUTION_SECS: f64 = 1e-9;
+pub(super) use crate::clock::tolerance_secs;
 
 /// How far a window reaches.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -236,11 +235,6 @@ impl Timeline {
         }
         from
     }
-}
-
-#[inline]
-pub(super) fn tolerance_secs(time_secs: f64) -> f64 {
-    RESOLUTION_SECS.max(4.0 * f64::EPSILON * time_secs.abs())
 }
 
 #[cfg(test)]
