@@ -17,34 +17,37 @@ impl Decompressor {
         Decompressor { zstd: None }
     }
 
-    /// Decompresses a whole chunk into `out` and checks its length and checksum.
+    /// Decompresses a whole chunk into `out` and checks its length and checksum. What was compressed
+    /// is of no use afterwards.
     ///
     /// # Errors
     /// What is wrong, as a clause.
     pub(super) fn whole(
         &mut self,
         head: &ChunkHead,
-        compressed: &[u8],
+        compressed: &mut Vec<u8>,
         limit_bytes: u64,
         out: &mut Vec<u8>,
     ) -> Result<(), String> {
-        out.clear();
         let claimed = head.uncompressed_bytes;
         if claimed > limit_bytes {
+            out.clear();
             return Err(format!(
                 "a chunk claims to hold {claimed} bytes, more than the {limit_bytes} allowed"
             ));
         }
         let usual = (compressed.len() as u64).saturating_mul(USUAL_GROWTH);
         match head.compression.as_str() {
-            "" => out.extend_from_slice(compressed),
+            "" => std::mem::swap(compressed, out),
             "zstd" if claimed <= usual => self.zstd(compressed, claimed, out)?,
             "zstd" | "lz4" => {
+                out.clear();
                 let reader = reader(head, compressed)?;
                 let read = reader.take(claimed + 1).read_to_end(out);
                 read.map_err(|error| format!("a chunk cannot be decompressed ({error})"))?;
             }
             other => {
+                out.clear();
                 return Err(format!(
                     "a chunk is compressed by {other}, which is not known"
                 ));
@@ -68,9 +71,11 @@ impl Decompressor {
             self.zstd = Some(zstd::bulk::Decompressor::new().map_err(problem)?);
         }
         if let Some(zstd) = &mut self.zstd {
-            out.reserve(usize::try_from(claimed).unwrap_or(0));
-            zstd.decompress_to_buffer(compressed, out)
-                .map_err(problem)?;
+            // Exactly the room that is claimed, or what is said of damage would depend on the chunk
+            // that was there before. What is there already is overwritten, not filled with zeros.
+            out.resize(usize::try_from(claimed).unwrap_or(0), 0);
+            let found = zstd.decompress_to_buffer(compressed, &mut out[..]);
+            out.truncate(found.map_err(problem)?);
         }
         Ok(())
     }

@@ -3,10 +3,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::record::{ChannelRecord, MessageHead, SchemaRecord};
-use super::{Entry, HEAD_BYTES, OpenSegment, op, split_record};
+use super::loader::{Loaded, MessageAt};
+use super::record::{ChannelRecord, SchemaRecord, op};
+use super::segments::Entry;
 use crate::reader::{Encoding, TopicId, TopicInfo};
 use crate::schema::{Dialect, ProtobufSchema, Schema, SchemaError, parse_idl, parse_msg};
+
+/// Messages of a segment that are not given.
+#[derive(Default)]
+struct LeftOut {
+    /// How many there are of each channel that nothing describes.
+    unknown: BTreeMap<u16, u64>,
+    /// How many have times that cannot be held.
+    beyond: u64,
+}
 
 /// Everything that describes messages, as far as it was found.
 #[derive(Default)]
@@ -14,6 +24,8 @@ pub(super) struct Topics {
     pub(super) all: Vec<TopicInfo>,
     schemas: BTreeMap<u16, (SchemaRecord, Arc<Schema>)>,
     channels: BTreeMap<u16, (ChannelRecord, TopicId)>,
+    /// The topic of each channel, by its id.
+    by_channel: Vec<Option<TopicId>>,
     notes: Vec<(String, Option<u64>)>,
     noted: BTreeSet<String>,
     noted_segments: BTreeSet<u64>,
@@ -61,12 +73,17 @@ impl Topics {
             schema,
             message_count: None,
         });
+        let channel = usize::from(record.id);
+        if self.by_channel.len() <= channel {
+            self.by_channel.resize(channel + 1, None);
+        }
+        self.by_channel[channel] = Some(id);
         self.channels.insert(record.id, (record, id));
         true
     }
 
     pub(super) fn of_channel(&self, channel: u16) -> Option<TopicId> {
-        self.channels.get(&channel).map(|(_, id)| *id)
+        self.by_channel.get(usize::from(channel)).copied().flatten()
     }
 
     pub(super) fn set_counts(&mut self, counts: &BTreeMap<u16, u64>) {
@@ -97,85 +114,62 @@ impl Topics {
         }
     }
 
-    /// Takes the records of a segment: descriptions, and its messages as entries. Of a segment that
-    /// was cut, everything up to the first record that is not whole.
+    /// Takes the records of a segment at `offset`: descriptions, and its messages as entries.
     ///
     /// # Errors
-    /// What is wrong, as a clause, if a record is malformed.
-    pub(super) fn take(&mut self, opened: &mut OpenSegment, is_cut: bool) -> Result<(), String> {
-        let data = std::mem::take(&mut opened.data);
-        let taken = self.records(&data, opened, is_cut);
-        opened.data = data;
-        taken
+    /// What is wrong, as a clause.
+    pub(super) fn take(
+        &mut self,
+        offset: u64,
+        loaded: &Loaded,
+        entries: &mut Vec<Entry>,
+    ) -> Result<(), String> {
+        let mut left_out = LeftOut::default();
+        let mut contradicts = false;
+        let mut from = 0;
+        entries.reserve(loaded.messages.len());
+        for at in &loaded.descriptions {
+            let before = &loaded.messages[from..at.messages_before];
+            self.enter(before, entries, &mut left_out);
+            from = at.messages_before;
+            let content = &loaded.data[at.start..at.end];
+            let Some(is_new_or_same) = self.describe(at.kind, content) else {
+                return Err("a description inside a chunk is malformed".to_owned());
+            };
+            contradicts |= !is_new_or_same;
+        }
+        self.enter(&loaded.messages[from..], entries, &mut left_out);
+        if let Some(problem) = &loaded.problem {
+            return Err(problem.clone());
+        }
+        if contradicts {
+            return Err(
+                "a chunk describes a channel or schema otherwise than it was before".to_owned(),
+            );
+        }
+        self.note_all(offset, left_out);
+        Ok(())
     }
 
-    fn records(
-        &mut self,
-        data: &[u8],
-        opened: &mut OpenSegment,
-        is_cut: bool,
-    ) -> Result<(), String> {
-        if u32::try_from(data.len()).is_err() {
-            return Err("a chunk holds more than 4 GiB".to_owned());
-        }
-        let mut unknown: BTreeMap<u16, u64> = BTreeMap::new();
-        let mut beyond = 0_u64;
-        let mut rest = data;
-        let mut described = Vec::new();
-        while !rest.is_empty() {
-            let at = data.len() - rest.len();
-            let Some((kind, content, after)) = split_record(rest) else {
-                if is_cut {
-                    break;
-                }
-                return Err("a record inside a chunk is malformed".to_owned());
-            };
-            rest = after;
-            match kind {
-                op::MESSAGE => {
-                    let Some(head) = MessageHead::read(content) else {
-                        return Err("a message inside a chunk is malformed".to_owned());
-                    };
-                    let start = at + HEAD_BYTES as usize + MessageHead::BYTES;
-                    let times = (
-                        i64::try_from(head.log_nanos),
-                        i64::try_from(head.publish_nanos),
-                    );
-                    match (self.of_channel(head.channel), times) {
-                        (None, _) => *unknown.entry(head.channel).or_insert(0) += 1,
-                        (Some(topic), (Ok(log_nanos), Ok(publish_nanos))) => {
-                            opened.entries.push(Entry {
-                                log_nanos,
-                                publish_nanos,
-                                topic,
-                                start: start as u32,
-                                end: (data.len() - rest.len()) as u32,
-                            });
-                        }
-                        _ => beyond += 1,
-                    }
-                }
-                op::SCHEMA | op::CHANNEL => {
-                    let Some(is_new_or_same) = self.describe(kind, content) else {
-                        return Err("a description inside a chunk is malformed".to_owned());
-                    };
-                    if !is_new_or_same {
-                        described.push(kind);
-                    }
-                }
-                _ => {
-                    return Err(format!(
-                        "a record of kind {kind:#04x} stands inside a chunk"
-                    ));
-                }
+    /// Makes entries of messages.
+    fn enter(&self, messages: &[MessageAt], entries: &mut Vec<Entry>, left_out: &mut LeftOut) {
+        for message in messages {
+            let head = &message.head;
+            let times = (
+                i64::try_from(head.log_nanos),
+                i64::try_from(head.publish_nanos),
+            );
+            match (self.of_channel(head.channel), times) {
+                (None, _) => *left_out.unknown.entry(head.channel).or_insert(0) += 1,
+                (Some(topic), (Ok(log_nanos), Ok(publish_nanos))) => entries.push(Entry {
+                    log_nanos,
+                    publish_nanos,
+                    topic,
+                    start: message.start,
+                    end: message.end,
+                }),
+                _ => left_out.beyond += 1,
             }
-        }
-        self.note_all(opened.offset, unknown, beyond, !described.is_empty());
-        if described.is_empty() {
-            Ok(())
-        } else {
-            opened.entries.clear();
-            Err("a chunk describes a channel or schema otherwise than it was before".to_owned())
         }
     }
 
@@ -186,23 +180,14 @@ impl Topics {
         })
     }
 
-    fn note_all(
-        &mut self,
-        offset: u64,
-        unknown: BTreeMap<u16, u64>,
-        beyond: u64,
-        is_refused: bool,
-    ) {
-        if is_refused {
-            return;
-        }
-        for (channel, count) in unknown {
+    fn note_all(&mut self, offset: u64, left_out: LeftOut) {
+        for (channel, count) in left_out.unknown {
             let message = format!("messages of channel {channel}, which nothing describes");
             self.note(format!("{offset} {channel}"), message, Some(count));
         }
-        if beyond > 0 {
+        if left_out.beyond > 0 {
             let message = "messages with times beyond the year 2262".to_owned();
-            self.note(format!("{offset} beyond"), message, Some(beyond));
+            self.note(format!("{offset} beyond"), message, Some(left_out.beyond));
         }
     }
 }
