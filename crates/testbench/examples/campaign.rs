@@ -27,15 +27,27 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let began = Instant::now();
     let episodes = (first_seed..first_seed + count)
-        .map(|seed| run_episode(&mut world, seed, &Cancel::default()))
+        .map(|seed| run_episode(&world, seed, &Cancel::default()))
         .collect::<Result<Vec<Episode>, _>>()?;
     summarise(&episodes, began.elapsed().as_secs_f64());
+    println!("hash of all traces {:016x}", hash(&episodes));
     if std::env::var_os("CAMPAIGN_DETAILS").is_some() {
         for episode in &episodes {
             println!("{:?} {:?}", episode.trace.metadata, episode.outcome);
         }
     }
     Ok(())
+}
+
+/// One number for every bit recorded: FNV-1a (Fowler, Noll, Vo 1991) over times and values.
+fn hash(episodes: &[Episode]) -> u64 {
+    let channels = episodes.iter().flat_map(|episode| &episode.trace.channels);
+    let numbers = channels.flat_map(|channel| channel.times_secs.iter().chain(&channel.values));
+    numbers
+        .flat_map(|number| number.to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
 }
 
 /// Prints counts of each way an episode can end, and the ratio of simulated to real time.

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
         return Ok(());
     }
-    let episode = run_episode(&mut world, seed, &Cancel::default())?;
+    let episode = run_episode(&world, seed, &Cancel::default())?;
     let channel = episode
         .trace
         .channel(topic)

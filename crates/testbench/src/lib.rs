@@ -26,8 +26,8 @@
 //! let library = root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
 //! if library.exists() {
 //!     let engine = Engine::load(&library)?;
-//!     let mut world = World::new(&engine, &scenario, &tuned)?;
-//!     let episode = run_episode(&mut world, 7, &Cancel::default())?;
+//!     let world = World::new(&engine, &scenario, &tuned)?;
+//!     let episode = run_episode(&world, 7, &Cancel::default())?;
 //!     assert_eq!(episode.trace.metadata["seed"], "7");
 //!     assert!(episode.trace.signal("/truth.human_ready").is_some());
 //! }
@@ -99,6 +99,7 @@
 //! * Not modelled: contact of the arm or hand with the pedestal, of the object with the arm, of the
 //!   human with the robot; compliance of the arm's links; latency of tracking.
 
+mod bench;
 pub mod geometry;
 mod model;
 mod mujoco;
@@ -108,6 +109,7 @@ pub mod robot;
 pub mod scenario;
 mod world;
 
+pub use bench::{Cancel, Control, End, Recorded, SimError, Unwatched, Watch};
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
     BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,
@@ -116,4 +118,4 @@ pub use mujoco::{
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};
 pub use scenario::{Parameters, Scenario, ScenarioError};
-pub use world::{Cancel, Episode, Outcome, SimError, World, run_episode, run_episode_with};
+pub use world::{Episode, Outcome, World, run_episode, run_episode_with, watch_episode};

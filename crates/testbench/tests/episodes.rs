@@ -14,7 +14,7 @@ fn world(engine: &Engine, parameters: &Parameters) -> World {
     World::new(engine, &common::scenario(), parameters).expect("the scenario is sound")
 }
 
-fn run(world: &mut World, seed: u64) -> Episode {
+fn run(world: &World, seed: u64) -> Episode {
     run_episode(world, seed, &Cancel::default()).expect("the episode runs")
 }
 
@@ -43,23 +43,23 @@ fn one_seed_gives_the_same_bits_in_a_used_world_a_fresh_one_and_on_two_threads()
         return;
     };
     let parameters = common::parameters("tuned");
-    let mut used = world(&engine, &parameters);
-    run(&mut used, 1);
-    let expected = run(&mut used, 2);
-    let fresh = run(&mut world(&engine, &parameters), 2);
+    let used = world(&engine, &parameters);
+    run(&used, 1);
+    let expected = run(&used, 2);
+    let fresh = run(&world(&engine, &parameters), 2);
     assert_eq!(bits(&fresh.trace), bits(&expected.trace));
     assert_eq!(fresh.trace.metadata, expected.trace.metadata);
     assert_eq!(fresh.outcome, expected.outcome);
     std::thread::scope(|scope| {
         let threads: Vec<_> = (0..2)
-            .map(|_| scope.spawn(|| bits(&run(&mut world(&engine, &parameters), 2).trace)))
+            .map(|_| scope.spawn(|| bits(&run(&world(&engine, &parameters), 2).trace)))
             .collect();
         for thread in threads {
             assert_eq!(thread.join().expect("no panic"), bits(&expected.trace));
         }
     });
     assert_ne!(
-        bits(&run(&mut used, 3).trace),
+        bits(&run(&used, 3).trace),
         bits(&expected.trace),
         "seeds matter"
     );
@@ -70,7 +70,7 @@ fn without_faults_the_object_is_handed_over_and_the_trace_is_sound() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let episode = run(&mut world(&engine, &faultless()), 1);
+    let episode = run(&world(&engine, &faultless()), 1);
     assert!(episode.outcome.success, "{:?}", episode.outcome);
     assert!(episode.outcome.object_with_human);
     assert!(episode.trace.complete);
@@ -109,7 +109,7 @@ fn an_unanswered_plan_crashes_the_robot_and_the_run_still_ends() {
     };
     let mut parameters = faultless();
     parameters.planner.failure_rate_per_run = 1.0;
-    let episode = run(&mut world(&engine, &parameters), 4);
+    let episode = run(&world(&engine, &parameters), 4);
     assert!(episode.outcome.crashed);
     assert_eq!(episode.outcome.decision, Decision::None);
     assert!(!episode.outcome.success && episode.trace.complete);
@@ -122,7 +122,7 @@ fn without_friction_the_object_is_dropped() {
     };
     let mut parameters = faultless();
     parameters.hand.friction = Distribution::Constant(0.02);
-    let outcome = run(&mut world(&engine, &parameters), 1).outcome;
+    let outcome = run(&world(&engine, &parameters), 1).outcome;
     assert!(
         outcome.grip_failure && !outcome.success && !outcome.object_with_human,
         "{outcome:?}"
@@ -136,7 +136,7 @@ fn every_reading_glitched_fails_the_location_but_not_the_physics() {
     };
     let mut parameters = faultless();
     parameters.tracking.glitch_rate_per_reading = 1.0;
-    let outcome = run(&mut world(&engine, &parameters), 1).outcome;
+    let outcome = run(&world(&engine, &parameters), 1).outcome;
     assert_eq!(
         (outcome.location_ok, outcome.decision),
         (Some(false), Decision::Keep)
@@ -156,10 +156,10 @@ fn a_human_who_is_not_ready_does_not_get_the_object() {
         ("human keeps the hand away", Decision::Keep, 2),
         ("human never ready", Decision::TimeOut, 3),
     ] {
-        let mut world = world(&engine, &parameters)
+        let world = world(&engine, &parameters)
             .with_test(test)
             .expect("it is in the scenario");
-        let outcome = run(&mut world, 1).outcome;
+        let outcome = run(&world, 1).outcome;
         assert_eq!(outcome.decision, decision, "{test}");
         assert!(!outcome.human_was_ready, "{test}");
         let sensors = [outcome.gaze_ok, outcome.pressure_ok, outcome.location_ok];
@@ -179,10 +179,10 @@ fn halving_the_time_step_moves_the_held_object_by_less_than_a_few_millimetres() 
     for time_step_secs in [0.001, 0.002, 0.0025] {
         let mut scenario = common::scenario();
         scenario.simulation.time_step_secs = time_step_secs;
-        let mut world = World::new(&engine, &scenario, &faultless())
+        let world = World::new(&engine, &scenario, &faultless())
             .and_then(|world| world.with_test("human never ready"))
             .expect("the scenario is sound");
-        let episode = run(&mut world, 2);
+        let episode = run(&world, 2);
         assert!(!episode.outcome.grip_failure, "{time_step_secs}");
         let truth = episode
             .trace
@@ -205,11 +205,11 @@ fn a_cancelled_episode_and_an_unknown_test_say_so() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let mut world = world(&engine, &faultless());
+    let world = world(&engine, &faultless());
     let cancel = Cancel::default();
     cancel.cancel();
     assert!(matches!(
-        run_episode(&mut world, 1, &cancel),
+        run_episode(&world, 1, &cancel),
         Err(SimError::Cancelled)
     ));
     let error = world.with_test("human sings").unwrap_err();
@@ -223,8 +223,8 @@ fn an_episode_cut_short_by_its_longest_time_says_so_in_its_trace() {
     };
     let mut scenario = common::scenario();
     scenario.simulation.longest_secs = 1.0;
-    let mut world = World::new(&engine, &scenario, &faultless()).expect("the scenario is sound");
-    let episode = run(&mut world, 1);
+    let world = World::new(&engine, &scenario, &faultless()).expect("the scenario is sound");
+    let episode = run(&world, 1);
     assert!(!episode.trace.complete);
     assert!((episode.sim_secs - 1.0).abs() < 1e-9);
 }
@@ -234,7 +234,7 @@ fn the_trace_shows_the_end_of_sensing_no_later_than_the_decision() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let trace = run(&mut world(&engine, &faultless()), 1).trace;
+    let trace = run(&world(&engine, &faultless()), 1).trace;
     let first_time = |topic: &str, field: &str| {
         let channel = trace.channel(topic).expect("a topic of the trace");
         let index = channel
@@ -298,10 +298,10 @@ fn an_outside_that_says_nothing_changes_no_bit_and_sees_every_step() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let mut world = world(&engine, &faultless());
-    let expected = run(&mut world, 1);
+    let world = world(&engine, &faultless());
+    let expected = run(&world, 1);
     let mut outside = Constant::new(OutsideReadings::default());
-    let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+    let joined = run_episode_with(&world, 1, &Cancel::default(), &mut outside);
     let joined = joined.expect("the episode runs");
     assert_eq!(bits(&joined.trace), bits(&expected.trace));
     assert_eq!(outside.steps, expected.steps);
@@ -313,8 +313,8 @@ fn the_robot_decides_by_what_a_sensor_outside_says() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let mut world = world(&engine, &faultless());
-    assert_eq!(run(&mut world, 1).outcome.decision, Decision::Release);
+    let world = world(&engine, &faultless());
+    assert_eq!(run(&world, 1).outcome.decision, Decision::Release);
     for (says, expected) in [
         (Some(true), Decision::Release),
         (Some(false), Decision::Keep),
@@ -324,7 +324,7 @@ fn the_robot_decides_by_what_a_sensor_outside_says() {
         let mut readings = OutsideReadings::default();
         readings.sensors.pressure = Reading::Outside(says);
         let mut outside = Constant::new(readings);
-        let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+        let joined = run_episode_with(&world, 1, &Cancel::default(), &mut outside);
         let decision = joined.expect("the episode runs").outcome.decision;
         assert_eq!(decision, expected, "{says:?}");
     }
@@ -335,9 +335,9 @@ fn an_outside_may_break_off() {
     let Some(engine) = common::engine() else {
         return;
     };
-    let mut world = world(&engine, &faultless());
+    let world = world(&engine, &faultless());
     let mut outside = Constant::new(OutsideReadings::default());
     outside.until_secs = 0.5;
-    let joined = run_episode_with(&mut world, 1, &Cancel::default(), &mut outside);
+    let joined = run_episode_with(&world, 1, &Cancel::default(), &mut outside);
     assert!(matches!(joined, Err(SimError::Cancelled)));
 }

@@ -7,7 +7,10 @@ mod judge;
 mod planner;
 mod plant;
 mod recorder;
+mod run;
+mod setup;
 mod tracking;
 
-pub use episode::{Cancel, Episode, SimError, World, run_episode, run_episode_with};
+pub use episode::{Episode, run_episode, run_episode_with, watch_episode};
 pub use judge::Outcome;
+pub use setup::World;

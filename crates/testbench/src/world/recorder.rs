@@ -1,10 +1,11 @@
 //! Writes an episode down as a trace: which topics, which fields, which units.
 
-use trace::{Channel, Field, Trace, TraceError};
+use trace::{Field, Trace, TraceError};
 
 use super::human::Human;
 use super::judge::Truth;
 use super::tracking::Reading;
+use crate::bench::{Control, Watch};
 use crate::robot::{Controller, Decision, HandCommand, State};
 
 /// Topics in the order of the trace.
@@ -22,9 +23,10 @@ const HAND_COMMANDS: [(HandCommand, &str); 3] = [
 ];
 
 /// A trace being written.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Recorder {
     trace: Trace,
+    finished: bool,
 }
 
 impl Recorder {
@@ -37,7 +39,10 @@ impl Recorder {
         trace.add_channel("/tracking", tracking_fields())?;
         trace.add_channel("/truth", truth_fields())?;
         trace.add_channel("/human", human_fields())?;
-        Ok(Self { trace })
+        Ok(Self {
+            trace,
+            finished: false,
+        })
     }
 
     /// A fact about the recording.
@@ -64,6 +69,7 @@ impl Recorder {
         now_secs: f64,
         controller: &Controller,
         truth: &Truth,
+        watch: &mut dyn Watch,
     ) -> Result<(), TraceError> {
         let commands = controller.commands();
         let row = [
@@ -80,7 +86,7 @@ impl Recorder {
             truth.hand_m[2],
             truth.hand_speed_m_s,
         ];
-        self.channel(ROBOT).push(now_secs, &row)
+        self.row(ROBOT, now_secs, &row, watch)
     }
 
     /// The robot's sensors, and the tracking reading they last judged by.
@@ -89,6 +95,7 @@ impl Recorder {
         now_secs: f64,
         controller: &Controller,
         reading: Option<&Reading>,
+        watch: &mut dyn Watch,
     ) -> Result<(), TraceError> {
         let report = controller.sensor_report().unwrap_or_default();
         let satisfied = |sensor: Option<bool>| flag(sensor == Some(true));
@@ -105,19 +112,22 @@ impl Recorder {
             object_m[1],
             object_m[2],
         ];
-        self.channel(SENSORS).push(now_secs, &row)
+        self.row(SENSORS, now_secs, &row, watch)
     }
 
     /// What tracking reports.
-    pub(crate) fn tracking(&mut self, now_secs: f64, reading: &Reading) -> Result<(), TraceError> {
+    pub(crate) fn tracking(
+        &mut self,
+        now_secs: f64,
+        reading: &Reading,
+        watch: &mut dyn Watch,
+    ) -> Result<(), TraceError> {
         let reported = &reading.reported;
-        let row = [
-            reported.object_m,
-            reported.human_hand_m,
-            reported.human_head.position_m,
-        ]
-        .concat();
-        self.channel(TRACKING).push(now_secs, &row)
+        let mut row = [0.0; 9];
+        row[..3].copy_from_slice(&reported.object_m);
+        row[3..6].copy_from_slice(&reported.human_hand_m);
+        row[6..].copy_from_slice(&reported.human_head.position_m);
+        self.row(TRACKING, now_secs, &row, watch)
     }
 
     /// What is true.
@@ -126,6 +136,7 @@ impl Recorder {
         now_secs: f64,
         truth: &Truth,
         glitch: bool,
+        watch: &mut dyn Watch,
     ) -> Result<(), TraceError> {
         let object = &truth.object;
         let mut row = Vec::with_capacity(26);
@@ -150,11 +161,16 @@ impl Recorder {
             flag(truth.human_holds),
             flag(glitch),
         ]);
-        self.channel(TRUTH).push(now_secs, &row)
+        self.row(TRUTH, now_secs, &row, watch)
     }
 
     /// What the human does and applies.
-    pub(crate) fn human(&mut self, now_secs: f64, human: &Human) -> Result<(), TraceError> {
+    pub(crate) fn human(
+        &mut self,
+        now_secs: f64,
+        human: &Human,
+        watch: &mut dyn Watch,
+    ) -> Result<(), TraceError> {
         let [gaze, pressure, location] = human.applied();
         let row = [
             human.activated(),
@@ -165,11 +181,25 @@ impl Recorder {
             human.has_given_up(),
         ]
         .map(flag);
-        self.channel(HUMAN).push(now_secs, &row)
+        self.row(HUMAN, now_secs, &row, watch)
     }
 
-    fn channel(&mut self, index: usize) -> &mut Channel {
-        &mut self.trace.channels[index]
+    /// Whether a watch has seen enough.
+    pub(crate) fn is_finished(&self) -> bool {
+        self.finished
+    }
+
+    /// Writes a row down and shows it.
+    fn row(
+        &mut self,
+        topic: usize,
+        now_secs: f64,
+        row: &[f64],
+        watch: &mut dyn Watch,
+    ) -> Result<(), TraceError> {
+        self.trace.channels[topic].push(now_secs, row)?;
+        self.finished |= watch.row(topic, now_secs, row) == Control::Finish;
+        Ok(())
     }
 }
 
