@@ -100,6 +100,7 @@
 //!   human with the robot; compliance of the arm's links; latency of tracking.
 
 mod bench;
+pub mod controller;
 pub mod geometry;
 mod model;
 mod mujoco;
