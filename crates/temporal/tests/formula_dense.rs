@@ -159,19 +159,31 @@ fn random_trace(numbers: &mut Numbers, longest: u64) -> Trace {
 }
 
 fn random_formula(numbers: &mut Numbers, depth: u64) -> Formula {
+    random_formula_in(numbers, depth, 1.0)
+}
+
+/// The same with windows that begin and end at multiples of `unit_secs`.
+fn random_formula_in(numbers: &mut Numbers, depth: u64, unit_secs: f64) -> Formula {
     if depth == 0 || numbers.below(6) == 0 {
         return Formula::atom(numbers.below(2) as usize);
     }
     let low = numbers.below(3) as f64;
     let window = match numbers.below(4) {
         0 => Interval::UNBOUNDED,
-        _ => Interval::secs(low, low + numbers.below(4) as f64),
+        _ => {
+            let high = low + numbers.below(4) as f64;
+            Interval::secs(low * unit_secs, high * unit_secs)
+        }
     };
-    let left = random_formula(numbers, depth - 1);
+    let left = random_formula_in(numbers, depth - 1, unit_secs);
     let all = if numbers.below(2) == 0 {
         of_one(&left, &[window], false)
     } else {
-        of_two(&left, &random_formula(numbers, depth - 1), &[window])
+        of_two(
+            &left,
+            &random_formula_in(numbers, depth - 1, unit_secs),
+            &[window],
+        )
     };
     all[numbers.below(all.len() as u64) as usize].clone()
 }
@@ -187,12 +199,14 @@ fn random_larger_formulas_on_longer_traces() {
 }
 
 #[test]
-fn triggers_are_counted_where_they_become_true() {
+fn triggers_are_counted_by_their_intervals_of_holding() {
     let mut numbers = Numbers(13);
-    let mut counted = 0;
+    let (mut counted, mut open) = (0, 0);
     for _ in 0..2_000 {
-        let trigger = random_formula(&mut numbers, 2);
-        let trace = random_trace(&mut numbers, 6);
+        // With windows and samples at even ticks, an odd one stands for all times around it.
+        let trigger = random_formula_in(&mut numbers, 2, 2.0);
+        let mut trace = random_trace(&mut numbers, 6);
+        trace.iter_mut().for_each(|sample| sample.0 *= 2);
         let ending = [Ending::Inconclusive, Ending::Finite][numbers.below(2) as usize];
         let formula = Formula::always(
             Interval::UNBOUNDED,
@@ -205,22 +219,101 @@ fn triggers_are_counted_where_they_become_true() {
             judge.step(*tick as f64, atoms).expect("times ascend");
         }
         let report = judge.finish(true);
-        // All windows are whole seconds, so it can become true only at whole seconds.
         let last = trace.last().map_or(0, |sample| sample.0);
-        let becomes_true = |tick: &usize| {
-            let there = Interval::secs(*tick as f64, *tick as f64);
-            let rises = Formula::eventually(there, Formula::rise(trigger.clone()));
-            let bounds = value(&rises, &word(&trace, true), ending).expect("sensible");
-            bounds.truth() == Some(true)
+        let truth = |tick: usize| {
+            let there = Interval::secs(tick as f64, tick as f64);
+            let then = Formula::eventually(there, trigger.clone());
+            let bounds = value(&then, &word(&trace, true), ending).expect("sensible");
+            bounds.truth()
         };
-        let expected = (0..=last).filter(becomes_true).count() as u64;
+        let truths: Vec<Option<bool>> = (0..=last).map(truth).collect();
+        let begins = |tick: &usize| {
+            let from_false = *tick == 0 || truths[tick - 1] == Some(false);
+            truths[*tick] == Some(true) && from_false
+        };
+        let expected = (0..=last).filter(begins).count() as u64;
         assert_eq!(
             report.triggered, expected,
             "{trigger} on {trace:?} with {ending:?}"
         );
         counted += expected;
+        open += (0..=last)
+            .filter(begins)
+            .filter(|tick| tick % 2 == 1)
+            .count();
     }
-    assert!(counted > 1_000, "{counted}");
+    assert!(counted > 1_000 && open > 10, "{counted} {open}");
+}
+
+/// Both models of time, where samples are on a grid of 0.1 s that binary numbers do not have, from
+/// zero and from times of the calendar.
+#[test]
+fn deadlines_on_a_decimal_grid_are_met_at_all_times() {
+    let parse = |text: &str| temporal::formula::parse(text, &|_| None).expect("a formula");
+    let formula = parse("always (p => eventually[0.2 s, 0.3 s] q)").formula;
+    for first_secs in [0.0, 3.3, 4_000_000.7, 1.76e9] {
+        for begin in 0..50_u32 {
+            for delay in 0..6_u32 {
+                let settings = [
+                    Settings::dense(Ending::Finite),
+                    Settings::discrete(Ending::Finite),
+                ];
+                for settings in settings {
+                    let monitor = FormulaMonitor::compile(&formula, &settings).expect("sensible");
+                    let mut judge = monitor.start();
+                    for step in begin..begin + 8 {
+                        let atoms = [step == begin, step == begin + delay].map(Some);
+                        let time_secs = first_secs + f64::from(step) * 0.1;
+                        judge.step_truth(time_secs, &atoms).expect("times ascend");
+                    }
+                    // In dense time, q from 0.1 s after p on lasts until just before 0.2 s.
+                    let expected = match delay {
+                        2 | 3 => Verdict::Satisfied,
+                        _ => Verdict::Violated,
+                    };
+                    let time = settings.time;
+                    let found = judge.finish(true).verdict;
+                    assert_eq!(
+                        found, expected,
+                        "{time:?}, {first_secs} s + {begin} + {delay}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The definition counts in whole ticks; the engine is given tenths of seconds at other times.
+#[test]
+fn formulas_on_a_decimal_grid_are_judged_as_defined() {
+    let mut numbers = Numbers(21);
+    for round in 0..4_000 {
+        let seed = numbers.below(1 << 40) + 1;
+        let formula = random_formula_in(&mut Numbers(seed), 3, 1.0);
+        let in_tenths = random_formula_in(&mut Numbers(seed), 3, 0.1);
+        let trace = random_trace(&mut numbers, 8);
+        let ending = ENDINGS[numbers.below(4) as usize];
+        let settings = Settings {
+            trigger: Some(Formula::True),
+            ..Settings::dense(ending).with_robustness()
+        };
+        let monitor = FormulaMonitor::compile(&in_tenths, &settings).expect("sensible");
+        let mut judge = monitor.start();
+        let first_secs = [0.0, 17.3, 1_760_000_000.1][round % 3];
+        let count = formula.atom_count();
+        for (tick, atoms) in &trace {
+            let time_secs = first_secs + *tick as f64 * 0.1;
+            judge
+                .step(time_secs, &atoms[..count])
+                .expect("times ascend");
+        }
+        let report = judge.finish(true);
+        let what = || format!("{formula} on {trace:?} with {ending:?} from {first_secs} s");
+        let truth = value(&formula, &word(&trace, true), ending).expect("sensible");
+        assert_eq!(report.verdict, truth.verdict(), "{}", what());
+        let robustness = value(&formula, &word(&trace, false), ending).expect("sensible");
+        assert_eq!(report.robustness, Some(robustness), "{}", what());
+    }
 }
 
 /// Truth by the definition itself at points `GRID` to a tick: the quantifiers range over grid points

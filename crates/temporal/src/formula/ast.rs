@@ -1,6 +1,7 @@
 //! The tree of a formula.
 
 use super::settings::{CompileError, TimeModel};
+use crate::clock::rounded;
 
 /// An atom: a position in the list of the atoms of a text ([`Parsed::atoms`](super::Parsed::atoms)).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -97,6 +98,30 @@ pub enum Window {
         /// The greatest distance in samples; `None` if there is none.
         high: Option<u64>,
     },
+}
+
+impl Window {
+    /// The same with ends in seconds rounded to multiples of a resolution.
+    pub(super) fn with_resolution(self, resolution_nanos: i64) -> Self {
+        // Not more than MAX_BOUND seconds, so the nanoseconds fit.
+        let coarser = |secs: f64| {
+            if secs.is_finite() {
+                rounded((secs * 1e9).round() as i64, resolution_nanos) as f64 / 1e9
+            } else {
+                secs
+            }
+        };
+        match self {
+            Window::Seconds {
+                low_secs,
+                high_secs,
+            } => Window::Seconds {
+                low_secs: coarser(low_secs),
+                high_secs: coarser(high_secs),
+            },
+            samples @ Window::Samples { .. } => samples,
+        }
+    }
 }
 
 /// The longest bound of an interval: a thousand million seconds (32 years), or samples.

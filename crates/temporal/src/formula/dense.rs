@@ -3,8 +3,10 @@
 //! # Definition
 //! [`super::semantics::dense`], with nanoseconds for ticks: times, counted from the first sample,
 //! and the bounds of intervals are rounded to whole nanoseconds, the resolution of recorded times,
-//! and from there on all is exact. Nothing is sampled: signals are runs of constant values, and
-//! each operator maps runs to runs.
+//! and from there on all is exact. Late times are known less exactly; they, and with them the bounds,
+//! are rounded to the least power of ten that is no less than the tolerance of the discrete engine,
+//! four units in the last place (a microsecond for times of the calendar). Nothing is sampled:
+//! signals are runs of constant values, and each operator maps runs to runs.
 //!
 //! # Source
 //! Offline, the computation of robustness over piecewise signals operator by operator is by A. Donzé,
@@ -35,26 +37,36 @@ mod window;
 use between::{Between, Line};
 use bounded::{Bounded, Counter};
 
+use std::sync::Arc;
+
 use super::ast::Formula;
 use super::positive::{Positive, positive};
 use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
 use super::settings::{CompileError, Ending, Interpolation, Settings, TimeModel};
+use crate::clock::{nanos_since, resolution_nanos};
 use crate::monitor::Verdict;
 
 /// A formula in dense time that is ready to judge traces; it can be shared by threads.
 #[derive(Debug, Clone)]
 pub struct DenseMonitor {
-    formula: Positive,
-    trigger: Option<Positive>,
+    parts: Arc<Parts>,
     atom_count: usize,
-    robustness: bool,
     interpolation: Interpolation,
     ending: Ending,
+}
+
+/// What is computed.
+#[derive(Debug)]
+struct Parts {
+    formula: Positive,
+    trigger: Option<Positive>,
+    robustness: bool,
 }
 
 /// A formula in dense time at work on one trace.
 #[derive(Debug, Clone)]
 pub struct DenseJudge {
+    parts: Arc<Parts>,
     atom_count: usize,
     ending: Ending,
     first_secs: Option<f64>,
@@ -86,13 +98,14 @@ impl DenseMonitor {
     pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
         let trigger = settings.trigger.as_ref().or_else(|| formula.trigger());
         let of_trigger = trigger.map_or(0, Formula::atom_count);
-        let rises =
-            trigger.map(|trigger| positive(&Formula::rise(trigger.clone()), TimeModel::Dense));
+        let own_trigger = trigger.map(|trigger| positive(trigger, TimeModel::Dense));
         Ok(DenseMonitor {
-            formula: positive(formula, TimeModel::Dense)?,
-            trigger: rises.transpose()?,
+            parts: Arc::new(Parts {
+                formula: positive(formula, TimeModel::Dense)?,
+                trigger: own_trigger.transpose()?,
+                robustness: settings.robustness,
+            }),
             atom_count: formula.atom_count().max(of_trigger),
-            robustness: settings.robustness,
             interpolation: settings.interpolation,
             ending: settings.ending,
         })
@@ -101,16 +114,18 @@ impl DenseMonitor {
     /// Begins to judge a trace.
     #[must_use]
     pub fn start(&self) -> DenseJudge {
+        let parts = &self.parts;
         DenseJudge {
+            parts: Arc::clone(parts),
             atom_count: self.atom_count,
             ending: self.ending,
             first_secs: None,
             last_secs: f64::NEG_INFINITY,
             place: 0,
             samples: 0,
-            truth: Bounded::new(&self.formula, true),
-            robustness: self.robustness.then(|| Bounded::new(&self.formula, true)),
-            trigger: self.trigger.as_ref().map(Counter::new),
+            truth: Bounded::new(&parts.formula, true),
+            robustness: (parts.robustness).then(|| Bounded::new(&parts.formula, true)),
+            trigger: parts.trigger.as_ref().map(Counter::new),
             verdict: None,
             decided_at_secs: None,
             interpolation: self.interpolation,
@@ -208,17 +223,30 @@ impl DenseJudge {
                 found,
             });
         }
-        let tick = ((time_secs - self.first_secs.unwrap_or(time_secs)) * 1e9).round();
+        let last_nanos = self.first_secs.map(|_| self.place / 2);
         // Up to 2e18 places, and as many for a window, fit into 63 bits.
-        let far = !(0.0..=1e18).contains(&tick);
-        let place = if far { 0 } else { 2 * tick as i64 };
-        if far || self.first_secs.is_some() && place <= self.place {
-            return Err(StepError::Time {
+        let first_secs = self.first_secs.unwrap_or(time_secs);
+        match nanos_since(first_secs, time_secs, last_nanos) {
+            Some(nanos) if time_secs > self.last_secs => Ok(2 * nanos),
+            _ => Err(StepError::Time {
                 last_secs: self.last_secs,
                 time_secs,
-            });
+            }),
         }
-        Ok(place)
+    }
+
+    /// Times begin here: where they are known less exactly than to a nanosecond, so are windows.
+    fn begin(&mut self, time_secs: f64) {
+        self.first_secs = Some(time_secs);
+        let resolution_nanos = resolution_nanos(time_secs);
+        if resolution_nanos > 1 {
+            let formula = self.parts.formula.with_resolution(resolution_nanos);
+            let trigger = self.parts.trigger.as_ref();
+            let trigger = trigger.map(|trigger| trigger.with_resolution(resolution_nanos));
+            self.truth = Bounded::new(&formula, true);
+            self.robustness = (self.parts.robustness).then(|| Bounded::new(&formula, true));
+            self.trigger = trigger.as_ref().map(Counter::new);
+        }
     }
 
     /// Takes the sample at hand for the last one, and finds what was in between.
@@ -285,7 +313,9 @@ impl DenseJudge {
     }
 
     fn take(&mut self, time_secs: f64, place: i64) -> Progress {
-        self.first_secs.get_or_insert(time_secs);
+        if self.first_secs.is_none() {
+            self.begin(time_secs);
+        }
         self.last_secs = time_secs;
         self.samples += 1;
         self.interpolate(place);

@@ -54,6 +54,33 @@ pub(super) fn positive(formula: &Formula, time: TimeModel) -> Result<Positive, C
     builder.build(formula, false)
 }
 
+impl Positive {
+    /// The same with the ends of all windows in seconds rounded to multiples of a resolution.
+    pub(super) fn with_resolution(&self, resolution_nanos: i64) -> Self {
+        let again = |inner: &Positive| inner.with_resolution(resolution_nanos);
+        match self {
+            Positive::Constant(_) | Positive::Literal { .. } => self.clone(),
+            Positive::And(operands) => Positive::And(operands.iter().map(again).collect()),
+            Positive::Or(operands) => Positive::Or(operands.iter().map(again).collect()),
+            Positive::JustBefore { first, inner } => Positive::JustBefore {
+                first: *first,
+                inner: Box::new(again(inner)),
+            },
+            Positive::Timed {
+                operator,
+                window,
+                left,
+                right,
+            } => Positive::Timed {
+                operator: *operator,
+                window: window.with_resolution(resolution_nanos),
+                left: Box::new(again(left)),
+                right: Box::new(again(right)),
+            },
+        }
+    }
+}
+
 struct Builder {
     time: TimeModel,
     size: usize,

@@ -1,4 +1,4 @@
-//! Least and greatest values together, and how often a formula is true.
+//! Least and greatest values together, and how often a formula becomes true.
 
 use super::between::Between;
 use super::program::{End, Program};
@@ -102,12 +102,14 @@ impl Bounded {
     }
 }
 
-/// Counts the stretches, here single places, at which a formula is true.
+/// Counts how often a formula becomes true: the stretches throughout which it is true, before which
+/// it is known to be false or there is nothing. These are the intervals of holding, as in discrete
+/// time, also if they have no first point.
 #[derive(Debug, Clone)]
 pub(in crate::formula) struct Counter {
     work: Bounded,
     place: i64,
-    was_true: bool,
+    was_false: bool,
     count: u64,
     /// Whether the truth was unknown anywhere that was seen.
     doubtful: bool,
@@ -118,7 +120,7 @@ impl Counter {
         Counter {
             work: Bounded::new(formula, false),
             place: 0,
-            was_true: false,
+            was_false: true,
             count: 0,
             doubtful: false,
         }
@@ -167,8 +169,8 @@ impl Counter {
             let Some(high) = high else { return };
             let is_true = low.value > 0.0;
             self.doubtful |= seen && !is_true && high.value >= 0.0;
-            self.count += u64::from(is_true && !self.was_true);
-            self.was_true = is_true;
+            self.count += u64::from(is_true && self.was_false);
+            self.was_false = high.value < 0.0;
             self.place = low.end.min(high.end);
         }
     }

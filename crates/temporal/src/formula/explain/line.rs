@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Record;
+use crate::clock::{nanos_since, resolution_nanos, rounded, tolerance_secs};
 use crate::formula::ast::{Interval, Window};
 use crate::formula::settings::{Ending, TimeModel};
 
@@ -27,7 +28,11 @@ pub(super) struct Reach {
 impl<'r> Line<'r> {
     pub(super) fn new(record: &'r Record, time: TimeModel, ending: Ending) -> Self {
         let origin_secs = record.first_secs.unwrap_or(0.0);
-        let place = |time_secs: &f64| 2 * ((time_secs - origin_secs) * 1e9).round() as i64;
+        let mut last_nanos = None;
+        let place = |time_secs: &f64| {
+            last_nanos = nanos_since(origin_secs, *time_secs, last_nanos).or(last_nanos);
+            2 * last_nanos.unwrap_or(0)
+        };
         Line {
             places: match time {
                 TimeModel::Discrete => Vec::new(),
@@ -205,7 +210,8 @@ impl<'r> Line<'r> {
                 },
                 TimeModel::Dense,
             ) => {
-                let places = |secs: f64| 2 * (secs * 1e9).round() as i64;
+                let resolution = resolution_nanos(self.record.first_secs.unwrap_or(0.0));
+                let places = |secs: f64| 2 * rounded((secs * 1e9).round() as i64, resolution);
                 Distances::Points {
                     low: places(low_secs),
                     high: high_secs.is_finite().then(|| places(high_secs)),
@@ -218,9 +224,4 @@ impl<'r> Line<'r> {
 enum Distances {
     Points { low: i64, high: Option<i64> },
     Secs { low: f64, high: f64 },
-}
-
-/// How exactly a time is known, in seconds; as in the definition.
-fn tolerance_secs(time_secs: f64) -> f64 {
-    1e-9_f64.max(4.0 * f64::EPSILON * time_secs.abs())
 }
