@@ -24,6 +24,7 @@ use crate::reader::{
 };
 use crate::ros1_bag::loss;
 use crate::schema::Schema;
+use crate::storage::StoredFile;
 use columns::{Census, Kind, TableTopic, append, layout};
 use row_time::{TimeFormat, find_time};
 
@@ -320,6 +321,10 @@ impl<R: Read + Seek> Reader for CsvReader<R> {
 
     fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        vec![StoredFile::plain("CSV")]
     }
 
     fn in_time_order(&self) -> bool {

@@ -39,7 +39,9 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::open::Format;
 use crate::reader::{OpenOptions, ReadError, Reader};
+use crate::storage::{Compressed, StoredFile};
 
 pub use fields::{FieldSummary, FieldValue};
 pub(crate) use units::usual_unit;
@@ -62,6 +64,8 @@ impl Default for InspectOptions {
 pub struct Inspection {
     /// The topics, in order of their names.
     pub topics: Vec<TopicInspection>,
+    /// How each file is stored.
+    pub files: Vec<StoredFile>,
     /// Number of messages.
     pub messages: u64,
     /// Log time of the first message, in nanoseconds.
@@ -145,7 +149,13 @@ pub fn inspect(
     open: &OpenOptions,
     options: &InspectOptions,
 ) -> Result<Inspection, ReadError> {
-    Ok(inspect_reader(crate::open(path, open)?.as_mut(), options))
+    let mut found = inspect_reader(crate::open(path, open)?.as_mut(), options);
+    if crate::detect(path)? == Format::Compressed {
+        for file in &mut found.files {
+            *file = std::mem::take(file).compressed_by(Compressed::File, "zstd");
+        }
+    }
+    Ok(found)
 }
 
 /// As [`inspect`], for what is open already.

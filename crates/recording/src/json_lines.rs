@@ -28,6 +28,7 @@ use crate::reader::{
 };
 use crate::ros1_bag::loss;
 use crate::schema::Schema;
+use crate::storage::StoredFile;
 
 /// The topic of lines that name none.
 const LINE_TOPIC: &str = "/json";
@@ -380,6 +381,10 @@ impl<R: BufRead + Seek> Reader for JsonLinesReader<R> {
 
     fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        vec![StoredFile::plain("JSON lines")]
     }
 
     fn in_time_order(&self) -> bool {

@@ -72,6 +72,7 @@ mod decode;
 mod mcap;
 mod reader;
 mod schema;
+mod storage;
 mod trace_file;
 
 pub use decode::{DecodeError, Extractor, FieldPath, PathError, Value, ValueKind};
@@ -82,6 +83,7 @@ pub use schema::{
     Constant, Dialect, MessageField, MessageType, Primitive, ProtoField, ProtoKind, ProtoMessage,
     ProtobufSchema, Schema, SchemaError, Type, parse_idl, parse_msg,
 };
+pub use storage::{Compressed, IndexState, StoredFile};
 pub use trace_file::{
     ReadOutcome, TraceReadError, TraceReadProblem, TraceWriteError, from_mcap, is_trace_file,
     read_mcap, to_mcap, write_mcap,

@@ -44,6 +44,7 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 
 use crate::reader::{Loss, OpenOptions, RawMessage, ReadError, Reader, TopicInfo};
+use crate::storage::StoredFile;
 use ahead::Ahead;
 use record::{HEAD_BYTES, MessageHead};
 use segments::{Entry, OpenSegment};
@@ -55,6 +56,7 @@ pub(crate) struct McapReader<R> {
     options: OpenOptions,
     topics: Topics,
     metadata: BTreeMap<String, String>,
+    stored: StoredFile,
     losses: Vec<Loss>,
     is_finished: bool,
     is_checked: bool,
@@ -153,6 +155,10 @@ impl<R: Read + Seek + Send + 'static> Reader for McapReader<R> {
 
     fn checked(&self) -> bool {
         self.is_checked
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        vec![self.stored.clone()]
     }
 }
 

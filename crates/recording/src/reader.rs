@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use crate::csv_rows::row_time::TimeUnit;
 use crate::schema::Schema;
+use crate::storage::StoredFile;
 
 /// Which topic of a recording: its place in [`Reader::topics`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -156,6 +157,12 @@ pub trait Reader {
     /// not, a flipped bit inside a message cannot be told from data.
     fn checked(&self) -> bool {
         false
+    }
+
+    /// How its files are stored, as far as was seen so far; final once [`Reader::next`] has given
+    /// `None`. Empty for what does not come from files.
+    fn storage(&self) -> Vec<StoredFile> {
+        Vec::new()
     }
 }
 

@@ -29,6 +29,7 @@ use crate::reader::{
     Encoding, Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
 };
 use crate::schema::{Dialect, Schema, parse_msg};
+use crate::storage::{IndexState, StoredFile};
 use chunk::Content;
 use index::{BagFile, ChunkInfo, Index, IndexError};
 use record::Connection;
@@ -65,6 +66,9 @@ pub(crate) struct RosBagReader<R> {
     last_nanos: i64,
     scratch: Vec<u8>,
     has_ended: bool,
+    index: IndexState,
+    /// How many chunks were opened of each compression.
+    compressions: BTreeMap<String, u64>,
 }
 
 /// A chunk some of whose messages are still to be given.
@@ -91,6 +95,7 @@ impl<R: Read + Seek> RosBagReader<R> {
             connections,
             mut chunks,
             losses,
+            state,
         } = file.index().map_err(read_error)?;
         let (topics, topic_of) = topics(&connections, &chunks);
         if options.time_order {
@@ -112,6 +117,8 @@ impl<R: Read + Seek> RosBagReader<R> {
             last_nanos: i64::MIN,
             scratch: Vec::new(),
             has_ended: false,
+            index: state,
+            compressions: BTreeMap::new(),
         })
     }
 
@@ -160,6 +167,8 @@ impl<R: Read + Seek> RosBagReader<R> {
             return Ok(());
         }
         let mut content = self.file.chunk(info.offset, &mut self.scratch)?;
+        let compression = std::mem::take(&mut content.compression);
+        *self.compressions.entry(compression).or_default() += 1;
         self.check(&info, &mut content);
         let (topic_of, selected) = (&self.topic_of, &self.selected);
         content.messages.retain(|entry| {
@@ -278,6 +287,14 @@ impl<R: Read + Seek> Reader for RosBagReader<R> {
 
     fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        let opened = self.compressions.iter();
+        let opened = opened.flat_map(|(name, count)| (0..*count).map(|_| name.as_str()));
+        let mut file = StoredFile::of_chunks("ROS 1 bag", opened, self.index);
+        file.chunks = Some(self.chunks.len() as u64);
+        vec![file]
     }
 
     fn in_time_order(&self) -> bool {

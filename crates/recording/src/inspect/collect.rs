@@ -83,6 +83,7 @@ pub(super) fn collect(reader: &mut dyn Reader, options: &InspectOptions) -> Insp
         first_nanos: topics.iter().filter_map(|topic| topic.first_nanos).min(),
         last_nanos: topics.iter().filter_map(|topic| topic.last_nanos).max(),
         topics,
+        files: reader.storage(),
         frames: frames.summary(),
         frame_problems: frames.problems.into_iter().collect(),
         losses: reader.losses().iter().map(ToString::to_string).collect(),

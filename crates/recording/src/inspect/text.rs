@@ -13,6 +13,9 @@ impl fmt::Display for Inspection {
             self.messages,
             self.topics.len()
         )?;
+        for file in &self.files {
+            writeln!(out, "{file}")?;
+        }
         let width = self
             .topics
             .iter()

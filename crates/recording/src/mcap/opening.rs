@@ -12,6 +12,7 @@ use super::summary::{Ending, Summary, read_ending};
 use super::topics::Topics;
 use super::walk::{Found, Kind, Segment, walk};
 use crate::reader::{OpenOptions, ReadError, ReadProblem};
+use crate::storage::{IndexState, StoredFile};
 
 /// Whether what stands outside chunks can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +54,23 @@ fn is_described_outside(found: &Found, summary: Option<&Summary>) -> bool {
     has_descriptions && summary.is_none_or(|summary| summary.statistics.is_none())
 }
 
+fn stored(found: &Found, ending: &Ending) -> StoredFile {
+    let index = match ending {
+        Ending::Summarised(_) => IndexState::Sound,
+        Ending::Unguarded => IndexState::Unguarded,
+        Ending::Unfinished | Ending::Finished => IndexState::Missing,
+        Ending::Damaged(..) => IndexState::Damaged,
+    };
+    let compressions = found
+        .segments
+        .iter()
+        .filter_map(|segment| match &segment.kind {
+            Kind::Chunk { head, .. } => Some(head.compression.as_str()),
+            Kind::Bare { .. } => None,
+        });
+    StoredFile::of_chunks("MCAP", compressions, index)
+}
+
 impl<R: Read + Seek + Send + 'static> McapReader<R> {
     /// Opens a file.
     ///
@@ -86,6 +104,7 @@ impl<R: Read + Seek + Send + 'static> McapReader<R> {
             options: options.clone(),
             topics: Topics::default(),
             metadata: BTreeMap::new(),
+            stored: stored(&found, &ending),
             losses: Vec::new(),
             is_finished: !matches!(ending, Ending::Unfinished),
             is_checked: true,

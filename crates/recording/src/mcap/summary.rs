@@ -24,8 +24,10 @@ pub(super) struct Summary {
 pub(super) enum Ending {
     /// Without a footer: its writer did not finish it, or it was cut.
     Unfinished,
-    /// With a footer, but without a summary, or with one that has no checksum.
+    /// With a footer, but without a summary.
     Finished,
+    /// With a summary that has no checksum.
+    Unguarded,
     /// With a summary whose checksum is right.
     Summarised(Summary),
     /// With a footer, and a summary that is damaged, at this offset.
@@ -62,7 +64,7 @@ pub(super) fn read_ending<R: Read + Seek>(
     // The checksum covers the summary and the footer up to the checksum itself.
     source.read(start, footer_at - start + HEAD_BYTES + 16, &mut bytes)?;
     if crc == 0 {
-        return Ok(Ending::Finished);
+        return Ok(Ending::Unguarded);
     }
     if crc32fast::hash(&bytes) != crc {
         return Ok(Ending::Damaged(

@@ -22,6 +22,8 @@ pub(crate) struct Content {
     /// The messages in the order of their times; those of the same time as they were written.
     pub(crate) messages: Vec<Entry>,
     pub(crate) connections: Vec<Connection>,
+    /// By what it is compressed; empty if that cannot be told.
+    pub(crate) compression: String,
     /// What is wrong with it, and where in the uncompressed bytes.
     pub(crate) problem: Option<String>,
 }
@@ -29,7 +31,10 @@ pub(crate) struct Content {
 /// Uncompresses the data of a chunk. `stated` is what its header tells its length to be,
 /// `is_cut` whether the file ended within it: then what could be read counts.
 pub(crate) fn content(compression: &str, data: &[u8], stated: u32, is_cut: bool) -> Content {
-    let mut content = Content::default();
+    let mut content = Content {
+        compression: compression.to_owned(),
+        ..Content::default()
+    };
     let result = match compression {
         "none" => read_all(data, stated, &mut content.bytes),
         "bz2" => read_all(

@@ -6,7 +6,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use super::chunk::{self, Content};
 use super::loss;
 use super::record::{Connection, Header, op};
-use crate::Loss;
+use crate::{IndexState, Loss};
 
 /// The first bytes of a bag of any version.
 pub(crate) const MAGIC_OF_ANY_VERSION: &[u8] = b"#ROSBAG V";
@@ -63,6 +63,8 @@ pub(crate) struct Index {
     pub(crate) connections: BTreeMap<u32, Connection>,
     pub(crate) chunks: Vec<ChunkInfo>,
     pub(crate) losses: Vec<Loss>,
+    /// What the index in the file is worth.
+    pub(crate) state: IndexState,
 }
 
 /// Why a bag cannot be read at all.
@@ -104,6 +106,7 @@ impl<R: Read + Seek> BagFile<R> {
                 header.u32("chunk_count")?,
             ))
         });
+        let mut state = IndexState::Missing;
         let problem = match stated {
             None => loss(MAGIC.len() as u64, "the header of the bag is incomplete"),
             Some((0, ..)) => loss(
@@ -120,11 +123,15 @@ impl<R: Read + Seek> BagFile<R> {
             Some((index_pos, connections, chunks)) => {
                 match self.read_index(index_pos, connections, chunks)? {
                     Ok(index) => return Ok(index),
-                    Err(problem) => problem,
+                    Err(problem) => {
+                        state = IndexState::Damaged;
+                        problem
+                    }
                 }
             }
         };
         let mut index = self.walk(header.end())?;
+        index.state = state;
         index.losses.insert(0, problem);
         Ok(index)
     }
@@ -286,6 +293,7 @@ impl<R: Read + Seek> BagFile<R> {
             return Ok(Err(loss(index_pos, message)));
         }
         index.chunks.sort_by_key(|chunk| chunk.offset);
+        index.state = IndexState::Sound;
         Ok(Ok(index))
     }
 

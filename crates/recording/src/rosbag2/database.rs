@@ -15,6 +15,7 @@ use crate::reader::{
 };
 use crate::ros1_bag::loss;
 use crate::schema::{Dialect, Schema, parse_idl, parse_msg};
+use crate::storage::{Compressed, StoredFile};
 
 /// The first bytes of a SQLite database.
 pub(crate) const MAGIC: &[u8; 16] = b"SQLite format 3\0";
@@ -43,6 +44,7 @@ pub(crate) struct DatabaseReader {
     payload: Vec<u8>,
     uncompressed: Vec<u8>,
     has_ended: bool,
+    has_compressed_messages: bool,
 }
 
 /// Which columns of the table of messages are which.
@@ -122,6 +124,7 @@ impl DatabaseReader {
             payload: Vec::new(),
             uncompressed: Vec::new(),
             has_ended: false,
+            has_compressed_messages: false,
         };
         for damage in damages {
             reader.note(damage);
@@ -237,6 +240,7 @@ impl DatabaseReader {
         if !is_cdr || !bytes.starts_with(&ZSTD_MAGIC) {
             return Ok(place);
         }
+        self.has_compressed_messages = true;
         self.uncompressed.clear();
         super::unzstd(bytes, self.record_bytes, &mut self.uncompressed)?;
         Ok(Place::Uncompressed)
@@ -305,6 +309,14 @@ impl Reader for DatabaseReader {
 
     fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        let file = StoredFile::plain("SQLite");
+        vec![match self.has_compressed_messages {
+            true => file.compressed_by(Compressed::Messages, "zstd"),
+            false => file,
+        }]
     }
 
     /// Rows come in the order in which they were recorded.

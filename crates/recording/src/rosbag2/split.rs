@@ -13,6 +13,7 @@ use crate::reader::{
     Loss, OpenOptions, RawMessage, ReadError, ReadProblem, Reader, TopicId, TopicInfo,
 };
 use crate::ros1_bag::loss;
+use crate::storage::{Compressed, StoredFile};
 
 /// A folder that is being read.
 pub(crate) struct SplitReader {
@@ -27,6 +28,7 @@ pub(crate) struct SplitReader {
     /// How many losses of the current part are in `losses` already.
     taken_losses: usize,
     is_complete: bool,
+    stored: Vec<StoredFile>,
     /// What the present message holds.
     data: Vec<u8>,
 }
@@ -65,6 +67,7 @@ impl SplitReader {
             losses,
             taken_losses: 0,
             is_complete: true,
+            stored: Vec::new(),
             data: Vec::new(),
         };
         for name in reader.metadata.files.clone() {
@@ -105,6 +108,17 @@ impl SplitReader {
         let mut topics = Vec::new();
         for topic in reader.topics() {
             topics.push(self.topic_like(topic));
+        }
+        let is_by_message = !self.metadata.compression.is_empty()
+            && !self.metadata.files_are_compressed
+            && !is_compressed;
+        for mut file in reader.storage() {
+            file.name = name.to_owned();
+            self.stored.push(match (is_compressed, is_by_message) {
+                (true, _) => file.compressed_by(Compressed::File, "zstd"),
+                (_, true) => file.compressed_by(Compressed::Messages, "zstd"),
+                _ => file,
+            });
         }
         let reader = (!is_compressed).then_some(reader);
         self.parts.push(Part {
@@ -323,6 +337,10 @@ impl Reader for SplitReader {
         for index in self.current..self.parts.len() {
             self.select_in_part(index);
         }
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        self.stored.clone()
     }
 
     fn metadata(&self) -> &BTreeMap<String, String> {
