@@ -110,7 +110,9 @@ pub mod robot;
 pub mod scenario;
 mod world;
 
-pub use bench::{Cancel, Control, End, Recorded, SimError, Unwatched, Watch};
+pub use bench::{
+    Bench, Cancel, Control, End, Recorded, Savable, SimError, Status, Unwatched, Watch,
+};
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
     BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,
@@ -119,4 +121,7 @@ pub use mujoco::{
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};
 pub use scenario::{Parameters, Scenario, ScenarioError};
-pub use world::{Episode, Outcome, World, run_episode, run_episode_with, watch_episode};
+pub use world::{
+    Episode, HandoverBench, Outcome, RunningHandover, SavedHandover, World, run_episode,
+    run_episode_with, watch_episode,
+};

@@ -69,8 +69,12 @@ function_table! {
     delete_spec = b"mj_deleteSpec": fn(*mut RawSpec);
     delete_model = b"mj_deleteModel": fn(*mut RawModel);
     make_data = b"mj_makeData": fn(*const RawModel) -> *mut RawData;
+    copy_data = b"mj_copyData":
+        fn(*mut RawData, *const RawModel, *const RawData) -> *mut RawData;
     delete_data = b"mj_deleteData": fn(*mut RawData);
     step = b"mj_step": fn(*const RawModel, *mut RawData);
+    step1 = b"mj_step1": fn(*const RawModel, *mut RawData);
+    step2 = b"mj_step2": fn(*const RawModel, *mut RawData);
     forward = b"mj_forward": fn(*const RawModel, *mut RawData);
     name_to_id = b"mj_name2id": fn(*const RawModel, c_int, *const c_char) -> c_int;
     state_size = b"mj_stateSize": fn(*const RawModel, c_int) -> c_int;

@@ -47,29 +47,52 @@ struct Sizes {
     mocap_bodies: usize,
 }
 
-/// One physics simulation: a model and its state, owned together.
+/// One physics simulation: a model and its state.
 pub struct Simulation {
     functions: Arc<Functions>,
-    model: NonNull<RawModel>,
+    model: Arc<Model>,
     data: NonNull<RawData>,
     sizes: Sizes,
 }
 
-// SAFETY: the pointers are owned by this value alone and MuJoCo keeps no thread-bound state in
-// them, so the whole may move to another thread. It is not `Sync`.
+// SAFETY: the data are owned by this value alone and MuJoCo keeps no thread-bound state in them,
+// so the whole may move to another thread. It is not `Sync`.
 unsafe impl Send for Simulation {}
+
+/// A compiled model, which nothing changes; duplicates of a simulation share it.
+struct Model {
+    functions: Arc<Functions>,
+    raw: NonNull<RawModel>,
+}
+
+// SAFETY: MuJoCo's functions take the model as constant, so threads may read it together.
+unsafe impl Send for Model {}
+// SAFETY: as above.
+unsafe impl Sync for Model {}
+
+impl Model {
+    fn as_ptr(&self) -> *const RawModel {
+        self.raw.as_ptr()
+    }
+}
+
+impl Drop for Model {
+    fn drop(&mut self) {
+        // SAFETY: compiled by this library, owned by this value, and no simulation is left.
+        unsafe { (self.functions.delete_model)(self.raw.as_ptr()) }
+    }
+}
 
 impl Simulation {
     /// Compiles `mjcf`; see [`super::Engine::compile`].
     pub(super) fn compile(functions: Arc<Functions>, mjcf: &str) -> Result<Self, EngineError> {
-        let model = compile_model(&functions, mjcf)?;
+        let model = Model {
+            raw: compile_model(&functions, mjcf)?,
+            functions: Arc::clone(&functions),
+        };
         // SAFETY: `model` was just compiled.
         let data = NonNull::new(unsafe { (functions.make_data)(model.as_ptr()) });
-        let Some(data) = data else {
-            // SAFETY: compiled above and referenced by nothing.
-            unsafe { (functions.delete_model)(model.as_ptr()) };
-            return Err(EngineError::OutOfMemory);
-        };
+        let data = data.ok_or(EngineError::OutOfMemory)?;
         let size = |bits: i32, per: usize| {
             // SAFETY: `model` is valid; the function reads it only.
             usize::try_from(unsafe { (functions.state_size)(model.as_ptr(), bits) }).unwrap_or(0)
@@ -84,12 +107,34 @@ impl Simulation {
         };
         let mut simulation = Self {
             functions,
-            model,
+            model: Arc::new(model),
             data,
             sizes,
         };
         simulation.forward();
         Ok(simulation)
+    }
+
+    /// Another simulation of the same model in exactly the same state, what follows from the last
+    /// step (poses, contacts, forces) included.
+    ///
+    /// # Errors
+    /// [`EngineError::OutOfMemory`].
+    pub fn duplicate(&self) -> Result<Self, EngineError> {
+        // SAFETY: data and model belong together; for a null destination MuJoCo allocates one.
+        let copy = unsafe {
+            (self.functions.copy_data)(
+                std::ptr::null_mut(),
+                self.model.as_ptr(),
+                self.data.as_ptr(),
+            )
+        };
+        Ok(Self {
+            functions: Arc::clone(&self.functions),
+            model: Arc::clone(&self.model),
+            data: NonNull::new(copy).ok_or(EngineError::OutOfMemory)?,
+            sizes: self.sizes,
+        })
     }
 
     /// Advances by one time step.
@@ -358,11 +403,8 @@ impl Simulation {
 
 impl Drop for Simulation {
     fn drop(&mut self) {
-        // SAFETY: both were made by this library, are owned by `self` and not used afterwards.
-        unsafe {
-            (self.functions.delete_data)(self.data.as_ptr());
-            (self.functions.delete_model)(self.model.as_ptr());
-        }
+        // SAFETY: made by this library, owned by `self` and not used afterwards.
+        unsafe { (self.functions.delete_data)(self.data.as_ptr()) }
     }
 }
 

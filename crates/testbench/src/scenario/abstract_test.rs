@@ -7,8 +7,10 @@
 
 use serde::Deserialize;
 
+use stimulus::{Setting, Verb};
+
 use super::ScenarioError;
-use crate::random::Distribution;
+use crate::random::{Distribution, Stream};
 
 /// A named list of actions of the human.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -70,6 +72,25 @@ fn no_delay() -> Distribution {
 }
 
 impl AbstractTest {
+    /// The test that `test` means in the handover. Delays of kinds that [`Distribution`] does not
+    /// have are drawn here, each from a stream of its own under `seed`.
+    ///
+    /// # Errors
+    /// What is wrong with which action.
+    pub fn concrete(test: &stimulus::AbstractTest, seed: u64) -> Result<Self, String> {
+        let actions = test.actions.iter().enumerate().map(|(index, action)| {
+            let mut stream = Stream::named(seed, &format!("delay of action {index}"));
+            let action = Action::concrete(action, &mut stream);
+            action.map_err(|reason| format!("test \"{}\", action {index}: {reason}", test.name))
+        });
+        let concrete = Self {
+            name: test.name.clone(),
+            actions: actions.collect::<Result<_, _>>()?,
+        };
+        concrete.check().map_err(|error| error.to_string())?;
+        Ok(concrete)
+    }
+
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         for (index, action) in self.actions.iter().enumerate() {
             let key = format!("abstract_test.{}.actions[{index}]", self.name);
@@ -89,5 +110,70 @@ impl AbstractTest {
                 .check(&format!("{key}.after_secs"), 0.0, 3600.0)?;
         }
         Ok(())
+    }
+}
+
+impl Action {
+    fn concrete(action: &stimulus::Action, stream: &mut Stream) -> Result<Self, String> {
+        let mut concrete = Self {
+            send_signal: None,
+            receive_signal: None,
+            set_param: None,
+            after_secs: delay(&action.after_secs, stream),
+        };
+        match &action.verb {
+            Verb::Send(signal) => {
+                concrete.send_signal = Some(match signal.as_str() {
+                    "activate" => HumanSignal::Activate,
+                    "ready" => HumanSignal::Ready,
+                    _ => return Err(unknown("a signal to send", signal, "activate or ready")),
+                });
+            }
+            Verb::Receive(signal) if signal == "announcement" => {
+                concrete.receive_signal = Some(RobotSignal::Announcement);
+            }
+            Verb::Receive(signal) => {
+                return Err(unknown("a signal to receive", signal, "announcement"));
+            }
+            Verb::Set(settings) => {
+                let mut parameters = HumanParameters::default();
+                for (name, setting) in settings {
+                    parameters.set(name, setting)?;
+                }
+                concrete.set_param = Some(parameters);
+            }
+        }
+        Ok(concrete)
+    }
+}
+
+impl HumanParameters {
+    fn set(&mut self, name: &str, setting: &Setting) -> Result<(), String> {
+        let Setting::Bool(applied) = *setting else {
+            return Err(format!("\"{name}\" must be true or false"));
+        };
+        let parameter = match name {
+            "gaze" => &mut self.gaze,
+            "pressure" => &mut self.pressure,
+            "location" => &mut self.location,
+            _ => return Err(unknown("a parameter", name, "gaze, pressure or location")),
+        };
+        *parameter = Some(applied);
+        Ok(())
+    }
+}
+
+fn unknown(what: &str, name: &str, known: &str) -> String {
+    format!("\"{name}\" is not {what} in the handover; use {known}")
+}
+
+/// The same distribution in the scenario's terms, or one draw from it.
+fn delay(distribution: &stimulus::Distribution, stream: &mut Stream) -> Distribution {
+    match *distribution {
+        stimulus::Distribution::Constant(value) => Distribution::Constant(value),
+        stimulus::Distribution::Uniform { low, high } => Distribution::Uniform {
+            uniform: [low, high],
+        },
+        ref other => Distribution::Constant(other.quantile(stream.unit())),
     }
 }

@@ -124,6 +124,19 @@ impl Scenario {
         Ok(scenario)
     }
 
+    /// As [`Scenario::parse`], of a table that is read already.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`], without lines.
+    pub fn from_table(table: toml::Table) -> Result<Self, ScenarioError> {
+        let scenario: Self = table.try_into().map_err(|error: toml::de::Error| {
+            let reason = error.to_string();
+            ScenarioError::Syntax { reason }
+        })?;
+        scenario.check()?;
+        Ok(scenario)
+    }
+
     /// The abstract test called `name`.
     #[must_use]
     pub fn abstract_test(&self, name: &str) -> Option<&AbstractTest> {

@@ -133,6 +133,19 @@ impl Parameters {
         Ok(parameters)
     }
 
+    /// As [`Parameters::parse`], of a table that is read already.
+    ///
+    /// # Errors
+    /// As [`Parameters::parse`], without lines.
+    pub fn from_table(table: toml::Table) -> Result<Self, ScenarioError> {
+        let parameters: Self = table.try_into().map_err(|error: toml::de::Error| {
+            let reason = error.to_string();
+            ScenarioError::Syntax { reason }
+        })?;
+        parameters.check()?;
+        Ok(parameters)
+    }
+
     fn check(&self) -> Result<(), ScenarioError> {
         self.object.mass_kg.check("object.mass_kg", 1e-3, 100.0)?;
         let anywhere = f64::INFINITY;

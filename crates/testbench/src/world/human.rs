@@ -35,6 +35,23 @@ struct Draws {
     pull_newtons: Vector,
 }
 
+impl Draws {
+    fn draw(body: &Body, draws: &HumanDraws, stream: &mut Stream) -> Self {
+        let mut head_m = body.head_position_m;
+        head_m[2] += draws.head_height_offset_m.draw(stream);
+        Self {
+            head_m,
+            yaw_error_rad: draws.yaw_error_rad.draw(stream),
+            yaw_error_when_away_rad: draws.yaw_error_when_away_rad.draw(stream),
+            pull_newtons: [
+                draws.pull_forward_newtons.draw(stream),
+                0.0,
+                draws.pull_up_newtons.draw(stream),
+            ],
+        }
+    }
+}
+
 /// A force and torque on the object, world frame, at its centre of mass.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Wrench {
@@ -66,6 +83,7 @@ pub(crate) struct Human {
     ready: bool,
     reach: Reach,
     hand_is_out: bool,
+    has_pulled: bool,
     pull_began_secs: Option<f64>,
     pulled_from_m: Option<Vector>,
     held: Option<Pose>,
@@ -80,23 +98,11 @@ impl Human {
         stream: &mut Stream,
         timing: Stream,
     ) -> Self {
-        let mut head_m = body.head_position_m;
-        head_m[2] += draws.head_height_offset_m.draw(stream);
-        let drawn = Draws {
-            head_m,
-            yaw_error_rad: draws.yaw_error_rad.draw(stream),
-            yaw_error_when_away_rad: draws.yaw_error_when_away_rad.draw(stream),
-            pull_newtons: [
-                draws.pull_forward_newtons.draw(stream),
-                0.0,
-                draws.pull_up_newtons.draw(stream),
-            ],
-        };
         let rest = body.hand_rest_m;
         Self {
             body: body.clone(),
             test: test.clone(),
-            draws: drawn,
+            draws: Draws::draw(body, draws, stream),
             timing,
             next_action: 0,
             act_at_secs: None,
@@ -111,11 +117,31 @@ impl Human {
                 began_secs: 0.0,
             },
             hand_is_out: false,
+            has_pulled: false,
             pull_began_secs: None,
             pulled_from_m: None,
             held: None,
             last_object_m: rest,
         }
+    }
+
+    /// Draws anew what has had no effect yet: the pull if it never began, the errors of gaze if gaze
+    /// was never applied, and the delays to come. One that is already running stays.
+    pub(crate) fn draw_anew(&mut self, draws: &HumanDraws, stream: &mut Stream, timing: Stream) {
+        let anew = Draws::draw(&self.body, draws, stream);
+        let mut drawn = Draws {
+            head_m: self.draws.head_m,
+            ..anew
+        };
+        if self.has_pulled {
+            drawn.pull_newtons = self.draws.pull_newtons;
+        }
+        if self.applied.gaze.is_some() {
+            drawn.yaw_error_rad = self.draws.yaw_error_rad;
+            drawn.yaw_error_when_away_rad = self.draws.yaw_error_when_away_rad;
+        }
+        self.draws = drawn;
+        self.timing = timing;
     }
 
     /// Lets the human look, act and move.
@@ -237,7 +263,10 @@ impl Human {
             location: parameters.location.or(self.applied.location),
         };
         match parameters.pressure {
-            Some(true) => self.pull_began_secs = Some(now_secs),
+            Some(true) => {
+                self.pull_began_secs = Some(now_secs);
+                self.has_pulled = true;
+            }
             Some(false) => self.pull_began_secs = None,
             None => {}
         }

@@ -1,5 +1,6 @@
 //! The simulated world around the robot's code: physics, drives, tracking, planner and human.
 
+mod bench;
 mod drives;
 mod episode;
 mod human;
@@ -11,6 +12,7 @@ mod run;
 mod setup;
 mod tracking;
 
+pub use bench::{HandoverBench, RunningHandover, SavedHandover};
 pub use episode::{Episode, run_episode, run_episode_with, watch_episode};
 pub use judge::Outcome;
 pub use setup::World;

@@ -34,6 +34,25 @@ impl Planner {
         }
     }
 
+    /// Draws what is still open from another stream: answer times, and which request goes
+    /// unanswered, given that those handled so far were answered. With failure rate p and k of n
+    /// requests answered, that is one of the others with probability
+    /// `p (n - k)/n / (1 - p k/n)`.
+    pub(crate) fn draw_anew(&mut self, parameters: &PlannerParameters, mut stream: Stream) {
+        let handled = self.handled_requests as usize;
+        let has_failed = (self.unanswered_request).is_some_and(|which| which <= handled as u32);
+        let open = REQUESTS_PER_RUN.saturating_sub(handled);
+        if !has_failed {
+            let rate = parameters.failure_rate_per_run;
+            let share = |requests: usize| rate * requests as f64 / REQUESTS_PER_RUN as f64;
+            let so_far = 1.0 - share(REQUESTS_PER_RUN - open);
+            let fails = open > 0 && stream.unit() * so_far < share(open);
+            let which = handled + stream.index(open) + 1;
+            self.unanswered_request = fails.then_some(which as u32);
+        }
+        self.stream = stream;
+    }
+
     /// Takes the robot's count of requests and says how the last one stands.
     pub(crate) fn update(&mut self, requests: u32, now_secs: f64) -> PlannerStatus {
         if requests == 0 {
@@ -79,6 +98,32 @@ mod tests {
         assert_eq!(planner.update(1, 1.28), PlannerStatus::Working);
         assert_eq!(planner.update(1, 1.3), PlannerStatus::Answered);
         assert_eq!(planner.update(2, 1.32), PlannerStatus::Working);
+    }
+
+    #[test]
+    fn drawn_anew_after_answers_the_rest_fails_at_its_conditional_rate() {
+        let parameters = PlannerParameters {
+            failure_rate_per_run: 0.5,
+            answer_secs: Distribution::Constant(0.3),
+        };
+        // Three of five answered: (0.5 * 2/5) / (1 - 0.5 * 3/5) = 2/7, requests 4 and 5 alike.
+        let (mut fourth, mut fifth) = (0, 0);
+        for seed in 0..7000 {
+            let mut planner = planner(0.0, seed);
+            for request in 1..=3 {
+                planner.update(request, 0.0);
+            }
+            planner.draw_anew(&parameters, Stream::new(seed, Purpose::Planner));
+            fourth += u32::from(planner.unanswered_request == Some(4));
+            fifth += u32::from(planner.unanswered_request == Some(5));
+        }
+        // 1000 each in the mean with a standard deviation of 29.
+        assert!((850..1150).contains(&fourth) && (850..1150).contains(&fifth));
+        let mut failed = planner(1.0, 1);
+        let which = failed.unanswered_request;
+        failed.update(5, 0.0);
+        failed.draw_anew(&parameters, Stream::new(9, Purpose::Planner));
+        assert_eq!(failed.unanswered_request, which, "what has happened stays");
     }
 
     #[test]

@@ -111,6 +111,19 @@ impl Plant {
         Ok(plant)
     }
 
+    /// The same plant once more, in exactly the same state.
+    pub(crate) fn duplicate(&self) -> Result<Self, EngineError> {
+        Ok(Self {
+            simulation: self.simulation.duplicate()?,
+            joints: self.joints.clone(),
+            finger_joints: self.finger_joints.clone(),
+            hand_positions: self.hand_positions.clone(),
+            arm: self.arm.clone(),
+            skin: self.skin.clone(),
+            ..*self
+        })
+    }
+
     /// Joints start at their setpoints, at rest.
     fn set_start(&mut self) {
         let start: Vec<f64> = self

@@ -112,6 +112,45 @@ impl Run {
         })
     }
 
+    /// The same episode once more, in exactly the same state. With a new seed, whatever is still to
+    /// be drawn from there on is drawn from that seed's streams; what was drawn and has had an
+    /// effect (the object, the robot's pose, where the human stands) stays.
+    pub(crate) fn duplicate(&self, new_seed: Option<u64>) -> Result<Self, SimError> {
+        let mut copy = Self {
+            world: self.world.clone(),
+            plant: self.plant.duplicate()?,
+            controller: self.controller.clone(),
+            human: self.human.clone(),
+            tracker: self.tracker.clone(),
+            planner: self.planner.clone(),
+            recorder: self.recorder.clone(),
+            outcome: self.outcome.clone(),
+            arm_rad: self.arm_rad.clone(),
+            finger_counts: self.finger_counts.clone(),
+            ..*self
+        };
+        if let Some(seed) = new_seed {
+            copy.draw_anew(seed);
+        }
+        Ok(copy)
+    }
+
+    fn draw_anew(&mut self, seed: u64) {
+        self.seed = seed;
+        let stream = |purpose| Stream::new(seed, purpose);
+        let parameters = &self.world.setup().parameters;
+        self.human.draw_anew(
+            &parameters.human,
+            &mut stream(Purpose::Human),
+            stream(Purpose::HumanTiming),
+        );
+        self.tracker.draw_anew(stream(Purpose::Tracking));
+        self.planner
+            .draw_anew(&parameters.planner, stream(Purpose::Planner));
+        self.recorder.note("resumed_with_seed", seed);
+        self.recorder.note("resumed_at_secs", self.plant.now_secs());
+    }
+
     /// Whether the robot has ended long enough ago, or the human has left.
     fn is_over(&self) -> bool {
         let after = self.world.setup().scenario.simulation.end_after_secs;

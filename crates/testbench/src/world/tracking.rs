@@ -45,6 +45,11 @@ impl Tracker {
         }
     }
 
+    /// Readings from here on draw from another stream.
+    pub(crate) fn draw_anew(&mut self, stream: Stream) {
+        self.stream = stream;
+    }
+
     /// Takes a reading. The number of draws is the same with and without a glitch, so that
     /// parameter sets share their noise under one seed.
     pub(crate) fn read(&mut self, time_secs: f64, truth: &TruePoses) -> Reading {
