@@ -105,6 +105,7 @@ pub mod geometry;
 mod model;
 mod mujoco;
 mod outside;
+pub mod physics;
 mod random;
 pub mod robot;
 pub mod scenario;

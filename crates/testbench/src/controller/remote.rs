@@ -108,10 +108,7 @@ impl<T: LockStep> Controller for RemoteController<T> {
 }
 
 /// One exchange; an error that the controller reports is an error.
-fn ask(
-    transport: &mut impl LockStep,
-    question: &Question<'_>,
-) -> Result<Answer, ControllerError> {
+fn ask(transport: &mut impl LockStep, question: &Question<'_>) -> Result<Answer, ControllerError> {
     let protocol = |problem: String| ControllerError::Protocol {
         asked: question.name(),
         problem,
@@ -160,9 +157,7 @@ mod tests {
     const HELLO: &str = r#"{"type":"hello","protocol":1,"name":"n","version":"2",
         "sends":["done"],"reports":{"state":{"enumeration":{"names":["go","stop"]}}}}"#;
 
-    fn connected(
-        answers: &[&'static str],
-    ) -> Result<RemoteController<Script>, ControllerError> {
+    fn connected(answers: &[&'static str]) -> Result<RemoteController<Script>, ControllerError> {
         let answers = std::iter::once(HELLO).chain(answers.iter().copied());
         RemoteController::connect(Script {
             answers: answers.collect(),

@@ -38,6 +38,23 @@ impl JointId {
 }
 
 impl Simulation {
+    /// The part of a step that depends on positions and velocities: where bodies are, what touches.
+    ///
+    /// [`Simulation::solve_and_integrate`] and then this make a step after which everything that
+    /// can be asked belongs to the new positions; after [`Simulation::step`] bodies are where they
+    /// were before it.
+    pub fn update_positions(&mut self) {
+        // SAFETY: model and data belong together and are owned by `self`.
+        unsafe { (self.functions.step1)(self.model.as_ptr(), self.data.as_ptr()) }
+    }
+
+    /// The part of a step that depends on controls and forces: contact forces, accelerations, new
+    /// positions. [`Simulation::update_positions`] has to come before it.
+    pub fn solve_and_integrate(&mut self) {
+        // SAFETY: as in `update_positions`.
+        unsafe { (self.functions.step2)(self.model.as_ptr(), self.data.as_ptr()) }
+    }
+
     /// The joint called `name`.
     #[must_use]
     pub fn joint(&self, name: &str) -> Option<JointId> {

@@ -1,0 +1,154 @@
+//! What is in a scene, in plain numbers, for any engine.
+
+use crate::geometry::{Pose, Vector};
+
+/// Everything an engine is built from. Bodies come after their parents.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Layout {
+    /// Length of a time step.
+    pub time_step_secs: f64,
+    /// Gravity, downwards.
+    pub gravity_m_s2: f64,
+    /// Bodies; the world itself is not among them.
+    pub bodies: Vec<BodyPlan>,
+    /// Shapes of bodies and of the world.
+    pub shapes: Vec<ShapePlan>,
+    /// Joints; at most one for each body.
+    pub joints: Vec<JointPlan>,
+    /// Drives of joints.
+    pub drives: Vec<DrivePlan>,
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyPlan {
+    /// Its name, unique among bodies.
+    pub name: String,
+    /// The body that it hangs on; `None` for the world.
+    pub parent: Option<usize>,
+    /// Its frame in the parent's frame (before the joint moves it).
+    pub pose: Pose,
+    /// How it may move against its parent.
+    pub motion: Motion,
+    /// Its mass; `None` where its shapes weigh nothing (fixed or led bodies).
+    pub inertia: Option<Inertia>,
+}
+
+/// How a body may move against its parent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    /// Not at all.
+    Fixed,
+    /// Freely; its parent is the world.
+    Free,
+    /// By its joint, which is in the layout's list of joints.
+    Jointed,
+    /// As it is placed, whatever pushes it; its parent is the world. It pushes others.
+    Led,
+}
+
+/// Mass and how it is spread.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inertia {
+    /// Mass.
+    pub mass_kg: f64,
+    /// Centre of mass in the body's frame.
+    pub centre_m: Vector,
+    /// xx, yy, zz, xy, xz, yz about the centre, along the body's axes.
+    pub moments_kg_m2: [f64; 6],
+}
+
+/// A shape that others can touch and rays can meet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapePlan {
+    /// Its name, unique among shapes.
+    pub name: String,
+    /// The body it belongs to; `None` for the world.
+    pub body: Option<usize>,
+    /// Its frame in the body's.
+    pub pose: Pose,
+    /// Its form.
+    pub form: Form,
+    /// Coulomb friction; of two shapes the larger holds.
+    pub friction: f64,
+}
+
+/// The form of a shape; cylinders and capsules lie along z, centred.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs, reason = "names carry quantity and unit")]
+pub enum Form {
+    /// Everything below z = 0.
+    Ground,
+    Box {
+        edges_m: Vector,
+    },
+    Sphere {
+        radius_m: f64,
+    },
+    /// `length_m` is that of the straight part.
+    Capsule {
+        radius_m: f64,
+        length_m: f64,
+    },
+    Cylinder {
+        radius_m: f64,
+        length_m: f64,
+    },
+    /// The convex hull of points.
+    Hull {
+        points_m: Vec<Vector>,
+    },
+}
+
+/// A joint with one degree of freedom.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPlan {
+    /// Its name, unique among joints.
+    pub name: String,
+    /// The body that it moves.
+    pub body: usize,
+    /// Hinge or slide.
+    pub kind: JointKind,
+    /// Its axis in the body's frame, through the frame's origin.
+    pub axis: Vector,
+    /// Lowest and highest position, if it is limited.
+    pub range: Option<[f64; 2]>,
+    /// Viscous damping, N m s/rad or N s/m.
+    pub damping: f64,
+    /// Dry friction, N m or N.
+    pub friction_loss: f64,
+    /// Inertia of its drive as seen from the joint, kg m² or kg.
+    pub armature: f64,
+}
+
+/// What a joint's position is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointKind {
+    /// An angle.
+    Hinge,
+    /// A displacement.
+    Slide,
+}
+
+/// A drive of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrivePlan {
+    /// The joint that it drives.
+    pub joint: usize,
+    /// What its target is.
+    pub kind: DriveKind,
+    /// Largest torque or force.
+    pub limit: f64,
+}
+
+/// What a drive is told to reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs, reason = "the variants say it")]
+pub enum DriveKind {
+    /// A position; torque = stiffness (target - position) - damping · velocity.
+    Position { stiffness: f64, damping: f64 },
+    /// A velocity; torque = gain (target - velocity).
+    Velocity { gain: f64 },
+    /// A torque or force.
+    Effort,
+}

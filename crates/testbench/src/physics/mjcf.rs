@@ -1,0 +1,193 @@
+//! A layout as MJCF text for MuJoCo.
+//!
+//! Masses and inertias are given explicitly and shapes weigh nothing, so that what a form weighs
+//! does not depend on the engine. Bodies that are fixed to the world become parts of it.
+
+use std::fmt::Write;
+
+use super::layout::{BodyPlan, DriveKind, Form, JointKind, Layout, Motion, ShapePlan};
+use crate::geometry::Pose;
+
+/// Appends a formatted line. Writing to a `String` cannot fail.
+macro_rules! put {
+    ($text:expr, $($argument:tt)*) => {{ let _ = writeln!($text, $($argument)*); }};
+}
+
+/// Torsional and rolling friction in metres: small, so that wheels roll and feet turn.
+const OTHER_FRICTION: &str = "0.005 0.0001";
+
+/// The layout as MJCF. Names are those of the layout, drives are in its order.
+#[must_use]
+pub fn mjcf_of(layout: &Layout) -> String {
+    let mut text = String::with_capacity(16 * 1024);
+    put!(text, r#"<mujoco model="scene">"#);
+    put!(
+        text,
+        r#"<compiler angle="radian" autolimits="true" balanceinertia="false" fusestatic="false"/>"#
+    );
+    put!(
+        text,
+        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="10"><flag energy="disable"/></option>"#,
+        layout.time_step_secs,
+        -layout.gravity_m_s2
+    );
+    hulls(&mut text, layout);
+    put!(text, "<worldbody>");
+    shapes_of(&mut text, layout, None);
+    children_of(&mut text, layout, None);
+    put!(text, "</worldbody>");
+    drives(&mut text, layout);
+    put!(text, "</mujoco>");
+    text
+}
+
+fn numbers(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    texts.join(" ")
+}
+
+/// A name as an attribute's value.
+fn escaped(name: &str) -> String {
+    name.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;")
+}
+
+fn place(pose: &Pose) -> String {
+    format!(
+        r#"pos="{}" quat="{}""#,
+        numbers(&pose.position_m),
+        numbers(&pose.orientation)
+    )
+}
+
+fn hulls(text: &mut String, layout: &Layout) {
+    let hulls = layout.shapes.iter().filter_map(|shape| match &shape.form {
+        Form::Hull { points_m } => Some((&shape.name, points_m)),
+        _ => None,
+    });
+    put!(text, "<asset>");
+    for (name, points_m) in hulls {
+        put!(
+            text,
+            r#"<mesh name="{}" vertex="{}" inertia="convex"/>"#,
+            escaped(name),
+            numbers(points_m.as_flattened())
+        );
+    }
+    put!(text, "</asset>");
+}
+
+fn children_of(text: &mut String, layout: &Layout, parent: Option<usize>) {
+    let children = layout.bodies.iter().enumerate();
+    for (index, body) in children.filter(|(_, body)| body.parent == parent) {
+        let mocap = if body.motion == Motion::Led {
+            r#" mocap="true""#
+        } else {
+            ""
+        };
+        put!(
+            text,
+            r#"<body name="{}" {}{mocap}>"#,
+            escaped(&body.name),
+            place(&body.pose)
+        );
+        inertial(text, body);
+        match body.motion {
+            Motion::Free => put!(text, r#"<freejoint name="{}"/>"#, escaped(&body.name)),
+            Motion::Jointed => joint_of(text, layout, index),
+            Motion::Fixed | Motion::Led => {}
+        }
+        shapes_of(text, layout, Some(index));
+        children_of(text, layout, Some(index));
+        put!(text, "</body>");
+    }
+}
+
+fn inertial(text: &mut String, body: &BodyPlan) {
+    if let Some(inertia) = &body.inertia {
+        put!(
+            text,
+            r#"<inertial pos="{}" mass="{}" fullinertia="{}"/>"#,
+            numbers(&inertia.centre_m),
+            inertia.mass_kg,
+            numbers(&inertia.moments_kg_m2)
+        );
+    }
+}
+
+fn joint_of(text: &mut String, layout: &Layout, body: usize) {
+    for joint in layout.joints.iter().filter(|joint| joint.body == body) {
+        let kind = match joint.kind {
+            JointKind::Hinge => "hinge",
+            JointKind::Slide => "slide",
+        };
+        let range = joint.range.map_or(String::new(), |range| {
+            format!(r#" range="{}""#, numbers(&range))
+        });
+        put!(
+            text,
+            r#"<joint name="{}" type="{kind}" axis="{}" damping="{}" frictionloss="{}" armature="{}"{range}/>"#,
+            escaped(&joint.name),
+            numbers(&joint.axis),
+            joint.damping,
+            joint.friction_loss,
+            joint.armature
+        );
+    }
+}
+
+fn shapes_of(text: &mut String, layout: &Layout, body: Option<usize>) {
+    for shape in layout.shapes.iter().filter(|shape| shape.body == body) {
+        put!(
+            text,
+            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" condim="3" mass="0"/>"#,
+            escaped(&shape.name),
+            place(&shape.pose),
+            form_of(shape),
+            shape.friction
+        );
+    }
+}
+
+fn form_of(shape: &ShapePlan) -> String {
+    match &shape.form {
+        Form::Ground => r#"type="plane" size="0 0 1""#.to_owned(),
+        Form::Box { edges_m } => {
+            format!(
+                r#"type="box" size="{}""#,
+                numbers(&edges_m.map(|edge| edge / 2.0))
+            )
+        }
+        Form::Sphere { radius_m } => format!(r#"type="sphere" size="{radius_m}""#),
+        Form::Capsule { radius_m, length_m } => {
+            format!(r#"type="capsule" size="{radius_m} {}""#, length_m / 2.0)
+        }
+        Form::Cylinder { radius_m, length_m } => {
+            format!(r#"type="cylinder" size="{radius_m} {}""#, length_m / 2.0)
+        }
+        Form::Hull { .. } => format!(r#"type="mesh" mesh="{}""#, escaped(&shape.name)),
+    }
+}
+
+fn drives(text: &mut String, layout: &Layout) {
+    put!(text, "<actuator>");
+    for drive in &layout.drives {
+        let Some(joint) = layout.joints.get(drive.joint) else {
+            continue;
+        };
+        let name = escaped(&joint.name);
+        let range = format!(r#"forcerange="{} {}""#, -drive.limit, drive.limit);
+        match drive.kind {
+            DriveKind::Position { stiffness, damping } => put!(
+                text,
+                r#"<position joint="{name}" kp="{stiffness}" kv="{damping}" {range}/>"#
+            ),
+            DriveKind::Velocity { gain } => {
+                put!(text, r#"<velocity joint="{name}" kv="{gain}" {range}/>"#);
+            }
+            DriveKind::Effort => put!(text, r#"<motor joint="{name}" {range}/>"#),
+        }
+    }
+    put!(text, "</actuator>");
+}
