@@ -1,6 +1,6 @@
 //! What was understood of a sentence, in words and as a small diagram, for a person to confirm.
 
-use crate::sentence::{ConditionKind, Scope, ScopeKind, Sentence, Stage, Timing};
+use crate::sentence::{Amount, ConditionKind, Scope, ScopeKind, Sentence, Stage, Timing};
 
 /// An explanation of a sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,6 +30,7 @@ pub struct Explanation {
 pub fn explain(sentence: &Sentence) -> Explanation {
     let mut words = vec![scope(&sentence.scope), trigger(sentence)];
     words.extend(stages(sentence));
+    words.extend(sentence.stages.iter().find_map(exact_instant));
     words.push(match &sentence.probability {
         None => "Every run must meet this.".to_owned(),
         Some(probability) => format!(
@@ -42,6 +43,19 @@ pub fn explain(sentence: &Sentence) -> Explanation {
         words,
         diagram: diagram(sentence),
     }
+}
+
+/// What a recording has to be like for a stage, if it has to be.
+fn exact_instant(stage: &Stage) -> Option<String> {
+    let exact = match &stage.timing {
+        Timing::After(duration) => matches!(duration.amount, Amount::Secs(secs) if secs > 0.0),
+        _ => false,
+    };
+    exact.then(|| {
+        "Note: `after` so many seconds asks for a sample at that exact instant; a recording whose \
+         samples are not at equal steps has none and does not meet it, so prefer `within`."
+            .to_owned()
+    })
 }
 
 fn scope(scope: &Scope) -> String {

@@ -16,7 +16,7 @@ use trace::Parameters;
 use crate::diagnostic::{Diagnostic, Parsed, Span};
 use crate::expression::is_name;
 use crate::lexer::{Kind, Token, tokens};
-use crate::sentence::{Condition, ConditionKind, Scope, ScopeKind, Sentence, Timing};
+use crate::sentence::{Amount, Condition, ConditionKind, Scope, ScopeKind, Sentence, Timing};
 
 /// What the names in a sentence may refer to.
 #[derive(Clone, Copy, Debug, Default)]
@@ -94,7 +94,27 @@ fn sentence(reader: &mut Reader<'_>, all: &[Token<'_>], shall: usize) -> Sentenc
         stages: response.stages,
     };
     warn_of_continual_after(reader, &sentence);
+    warn_of_exact_instants(reader, &sentence);
     sentence
+}
+
+/// A response so many seconds later, and not before, is judged at a sample of just that time.
+fn warn_of_exact_instants(reader: &mut Reader<'_>, sentence: &Sentence) {
+    for stage in &sentence.stages {
+        if let Timing::After(duration) = &stage.timing
+            && let Amount::Secs(secs) = duration.amount
+            && secs > 0.0
+        {
+            reader.warning(
+                "exact-instant",
+                duration.span,
+                "This asks for the response at one exact instant: a recording without a sample \
+                 just then does not meet it.",
+                "Write `within` if a response by then is meant, or `for` with the negation of the \
+                 response, or resample recordings at equal steps.",
+            );
+        }
+    }
 }
 
 /// A response that comes exactly so long after each instant of an interval, and not before, cannot

@@ -11,7 +11,7 @@ use support::{
     NAMES, bits, holds_finite, letters, name, sentence, single_stage_sentences, triggers, words,
 };
 use temporal::formula::semantics::dense::{TickWord, value};
-use temporal::formula::{Ending, TimeModel};
+use temporal::formula::{Ending, FormulaMonitor, Settings, TimeModel};
 use temporal::monitor::{Monitor, MonitorReport, Verdict};
 
 /// The sentence with its steps read as seconds.
@@ -81,6 +81,56 @@ fn monitors_mean_their_sentences_in_dense_time() {
         });
     }
     assert!(judged > 50_000, "{judged} judgements");
+}
+
+/// How often a trigger counts, by the engine of one model of time.
+fn counted(compiled: &FormulaMonitor, atoms: &[usize], word: &[u64]) -> u64 {
+    let mut judge = compiled.start();
+    for (second, letter) in word.iter().enumerate() {
+        let row: Vec<Option<bool>> = (atoms.iter())
+            .map(|bit| Some(letter >> bit & 1 == 1))
+            .collect();
+        judge.step_truth(second as f64, &row).unwrap();
+    }
+    judge.finish(true).triggered
+}
+
+#[test]
+fn triggers_are_counted_alike_in_both_models_of_time() {
+    let (mut triggered, mut continual) = (0, 0);
+    for sentence in single_stage_sentences().into_iter().map(in_seconds) {
+        let form = monitor(&sentence).unwrap();
+        if form.needs_discrete_time() {
+            continue;
+        }
+        let engines = [TimeModel::Discrete, TimeModel::Dense].map(|time| {
+            let settings = Settings {
+                explain_samples: 0,
+                ..form.settings(time, Ending::Finite)
+            };
+            FormulaMonitor::compile(&form.requirement.formula, &settings).unwrap()
+        });
+        let atoms = bits(&form.requirement.atoms);
+        let alphabet = letters(&sentence);
+        let length = if alphabet.len() > 8 { 2 } else { 3 };
+        words(&alphabet, length, &mut |word| {
+            let counts = engines
+                .each_ref()
+                .map(|engine| counted(engine, &atoms, word));
+            assert_eq!(counts[0], counts[1], "{sentence} on {word:?}");
+            triggered += counts[0];
+            let runs = sentence.condition.as_ref();
+            if runs.is_some_and(|c| c.kind == ConditionKind::Whenever) {
+                // Not the number of samples, let alone of instants: that of intervals.
+                assert!(counts[0] as usize <= word.len().div_ceil(2));
+                continual += counts[0];
+            }
+        });
+    }
+    assert!(
+        triggered > 20_000 && continual > 5_000,
+        "{triggered} {continual}"
+    );
 }
 
 #[test]

@@ -330,6 +330,12 @@ fn mistakes_have_places_and_remedies() {
             "Use `when`",
         ),
         (
+            "when grasped, the robot shall after 2 s satisfy hand_open",
+            "exact-instant",
+            "2 s",
+            "Write `within`",
+        ),
+        (
             "sometimes grasped, the robot shall always satisfy grasped",
             "unexpected",
             "sometimes grasped",
