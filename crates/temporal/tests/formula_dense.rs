@@ -55,6 +55,14 @@ fn compare(formula: &Formula, trace: &[(usize, [f64; 2])], ending: Ending) -> (b
             .verdict;
         let prefix =
             value(formula, &word(&trace[..=index], true), Ending::Inconclusive).expect("as above");
+        let seen = word(&trace[..=index], false);
+        let bounds = value(formula, &seen, Ending::Inconclusive).expect("as above");
+        assert_eq!(
+            judge.robustness_bounds(),
+            Some(bounds),
+            "after {index}: {}",
+            what()
+        );
         match verdict {
             Some(verdict) => assert_eq!(verdict, prefix.verdict(), "after {index}: {}", what()),
             None => late |= prefix.truth().is_some(),

@@ -100,6 +100,8 @@ impl<'f> Run<'f> {
         for (judge, ending) in self.judges.iter().zip(ENDINGS) {
             let meant = semantics::value(self.formula, &self.word, ending).unwrap();
             if ending == Ending::Inconclusive {
+                let bounds = judge.robustness_bounds();
+                assert_eq!(bounds, Some(meant), "{} on {:?}", self.formula, self.word);
                 let verdict = Some(meant.verdict()).filter(|it| *it != Verdict::Inconclusive);
                 if self.prompt || judge.verdict().is_some() {
                     assert_eq!(

@@ -208,6 +208,14 @@ impl DenseJudge {
         self.verdict
     }
 
+    /// The least and the greatest robustness that this trace can still have, whatever comes; `None`
+    /// if robustness is not computed or there was no sample. A copy of what is stored is finished.
+    #[must_use]
+    pub fn robustness_bounds(&self) -> Option<RobustnessBounds> {
+        let robustness = self.robustness.as_ref().filter(|_| self.samples > 0)?;
+        Some(robustness.clone().close(Ending::Inconclusive))
+    }
+
     /// How many stretches of time are stored.
     #[must_use]
     pub fn stored(&self) -> usize {

@@ -237,6 +237,30 @@ impl FormulaJudge {
         either!(&self.work, judge => judge.verdict())
     }
 
+    /// The robust satisfaction interval: the least and the greatest robustness that this trace can
+    /// still have, whatever comes after the samples so far. `None` if robustness was not asked for or
+    /// there was no sample. It is what [`FormulaJudge::finish`] would say with
+    /// [`Ending::Inconclusive`].
+    ///
+    /// In discrete time this mostly takes constant time, in dense time as long as copying what is
+    /// stored ([`FormulaJudge::stored`]).
+    ///
+    /// ```
+    /// use temporal::formula::{Ending, FormulaMonitor, Settings, parse};
+    /// let formula = parse("always (near => eventually[0, 1 samples] slow)", &|_| None)?.formula;
+    /// let settings = Settings::discrete(Ending::Finite).with_robustness();
+    /// let mut judge = FormulaMonitor::compile(&formula, &settings)?.start();
+    /// judge.step(0.0, &[0.5, -0.25])?;
+    /// judge.step(1.0, &[-0.5, 0.125])?;
+    /// let bounds = judge.robustness_bounds().ok_or("there was a sample")?;
+    /// assert_eq!((bounds.low, bounds.high), (f64::NEG_INFINITY, 0.125));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn robustness_bounds(&self) -> Option<RobustnessBounds> {
+        either!(&self.work, judge => judge.robustness_bounds())
+    }
+
     /// How many values, stretches and times are stored: what bounds the memory.
     #[must_use]
     pub fn stored(&self) -> usize {

@@ -231,6 +231,23 @@ impl DiscreteJudge {
         self.decided_at_secs
     }
 
+    /// The least and the greatest robustness that this trace can still have, whatever comes; `None`
+    /// if robustness is not computed or there was no sample. Mostly in constant time: see the file
+    /// `robustness/so_far.rs`.
+    #[must_use]
+    pub fn robustness_bounds(&self) -> Option<RobustnessBounds> {
+        let Robustness { low, high } = self.robustness.as_ref()?;
+        if self.timeline.count() == 0 {
+            return None;
+        }
+        let high = high.as_ref().unwrap_or(low);
+        // Adding 0 makes a negative zero positive.
+        Some(RobustnessBounds {
+            low: low.so_far(&self.timeline, f64::NEG_INFINITY)? + 0.0,
+            high: high.so_far(&self.timeline, f64::INFINITY)? + 0.0,
+        })
+    }
+
     /// How many values, runs of truth values and times are stored.
     #[must_use]
     pub fn stored(&self) -> usize {

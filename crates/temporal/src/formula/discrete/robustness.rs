@@ -27,12 +27,15 @@ mod ahead;
 mod behind;
 mod endless;
 mod fold;
+mod so_far;
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use self::ahead::Ahead;
 use self::behind::Behind;
 use self::endless::Endless;
+use self::so_far::Missing;
 use super::program::{Node, NodeId, Op, Program};
 use super::timeline::Timeline;
 
@@ -46,6 +49,8 @@ pub(super) struct Lane {
     given: Vec<Vec<f64>>,
     root: NodeId,
     value: Option<f64>,
+    /// What the nodes have not given, by what comes after.
+    missing: Arc<[[Missing; 2]]>,
     /// What statements about unknown atoms are taken for.
     unknown: f64,
 }
@@ -141,6 +146,7 @@ impl Lane {
             given: vec![Vec::new(); program.nodes.len()],
             root,
             value: None,
+            missing: so_far::missing(program).into(),
             unknown: f64::NEG_INFINITY,
         }
     }

@@ -208,6 +208,21 @@ impl Ahead {
         }
     }
 
+    /// The value of the first sample, if `after` is the value of both operands from now on. If not
+    /// all that is missing of the operands is nothing or `after` (`plain`), this is known only where
+    /// it does not matter.
+    pub(super) fn first_so_far(&self, after: f64, plain: bool) -> Option<f64> {
+        let Kind::First(first) = &self.kind else {
+            return None;
+        };
+        let Link { all_left, reached } = first.fold;
+        if first.given {
+            return Some(reached);
+        }
+        let value = greater(reached, smaller(all_left, after));
+        (plain || first.end.is_none() && value == f64::INFINITY).then_some(value)
+    }
+
     /// The trace is over, and `after` is the value of both operands in what comes after it.
     pub(super) fn close(&mut self, timeline: &Timeline, after: f64, giver: &mut Giver<'_>) {
         if let Kind::First(first) = &mut self.kind {
