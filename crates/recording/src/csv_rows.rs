@@ -10,7 +10,7 @@
 //! row is given once, in the order of the file, or is a [`Loss`]. A last line that does not end with
 //! a line break may have lost digits, so it is left out.
 
-mod columns;
+pub(crate) mod columns;
 pub(crate) mod row_time;
 
 use std::collections::BTreeMap;
@@ -142,7 +142,7 @@ impl<R: Read + Seek> Rows<R> {
         headers: &[String],
         time_column: usize,
         options: &OpenOptions,
-    ) -> Result<(Option<TimeFormat>, Vec<Option<Kind>>), ReadError> {
+    ) -> Result<(Option<TimeFormat>, Vec<Census>), ReadError> {
         let mut census = vec![Census::default(); headers.len()];
         let mut format = None;
         while self.advance()?.is_some() {
@@ -158,9 +158,7 @@ impl<R: Read + Seek> Rows<R> {
                 census.count(&self.cell(column));
             }
         }
-        let kinds = census.iter().enumerate();
-        let kinds = kinds.map(|(column, census)| (column != time_column).then(|| census.kind()));
-        Ok((format, kinds.collect()))
+        Ok((format, census))
     }
 
     /// A cell; bytes that are no text are replaced.
@@ -187,8 +185,15 @@ impl<R: Read + Seek> CsvReader<R> {
             .collect();
         let time_column = time_column(&headers, options)?;
         let start = rows.csv.position().clone();
-        let (time_format, kinds) = rows.survey(&headers, time_column, options)?;
-        let layout = layout(&headers, &kinds).map_err(malformed)?;
+        let (time_format, census) = rows.survey(&headers, time_column, options)?;
+        let columns = census.iter().enumerate();
+        let kinds: Vec<Option<Kind>> = columns
+            .clone()
+            .map(|(column, census)| (column != time_column).then(|| census.kind()))
+            .collect();
+        let empty = columns.filter(|(_, census)| census.is_empty());
+        let empty: Vec<usize> = empty.map(|(column, _)| column).collect();
+        let layout = layout(&headers, &kinds, &empty).map_err(malformed)?;
         rows.csv
             .seek(start)
             .map_err(|error| malformed(error.to_string()))?;

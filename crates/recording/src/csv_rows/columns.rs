@@ -13,6 +13,9 @@ use crate::schema::{MessageField, MessageType, Primitive, Type};
 /// The topic of columns that name none.
 pub(crate) const TABLE_TOPIC: &str = "/csv";
 
+/// Before the signal of a column without any value, in the metadata of a table.
+pub(crate) const NO_VALUE_IN: &str = "no value in ";
+
 /// Of the filled cells of a column of numbers, at least this share must be numbers.
 const LEAST_SHARE_OF_NUMBERS: f64 = 0.9;
 
@@ -42,6 +45,11 @@ impl Census {
             _ => &mut self.texts,
         };
         *counter += 1;
+    }
+
+    /// Whether no row has a value in the column, so that nothing tells its kind.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.numbers + self.truths + self.texts == 0
     }
 
     /// The kind of the column. Truth values of which some are missing count as the numbers 0 and 1,
@@ -99,10 +107,15 @@ enum Part {
 }
 
 /// The layout of a table with these headers and kinds of columns; the column of times has no kind.
+/// `without_values` are the columns in which no row has a value.
 ///
 /// # Errors
 /// A clause if two columns have the same name.
-pub(crate) fn layout(headers: &[String], kinds: &[Option<Kind>]) -> Result<Layout, String> {
+pub(crate) fn layout(
+    headers: &[String],
+    kinds: &[Option<Kind>],
+    without_values: &[usize],
+) -> Result<Layout, String> {
     let mut layout = Layout::default();
     let mut topics: Vec<(String, Part)> = Vec::new();
     for (column, (header, kind)) in headers.iter().zip(kinds).enumerate() {
@@ -115,6 +128,9 @@ pub(crate) fn layout(headers: &[String], kinds: &[Option<Kind>]) -> Result<Layou
         let notes = &mut layout.notes;
         if !unit.is_empty() {
             notes.insert(format!("unit of {signal}"), unit.to_owned());
+        }
+        if without_values.contains(&column) {
+            notes.insert(format!("{NO_VALUE_IN}{signal}"), String::new());
         }
         if topic == TABLE_TOPIC && path[0] != name {
             notes.insert(format!("header of {signal}"), header.clone());
@@ -286,7 +302,7 @@ mod tests {
         let mut kinds = vec![Some(Kind::Number); headers.len()];
         kinds[0] = None;
         kinds[3] = Some(Kind::Text);
-        let layout = layout(&headers, &kinds).unwrap();
+        let layout = layout(&headers, &kinds, &[6]).unwrap();
         let [robot, table] = &layout.topics[..] else {
             panic!("there are two topics")
         };
@@ -305,6 +321,7 @@ mod tests {
         );
         assert_eq!(layout.notes["unit of /robot.hand.x"], "m");
         assert_eq!(layout.notes["unit of /csv.speed"], "m/s");
+        assert!(layout.notes.contains_key("no value in /csv.column_7"));
         assert_eq!(layout.notes["header of /csv.position_0"], "position[0]");
     }
 
@@ -313,7 +330,7 @@ mod tests {
         for headers in [["a b", "a-b"], ["/r.x", "/r.x [m]"], ["/r.x", "/r.x.y"]] {
             let headers = headers.map(str::to_owned);
             assert!(
-                layout(&headers, &[Some(Kind::Number); 2]).is_err(),
+                layout(&headers, &[Some(Kind::Number); 2], &[]).is_err(),
                 "{headers:?}"
             );
         }

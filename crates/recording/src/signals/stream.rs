@@ -5,7 +5,7 @@ use std::fmt;
 
 use trace::{Snapshot, Trace};
 
-use super::bind::{self, BindError, Binding};
+use super::bind::{self, BindError, Binding, ColumnPlan};
 use super::decode::{TopicDecoder, kind_of};
 use super::error::StreamError;
 use super::plan::Treatment;
@@ -14,6 +14,7 @@ use super::sequencer::Sequencer;
 use super::taking::{Role, Taking, Topic};
 use super::tf_message::clock_nanos_of;
 use crate::clock::{Mapped, SimulationClock, TimeSettings, TimeSource};
+use crate::csv_rows::columns::NO_VALUE_IN;
 use crate::reader::{Loss, RawMessage, Reader, TopicId, TopicInfo};
 use crate::topic_map::TopicMap;
 
@@ -182,6 +183,26 @@ impl SignalStream {
     #[must_use]
     pub fn absent(&self) -> &[BindError] {
         &self.binding.absent
+    }
+
+    /// The numbers among the signals that come from columns of a table in which no row has a value:
+    /// nothing tells whether such a column would hold numbers or truth values.
+    #[must_use]
+    pub fn without_values(&self) -> Vec<String> {
+        let metadata = self.reader.metadata();
+        let mut found = Vec::new();
+        for plan in &self.binding.topics {
+            for row in &plan.rows {
+                for (column, (signal, _)) in row.columns.iter().zip(&row.asked_by) {
+                    if let ColumnPlan::Number { path, .. } = column
+                        && metadata.contains_key(&format!("{NO_VALUE_IN}{}.{path}", plan.name))
+                    {
+                        found.push(signal.clone());
+                    }
+                }
+            }
+        }
+        found
     }
 
     /// Moves to the next instant; `None` after the last one. After an error, the instants before

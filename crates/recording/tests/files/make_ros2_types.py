@@ -1,5 +1,8 @@
 """Writes ros2_types.txt: the fields of the ROS 2 interface types that are the same in every release before
-type definitions were stored in recordings (Dashing to Humble), as the `rosbags` package knows them."""
+type definitions were stored in recordings (Dashing to Humble), as the `rosbags` package knows them.
+
+It does not know control_msgs. Those lines are kept by hand: the types whose .msg files are the same on the
+branches foxy-devel, galactic-devel and humble of ros-controls/control_msgs (JointTrajectoryControllerState is not)."""
 import re, sys
 from rosbags.typesys import Stores, get_typestore
 
