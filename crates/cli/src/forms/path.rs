@@ -135,7 +135,7 @@ impl Reader<'_> {
             .step_secs
             .ok_or("it counts steps, whose duration study.toml does not declare")?;
         let secs = |steps: f64| Bound::secs(steps * step_secs);
-        let (low, high) = steps_of(bound).ok_or("its step bound is not a number")?;
+        let (low, high) = steps_of(bound).ok_or("its step bound is not a number of steps")?;
         Ok(Interval {
             low: secs(low),
             high: high.map(secs),
@@ -143,14 +143,17 @@ impl Reader<'_> {
     }
 }
 
-/// The least and the greatest number of steps of a bound written in numbers.
+/// The least and the greatest number of steps of a bound written in numbers;
+/// `None` also if there is no such number of steps, as for `<0`.
 pub fn steps_of(bound: &StepBound) -> Option<(f64, Option<f64>)> {
     match bound {
         StepBound::Compare(comparison, expr) => {
             let steps = number_of(expr)?;
             Some(match comparison {
                 Comparison::LessEqual => (0.0, Some(steps)),
-                Comparison::Less => (0.0, Some(steps - 1.0)),
+                // Steps are whole, so below 2.5 the last one is 2.
+                Comparison::Less if steps > 0.0 => (0.0, Some(steps.ceil() - 1.0)),
+                Comparison::Less => return None,
                 Comparison::GreaterEqual => (steps, None),
                 Comparison::Greater => (steps + 1.0, None),
             })

@@ -17,7 +17,7 @@ use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabular
 use evidence::Subject;
 use std::collections::BTreeMap;
 use temporal::formula::FormulaMonitor;
-use temporal::monitor::{Monitor, Verdict};
+use temporal::monitor::{Monitor, RobustnessMonitor, Verdict};
 use trace::{Cursor, Predicate, Quantity, Sampling, Trace, ticks};
 
 /// All monitors of a study, compiled.
@@ -48,11 +48,13 @@ struct SubjectJudge<'a> {
 /// A rule that is ready to judge.
 #[derive(Debug)]
 enum CompiledRule {
-    Staged(Monitor),
+    Staged {
+        monitor: Monitor,
+        /// `None` if it has too many stages without a deadline.
+        robustness: Option<Box<RobustnessMonitor>>,
+    },
     Formula {
         monitor: Box<FormulaMonitor>,
-        /// The same, of which the robustness so far is shown.
-        looking_back: Box<FormulaMonitor>,
         /// The texts of its atoms.
         atoms: Vec<String>,
     },
@@ -80,13 +82,25 @@ pub struct JudgedTrace {
     pub passed: u64,
     /// How often one was not; for a formula, 1 if it is violated.
     pub failed: u64,
-    /// By how much the formula is satisfied or, below 0, violated: the least
-    /// and the greatest that it can be. Stages have none.
-    pub robustness: Option<(f64, f64)>,
+    /// By how much it is satisfied or, below 0, violated. Stages of which too
+    /// many have no deadline have none.
+    pub robustness: Option<Robustness>,
     /// When the verdict was determined, if before the end; seconds.
     pub decided_at_secs: Option<f64>,
     /// Why it is violated.
     pub violation: Option<Violation>,
+}
+
+/// By how much a verdict holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robustness {
+    /// The least that it can be, given what was recorded.
+    pub low: f64,
+    /// The greatest.
+    pub high: f64,
+    /// False if triggers fell within an instance of the stages under way, so
+    /// that only bounds are known.
+    pub exact: bool,
 }
 
 /// The shortest part of a trace that shows a violation.
@@ -267,30 +281,32 @@ impl<'a> Collector<'a> {
 impl CompiledRule {
     fn new(rule: &Rule) -> Result<Self, Problem> {
         match rule {
-            Rule::Staged(spec) => Monitor::compile(spec)
-                .map(Self::Staged)
-                .map_err(|error| Problem::new("bad-monitor", error.to_string())),
+            Rule::Staged(spec) => {
+                let monitor = Monitor::compile(spec)
+                    .map_err(|error| Problem::new("bad-monitor", error.to_string()))?;
+                let robustness = monitor.robustness().ok().map(Box::new);
+                Ok(Self::Staged {
+                    monitor,
+                    robustness,
+                })
+            }
             Rule::Formula(formula) => Self::formula(formula),
         }
     }
 
     fn formula(rule: &FormulaRule) -> Result<Self, Problem> {
-        let compile = |settings| {
-            FormulaMonitor::compile(&rule.parsed.formula, &settings)
-                .map(Box::new)
-                .map_err(|error| Problem::new("bad-formula", error.to_string()))
-        };
+        let monitor = FormulaMonitor::compile(&rule.parsed.formula, &rule.settings())
+            .map_err(|error| Problem::new("bad-formula", error.to_string()))?;
         let atoms = rule.parsed.atoms.iter().map(|atom| atom.text.clone());
         Ok(Self::Formula {
-            monitor: compile(rule.settings())?,
-            looking_back: compile(shown::looking_back(rule))?,
+            monitor: Box::new(monitor),
             atoms: atoms.collect(),
         })
     }
 
     fn propositions(&self) -> &[String] {
         match self {
-            Self::Staged(monitor) => monitor.propositions(),
+            Self::Staged { monitor, .. } => monitor.propositions(),
             Self::Formula { atoms, .. } => atoms,
         }
     }

@@ -53,8 +53,9 @@ pub struct SubjectVerdict {
     pub passed: u64,
     /// How often one was not.
     pub failed: u64,
-    /// How far a formula is from changing its truth, in the SI unit of what it
-    /// compares: above 0 satisfied, below 0 violated. Stages have none.
+    /// How far it is from another verdict, in the SI unit of what it compares:
+    /// above 0 satisfied, below 0 violated. Stages of which more than eight
+    /// have no deadline have none.
     pub robustness: Option<Robustness>,
     /// When the verdict was determined, if before the end of the recording;
     /// seconds of its clock.
@@ -76,6 +77,9 @@ pub struct Robustness {
     pub least: Option<f64>,
     /// The greatest; null if there is no limit.
     pub greatest: Option<f64>,
+    /// False if triggers fell within an instance of the stages under way: then
+    /// only these bounds are known.
+    pub exact: bool,
 }
 
 /// The shortest part of a recording that shows a violation.
@@ -138,7 +142,7 @@ impl MonitorReport {
     /// A report on nothing yet.
     pub fn new() -> Self {
         Self {
-            format: "1.1".into(),
+            format: "1.2".into(),
             recordings: Vec::new(),
             totals: Vec::new(),
         }
@@ -176,9 +180,10 @@ impl SubjectVerdict {
             covered: findings.triggered,
             passed: findings.passed,
             failed: findings.failed,
-            robustness: findings.robustness.map(|(least, greatest)| Robustness {
-                least: least.is_finite().then_some(least),
-                greatest: greatest.is_finite().then_some(greatest),
+            robustness: findings.robustness.map(|found| Robustness {
+                least: found.low.is_finite().then_some(found.low),
+                greatest: found.high.is_finite().then_some(found.high),
+                exact: found.exact,
             }),
             decided_at_secs: findings.decided_at_secs,
             violation: violation.map(|violation| shown_violation(asked, found, violation)),

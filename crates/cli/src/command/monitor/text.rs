@@ -111,6 +111,14 @@ fn shown_signal(signal: &ShownSignal) -> String {
 }
 
 fn shown_robustness(robustness: &Robustness) -> String {
+    let shown = shown_bounds(robustness);
+    if robustness.exact {
+        return shown;
+    }
+    format!("{shown} (not exact: it was triggered again while under way)")
+}
+
+fn shown_bounds(robustness: &Robustness) -> String {
     match (robustness.least, robustness.greatest) {
         (Some(least), Some(greatest)) if least == greatest => format!("{least}"),
         (Some(least), Some(greatest)) => format!("from {least} to {greatest}"),

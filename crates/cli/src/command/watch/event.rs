@@ -179,7 +179,7 @@ impl LiveVerdict {
             covered: *triggered,
             passed: *passed,
             failed: *failed,
-            robustness: robustness.map(|(low, high)| [finite(low), finite(high)]),
+            robustness: robustness.map(|it| [finite(it.low), finite(it.high)]),
             decided_at_secs: *decided_at_secs,
             violation: violation.as_ref().map(LiveViolation::of),
         }

@@ -2,10 +2,12 @@
 //!
 //! Memory is bounded by the monitors (their windows), not by the trace.
 
-use super::{CompiledRule, JudgedTrace, Judgement, Judges, Responsible, SubjectJudge, Violation};
+use super::{
+    CompiledRule, JudgedTrace, Judgement, Judges, Responsible, Robustness, SubjectJudge, Violation,
+};
 use crate::problem::Problem;
-use temporal::formula::{FormulaJudge, FormulaReport};
-use temporal::monitor::{Judge, MonitorReport, Verdict};
+use temporal::formula::{FormulaJudge, FormulaReport, RobustnessBounds};
+use temporal::monitor::{Judge, MonitorReport, RobustnessJudge, StagedRobustness, Verdict};
 use trace::{BoundPredicate, BoundQuantity, SignalValues, Trace};
 
 /// The least step of a clock that stands still, in seconds: the resolution of
@@ -36,13 +38,11 @@ struct AtWork<'s> {
     judge: Work<'s>,
     /// The last time on its own clock.
     last_secs: f64,
-    /// Whether the last instant had a time on it.
-    stepped: bool,
 }
 
 #[derive(Clone)]
 enum Work<'s> {
-    Staged(Judge<'s>),
+    Staged(Judge<'s>, Option<Box<RobustnessJudge>>),
     Formula(FormulaJudge),
 }
 
@@ -55,11 +55,16 @@ impl<'s, 'a> Session<'s, 'a> {
         let clocks = clocks.collect::<Result<Vec<_>, _>>().map_err(problem)?;
         let at_work = judges.judges.iter().map(|judge| AtWork {
             judge: match &judge.rule {
-                CompiledRule::Staged(monitor) => Work::Staged(monitor.start()),
+                CompiledRule::Staged {
+                    monitor,
+                    robustness,
+                } => Work::Staged(
+                    monitor.start(),
+                    robustness.as_deref().map(|it| Box::new(it.start())),
+                ),
                 CompiledRule::Formula { monitor, .. } => Work::Formula(monitor.start()),
             },
             last_secs: f64::NEG_INFINITY,
-            stepped: false,
         });
         let channels = predicates.iter().map(channels_of).collect();
         Ok(Self {
@@ -117,7 +122,6 @@ impl<'s, 'a> Session<'s, 'a> {
                 None => Some(time_secs),
                 Some(clock) => own_time(&self.clocks[clock], values, self.at_work[index].last_secs),
             };
-            self.at_work[index].stepped = now_secs.is_some();
             // Before its clock shows a time, a monitor sees nothing.
             if let Some(now_secs) = now_secs {
                 self.advance(index, judge, now_secs)
@@ -136,8 +140,13 @@ impl<'s, 'a> Session<'s, 'a> {
         let at_work = &mut self.at_work[index];
         at_work.last_secs = now_secs;
         match &mut at_work.judge {
-            Work::Staged(staged) => {
-                let truth = &self.truth;
+            Work::Staged(staged, robustness) => {
+                let (truth, values) = (&self.truth, &self.robustness);
+                if let Some(robustness) = robustness {
+                    robustness
+                        .step(now_secs, &|p| values[judge.propositions[p]])
+                        .map_err(|error| error.to_string())?;
+                }
                 staged
                     .step(now_secs, &|p| truth[judge.propositions[p]])
                     .map_err(|error| error.to_string())
@@ -165,27 +174,20 @@ impl<'s, 'a> Session<'s, 'a> {
         let pairs = self.judges.judges.iter().zip(&self.at_work);
         pairs.map(|(judge, at_work)| {
             let verdict = match &at_work.judge {
-                Work::Staged(staged) => (staged.failed() > 0).then_some(Verdict::Violated),
+                Work::Staged(staged, _) => (staged.failed() > 0).then_some(Verdict::Violated),
                 Work::Formula(formula) => formula.verdict(),
             };
             (judge.subject, judge.reading, verdict)
         })
     }
 
-    /// Lets `other`, a judge of the same formula, see what the monitor at
-    /// `index` has just seen. False if that saw nothing or has stages.
-    pub fn show_to(&self, index: usize, other: &mut FormulaJudge) -> Result<bool, Problem> {
-        let (judge, at_work) = (&self.judges.judges[index], &self.at_work[index]);
-        if !at_work.stepped || !matches!(at_work.judge, Work::Formula(_)) {
-            return Ok(false);
-        }
-        let places = &judge.propositions;
-        let truth: Vec<_> = places.iter().map(|place| self.truth[*place]).collect();
-        let robustness: Vec<_> = places.iter().map(|place| self.robustness[*place]).collect();
-        other
-            .step_both(at_work.last_secs, &truth, &robustness)
-            .map(|_| true)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))
+    /// Between which bounds the robustness of each formula still is, whatever
+    /// comes; `None` for stages, and before the first instant.
+    pub fn robustness_bounds(&self) -> impl Iterator<Item = Option<RobustnessBounds>> + '_ {
+        self.at_work.iter().map(|at_work| match &at_work.judge {
+            Work::Staged(..) => None,
+            Work::Formula(formula) => formula.robustness_bounds(),
+        })
     }
 
     /// Ends the trace; `complete` is false if it was cut short.
@@ -217,7 +219,11 @@ fn conclude<'a>(
         subject: judge.subject,
         reading: judge.reading,
         findings: match work {
-            Work::Staged(staged) => of_stages(judges, staged.finish(complete)),
+            Work::Staged(staged, robustness) => {
+                let report = staged.finish(complete);
+                let robustness = robustness.and_then(|it| it.finish(complete, &report));
+                of_stages(judges, report, robustness)
+            }
             Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
         },
     }
@@ -246,7 +252,11 @@ fn channels_of(predicate: &BoundPredicate) -> Vec<usize> {
     channels.into_iter().collect()
 }
 
-fn of_stages(judges: &Judges<'_>, report: MonitorReport) -> JudgedTrace {
+fn of_stages(
+    judges: &Judges<'_>,
+    report: MonitorReport,
+    robustness: Option<StagedRobustness>,
+) -> JudgedTrace {
     let violation = report.first_failure.map(|failure| Violation {
         from_secs: failure.triggered_at_secs,
         to_secs: failure.time_secs,
@@ -263,7 +273,11 @@ fn of_stages(judges: &Judges<'_>, report: MonitorReport) -> JudgedTrace {
         triggered: report.triggered,
         passed: report.passed,
         failed: report.failed,
-        robustness: None,
+        robustness: robustness.map(|found| Robustness {
+            low: found.bounds.low,
+            high: found.bounds.high,
+            exact: found.exact,
+        }),
         decided_at_secs: violation.as_ref().map(|v| v.to_secs),
         violation,
     }
@@ -291,7 +305,11 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
         triggered: report.triggered,
         passed: u64::from(report.verdict == Verdict::Satisfied),
         failed: u64::from(report.verdict == Verdict::Violated),
-        robustness: report.robustness.map(|bounds| (bounds.low, bounds.high)),
+        robustness: report.robustness.map(|bounds| Robustness {
+            low: bounds.low,
+            high: bounds.high,
+            exact: true,
+        }),
         decided_at_secs: report.decided_at_secs,
         violation,
     }

@@ -8,17 +8,16 @@
 //! is unbounded, low, the least that is certain; and no number where neither
 //! is bounded. For `always p` it is the worst so far, for `eventually p` the
 //! best so far. At the end the robustness of the whole recording is shown, if
-//! it is one number. Stages have no robustness; their verdict is shown when
-//! it changes.
+//! it is one number. Of stages the verdict is shown when it changes, and the
+//! robustness at the end.
 //!
-//! Cost: at each instant, and for each formula, a copy of what the monitor
-//! stores (its window).
+//! Cost: at each instant that of `FormulaJudge::robustness_bounds`, which is
+//! constant for most formulas.
 
-use super::{CompiledRule, Judgement, Judges, Session};
+use super::{Judgement, Judges, Session};
 use crate::problem::Problem;
-use crate::study::FormulaRule;
 use recording::{ShownRequirement, ShownVerdict, VerdictFile};
-use temporal::formula::{Ending, FormulaJudge, FormulaMonitor, RobustnessBounds, Settings};
+use temporal::formula::RobustnessBounds;
 use temporal::monitor::Verdict;
 
 /// A file of verdicts that is being written while a recording is judged.
@@ -32,8 +31,6 @@ pub struct Shown {
 /// What is shown of one monitor.
 struct Line {
     requirement: ShownRequirement,
-    /// A judge of the formula that looks at what was seen only.
-    judge: Option<FormulaJudge>,
     verdict: Option<ShownVerdict>,
     robustness: Option<f64>,
 }
@@ -56,7 +53,6 @@ impl Shown {
                 .map_err(|error| failed(&error))?;
             lines.push(Line {
                 requirement,
-                judge: judge.rule.looking_back().map(FormulaMonitor::start),
                 verdict: None,
                 robustness: None,
             });
@@ -72,14 +68,10 @@ impl Shown {
     /// `log_nanos`.
     pub fn instant(&mut self, log_nanos: i64, session: &Session<'_, '_>) -> Result<(), Problem> {
         self.last_nanos = Some(log_nanos);
-        for (index, (_, _, verdict)) in session.determined().enumerate() {
-            let line = &mut self.lines[index];
-            if let Some(judge) = &mut line.judge
-                && session.show_to(index, judge)?
-            {
-                let report = judge.clone().finish(false);
-                let shown = report.robustness.map_or(f64::NAN, shown_of);
-                line.robustness(&mut self.file, log_nanos, shown)?;
+        let found = session.determined().zip(session.robustness_bounds());
+        for (line, ((_, _, verdict), bounds)) in self.lines.iter_mut().zip(found) {
+            if let Some(bounds) = bounds {
+                line.robustness(&mut self.file, log_nanos, shown_of(bounds))?;
             }
             let verdict = verdict.map_or(ShownVerdict::Undecided, shown_verdict);
             line.verdict(&mut self.file, log_nanos, verdict, "")?;
@@ -92,10 +84,10 @@ impl Shown {
         if let Some(log_nanos) = self.last_nanos {
             for (line, judgement) in self.lines.iter_mut().zip(judgements) {
                 let findings = &judgement.findings;
-                if let Some((low, high)) = findings.robustness
-                    && low == high
+                if let Some(robustness) = findings.robustness
+                    && robustness.low == robustness.high
                 {
-                    line.robustness(&mut self.file, log_nanos, low)?;
+                    line.robustness(&mut self.file, log_nanos, robustness.low)?;
                 }
                 let verdict = shown_verdict(findings.verdict);
                 let reason = findings.violation.as_ref().map(reason).unwrap_or_default();
@@ -139,26 +131,6 @@ impl Line {
         self.verdict = Some(verdict);
         file.verdict(self.requirement, log_nanos, verdict, reason)
             .map_err(|error| failed(&error))
-    }
-}
-
-impl CompiledRule {
-    /// A monitor of the same formula whose robustness depends on nothing but
-    /// what was seen.
-    fn looking_back(&self) -> Option<&FormulaMonitor> {
-        match self {
-            Self::Staged(_) => None,
-            Self::Formula { looking_back, .. } => Some(looking_back),
-        }
-    }
-}
-
-/// How a formula is judged by what was seen only.
-pub(super) fn looking_back(rule: &FormulaRule) -> Settings {
-    Settings {
-        ending: Ending::Inconclusive,
-        explain_samples: 0,
-        ..rule.settings()
     }
 }
 
