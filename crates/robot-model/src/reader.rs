@@ -1,0 +1,437 @@
+//! What the readers of all three languages share: numbers with places, gaps, files that a description names.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::diagnostics::{Effect, Gap, Place, Problem, Problems};
+use crate::mesh::{self, Mesh, MeshError};
+use crate::model::Model;
+use crate::pose::{Vector, direction};
+use crate::xml::{self, Element};
+
+/// Gives the bytes of what a description names, or a sentence saying why not.
+///
+/// It gets an address: `package://...`, `model://...`, `file://...`, an absolute path, or a path that is already
+/// joined to the folder of the file that names it.
+pub type Resolver<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// A loaded description.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The tree.
+    pub model: Model,
+    /// What the tree does not hold, or holds approximately, in the order of the text.
+    pub gaps: Vec<Gap>,
+    /// What is probably wrong, though it could be loaded (inertias no body can have, a moving link without mass).
+    pub warnings: Vec<Problem>,
+}
+
+/// Numbers beyond this are mistakes: no robot has a length, mass or stiffness like it, and sums of them overflow.
+const LARGEST: f64 = 1e15;
+
+/// Limits from here on mean "none" (SDF writes 1e16, some URDFs 1e30).
+const NO_LIMIT: f64 = 1e10;
+
+/// Files that one description may name; more is a trap (includes that include each other's copies).
+const MAX_FILES: usize = 2_000;
+
+/// Corners of all meshes together.
+const MAX_CORNERS: usize = 8_000_000;
+
+/// Gaps and problems that are kept; a description with more is not what it seems.
+const MAX_NOTES: usize = 100_000;
+
+/// The state of a reading.
+pub(crate) struct Reader<'r, 's> {
+    resolve: &'r mut Resolver<'s>,
+    pub gaps: Vec<Gap>,
+    pub warnings: Vec<Problem>,
+    pub problems: Vec<Problem>,
+    pub meshes: Vec<Mesh>,
+    mesh_index: BTreeMap<(String, [u64; 3], bool), Option<usize>>,
+    files: usize,
+    corners: usize,
+}
+
+impl<'r, 's> Reader<'r, 's> {
+    pub fn new(resolve: &'r mut Resolver<'s>) -> Self {
+        Self {
+            resolve,
+            gaps: vec![],
+            warnings: vec![],
+            problems: vec![],
+            meshes: vec![],
+            mesh_index: BTreeMap::new(),
+            files: 0,
+            corners: 0,
+        }
+    }
+
+    /// Ends the reading.
+    pub fn finish(mut self, model: Option<Model>) -> Result<Loaded, Problems> {
+        match model {
+            Some(mut model) if self.problems.is_empty() => {
+                model.meshes = self.meshes;
+                Ok(Loaded {
+                    model,
+                    gaps: self.gaps,
+                    warnings: self.warnings,
+                })
+            }
+            _ => {
+                if self.problems.is_empty() {
+                    // A reader without a model has always said why; this keeps the promise of at least one problem.
+                    self.problems.push(Problem {
+                        place: xml::start_of(""),
+                        message: "the description holds no model".to_owned(),
+                        remedy: "give a robot, a model, a world or a mujoco element".to_owned(),
+                    });
+                }
+                Err(Problems(self.problems))
+            }
+        }
+    }
+
+    /// Notes something wrong that prevents loading.
+    pub fn problem(
+        &mut self,
+        place: &Place,
+        message: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
+        if self.problems.len() < MAX_NOTES {
+            self.problems.push(Problem {
+                place: place.clone(),
+                message: message.into(),
+                remedy: remedy.into(),
+            });
+        }
+    }
+
+    /// Notes something doubtful.
+    pub fn warn(&mut self, place: &Place, message: impl Into<String>, remedy: impl Into<String>) {
+        if self.warnings.len() < MAX_NOTES {
+            self.warnings.push(Problem {
+                place: place.clone(),
+                message: message.into(),
+                remedy: remedy.into(),
+            });
+        }
+    }
+
+    /// Notes what is not carried over.
+    pub fn gap(
+        &mut self,
+        place: &Place,
+        element: impl Into<String>,
+        what: impl Into<String>,
+        effect: Effect,
+        consequence: impl Into<String>,
+    ) {
+        if self.gaps.len() < MAX_NOTES {
+            self.gaps.push(Gap {
+                place: place.clone(),
+                element: element.into(),
+                what: what.into(),
+                consequence: consequence.into(),
+                effect,
+            });
+        }
+    }
+
+    /// Notes an element that is passed over whole.
+    pub fn passed_over(&mut self, parent: &str, element: &Element, effect: Effect) {
+        let consequence = match effect {
+            Effect::Motion => "bodies may move differently than described",
+            Effect::Contact => "contact may be different than described",
+            Effect::Sensing => "what it measures is not available",
+            Effect::Control => "what it commands or computes is missing",
+            Effect::Looks => "it only looks different",
+            Effect::Nothing => "no physical consequence",
+        };
+        let name = format!("{parent}/{}", element.name);
+        self.gap(&element.place, name, "ignored", effect, consequence);
+    }
+
+    /// Notes attributes other than the known ones.
+    pub fn known_attributes(&mut self, element: &Element, known: &[&str]) {
+        for attribute in &element.attributes {
+            if !known.contains(&attribute.name.as_str()) {
+                let name = format!("{}@{}", element.name, attribute.name);
+                let what = format!("ignored (\"{}\")", shortened(&attribute.value));
+                let consequence = "this reader does not know the attribute";
+                self.gap(&attribute.place, name, what, Effect::Nothing, consequence);
+            }
+        }
+    }
+
+    /// Numbers separated by spaces; a wrong one is a problem and reads as `None`.
+    pub fn numbers(&mut self, place: &Place, what: &str, text: &str) -> Option<Vec<f64>> {
+        let mut found = vec![];
+        for word in text.split_ascii_whitespace() {
+            match word.parse::<f64>() {
+                Ok(number) if number.abs() <= LARGEST => found.push(number),
+                Ok(number) => {
+                    let message = format!("{what} holds {number}, which is no usable number");
+                    let remedy = format!("give finite numbers in SI units, at most {LARGEST:e}");
+                    self.problem(place, message, remedy);
+                    return None;
+                }
+                Err(_) => {
+                    let message =
+                        format!("{what} holds \"{}\", which is no number", shortened(word));
+                    self.problem(place, message, "give decimal numbers separated by spaces");
+                    return None;
+                }
+            }
+        }
+        Some(found)
+    }
+
+    /// Exactly `N` numbers.
+    pub fn exactly<const N: usize>(
+        &mut self,
+        place: &Place,
+        what: &str,
+        text: &str,
+    ) -> Option<[f64; N]> {
+        let found = self.numbers(place, what, text)?;
+        let count = found.len();
+        let result = found.try_into().ok();
+        if result.is_none() {
+            let message = format!("{what} has {count} numbers");
+            self.problem(place, message, format!("give {N}"));
+        }
+        result
+    }
+
+    /// An attribute with `N` numbers, if it is there.
+    pub fn attribute<const N: usize>(&mut self, element: &Element, name: &str) -> Option<[f64; N]> {
+        let attribute = element.attribute(name)?;
+        let what = format!("{}@{name}", element.name);
+        self.exactly(&attribute.place, &what, &attribute.value)
+    }
+
+    /// An attribute with one number, if it is there.
+    pub fn number(&mut self, element: &Element, name: &str) -> Option<f64> {
+        self.attribute::<1>(element, name).map(|[number]| number)
+    }
+
+    /// A number that limits something: `inf` and very large ones mean no limit.
+    pub fn limit(&mut self, place: &Place, what: &str, text: &str) -> Option<f64> {
+        match text.trim().parse::<f64>() {
+            Ok(number) if number.is_nan() => {
+                self.problem(place, format!("{what} is NaN"), "give a number");
+                None
+            }
+            Ok(number) => (number.abs() < NO_LIMIT).then_some(number),
+            Err(_) => {
+                let message = format!("{what} holds \"{}\", which is no number", shortened(text));
+                self.problem(place, message, "give one decimal number");
+                None
+            }
+        }
+    }
+
+    /// An attribute that limits something.
+    pub fn limit_attribute(&mut self, element: &Element, name: &str) -> Option<f64> {
+        let attribute = element.attribute(name)?;
+        let what = format!("{}@{name}", element.name);
+        self.limit(&attribute.place, &what, &attribute.value)
+    }
+
+    /// The number in the text of a child, if it is there.
+    pub fn child_number(&mut self, element: &Element, name: &str) -> Option<f64> {
+        let child = element.child(name)?;
+        let what = format!("{}/{name}", element.name);
+        self.exactly::<1>(&child.place, &what, &child.text)
+            .map(|[number]| number)
+    }
+
+    /// A size: positive, or a problem (and `None`).
+    pub fn positive(&mut self, place: &Place, what: &str, number: f64) -> Option<f64> {
+        if number > 0.0 {
+            return Some(number);
+        }
+        self.problem(
+            place,
+            format!("{what} is {number}"),
+            "give a positive number",
+        );
+        None
+    }
+
+    /// A unit vector, or a problem (and x).
+    pub fn axis(&mut self, place: &Place, what: &str, vector: Vector) -> Vector {
+        direction(vector).unwrap_or_else(|| {
+            self.problem(
+                place,
+                format!("{what} has no direction"),
+                "give a vector other than 0 0 0",
+            );
+            [1.0, 0.0, 0.0]
+        })
+    }
+
+    /// An attribute that must be there; a problem and `""` if it is not.
+    pub fn required<'e>(&mut self, element: &'e Element, name: &str) -> &'e str {
+        element.get(name).unwrap_or_else(|| {
+            let message = format!("{} has no attribute {name}", element.name);
+            self.problem(&element.place, message, format!("add {name}=\"...\""));
+            ""
+        })
+    }
+
+    /// `true`, `false`, `1`, `0`.
+    pub fn truth(&mut self, place: &Place, what: &str, text: &str) -> Option<bool> {
+        match text.trim() {
+            "true" | "1" | "True" => Some(true),
+            "false" | "0" | "False" => Some(false),
+            other => {
+                let message = format!("{what} holds \"{}\"", shortened(other));
+                self.problem(place, message, "give true or false");
+                None
+            }
+        }
+    }
+
+    /// The bytes at an address; a reason if there are none, or too many files were asked for.
+    fn bytes(&mut self, address: &str) -> Result<Vec<u8>, String> {
+        self.files += 1;
+        if self.files > MAX_FILES {
+            return Err(format!("more than {MAX_FILES} files are included"));
+        }
+        (self.resolve)(address)
+    }
+
+    /// The text at an address as XML; problems otherwise.
+    pub fn document(&mut self, place: &Place, address: &str) -> Option<Element> {
+        let bytes = match self.bytes(address) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                let message = format!("{} cannot be included: {reason}", shortened(address));
+                self.problem(place, message, "put the file there, or correct the address");
+                return None;
+            }
+        };
+        let Ok(text) = String::from_utf8(bytes) else {
+            let message = format!("{} is not text in UTF-8", shortened(address));
+            self.problem(place, message, "save it as UTF-8");
+            return None;
+        };
+        match xml::read(address, &text) {
+            Ok(root) => Some(root),
+            Err(problem) => {
+                self.problems.push(problem);
+                None
+            }
+        }
+    }
+
+    /// The index of the mesh at an address, read once for each scale. `None` after a gap or a problem.
+    ///
+    /// A mesh that is only looked at is named, not read.
+    pub fn mesh(
+        &mut self,
+        place: &Place,
+        address: &str,
+        scale: Vector,
+        only_seen: bool,
+    ) -> Option<usize> {
+        let key = (address.to_owned(), scale.map(f64::to_bits), only_seen);
+        if let Some(known) = self.mesh_index.get(&key) {
+            return *known;
+        }
+        let found = if only_seen {
+            Some(self.unread_mesh(address, scale))
+        } else {
+            self.read_mesh(place, address, scale)
+        };
+        self.mesh_index.insert(key, found);
+        found
+    }
+
+    fn unread_mesh(&mut self, address: &str, scale: Vector) -> usize {
+        self.meshes.push(Mesh {
+            source: address.to_owned(),
+            vertices_m: vec![],
+            triangles: vec![],
+            scale,
+        });
+        self.meshes.len() - 1
+    }
+
+    fn read_mesh(&mut self, place: &Place, address: &str, scale: Vector) -> Option<usize> {
+        let without = "the shape is left out, so nothing touches it";
+        let bytes = match self.bytes(address) {
+            Ok(bytes) => bytes,
+            Err(reason) => {
+                let what = format!("{} cannot be read: {reason}", shortened(address));
+                self.gap(place, "mesh", what, Effect::Contact, without);
+                return None;
+            }
+        };
+        let read = match mesh::read(address, &bytes) {
+            Ok(read) => read,
+            Err(MeshError::Format(ending)) => {
+                let what = format!(
+                    "meshes of type .{ending} are not read; convert {} to STL or OBJ",
+                    shortened(address)
+                );
+                self.gap(place, "mesh", what, Effect::Contact, without);
+                return None;
+            }
+            Err(MeshError::Damaged(reason)) => {
+                let message = format!("the mesh {} is damaged: {reason}", shortened(address));
+                self.problem(place, message, "export it again");
+                return None;
+            }
+        };
+        self.keep_mesh(place, address, scale, read)
+    }
+
+    /// Takes over corners and triangles that were read, scaled.
+    pub fn keep_mesh(
+        &mut self,
+        place: &Place,
+        source: &str,
+        scale: Vector,
+        read: mesh::Triangles,
+    ) -> Option<usize> {
+        self.corners += read.vertices.len();
+        if self.corners > MAX_CORNERS {
+            let message = format!("the meshes have more than {MAX_CORNERS} corners together");
+            self.problem(place, message, "simplify the meshes of collision shapes");
+            return None;
+        }
+        let scaled = |corner: &Vector| std::array::from_fn(|axis| corner[axis] * scale[axis]);
+        let mirrored = scale.iter().product::<f64>() < 0.0;
+        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        self.meshes.push(Mesh {
+            source: source.to_owned(),
+            vertices_m: read.vertices.iter().map(scaled).collect(),
+            triangles: read.triangles.into_iter().map(turned).collect(),
+            scale,
+        });
+        Some(self.meshes.len() - 1)
+    }
+}
+
+/// A text short enough for a message.
+pub(crate) fn shortened(text: &str) -> String {
+    const MOST: usize = 120;
+    if text.chars().count() <= MOST {
+        return text.to_owned();
+    }
+    let start: String = text.chars().take(MOST).collect();
+    format!("{start}...")
+}
+
+/// The address of what a file names: joined to the file's folder unless it is absolute or has a scheme.
+pub(crate) fn joined(from: &Arc<str>, named: &str) -> String {
+    let absolute = named.contains("://") || named.starts_with('/');
+    match from.rsplit_once('/') {
+        Some((folder, _)) if !absolute => format!("{folder}/{named}"),
+        _ => named.to_owned(),
+    }
+}

@@ -1,0 +1,3 @@
+//! SDF
+pub(crate) mod pose;
+pub(crate) mod sensor;
