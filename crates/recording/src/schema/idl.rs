@@ -6,11 +6,15 @@
 //! lines are passed over. Unions, inheritance, bit masks, optional members and `long double` have
 //! other layouts and are refused. Several files may be joined by lines of `=` and `IDL: name`.
 
+mod resolve;
+mod tokens;
+
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use super::SchemaError;
-use super::message_type::{Constant, MessageField, MessageType, Primitive, Type};
+use super::message_type::{MessageType, Primitive, Type};
+use resolve::Resolver;
+use tokens::{Token, tokens};
 
 const DEPTH_LIMIT: usize = 64;
 
@@ -42,69 +46,6 @@ pub fn parse_idl(name: &str, text: &str) -> Result<MessageType, SchemaError> {
     };
     let made = resolver.structure(&wanted, 0)?;
     Ok(MessageType::clone(&made))
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct Token {
-    text: String,
-    line: usize,
-}
-
-/// Splits the text into names (with `::`), numbers, quoted texts and single signs.
-fn tokens(text: &str) -> Result<Vec<Token>, SchemaError> {
-    let mut found = Vec::new();
-    let mut in_comment = false;
-    for (index, whole) in text.lines().enumerate() {
-        let trimmed = whole.trim();
-        let is_rule = trimmed.len() >= 3 && trimmed.bytes().all(|b| b == b'=');
-        if !in_comment && (trimmed.starts_with('#') || trimmed.starts_with("IDL:") || is_rule) {
-            continue;
-        }
-        let mut rest = whole;
-        loop {
-            if in_comment {
-                let Some(end) = rest.find("*/") else { break };
-                rest = &rest[end + 2..];
-                in_comment = false;
-            }
-            rest = rest.trim_start();
-            if rest.is_empty() || rest.starts_with("//") {
-                break;
-            }
-            if let Some(after) = rest.strip_prefix("/*") {
-                (rest, in_comment) = (after, true);
-                continue;
-            }
-            let length = token_length(rest, index + 1)?;
-            found.push(Token {
-                text: rest[..length].to_owned(),
-                line: index + 1,
-            });
-            rest = &rest[length..];
-        }
-    }
-    Ok(found)
-}
-
-fn token_length(rest: &str, line: usize) -> Result<usize, SchemaError> {
-    let is_word = |byte: u8| byte.is_ascii_alphanumeric() || b"_.:".contains(&byte);
-    let bytes = rest.as_bytes();
-    if bytes[0] == b'"' || bytes[0] == b'\'' {
-        let mut at = 1;
-        while at < bytes.len() && bytes[at] != bytes[0] {
-            at += if bytes[at] == b'\\' { 2 } else { 1 };
-        }
-        if at >= bytes.len() {
-            return Err(SchemaError::new(line, "a quoted text has no end"));
-        }
-        return Ok(at + 1);
-    }
-    let length = bytes.iter().take_while(|byte| is_word(**byte)).count();
-    // A single colon is a sign of its own (inheritance).
-    if length > 0 && bytes[..length] != *b":" {
-        return Ok(length);
-    }
-    Ok(rest.chars().next().map_or(1, char::len_utf8))
 }
 
 enum Defined {
@@ -404,89 +345,6 @@ fn primitive(name: &str) -> Option<Primitive> {
         "double" => Primitive::Float64,
         _ => return None,
     })
-}
-
-struct Resolver<'d> {
-    defined: &'d BTreeMap<String, Defined>,
-    known: BTreeMap<String, Arc<MessageType>>,
-}
-
-impl<'d> Resolver<'d> {
-    fn structure(&mut self, name: &str, depth: usize) -> Result<Arc<MessageType>, SchemaError> {
-        if let Some(done) = self.known.get(name) {
-            return Ok(done.clone());
-        }
-        let Some(Defined::Struct(members)) = self.defined.get(name) else {
-            return Err(SchemaError::new(0, format!("{name} is not a structure")));
-        };
-        let mut made = MessageType {
-            name: name.replace("::", "/"),
-            fields: Vec::new(),
-            constants: Vec::new(),
-        };
-        for (member, written) in members {
-            self.constants_of(written, &mut made.constants);
-            made.fields.push(MessageField {
-                name: member.clone(),
-                kind: self.kind(written, depth + 1)?,
-            });
-        }
-        let made = Arc::new(made);
-        self.known.insert(name.to_owned(), made.clone());
-        Ok(made)
-    }
-
-    fn kind(&mut self, written: &Written, depth: usize) -> Result<Type, SchemaError> {
-        if depth > DEPTH_LIMIT {
-            let problem = "types are nested too deeply, or one contains itself";
-            return Err(SchemaError::new(written.line, problem));
-        }
-        let mut kind = match &written.base {
-            Base::Plain(kind) => kind.clone(),
-            Base::Sequence(element) => Type::Sequence(Box::new(self.kind(element, depth + 1)?)),
-            Base::Named(name) => match self.find(name, &written.scope) {
-                Some((full, Defined::Struct(_))) => Type::Struct(self.structure(&full, depth + 1)?),
-                Some((_, Defined::Alias(other))) => self.kind(other, depth + 1)?,
-                Some((_, Defined::Enumeration(_))) => Type::Primitive(Primitive::Uint32),
-                None => {
-                    let problem = format!("the type {name} is used, but not defined");
-                    return Err(SchemaError::new(written.line, problem));
-                }
-            },
-        };
-        for length in written.dimensions.iter().rev() {
-            kind = Type::Array(Box::new(kind), *length);
-        }
-        Ok(kind)
-    }
-
-    /// The numbers behind the names of an enumeration are told as constants.
-    fn constants_of(&self, written: &Written, constants: &mut Vec<Constant>) {
-        let Base::Named(name) = &written.base else {
-            return;
-        };
-        let Some((full, Defined::Enumeration(names))) = self.find(name, &written.scope) else {
-            return;
-        };
-        for (value, name) in names.iter().enumerate() {
-            constants.push(Constant {
-                name: name.clone(),
-                type_name: full.clone(),
-                value: value.to_string(),
-            });
-        }
-    }
-
-    /// Looks a name up from the innermost scope outwards.
-    fn find(&self, name: &str, scope: &[String]) -> Option<(String, &'d Defined)> {
-        let name = name.trim_start_matches("::");
-        (0..=scope.len()).rev().find_map(|depth| {
-            let mut parts = scope[..depth].to_vec();
-            parts.push(name.to_owned());
-            let full = parts.join("::");
-            self.defined.get(&full).map(|found| (full, found))
-        })
-    }
 }
 
 #[cfg(test)]

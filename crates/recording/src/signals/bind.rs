@@ -1,36 +1,15 @@
 //! From the signals that are wanted to what has to be read of which topic.
 
+mod error;
+
 use std::collections::BTreeSet;
-use std::fmt;
 
 use trace::{Channel, Field, FieldKind, SignalIndex, Trace};
 
+pub use self::error::BindError;
 use super::plan::{FrameQuantity, FrameQuantityKind, Output, SourcePlan, Treatment};
 use crate::reader::TopicInfo;
 use crate::topic_map::{Interpolation, MappedSignal, SignalSource, TopicMap};
-
-/// A signal cannot be read from a recording.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BindError {
-    /// The signal.
-    pub signal: String,
-    /// The line of its entry in the topic map, from 1; 0 if it has none.
-    pub line: usize,
-    /// What is wrong, and what to do about it.
-    pub message: String,
-}
-
-impl fmt::Display for BindError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "the signal {}", self.signal)?;
-        if self.line > 0 {
-            write!(out, " (line {} of the topic map)", self.line)?;
-        }
-        write!(out, " cannot be read: {}", self.message)
-    }
-}
-
-impl std::error::Error for BindError {}
 
 /// One column of a row that is made of a message.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,82 +1,22 @@
 //! From TOML to entries, with the place of each mistake.
 
+mod text;
+
 use std::borrow::Cow;
 use std::ops::Range;
 
-use serde::Deserialize;
+use serde::Deserialize as _;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 use trace::FieldKind;
 
+use self::text::{EntryText, InterpolationText, KindText, OneOrMore, TimeSourceText, TimeText};
 use super::entry::{Interpolation, MappedSignal, SignalSource};
 use super::{TopicMap, TopicMapError};
 use crate::clock::{TimeSettings, TimeSource};
 
 /// The longest duration that can be meant: ten years.
 const MAX_DURATION_SECS: f64 = 3.2e8;
-
-/// An entry as it is written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct EntryText {
-    from: Option<Spanned<String>>,
-    norm: Option<Spanned<OneOrMore>>,
-    point: Option<Spanned<String>>,
-    vector: Option<Spanned<String>>,
-    position_of: Option<Spanned<String>>,
-    orientation_of: Option<Spanned<String>>,
-    distance_between: Option<Spanned<[String; 2]>>,
-    speed_of: Option<Spanned<String>>,
-    in_frame: Option<Spanned<String>>,
-    frame: Option<Spanned<String>>,
-    unit: Option<Spanned<String>>,
-    kind: Option<Spanned<KindText>>,
-    values: Option<Spanned<Vec<String>>>,
-    scale: Option<Spanned<f64>>,
-    offset: Option<Spanned<f64>>,
-    interpolation: Option<Spanned<InterpolationText>>,
-    staleness: Option<Spanned<String>>,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum OneOrMore {
-    One(String),
-    More(Vec<String>),
-}
-
-#[derive(Deserialize, Clone, Copy, PartialEq)]
-#[serde(rename_all = "snake_case")]
-enum KindText {
-    Number,
-    Bool,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "snake_case")]
-enum InterpolationText {
-    Hold,
-    Linear,
-}
-
-/// `[time]` as it is written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TimeText {
-    from: Option<TimeSourceText>,
-    reorder: Option<Spanned<String>>,
-    frame_wait: Option<Spanned<String>>,
-    frame_history: Option<Spanned<String>>,
-}
-
-#[derive(Deserialize, Clone, Copy)]
-#[serde(rename_all = "snake_case")]
-enum TimeSourceText {
-    Log,
-    Publish,
-    Header,
-    Clock,
-}
 
 /// The file, from which mistakes are told.
 struct Reader<'a> {
