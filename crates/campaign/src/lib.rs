@@ -1,1 +1,13 @@
 //! Which stimuli to run next, and what the outcomes so far say.
+
+pub mod design;
+mod error;
+mod random;
+pub mod search;
+
+pub use design::{Design, Sampler, centred_discrepancy};
+pub use error::CampaignError;
+pub use random::Random;
+pub use search::{
+    Bayesian, CmaEs, CrossEntropy, Evaluated, GaussianProcess, Method, Prediction, Search, Searcher,
+};

@@ -20,16 +20,18 @@ use crate::posterior::BetaPosterior;
 /// points of a longer design are those of a shorter one.
 #[must_use]
 pub fn design(points: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
+    design_from(0, points, dimensions, seed)
+}
+
+/// The same sequence from the point at `first` on, for designs that are continued.
+#[must_use]
+pub fn design_from(first: u64, points: usize, dimensions: usize, seed: u64) -> Vec<Vec<f64>> {
     let axes: Vec<Axis> = primes(dimensions)
         .into_iter()
         .map(|base| Axis::new(base, seed))
         .collect();
-    (0..points)
-        .map(|index| {
-            axes.iter()
-                .map(|axis| axis.coordinate(index as u64))
-                .collect()
-        })
+    (first..first + points as u64)
+        .map(|index| axes.iter().map(|axis| axis.coordinate(index)).collect())
         .collect()
 }
 

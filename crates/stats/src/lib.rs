@@ -60,7 +60,7 @@ pub mod special;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use cluster::{Clustering, clustering};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
-pub use design::{design, posterior_design};
+pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};
 pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval, tost};
 pub use fisher::fisher_exact;
