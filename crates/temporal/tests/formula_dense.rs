@@ -421,6 +421,44 @@ fn has_other_operators(formula: &Formula) -> bool {
     ) || formula.operands().into_iter().any(has_other_operators)
 }
 
+/// Formulas as people write them, on traces with known and unknown values.
+#[test]
+fn formulas_written_by_hand_are_judged_as_defined() {
+    let texts = [
+        "always (p => eventually[0, 2 s] q)",
+        "always (rise(p) => (not q until[1 s, 3 s] q))",
+        "always (p => always[0, 2 s] not q)",
+        "always (rise(p) => eventually[0, 1 s] always[0, 2 s] q)",
+        "always (fall(p) => once[0, 2 s] q)",
+        "always (q => historically[0, 1 s] p)",
+        "always (q => (p since[0, 3 s] rise(p)))",
+        "eventually always p",
+        "always eventually q",
+        "p until (q and eventually[1 s, 2 s] not p)",
+        "(not p) weak_until q",
+        "q release[0, 4 s] p",
+        "always ((p and not q) => ((p until[0, 2 s] q) or always[0, 2 s] not q))",
+        "always (rise(p) => ((p and not q) until[0, 3 s] (q and eventually[0, 1 s] not p)))",
+        "(eventually[0, 3 s] p) <=> (eventually[1 s, 2 s] q)",
+        "not ((p until[0, 1 s] q) and (q until[2 s, 2 s] p))",
+        "always[1 s, 4 s] (once[1 s, 1 s] p => eventually[1 s, 1 s] q)",
+        "always (p => (q or eventually[0, 2 s] (q and historically[0, 1 s] not p)))",
+    ];
+    let mut numbers = Numbers(31);
+    for text in texts {
+        let parsed = temporal::formula::parse(text, &|_| None).expect("a formula");
+        // Atoms are numbered as they come; p is the first of the trace in any case.
+        let swapped = parsed.atoms[0].text == "q";
+        for round in 0..300 {
+            let mut trace = random_trace(&mut numbers, 9);
+            if swapped {
+                trace.iter_mut().for_each(|sample| sample.1.swap(0, 1));
+            }
+            compare(&parsed.formula, &trace, ENDINGS[round % 4]);
+        }
+    }
+}
+
 #[test]
 fn memory_is_bounded_by_the_windows() {
     let text = "always (p => eventually[0, 2 s] (q and once[0, 1 s] p)) and always historically[0, 3 s] (p or q)";

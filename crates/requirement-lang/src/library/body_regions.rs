@@ -7,6 +7,15 @@
 //! knowledge, subject to change; compare them with the edition that applies before they decide
 //! anything. Its limits of pressure are not reproduced here, since they depend on the place within a
 //! region: they have to be given.
+//!
+//! The values were written down from memory and then held against two public sources that are
+//! independent of each other: a calculator of permissible speeds (STIMBA Safety, "PFL calculator",
+//! safety.stimba.sk/en/pfl, after ISO 10218-2:2025, annex A), and a transcription of table A.2 among
+//! the constants of a public research project. Chest, abdomen, pelvis, upper arms, lower arms and
+//! hands are the same in both. Back and shoulders stands in the first alone; skull, face, thighs and
+//! lower legs in the second alone, which also says that skull and face have no transient contact; no
+//! source was found for the neck. Other public pages print other numbers. The numbers of clauses were
+//! not checked.
 
 /// A region of the body with its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
