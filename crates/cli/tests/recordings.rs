@@ -171,21 +171,53 @@ fn what_is_lost_is_said_with_its_place_and_never_a_success() {
     }
 }
 
-/// A flipped byte anywhere gives the verdict of the whole recording, or is not passed over in silence, or is refused.
-/// Topic, schema and time are not guarded by checksums in this file, so only what is judged as complete is compared.
+/// A flipped byte anywhere gives the verdict and robustness of the whole recording, or is told as a loss, or is refused.
+/// The recording is violated by its last message: 3 is not below 2.5.
 #[test]
 fn damaged_recordings_end_in_a_known_way() {
     let folder = folder();
     let whole = std::fs::read(root().join("crates/recording/tests/files/mcap/ros2_small.mcap"))
         .expect("a recording");
     let file = folder.path().join("damaged.mcap");
-    for place in (0..whole.len()).step_by(whole.len() / 12) {
+    let call = || {
+        let formula = "always (/arm.shoulder < 2.5)";
+        let said = monitor(
+            folder.path(),
+            formula,
+            &["damaged.mcap", "--format", "json"],
+        );
+        let verdict = (said.code == 1).then(|| json(&said)["recordings"][0].clone());
+        (said, verdict)
+    };
+    std::fs::write(&file, &whole).expect("written");
+    let (said, expected) = call();
+    assert!(
+        near(
+            &expected.as_ref().expect("violated")["verdicts"][0]["robustness"]["least"],
+            -0.5
+        ),
+        "{said:?}"
+    );
+    let mut refused = 0;
+    for place in (0..whole.len()).step_by(whole.len() / 40) {
         let mut bytes = whole.clone();
         bytes[place] ^= 0x5a;
         std::fs::write(&file, &bytes).expect("written");
-        let said = corroborate(folder.path(), &["inspect", "damaged.mcap"]);
-        assert!([0, 2, 3].contains(&said.code), "byte {place}: {said:?}");
+        let inspected = corroborate(folder.path(), &["inspect", "damaged.mcap"]);
+        let (said, verdict) = call();
+        if said.code == 1 {
+            assert_eq!(verdict, expected, "byte {place}");
+            continue;
+        }
+        assert_eq!(said.code, 2, "byte {place}: {said:?}");
+        assert!(said.talk.contains("damaged.mcap"), "byte {place}: {said:?}");
+        assert!(
+            [2, 3].contains(&inspected.code),
+            "byte {place}: {inspected:?}"
+        );
+        refused += 1;
     }
+    assert!(refused > 20, "{refused}");
 }
 
 #[test]

@@ -8,9 +8,11 @@
 
 mod session;
 mod shown;
+mod valueless;
 
 pub use session::Session;
 pub use shown::Shown;
+pub use valueless::valueless_of;
 
 use crate::problem::Problem;
 use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};

@@ -3,7 +3,7 @@
 //! A trace that this program wrote is read whole; any other recording is
 //! streamed through the study's topic map, so that its size does not matter.
 
-use super::judging::{Judgement, Judges, Session, Shown};
+use super::judging::{Judgement, Judges, Session, Shown, valueless_of};
 use crate::args::{Opening, TimeChoice};
 use crate::problem::{Problem, Source};
 use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
@@ -120,14 +120,13 @@ impl ReadingRules {
         let told = self.options.time_field.is_some() || self.options.time_unit.is_some();
         let own = if told { None } else { own_trace(path)? };
         match own {
-            Some((trace, lost)) => {
-                let mut judged = of_trace(judges, &trace, lost, shown)?;
+            Some((trace, lost)) => of_trace(judges, &trace, lost, shown).map(|mut judged| {
                 if self.map.time.source != TimeSource::Log {
                     let note = "it is a trace with one time, which counts, not another one";
                     judged.notes.push(note.to_owned());
                 }
-                Ok(judged)
-            }
+                judged
+            }),
             None => self.of_stream(judges, path, shown, go_on),
         }
         .map_err(|problem| problem.about(&path.display().to_string()))
@@ -141,7 +140,9 @@ impl ReadingRules {
         go_on: &dyn Fn() -> Result<(), Problem>,
     ) -> Result<JudgedRecording<'a>, Problem> {
         let mut stream = self.stream(judges, path)?;
-        let mut session = judges.start(stream.layout())?;
+        let valueless = stream.without_values();
+        let layout = judges.with_valueless(stream.layout(), &valueless);
+        let mut session = judges.start(&layout)?;
         let mut instants = 0_u64;
         let mut failed = None;
         loop {
@@ -160,7 +161,8 @@ impl ReadingRules {
             }
         }
         let complete = stream.complete() && failed.is_none();
-        let (mut lost, notes) = left_out(&stream);
+        let (mut lost, mut notes) = left_out(&stream);
+        notes.extend(valueless.iter().map(without_value));
         lost.extend(failed);
         if !complete && lost.is_empty() {
             lost.push("it has no proper end, so its last messages may be missing".to_owned());
@@ -189,6 +191,10 @@ impl ReadingRules {
                 .remedy("say in the topic map (topics.toml, or --map) where the signal is; `corroborate inspect --draft-map` drafts it")
         })
     }
+}
+
+fn without_value(signal: &String) -> String {
+    format!("{signal} has no value anywhere, so it is missing throughout")
 }
 
 /// Gives an instant to the monitors, and shows what they make of it.
@@ -242,6 +248,15 @@ fn of_trace<'a>(
     lost: Option<String>,
     shown: Option<&mut Shown>,
 ) -> Result<JudgedRecording<'a>, Problem> {
+    let valueless = valueless_of(trace, judges);
+    let with_valueless;
+    let trace = match valueless.is_empty() {
+        true => trace,
+        false => {
+            with_valueless = judges.with_valueless(trace, &valueless);
+            &with_valueless
+        }
+    };
     let judgements = match shown {
         None => judges.judge(trace)?,
         Some(shown) => judges.judge_and_watch(trace, &mut |time_secs, session| {
@@ -253,7 +268,7 @@ fn of_trace<'a>(
         signals: signals_of(judges, trace),
         complete: trace.complete,
         lost: lost.into_iter().collect(),
-        notes: Vec::new(),
+        notes: valueless.iter().map(without_value).collect(),
         instants: trace::ticks(trace, trace::Sampling::EveryRow)
             .map_or(0, |times| times.len() as u64),
     })
@@ -265,16 +280,33 @@ fn own_trace(path: &Path) -> Result<Option<(Trace, Option<String>)>, Problem> {
     let bad = |message: String| Problem::new("bad-recording", message);
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     match extension {
-        "csv" if has_our_header(path) => {
-            let trace = trace::read_csv_trace(path).map_err(|error| bad(error.to_string()))?;
-            Ok(Some((trace, None)))
-        }
+        "csv" if has_our_header(path) => own_table(path).map(Some),
         "mcap" if recording::is_trace_file(path).map_err(|e| Problem::cannot_read(path, &e))? => {
             let outcome = recording::read_mcap(path).map_err(|error| bad(error.to_string()))?;
             Ok(Some((outcome.trace, outcome.lost)))
         }
         _ => Ok(None),
     }
+}
+
+/// A table in the form of this program. A last line without a line break may
+/// be cut short, even within a number, so it is left out.
+fn own_table(path: &Path) -> Result<(Trace, Option<String>), Problem> {
+    let source = Source::read(path)?;
+    let whole_bytes = source.text.rfind('\n').map_or(0, |last| last + 1);
+    let (whole, cut) = source.text.split_at(whole_bytes);
+    let bad = |error: &dyn std::fmt::Display| Problem::new("bad-recording", error.to_string());
+    let table = trace::Table::parse(&source.name, whole).map_err(|error| bad(&error))?;
+    let mut trace = trace::trace_of_table(&table).map_err(|error| bad(&error))?;
+    if cut.is_empty() {
+        return Ok((trace, None));
+    }
+    trace.complete = false;
+    let lost = format!(
+        "at byte {whole_bytes}: the last line has no line break behind it and may be cut short, so \
+         it is left out; if it is whole, add the line break"
+    );
+    Ok((trace, Some(lost)))
 }
 
 /// Whether a table names its signals as `/topic.field`.

@@ -9,6 +9,8 @@ use schemars::JsonSchema;
 pub struct InspectionForm {
     /// The topics, in order of their names.
     topics: Vec<TopicForm>,
+    /// How each file is stored.
+    files: Vec<StoredFileForm>,
     /// Number of messages.
     messages: u64,
     /// Log time of the first message, in nanoseconds.
@@ -25,6 +27,55 @@ pub struct InspectionForm {
     complete: bool,
     /// Why reading ended early, if it did.
     error: Option<String>,
+}
+
+/// How one file of a recording is stored.
+#[derive(JsonSchema)]
+struct StoredFileForm {
+    /// Its name within the recording's folder; empty if the recording is one file.
+    name: String,
+    /// Its format.
+    format: String,
+    /// What of it is compressed.
+    compressed: CompressedForm,
+    /// By which methods (zstd, lz4, bz2); empty if nothing is compressed.
+    methods: Vec<String>,
+    /// How many chunks it has; none if its format has none.
+    chunks: Option<u64>,
+    /// How many of them are compressed.
+    compressed_chunks: Option<u64>,
+    /// What its index is worth.
+    index: IndexForm,
+}
+
+/// What of a file is compressed by itself.
+#[derive(JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+enum CompressedForm {
+    /// Nothing.
+    Nothing,
+    /// The file as a whole.
+    File,
+    /// Each chunk, or some of them.
+    Chunks,
+    /// Each message, or some of them.
+    Messages,
+}
+
+/// What an index of a file is worth.
+#[derive(JsonSchema)]
+#[schemars(rename_all = "snake_case")]
+enum IndexForm {
+    /// The format has none.
+    NotInFormat,
+    /// It is there and fits the file.
+    Sound,
+    /// It is there without a checksum, so it is not believed.
+    Unguarded,
+    /// It is not there.
+    Missing,
+    /// It is there, but damaged.
+    Damaged,
 }
 
 /// One topic of a recording.
