@@ -1,5 +1,5 @@
 //! How fast values come out of an MCAP file of a robot: joint states of seven joints at 1 kHz, an IMU at 400 Hz, transforms
-//! at 100 Hz, one core.
+//! at 100 Hz; one thread reads and decompresses, one decodes.
 //!
 //!     cargo bench -p recording --bench mcap [-- FOLDER [MINUTES [none|zstd]]]
 //!
