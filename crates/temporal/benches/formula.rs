@@ -9,6 +9,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use temporal::formula::{Ending, FormulaMonitor, Settings, parse};
+use temporal::monitor::{Monitor, MonitorSpec, Stage};
 
 fn main() {
     divan::main();
@@ -151,4 +152,61 @@ fn response_in_seconds(bencher: Bencher<'_, '_>, (window, signal, given, robustn
 fn until(bencher: Bencher<'_, '_>, (window, signal, given, robustness): Case) {
     let text = format!("always (held until[0, {window} samples] reached)");
     judge(bencher, &text, given, robustness, &holds(window)[signal]);
+}
+
+/// The bounds of the robustness after every sample of `always (request => eventually[0, window]
+/// answer)`, or of `always (held until[0, window] reached)`, for which what is stored is copied.
+#[divan::bench(args = [(50, true), (5_000, true), (50, false)], sample_count = 3)]
+fn bounds_at_every_sample(bencher: Bencher<'_, '_>, (window, response): (usize, bool)) {
+    let (text, signals) = if response {
+        let text = format!("always (request => eventually[0, {window} samples] answer)");
+        (text, requests(window))
+    } else {
+        let text = format!("always (held until[0, {window} samples] reached)");
+        (text, holds(window))
+    };
+    let formula = parse(&text, &|_| None)
+        .expect("the formula is right")
+        .formula;
+    let settings = Settings::discrete(Ending::Inconclusive).with_robustness();
+    let monitor = FormulaMonitor::compile(&formula, &settings).expect("the formula is right");
+    bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {
+        let mut judge = monitor.start();
+        for (at, values) in signals[1].values.iter().enumerate() {
+            judge.step(at as f64 * 0.01, values).expect("times ascend");
+            divan::black_box(judge.robustness_bounds());
+        }
+    });
+}
+
+/// The robustness of stages: a hold without a deadline, then a wait of so many samples; triggered
+/// whenever the robustness of the first proposition becomes positive.
+#[divan::bench(args = [50, 5_000], sample_count = 3)]
+fn stages(bencher: Bencher<'_, '_>, window: usize) {
+    let spec = MonitorSpec::new(
+        "request",
+        vec![
+            Stage::Hold {
+                proposition: "held".into(),
+                until: "answer".into(),
+                within_secs: None,
+            },
+            Stage::WaitFor {
+                proposition: "answer".into(),
+                within_secs: Some(window as f64 * 0.01),
+            },
+        ],
+    );
+    let monitor = Monitor::compile(&spec).expect("the monitor is right");
+    let robustness = monitor.robustness().expect("there are two stages");
+    let signal = &requests(window)[1];
+    bencher.counter(ItemsCount::new(SAMPLES)).bench_local(|| {
+        let mut judge = robustness.start();
+        for (at, [request, answer]) in signal.values.iter().enumerate() {
+            let values = [*request, 1.0, *answer];
+            let step = judge.step(at as f64 * 0.01, &|proposition| values[proposition]);
+            step.expect("times ascend");
+        }
+        judge.stored()
+    });
 }
