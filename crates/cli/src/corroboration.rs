@@ -67,6 +67,7 @@ pub fn piece(
             published: is_published,
             reproduced_by: entry.reproduced_by.clone(),
             findings: produced.findings,
+            form_differences: produced.form_differences,
             clusters: produced.clusters,
             inputs,
         },

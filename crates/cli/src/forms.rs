@@ -6,8 +6,10 @@
 //! clocks and instants that are not those of the requirement. [`differences`]
 //! looks at recordings: each on which two forms do not agree.
 
+mod counterpart;
 pub mod differences;
 pub mod drift;
+mod left_out;
 mod limits;
 mod path;
 

@@ -12,7 +12,9 @@ pub mod simulation;
 
 use crate::problem::Problem;
 use crate::store::hash_of;
-use evidence::{Asset, AssetRole, ClusterTests, Cost, Finding, Interval, Measure, Tool};
+use evidence::{
+    Asset, AssetRole, ClusterTests, Cost, Finding, FormDifference, Interval, Measure, Tool,
+};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -23,6 +25,9 @@ pub struct Produced {
     pub tool: Tool,
     /// What was found, one for each subject that the technique was asked for.
     pub findings: Vec<Finding>,
+    /// Forms of one requirement that do not agree on the same runs.
+    #[serde(default)]
+    pub form_differences: Vec<FormDifference>,
     /// Clustering, for trials by subject.
     pub clusters: Option<ClusterTests>,
     /// What a formal model tells of failure modes and requirements.

@@ -8,9 +8,10 @@ mod support;
 
 use recording::{OpenOptions, SignalStream, TopicMap};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use support::program::{Said, command, corroborate};
+use std::path::Path;
+use support::program::{Said, corroborate};
 use support::root;
+use support::simulation::{handover, library, simulating};
 use trace::{SignalValues, Trace};
 
 /// The bags that come with the case study, with what is violated in each; all else is satisfied or did not come up.
@@ -39,29 +40,6 @@ const ALWAYS_COVERED: [&str; 9] = [
 /// Half of what a nanosecond is, to which the times of messages are rounded.
 const ROUNDING_SECS: f64 = 0.5e-9 + 1e-12;
 
-fn handover() -> PathBuf {
-    root().join("case-studies/handover")
-}
-
-fn library() -> Option<PathBuf> {
-    let folders = std::fs::read_dir(root().join(".tools")).ok()?.flatten();
-    let mut found: Vec<PathBuf> = folders
-        .filter_map(|folder| std::fs::read_dir(folder.path()).ok())
-        .flat_map(|entries| entries.flatten().map(|entry| entry.path()))
-        .filter(|path| path.to_string_lossy().contains("libmujoco.so"))
-        .collect();
-    found.sort();
-    let found = found.pop();
-    if found.is_none() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "the physics library is missing (run tools/mujoco)"
-        );
-        eprintln!("skipped: the physics library is missing (run tools/mujoco)");
-    }
-    found
-}
-
 /// Simulates `episodes` of `evidence` in `form` into `out`.
 fn simulate(library: &Path, evidence: &str, episodes: &str, form: &str, out: &Path) -> Said {
     let study = handover();
@@ -77,15 +55,7 @@ fn simulate(library: &Path, evidence: &str, episodes: &str, form: &str, out: &Pa
         "--out",
         &out,
     ];
-    let output = command(&root(), &arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .output()
-        .expect("the program starts");
-    let said = Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    };
+    let said = simulating(library, &root(), &arguments);
     assert_eq!(said.code, 0, "{said:?}");
     said
 }

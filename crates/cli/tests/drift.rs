@@ -225,3 +225,163 @@ fn mended_throughout_the_study_has_no_drift() {
     assert_eq!(findings(&report), BTreeSet::new());
     assert_eq!(code, 0, "{report}");
 }
+
+/// The mended study with another form of requirement 8 for the simulation, or with requirements more.
+fn mended_but(formula: &str, more: &str) -> (Value, i32) {
+    let mended = MENDED.iter().flat_map(|mended| mended.0);
+    let mut changes: Vec<(&str, &str, &str)> = mended.copied().collect();
+    changes.push(("requirements.toml", "always (near => hand_slow)", formula));
+    let beginning = "[[requirement]]\nid = \"4\"";
+    let with_more = format!("{more}\n{beginning}");
+    changes.push(("requirements.toml", beginning, &with_more));
+    reported(&changes)
+}
+
+/// The kinds of what the mended study is told if requirement 8 is written as `formula` for the simulation.
+fn told_of(formula: &str) -> (Vec<String>, Vec<String>) {
+    let (report, _) = mended_but(formula, "");
+    let kinds = |name| {
+        let all = list(&report, name).iter();
+        all.map(|found| {
+            assert_eq!(
+                (&found["requirement"], &found["form"]),
+                (&"8".into(), &"simulation".into())
+            );
+            found["kind"].as_str().expect("a kind").to_owned()
+        })
+        .collect()
+    };
+    (kinds("drift"), kinds("hints"))
+}
+
+#[test]
+fn a_limit_that_itself_counts_to_the_other_side_is_drift_however_it_is_negated() {
+    let nothing: (Vec<String>, Vec<String>) = Default::default();
+    let other = (vec!["boundary".to_owned()], vec![]);
+    for (form, expected) in [
+        (
+            "always (near => /robot.hand_speed <= reduced_speed)",
+            &other,
+        ),
+        ("always (near => !(/robot.hand_speed > 0.25 m/s))", &other),
+        (
+            "always (near => !(reduced_speed < /robot.hand_speed))",
+            &other,
+        ),
+        ("always (near => /robot.hand_speed < 25 cm/s)", &nothing),
+        (
+            "always (near => !(/robot.hand_speed >= reduced_speed))",
+            &nothing,
+        ),
+        (
+            "always (near => reduced_speed > /robot.hand_speed)",
+            &nothing,
+        ),
+    ] {
+        assert_eq!(&told_of(form), expected, "{form}");
+    }
+}
+
+#[test]
+fn a_limit_that_is_left_out_is_drift_unless_a_flag_may_hold_it() {
+    for (form, expected) in [
+        ("always near", vec!["left-out"]),
+        (
+            "always (near => distance(/robot.hand, /human.hand) > 0 m)",
+            vec!["limit", "left-out"],
+        ),
+        ("always (near => /robot.closing)", vec![]),
+    ] {
+        assert_eq!(
+            told_of(form),
+            (expected.iter().map(|k| (*k).to_owned()).collect(), vec![]),
+            "{form}"
+        );
+    }
+}
+
+#[test]
+fn a_number_without_a_unit_is_a_hint_if_it_is_the_limit_and_drift_if_it_is_not() {
+    let told = |drift: &[&str], hints: &[&str]| {
+        let owned = |kinds: &[&str]| kinds.iter().map(|k| (*k).to_owned()).collect::<Vec<_>>();
+        (owned(drift), owned(hints))
+    };
+    let hand = "abs(/robot.hand.x - /human.hand.x)";
+    for (form, expected) in [
+        (
+            "always (near => /robot.hand_speed < 0.25)".to_owned(),
+            told(&[], &["unit"]),
+        ),
+        (
+            "always (near => /robot.hand_speed < 0.3)".into(),
+            told(&["limit"], &[]),
+        ),
+        (
+            format!("always ({hand} < 0.1 => hand_slow)"),
+            told(&["shape"], &["unit"]),
+        ),
+    ] {
+        let mut found = told_of(&form);
+        let mut expected = expected;
+        found.0.sort();
+        expected.0.sort();
+        assert_eq!(found, expected, "{form}");
+    }
+}
+
+/// A requirement of a box of two sizes, and of two waits; a form of each in which the two are exchanged.
+const EXCHANGED: &str = r#"
+[[requirement]]
+id = "box"
+text = "In the tall box the hand is slow."
+shall = "Whenever in_tall_box the robot shall immediately satisfy hand_slow."
+[requirement.reading.lying]
+meaning = "The box lies on its side."
+formula = """always (abs(/robot.hand.x - /human.hand.x) < 20 cm & abs(/robot.hand.y - /human.hand.y) < 10 cm \
+& abs(/robot.hand.z - /human.hand.z) < 10 cm => hand_slow)"""
+[requirement.reading.standing]
+meaning = "As required."
+formula = """always (abs(/robot.hand.x - /human.hand.x) < 0.1 m & abs(/robot.hand.y - /human.hand.y) < 10 cm \
+& abs(/robot.hand.z - /human.hand.z) < 200 mm => hand_slow)"""
+[requirement.reading.flat]
+meaning = "Without its height."
+formula = """always (abs(/robot.hand.x - /human.hand.x) < 0.1 m & abs(/robot.hand.y - /human.hand.y) < 10 cm \
+=> hand_slow)"""
+
+[[requirement]]
+id = "waits"
+text = "Released in time, then closed."
+shall = "Upon sensors_satisfied the robot shall within release_time satisfy released, then within 5 s satisfy hand_closing."
+[requirement.reading.exchanged]
+meaning = "The times are exchanged."
+monitor.when = "sensors_satisfied"
+monitor.then = [{ wait_for = "released", within_secs = 5 }, { wait_for = "hand_closing", within_secs = 2 }]
+[requirement.reading.same]
+meaning = "As required."
+monitor.when = "sensors_satisfied"
+monitor.then = [{ wait_for = "released", within_secs = 2 }, { wait_for = "hand_closing", within_secs = 5 }]
+[requirement.reading.endless]
+meaning = "Without the second time."
+monitor.when = "sensors_satisfied"
+monitor.then = [{ wait_for = "released", within_secs = 2 }, { wait_for = "hand_closing" }]
+"#;
+
+#[test]
+fn limits_of_one_dimension_that_are_exchanged_are_drift() {
+    let (report, _) = mended_but("always (near => hand_slow)", EXCHANGED);
+    let mut found: Vec<Key> = keys(&report, "drift", "kind").into_iter().collect();
+    found.sort();
+    let key =
+        |requirement: &str, form: &str, kind: &str| (requirement.into(), form.into(), kind.into());
+    let expected: [Key; 4] = [
+        key("box", "flat", "left-out"),
+        key("box", "lying", "limit"),
+        key("waits", "endless", "left-out"),
+        key("waits", "exchanged", "limit"),
+    ];
+    assert_eq!(found, expected, "{report:#}");
+    let of_box = list(&report, "drift")
+        .iter()
+        .filter(|d| d["form"] == "lying");
+    assert_eq!(of_box.count(), 2, "x and z: {report:#}");
+}

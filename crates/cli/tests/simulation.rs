@@ -7,9 +7,8 @@ mod support;
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use support::program::{Said, command};
-use support::root;
+use std::path::Path;
+use support::simulation::{handover, library, simulating};
 
 /// Two simulations of the handover, few episodes each.
 const LEDGER: &str = r#"
@@ -34,30 +33,10 @@ episodes = 4
 changed = "Tuned."
 "#;
 
-fn library() -> Option<PathBuf> {
-    let tools = root().join(".tools");
-    let folders = std::fs::read_dir(tools).ok()?.flatten().map(|e| e.path());
-    let mut found: Vec<PathBuf> = folders
-        .filter_map(|folder| std::fs::read_dir(folder).ok())
-        .flat_map(|entries| entries.flatten().map(|e| e.path()))
-        .filter(|path| path.to_string_lossy().contains("libmujoco.so"))
-        .collect();
-    found.sort();
-    let found = found.pop();
-    if found.is_none() {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "the physics library is missing (run tools/mujoco)"
-        );
-        eprintln!("skipped: the physics library is missing (run tools/mujoco)");
-    }
-    found
-}
-
 /// The handover's study with a ledger of two short simulations.
 fn study() -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
-    let from = root().join("case-studies/handover");
+    let from = handover();
     for name in [
         "study.toml",
         "parameters.toml",
@@ -74,18 +53,6 @@ fn study() -> tempfile::TempDir {
     }
     std::fs::write(folder.path().join("ledger.toml"), LEDGER).expect("written");
     folder
-}
-
-fn run(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
 }
 
 /// The recordings below a folder, with their content.
@@ -119,7 +86,7 @@ fn episodes_have_the_same_bytes_at_any_number_of_threads_and_are_judged_alike_ag
     };
     let folder = study();
     for threads in ["1", "2"] {
-        let said = run(
+        let said = simulating(
             &library,
             folder.path(),
             &["run", ".", "-j", threads, "--out", threads],
@@ -139,8 +106,9 @@ fn episodes_have_the_same_bytes_at_any_number_of_threads_and_are_judged_alike_ag
     }
     let first = result(&folder.path().join("1"));
     assert!(first == result(&folder.path().join("2")));
+    assert_forms_differ_alike(&library, folder.path(), &first);
 
-    let said = run(
+    let said = simulating(
         &library,
         folder.path(),
         &["monitor", ".", "1/episodes/E4", "--format", "json"],
@@ -176,6 +144,37 @@ fn episodes_have_the_same_bytes_at_any_number_of_threads_and_are_judged_alike_ag
     assert!(compared >= 8, "only {compared} subjects were covered");
 }
 
+/// The forms that differ on a run's episodes are those that differ on its recordings when these are asked for.
+fn assert_forms_differ_alike(library: &Path, folder: &Path, result: &Value) {
+    let mut all = 0;
+    for (place, evidence) in ["E2", "E4"].into_iter().enumerate() {
+        let episodes = format!("1/episodes/{evidence}");
+        let arguments = ["requirements", ".", &episodes, "--format", "json"];
+        let again = json(&simulating(library, folder, &arguments).out);
+        let mut expected: BTreeMap<[&str; 3], u64> = BTreeMap::new();
+        for found in again["differences"].as_array().expect("differences") {
+            let key = ["requirement", "form", "verdict"]
+                .map(|name| found[name].as_str().expect("a text"));
+            *expected.entry(key).or_default() += 1;
+        }
+        let mut told: BTreeMap<[&str; 3], u64> = BTreeMap::new();
+        let found = &result["evidence"][place]["form_differences"];
+        for found in found.as_array().expect("differences") {
+            let text = |value: &'_ Value| value.as_str().map(str::to_owned).expect("a text");
+            assert!(!text(&found["witnesses"][0]).is_empty());
+            let key = [&found["subject"]["id"], &found["form"], &found["verdict"]];
+            let key = key.map(|value| value.as_str().expect("a text"));
+            *told.entry(key).or_default() += found["count"].as_u64().expect("a count");
+        }
+        assert_eq!(told, expected, "{evidence}");
+        all += told.len();
+    }
+    assert!(
+        all > 0,
+        "one of the episodes is a grip failure, on which forms differ"
+    );
+}
+
 #[test]
 fn a_recording_that_is_missing_or_damaged_is_made_again_with_the_same_bytes() {
     let Some(library) = library() else {
@@ -183,7 +182,7 @@ fn a_recording_that_is_missing_or_damaged_is_made_again_with_the_same_bytes() {
     };
     let folder = study();
     let arguments = ["run", ".", "--only", "E2"];
-    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
     let episodes = folder.path().join("results/episodes/E2");
     let before = recordings(&episodes);
     let names: Vec<&String> = before.keys().collect();
@@ -191,7 +190,7 @@ fn a_recording_that_is_missing_or_damaged_is_made_again_with_the_same_bytes() {
     let half = &before[names[1]][..before[names[1]].len() / 2];
     std::fs::write(episodes.join(names[1]), half).expect("cut short");
     std::fs::remove_file(folder.path().join("results/evidence/E2.json")).expect("removed");
-    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
     assert!(recordings(&episodes) == before);
 }
 
@@ -202,11 +201,11 @@ fn a_recording_cut_short_is_refused_unless_a_part_is_asked_for() {
     };
     let folder = study();
     let arguments = ["simulate", ".", "E4", "-n", "1", "--out", "one"];
-    assert_eq!(run(&library, folder.path(), &arguments).code, 0);
+    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
     let file = folder.path().join("one/episode-00001.mcap");
     let whole = std::fs::read(&file).expect("a recording");
     std::fs::write(&file, &whole[..whole.len() * 2 / 3]).expect("cut short");
-    let refused = run(&library, folder.path(), &["monitor", ".", "one"]);
+    let refused = simulating(&library, folder.path(), &["monitor", ".", "one"]);
     assert_eq!((refused.code, refused.out.as_str()), (2, ""), "{refused:?}");
     assert!(
         refused.talk.contains("episode-00001.mcap was cut short"),
@@ -215,7 +214,7 @@ fn a_recording_cut_short_is_refused_unless_a_part_is_asked_for() {
     assert!(refused.talk.contains("--partial"), "{refused:?}");
 
     let arguments = ["monitor", ".", "one", "--partial", "--format", "json"];
-    let said = run(&library, folder.path(), &arguments);
+    let said = simulating(&library, folder.path(), &arguments);
     let report = json(&said.out);
     assert_eq!(report["recordings"][0]["complete"], false, "{}", said.out);
     assert!(report["recordings"][0]["lost"].is_string(), "{}", said.out);

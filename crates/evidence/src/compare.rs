@@ -151,6 +151,7 @@ impl<'a> Study<'a> {
 ///         witnesses: vec![],
 ///         readings: vec![],
 ///     }],
+///     form_differences: vec![],
 ///     clusters: None,
 ///     inputs: String::new(),
 /// };

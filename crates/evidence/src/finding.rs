@@ -145,6 +145,28 @@ pub struct Reading {
     pub witnesses: Vec<String>,
 }
 
+/// Two forms of one requirement (its sentence, monitor, property, a reading)
+/// that do not agree on runs that both judged: one is violated, the other not.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FormDifference {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// The form that the other is held against, for example `sentence`.
+    pub reference: String,
+    /// Its verdict.
+    pub reference_verdict: String,
+    /// The other form, for example `property`.
+    pub form: String,
+    /// Its verdict.
+    pub verdict: String,
+    /// On how many runs they differ so.
+    pub count: u64,
+    /// How many runs were judged.
+    pub runs: u64,
+    /// Some of the runs on which they differ so.
+    pub witnesses: Vec<String>,
+}
+
 /// One piece of evidence about one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Finding {

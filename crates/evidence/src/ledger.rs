@@ -1,8 +1,8 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Discrepancy, FailureMode, Finding, Requirement,
-    Subject, Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, Discrepancy, FailureMode, Finding, FormDifference,
+    Requirement, Subject, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -100,6 +100,10 @@ pub struct Evidence {
     pub reproduced_by: Option<String>,
     /// What was found.
     pub findings: Vec<Finding>,
+    /// Forms of one requirement that do not agree on the same runs, for
+    /// techniques that judge traces.
+    #[serde(default)]
+    pub form_differences: Vec<FormDifference>,
     /// Clustering of trials, for experiments by subject.
     pub clusters: Option<ClusterTests>,
     /// Hash of everything that the findings depend on, in hexadecimal.

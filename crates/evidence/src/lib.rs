@@ -28,7 +28,8 @@ pub use conclude::coverage::coverage_gaps;
 pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::diagnose;
 pub use finding::{
-    CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Reading, Spread, Subject,
+    CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer, Reading, Spread,
+    Subject,
 };
 pub use interval::Interval;
 pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};

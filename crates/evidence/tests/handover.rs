@@ -90,6 +90,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         published: false,
         reproduced_by: None,
         findings,
+        form_differences: vec![],
         clusters: None,
         inputs: String::new(),
     }

@@ -23,6 +23,9 @@ pub struct RequirementsReport {
     pub requirements: Vec<RequirementForms>,
     /// Forms whose texts are not what the requirement declares.
     pub drift: Vec<Drift>,
+    /// Numbers without a unit that are a declared limit if the signal has the
+    /// right unit.
+    pub hints: Vec<Drift>,
     /// Forms that cannot judge recordings, and why.
     pub not_judged: Vec<NotJudged>,
     /// The recordings that were judged.
@@ -109,6 +112,7 @@ pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done,
     };
     let study = Study::load(folder)?;
     let forms = forms_of(&study);
+    let found = of_study(&study);
     let mut report = RequirementsReport {
         format: "1.0".into(),
         requirements: study
@@ -117,7 +121,8 @@ pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done,
             .iter()
             .filter_map(|form| forms_shown(&study, form))
             .collect(),
-        drift: of_study(&study),
+        drift: found.drift,
+        hints: found.hints,
         not_judged: not_judged(&forms),
         recordings: Vec::new(),
         differences: Vec::new(),
@@ -282,6 +287,13 @@ fn text(report: &RequirementsReport) -> String {
         requirement_text(&mut out, requirement);
     }
     drift_text(&mut out, &report.drift);
+    for hint in &report.hints {
+        let _ = writeln!(
+            out,
+            "  hint: {}, {}: {}, where the requirement has {}",
+            hint.requirement, hint.form, hint.found, hint.declared
+        );
+    }
     differences_text(&mut out, report);
     out
 }

@@ -4,6 +4,7 @@
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Run};
 use crate::corroboration::{self, Piece};
+use crate::forms::differences;
 use crate::outcome::Outcome;
 use crate::problem::{Problem, did_you_mean};
 use crate::store::{Inputs, Store, program_hash};
@@ -347,12 +348,18 @@ impl Runner<'_> {
         for form in &self.study.forms.subjects {
             inputs.add("subject", form.subject.id().as_bytes());
             inputs.add_json("monitor", &form.monitor);
+            // The forms that are held against the monitor.
+            let sentence = form.sentence.as_ref();
+            inputs.add_json("sentence", &sentence.map(|sentence| &sentence.text));
+            let property = form.property.as_ref();
+            inputs.add_json("property", &property.map(|property| &property.text));
             for reading in &form.readings {
                 inputs.add("reading", reading.name.as_bytes());
                 inputs.add("meaning", reading.meaning.as_bytes());
                 inputs.add_json("monitor", &reading.monitor);
             }
         }
+        inputs.add_json("step", &self.study.about.model.step_secs());
         for (name, proposition) in &self.study.vocabulary.propositions {
             if let Some(binding) = &proposition.trace {
                 inputs.add(name, binding.text.as_bytes());
@@ -394,6 +401,10 @@ impl Runner<'_> {
         self.setting
             .talk
             .say(&format!("{id:<13} {title}: {headline} ({how})"));
+        let differing = &piece.evidence.form_differences;
+        if !differing.is_empty() {
+            self.setting.talk.say(&differences::in_words(differing));
+        }
         Ok(piece)
     }
 

@@ -2,8 +2,11 @@
 //!
 //! What the requirement declares is taken from its sentence and its
 //! parameters. In each form that was written by hand, found are
-//! * a limit that is none of the declared ones of its dimension, or of a
-//!   dimension of which the requirement's sentence has none,
+//! * a limit that is none of the declared ones of what it limits or, where the
+//!   requirement limits something else, of its dimension; or of a dimension of
+//!   which the requirement's sentence has none,
+//! * a limit that itself counts to the other side (`<` for `<=`),
+//! * a limit of the sentence that is left out ([`super::left_out`]),
 //! * a number without a unit that is compared with what the requirement
 //!   limits, and that is not the limit in any unit in which that is known,
 //! * coordinates compared one by one (a box) where the requirement compares a
@@ -13,12 +16,17 @@
 //! * another clock,
 //! * an earlier instant than the one that the requirement speaks of.
 //!
+//! A number without a unit that would be the limit is a hint, no drift: it is
+//! in the unit of the signals, which the texts do not say.
+//!
 //! Clock and instant are those of the sentence's monitor or, without a
 //! sentence, of the main monitor.
 //!
 //! Not found is what only shows in use, such as another signal of the same
 //! name; [`super::differences`] finds that on recordings.
 
+use super::counterpart::{agree, in_words, is_of_same, is_same_limit, same_signals};
+use super::left_out;
 use super::limits::{Compared, Limit, of_judging, of_property, of_sentence, secs_of};
 use crate::study::{JudgingForm, Rule, SentenceForm, Study, SubjectForm};
 use schemars::JsonSchema;
@@ -26,11 +34,6 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::mem::discriminant;
 use temporal::formula::Formula;
-use trace::Measure;
-
-/// Relative difference below which two limits are the same number, written in
-/// other units.
-const SAME: f64 = 1e-9;
 
 /// One way in which a form is not what its requirement declares.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -61,6 +64,12 @@ pub enum DriftKind {
     Clock,
     /// Another instant.
     Instant,
+    /// The limit itself counts to the other side.
+    Boundary,
+    /// A limit that the requirement has and the form has not.
+    LeftOut,
+    /// A number without a unit, which is the limit in one of its units.
+    Unit,
 }
 
 impl DriftKind {
@@ -72,37 +81,64 @@ impl DriftKind {
             Self::Signal => "another signal",
             Self::Clock => "another clock",
             Self::Instant => "another instant",
+            Self::Boundary => "another boundary",
+            Self::LeftOut => "a limit left out",
+            Self::Unit => "no unit",
         }
     }
 }
 
+/// What was found in the texts of a study.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Found {
+    /// What a form does not share with its requirement.
+    pub drift: Vec<Drift>,
+    /// What may be meant as the requirement has it, but does not say so.
+    pub hints: Vec<Drift>,
+}
+
 /// All drift of a study's requirements.
-pub fn of_study(study: &Study) -> Vec<Drift> {
+pub fn of_study(study: &Study) -> Found {
     let own = study
         .requirements
         .iter()
         .filter(|r| r.same_quantity_as.is_none());
     let forms = own.filter_map(|requirement| study.forms.by_id(&requirement.id));
-    forms.flat_map(|form| of_requirement(study, form)).collect()
+    let mut found = Found::default();
+    for form in forms {
+        let of_form = of_requirement(study, form);
+        found.drift.extend(of_form.drift);
+        found.hints.extend(of_form.hints);
+    }
+    found
 }
 
-fn of_requirement(study: &Study, form: &SubjectForm) -> Vec<Drift> {
+fn of_requirement(study: &Study, form: &SubjectForm) -> Found {
     let declared = Declared::of(study, form);
     if declared.limits.is_empty() && form.sentence.is_none() {
-        return Vec::new();
+        return Found::default();
     }
     let mut finder = Finder {
         requirement: form.subject.id(),
         declared,
-        found: Vec::new(),
+        found: Found::default(),
     };
     if let Some(property) = form.property.as_ref().filter(|p| !p.from_sentence) {
-        finder.limits("property", &of_property(study, &property.text));
+        let limits = of_property(study, &property.text);
+        finder.limits("property", &limits);
+        if let Some(sentence) = &form.sentence {
+            let missing = left_out::of_property(study, sentence, &property.text, &limits);
+            finder.left_out("property", missing);
+        }
     }
     let main = form.monitor.iter().map(|monitor| ("monitor", monitor));
     let readings = form.readings.iter().map(|r| (r.name.as_str(), &r.monitor));
     for (name, judging) in main.chain(readings).filter(|(_, j)| !j.from_sentence) {
         finder.judging(study, name, judging);
+        if let Some(sentence) = &form.sentence {
+            let missing = left_out::of_judging(study, sentence, judging);
+            finder.left_out(name, missing);
+        }
     }
     finder.found
 }
@@ -132,6 +168,8 @@ impl Declared {
                     parameter: Some(name.clone()),
                     compared: None,
                     proposition: None,
+                    awaited: None,
+                    boundary: None,
                 });
             }
         }
@@ -161,7 +199,7 @@ impl Declared {
 struct Finder<'a> {
     requirement: &'a str,
     declared: Declared,
-    found: Vec<Drift>,
+    found: Found,
 }
 
 impl Finder<'_> {
@@ -173,8 +211,23 @@ impl Finder<'_> {
             found,
             declared,
         };
-        if !self.found.contains(&drift) {
-            self.found.push(drift);
+        let found = match kind {
+            DriftKind::Unit => &mut self.found.hints,
+            _ => &mut self.found.drift,
+        };
+        if !found.contains(&drift) {
+            found.push(drift);
+        }
+    }
+
+    fn left_out(&mut self, form: &str, missing: Vec<Limit>) {
+        for limit in missing {
+            let found = match (&limit.compared, &limit.awaited) {
+                (Some(compared), _) => format!("no limit of `{}`", compared.quantity),
+                (None, Some(awaited)) => format!("no limit of the time to `{awaited}`"),
+                (None, None) => "no limit of that time".to_owned(),
+            };
+            self.add(form, DriftKind::LeftOut, found, in_words(&limit));
         }
     }
 
@@ -210,28 +263,80 @@ impl Finder<'_> {
     fn limits(&mut self, form: &str, limits: &[Limit]) {
         for limit in limits {
             let counterparts = self.counterparts(limit);
-            if counterparts.iter().any(|other| is_same_limit(other, limit)) {
+            let same: Vec<&Limit> = counterparts
+                .iter()
+                .copied()
+                .filter(|o| is_same_limit(o, limit))
+                .collect();
+            if !same.is_empty() {
+                let drift = boundary_drift(&same, limit);
+                let hint = unit_hint(&same, limit);
+                for (kind, found, declared) in drift.into_iter().chain(hint) {
+                    self.add(form, kind, found, declared);
+                }
                 continue;
             }
             let declared = match counterparts.as_slice() {
-                [] if !self.declared.are_all || limit.dimension.is_none() => continue,
+                [] if limit.dimension.is_none() => {
+                    let hint = unit_hint(&self.read_likewise(limit), limit);
+                    if let Some((kind, found, declared)) = hint {
+                        self.add(form, kind, found, declared);
+                    }
+                    continue;
+                }
+                [] if !self.declared.are_all => continue,
                 [] => "no such limit".to_owned(),
                 some => self.declared.words(some, in_words),
             };
-            self.add(form, DriftKind::Limit, in_words(limit), declared);
+            let found = self.told_apart(limit);
+            self.add(form, DriftKind::Limit, found, declared);
         }
     }
 
-    /// The declared limits that a limit has to be one of: those of its
-    /// dimension or, where a unit is missing, those of what it limits.
+    /// A limit in words; with what it limits, if the same limit of something
+    /// else is declared.
+    fn told_apart(&self, limit: &Limit) -> String {
+        let words = in_words(limit);
+        let mut all = self.declared.limits.iter();
+        let is_elsewhere = all.any(|o| o.dimension == limit.dimension && is_same_limit(o, limit));
+        match (&limit.compared, &limit.awaited) {
+            (Some(compared), _) if is_elsewhere => format!("{words}, of `{}`", compared.quantity),
+            (None, Some(awaited)) if is_elsewhere => format!("{words}, until `{awaited}`"),
+            _ => words,
+        }
+    }
+
+    /// The declared limits that a limit has to be one of: those of the same
+    /// quantity or wait or, if there are none, of its dimension; where a unit
+    /// is missing, those of what it limits. A parameter that the requirement
+    /// names and its sentence does not use may limit anything.
     fn counterparts(&self, limit: &Limit) -> Vec<&Limit> {
         let all = self.declared.limits.iter();
-        all.filter(|other| match (other.dimension, limit.dimension) {
-            (Some(one), Some(other)) => one == other,
-            _ => match (&other.compared, &limit.compared) {
-                (Some(one), Some(other)) => agree(one, other),
-                _ => false,
-            },
+        let of_dimension: Vec<&Limit> = all
+            .filter(|other| match (other.dimension, limit.dimension) {
+                (Some(one), Some(other)) => one == other,
+                _ => is_of_same(other, limit),
+            })
+            .collect();
+        if !of_dimension.iter().any(|other| is_of_same(other, limit)) {
+            return of_dimension;
+        }
+        let is_free = |other: &Limit| other.compared.is_none() && other.awaited.is_none();
+        let some = of_dimension.into_iter();
+        some.filter(|other| is_of_same(other, limit) || is_free(other))
+            .collect()
+    }
+
+    /// Declared limits of quantities whose signals a limit reads, whose value
+    /// it has in SI units.
+    fn read_likewise(&self, limit: &Limit) -> Vec<&Limit> {
+        let Some(found) = &limit.compared else {
+            return Vec::new();
+        };
+        let all = self.declared.limits.iter();
+        all.filter(|other| {
+            let compared = other.compared.as_ref();
+            compared.is_some_and(|c| same_signals(c, found)) && is_same_limit(other, limit)
         })
         .collect()
     }
@@ -265,7 +370,14 @@ impl Finder<'_> {
             .declared
             .limits
             .iter()
-            .filter(|other| limit.dimension.is_some() && other.dimension == limit.dimension)
+            .filter(|other| match limit.dimension {
+                Some(_) => other.dimension == limit.dimension,
+                // Without a unit, by what is read.
+                None => other
+                    .compared
+                    .as_ref()
+                    .is_some_and(|c| same_signals(c, found)),
+            })
             .filter_map(|other| other.compared.as_ref())
             .collect();
         if required.is_empty() || required.iter().any(|other| agree(other, found)) {
@@ -285,80 +397,37 @@ impl Finder<'_> {
     }
 }
 
-fn agree(required: &Compared, found: &Compared) -> bool {
-    required.measure == found.measure && required.signals == found.signals
-        || is_distance_of(required, found)
-}
-
-/// Distances are the same in both directions.
-fn is_distance_of(required: &Compared, found: &Compared) -> bool {
-    match (&required.measure, &found.measure) {
-        (
-            Measure::Distance {
-                first,
-                second,
-                axes,
-            },
-            Measure::Distance {
-                first: other_first,
-                second: other_second,
-                axes: other_axes,
-            },
-        ) => {
-            BTreeSet::from_iter(axes) == BTreeSet::from_iter(other_axes)
-                && BTreeSet::from([first, second]) == BTreeSet::from([other_first, other_second])
-        }
-        _ => false,
+/// That the limit itself counts to another side than it does in each of the
+/// declared limits of the same size.
+fn boundary_drift(same: &[&Limit], limit: &Limit) -> Option<(DriftKind, String, String)> {
+    let found = limit.boundary.as_ref()?;
+    // The same wait, or the same quantity; a box has its own boundary.
+    let alike = same
+        .iter()
+        .filter(|other| match (&other.compared, &limit.compared) {
+            (Some(required), Some(found)) => agree(required, found),
+            (None, None) => true,
+            _ => false,
+        });
+    let declared = alike
+        .map(|other| other.boundary.as_ref())
+        .collect::<Option<Vec<_>>>()?;
+    let first = declared.first()?;
+    if declared
+        .iter()
+        .any(|other| other.is_above == found.is_above)
+    {
+        return None;
     }
+    let (found, first) = (format!("`{}`", found.text), format!("`{}`", first.text));
+    Some((DriftKind::Boundary, found, first))
 }
 
-/// Whether what is found reads some of what is required, and nothing else.
-fn same_signals(required: &Compared, found: &Compared) -> bool {
-    found.signals.iter().all(|s| required.signals.contains(s))
-}
-
-/// Whether two limits are the same. A number without a unit is in that of the
-/// signals, of which all that is known is the unit in which the other is
-/// written, and the SI unit.
-fn is_same_limit(one: &Limit, other: &Limit) -> bool {
-    if one.dimension.is_some() == other.dimension.is_some() {
-        return is_same(one.si_value, other.si_value);
-    }
-    is_same(one.number, other.number) || is_same(one.si_value, other.si_value)
-}
-
-/// Whether all durations of a sentence are known in seconds.
-fn has_known_durations(study: &Study, sentence: &SentenceForm) -> bool {
-    let stages = sentence.tree.stages.iter();
-    let mut durations = stages.filter_map(|stage| stage.timing.duration());
-    durations.all(|duration| secs_of(study, duration.amount).is_some())
-}
-
-fn is_same(one: f64, other: f64) -> bool {
-    (one - other).abs() <= SAME * one.abs().max(other.abs())
-}
-
-/// A limit for people: `5 s`, `near_distance (0.1 m)`, `released: 2 s`.
-fn in_words(limit: &Limit) -> String {
-    let value = match limit.dimension {
-        Some(dimension) => format!("{} {}", rounded(limit.si_value), dimension.si_unit()),
-        None => format!("{} without a unit", rounded(limit.number)),
-    };
-    let same = limit.text == value || limit.dimension.is_none();
-    let with_value = match (&limit.parameter, same) {
-        (Some(name), _) => format!("{name} = {value}"),
-        (None, true) => value,
-        (None, false) => format!("{} = {value}", limit.text),
-    };
-    match (&limit.proposition, &limit.parameter) {
-        (Some(name), None) => format!("{with_value} in `{name}`"),
-        _ => with_value,
-    }
-}
-
-/// Without the digits that a conversion of units leaves behind.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.12e}").parse().unwrap_or(value)
+/// That a number has no unit where the declared one has.
+fn unit_hint(same: &[&Limit], limit: &Limit) -> Option<(DriftKind, String, String)> {
+    let declared = same.iter().find(|other| other.dimension.is_some())?;
+    let found = limit.dimension.is_none().then(|| in_words(limit))?;
+    Some((DriftKind::Unit, found, in_words(declared)))
 }
 
 /// The parts of a formula that speak of the past.
@@ -372,4 +441,11 @@ fn past_parts<'f>(formula: &'f Formula, parts: &mut Vec<&'f Formula>) {
     for operand in formula.operands() {
         past_parts(operand, parts);
     }
+}
+
+/// Whether all durations of a sentence are known in seconds.
+fn has_known_durations(study: &Study, sentence: &SentenceForm) -> bool {
+    let stages = sentence.tree.stages.iter();
+    let mut durations = stages.filter_map(|stage| stage.timing.duration());
+    durations.all(|duration| secs_of(study, duration.amount).is_some())
 }

@@ -4,11 +4,12 @@
 use super::path::{number_of, steps_of};
 use crate::study::{JudgingForm, Rule, SentenceForm, Study, is_name, quoted_names};
 use prism_lang::ast::{BinaryOp, Expr, ExprKind};
-use requirement_lang::sentence::Amount;
-use temporal::formula::{Formula, TimeUnit};
+use requirement_lang::expression::Expression;
+use requirement_lang::sentence::{Amount, Timing};
+use temporal::formula::{AtomId, Formula, Parsed, TimeUnit};
 use temporal::monitor::Stage;
 use trace::units::Dimension;
-use trace::{Measure, ThresholdOrigin};
+use trace::{ComparisonOperator, Measure, ThresholdOrigin};
 
 /// A limit in a form.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,32 @@ pub struct Limit {
     pub compared: Option<Compared>,
     /// The proposition in which it stands, if in one.
     pub proposition: Option<String>,
+    /// Of a duration: the proposition that is waited for, or that lasts, if
+    /// it is one.
+    pub awaited: Option<String>,
+    /// To which side the limit itself belongs, and the comparison that says so.
+    pub boundary: Option<Boundary>,
+}
+
+/// To which side of a limit the limit itself belongs: `x < c` and its negation
+/// `x >= c` say above, `x <= c` and `x > c` below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Whether it belongs to the side above.
+    pub is_above: bool,
+    /// The comparison, as it is written.
+    pub text: String,
+}
+
+impl Boundary {
+    fn of(operator: ComparisonOperator, text: String) -> Option<Self> {
+        let is_above = match operator {
+            ComparisonOperator::Less | ComparisonOperator::GreaterEqual => true,
+            ComparisonOperator::LessEqual | ComparisonOperator::Greater => false,
+            ComparisonOperator::Equal | ComparisonOperator::NotEqual => return None,
+        };
+        Some(Self { is_above, text })
+    }
 }
 
 /// A quantity that is compared with a limit.
@@ -48,8 +75,17 @@ pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
             && let Some(secs) = secs_of(study, duration.amount)
         {
             let is_parameter = study.parameters.values.get(&duration.text).is_some();
+            let within = Boundary {
+                is_above: false,
+                text: format!("within {}", duration.text),
+            };
             limits.push(Limit {
                 parameter: is_parameter.then(|| duration.text.clone()),
+                awaited: match &stage.response {
+                    Expression::Atom(atom) => Some(atom.text.clone()),
+                    _ => None,
+                },
+                boundary: matches!(stage.timing, Timing::Within(_)).then_some(within),
                 ..duration_limit(secs, duration.text.clone())
             });
         }
@@ -81,7 +117,7 @@ pub fn of_judging(study: &Study, form: &JudgingForm) -> Vec<Limit> {
         }
         Rule::Formula(rule) => {
             let mut limits = Vec::new();
-            durations(&rule.parsed.formula, &mut limits);
+            durations(&rule.parsed, &rule.parsed.formula, &mut limits);
             for atom in &rule.parsed.atoms {
                 limits.extend(of_proposition(study, &atom.text));
             }
@@ -117,34 +153,70 @@ fn duration_limit(secs: f64, text: String) -> Limit {
         parameter: None,
         compared: None,
         proposition: None,
+        awaited: None,
+        boundary: None,
     }
 }
 
 fn deadline(stage: &Stage) -> Option<Limit> {
-    match stage {
-        Stage::WaitFor { within_secs, .. } | Stage::Hold { within_secs, .. } => {
-            within_secs.map(|secs| duration_limit(secs, format!("{secs} s")))
-        }
-        Stage::Assert { .. } => None,
-    }
+    let (awaited, secs) = match stage {
+        Stage::WaitFor {
+            proposition,
+            within_secs,
+        } => (proposition, *within_secs),
+        Stage::Hold {
+            until, within_secs, ..
+        } => (until, *within_secs),
+        Stage::Assert { .. } => return None,
+    };
+    let secs = secs?;
+    Some(Limit {
+        awaited: Some(awaited.clone()),
+        ..duration_limit(secs, format!("{secs} s"))
+    })
 }
 
 /// The ends of all intervals but 0, which limits nothing.
-fn durations(formula: &Formula, limits: &mut Vec<Limit>) {
+fn durations(parsed: &Parsed, formula: &Formula, limits: &mut Vec<Limit>) {
     if let Some(interval) = formula.interval() {
         let ends = [Some(interval.low), interval.high];
         for bound in ends.into_iter().flatten() {
             if bound.unit == TimeUnit::Seconds && bound.value > 0.0 {
-                limits.push(duration_limit(bound.value, format!("{} s", bound.value)));
+                limits.push(Limit {
+                    awaited: awaited(parsed, formula),
+                    ..duration_limit(bound.value, format!("{} s", bound.value))
+                });
             }
         }
     }
     for operand in formula.operands() {
-        durations(operand, limits);
+        durations(parsed, operand, limits);
     }
 }
 
-fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
+/// The proposition that `eventually` waits for or that `always` has last.
+fn awaited(parsed: &Parsed, formula: &Formula) -> Option<String> {
+    let (Formula::Eventually(_, operand) | Formula::Always(_, operand)) = formula else {
+        return None;
+    };
+    match operand.as_ref() {
+        Formula::Atom(AtomId(place)) => parsed.atoms.get(*place).map(|atom| atom.text.clone()),
+        _ => None,
+    }
+}
+
+/// Whether a formula counts samples somewhere, whose duration is not known.
+pub fn counts_samples(formula: &Formula) -> bool {
+    let own = formula.interval().is_some_and(|interval| {
+        let ends = [Some(interval.low), interval.high];
+        let mut ends = ends.into_iter().flatten();
+        ends.any(|end| end.unit != TimeUnit::Seconds && end.value > 0.0)
+    });
+    own || formula.operands().into_iter().any(counts_samples)
+}
+
+/// The limits of a proposition, or of a predicate that is written in its place.
+pub fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
     let Ok(predicate) = study.vocabulary.signals.predicate(text) else {
         return Vec::new();
     };
@@ -152,7 +224,11 @@ fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
     comparisons
         .map(|comparison| {
             let threshold = comparison.threshold;
+            let (quantity, operator) = (&comparison.quantity, comparison.operator);
+            let written = format!("{quantity} {operator} {}", threshold.text);
             Limit {
+                boundary: Boundary::of(operator, written),
+                awaited: None,
                 si_value: threshold.si_value.unwrap_or(threshold.number),
                 number: threshold.number,
                 dimension: threshold.dimension(),
@@ -199,12 +275,17 @@ fn of_variables(study: &Study, expr: &Expr, name: &str, limits: &mut Vec<Limit>)
             BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual
         )
     {
-        for (variable, number) in [(left, right), (right, left)] {
+        for (variable, number, operator) in [
+            (left, right, comparison_of(*operator)),
+            (right, left, turned(comparison_of(*operator))),
+        ] {
             if let ExprKind::Name(variable) = &variable.kind
                 && let Some(number) = number_of(number)
                 && let Some(unit) = study.about.model.unit_of(variable)
             {
                 limits.push(Limit {
+                    boundary: Boundary::of(operator, format!("{variable} {operator} {number}")),
+                    awaited: None,
                     text: format!("{variable} {number}"),
                     si_value: number * unit.si_value(),
                     number,
@@ -218,6 +299,28 @@ fn of_variables(study: &Study, expr: &Expr, name: &str, limits: &mut Vec<Limit>)
     }
     for operand in operands(expr) {
         of_variables(study, operand, name, limits);
+    }
+}
+
+fn comparison_of(operator: BinaryOp) -> ComparisonOperator {
+    match operator {
+        BinaryOp::Less => ComparisonOperator::Less,
+        BinaryOp::LessEqual => ComparisonOperator::LessEqual,
+        BinaryOp::Greater => ComparisonOperator::Greater,
+        BinaryOp::GreaterEqual => ComparisonOperator::GreaterEqual,
+        BinaryOp::NotEqual => ComparisonOperator::NotEqual,
+        _ => ComparisonOperator::Equal,
+    }
+}
+
+/// The comparison with its sides exchanged.
+fn turned(operator: ComparisonOperator) -> ComparisonOperator {
+    match operator {
+        ComparisonOperator::Less => ComparisonOperator::Greater,
+        ComparisonOperator::LessEqual => ComparisonOperator::GreaterEqual,
+        ComparisonOperator::Greater => ComparisonOperator::Less,
+        ComparisonOperator::GreaterEqual => ComparisonOperator::LessEqual,
+        same => same,
     }
 }
 

@@ -105,6 +105,7 @@ impl Tables {
                 settings: "counts read from tables".into(),
             },
             findings,
+            form_differences: Vec::new(),
             clusters: clusters.flatten(),
             influences: Vec::new(),
             cost: Cost {

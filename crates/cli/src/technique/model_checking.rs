@@ -247,6 +247,7 @@ impl<'a> Compiled<'a> {
         Ok(Produced {
             tool: tool(methods),
             findings,
+            form_differences: Vec::new(),
             clusters: None,
             influences,
             cost,

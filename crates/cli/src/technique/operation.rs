@@ -116,6 +116,7 @@ impl Recordings {
                 settings: format!("{} recordings", self.trials.len()),
             },
             findings: simulation::findings(study, &all, &names)?,
+            form_differences: Vec::new(),
             clusters: None,
             influences: Vec::new(),
             cost: Cost {

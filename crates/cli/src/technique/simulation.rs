@@ -8,6 +8,7 @@
 
 use super::Produced;
 use super::judging::{Judgement, Judges};
+use crate::forms::differences;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::Study;
@@ -246,11 +247,14 @@ pub fn produce(
 ) -> Result<Produced, Problem> {
     let began = Instant::now();
     let judges = Judges::new(study, |_| true)?;
+    let forms = differences::forms_of(study);
+    let form_judges = differences::judges(study, &forms)?;
     let seeds = Seeds::new(study.about.seed, id);
     let judged = campaign.episodes(&seeds, 1..episodes + 1, folder, interrupt, stage, |trace| {
-        judges.judge(trace)
+        Ok((judges.judge(trace)?, form_judges.judge(trace)?))
     })?;
-    let (judgements, efforts): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+    let (judged, efforts): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+    let (judgements, of_forms): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
     let numbers: Vec<String> = (1..=episodes).map(episode_name).collect();
     let cost = Cost {
         evidence: id.to_owned(),
@@ -260,6 +264,7 @@ pub fn produce(
     Ok(Produced {
         tool: campaign.tool(),
         findings: findings(study, &judgements, &numbers)?,
+        form_differences: differences::summary(&of_forms, &numbers, WITNESSES),
         clusters: None,
         influences: Vec::new(),
         cost,

@@ -3,6 +3,7 @@
 
 pub mod program;
 pub mod schema;
+pub mod simulation;
 pub mod source;
 
 use cargo_metadata::{Metadata, MetadataCommand};

@@ -251,6 +251,7 @@ mod tests {
             published: false,
             reproduced_by: None,
             findings: Vec::new(),
+            form_differences: vec![],
             clusters: None,
             inputs: String::new(),
         }

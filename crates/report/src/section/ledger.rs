@@ -57,6 +57,7 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
             details {
                 summary { "All findings of " (evidence.id) }
                 (findings(view, evidence))
+                (form_differences(view, evidence))
             }
         }
     }
@@ -104,6 +105,27 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
                             th scope="row" { (view.title(&finding.subject)) }
                             td data-label="Found" { (figures(&finding.measure)) }
                             td class="detail" data-label="In detail" { (detail(finding)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Forms of one requirement that do not agree on the same runs.
+fn form_differences(view: View, evidence: &Evidence) -> Markup {
+    html! {
+        @if !evidence.form_differences.is_empty() {
+            div class="note" {
+                p { "Forms of one requirement that judge the same runs otherwise:" }
+                ul class="lines" {
+                    @for found in &evidence.form_differences {
+                        li {
+                            (view.title(&found.subject)) ": " (found.reference) " " (found.reference_verdict)
+                            ", " b { (found.form) } " " (found.verdict) " on " (number::count(found.count))
+                            " of " (number::count(found.runs)) " runs, such as "
+                            span class="witnesses" { (found.witnesses.join(", ")) }
                         }
                     }
                 }

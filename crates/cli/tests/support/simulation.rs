@@ -1,0 +1,43 @@
+//! What tests need that simulate the handover: its folder, the physics library and a program that knows it.
+
+use super::program::{Said, command};
+use super::root;
+use std::path::{Path, PathBuf};
+
+/// The case study's folder.
+pub fn handover() -> PathBuf {
+    root().join("case-studies/handover")
+}
+
+/// The physics library. `None` if it is missing, which is said; in continuous integration nothing may be missing.
+pub fn library() -> Option<PathBuf> {
+    let folders = std::fs::read_dir(root().join(".tools")).ok()?.flatten();
+    let mut found: Vec<PathBuf> = folders
+        .filter_map(|folder| std::fs::read_dir(folder.path()).ok())
+        .flat_map(|entries| entries.flatten().map(|entry| entry.path()))
+        .filter(|path| path.to_string_lossy().contains("libmujoco.so"))
+        .collect();
+    found.sort();
+    let found = found.pop();
+    if found.is_none() {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "the physics library is missing (run tools/mujoco)"
+        );
+        eprintln!("skipped: the physics library is missing (run tools/mujoco)");
+    }
+    found
+}
+
+/// What the program says that is started in `folder` and simulates with `library`.
+pub fn simulating(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
+    let output = command(folder, arguments)
+        .env("CORROBORATE_MUJOCO", library)
+        .output()
+        .expect("the program starts");
+    Said {
+        code: output.status.code().unwrap_or(-1),
+        out: String::from_utf8(output.stdout).expect("it prints text"),
+        talk: String::from_utf8(output.stderr).expect("it says text"),
+    }
+}
