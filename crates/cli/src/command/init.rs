@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 
 /// The template's files. It needs no simulation, so that it runs in a moment.
-const FILES: [(&str, &str); 9] = [
+const FILES: [(&str, &str); 10] = [
     ("study.toml", include_str!("../template/study.toml")),
     (
         "requirements.toml",
@@ -23,6 +23,10 @@ const FILES: [(&str, &str); 9] = [
     ("ledger.toml", include_str!("../template/ledger.toml")),
     ("model.prism", include_str!("../template/model.prism")),
     ("attempts.csv", include_str!("../template/attempts.csv")),
+    (
+        "requirements.csv",
+        include_str!("../template/requirements.csv"),
+    ),
     (
         "failure_modes.csv",
         include_str!("../template/failure_modes.csv"),
