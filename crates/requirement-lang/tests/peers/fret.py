@@ -1,7 +1,13 @@
 """Compares our properties with the formulas that FRET publishes, on all short infinite words.
 
     cargo run -q -p requirement-lang --example forms > forms.tsv
-    python3 crates/requirement-lang/tests/peers/fret.py forms.tsv FRET/fret-electron/app/parser/semantics.json
+    python3 crates/requirement-lang/tests/peers/fret.py compare forms.tsv FRET/fret-electron/app/parser/semantics.json
+    python3 crates/requirement-lang/tests/peers/fret.py record forms.tsv FRET/fret-electron/app/parser/semantics.json \
+        > crates/requirement-lang/tests/peers/fret_answers.tsv
+    python3 crates/requirement-lang/tests/peers/fret.py check forms.tsv crates/requirement-lang/tests/peers/fret_answers.tsv
+
+`compare` needs FRET's file and says on which word a formula differs. `record` writes down what FRET's formulas answer on
+all the words, as one hash for each formula; `check` holds ours against that record and needs nothing of FRET's.
 
 FRET is at https://github.com/NASA-SW-VnV/fret; its formulas are read from its own file and are not
 part of this repository. They are those for infinite traces, which FRET calls `ftInfAUExpanded`.
@@ -9,6 +15,7 @@ A word is a finite prefix and a cycle that repeats for ever. Our `after N` is co
 `after N-1`, since FRET asks for the response one step later. Exits with 1 if any two differ.
 """
 
+import hashlib
 import itertools
 import json
 import re
@@ -157,27 +164,72 @@ def words(atoms):
 NAMES = {"$scope_mode$": "m", "$regular_condition$": "c", "$post_condition$": "r", "$stop_condition$": "q"}
 
 
-def main(forms, semantics):
-    published = json.load(open(semantics))
-    compared, judged, different = 0, 0, []
+def ours(forms):
+    """Of each of our formulas: its key, its number of steps, the formula and its atoms."""
     for line in open(forms):
         key, steps, path = line.rstrip("\n").split("\t")
         scope, condition, timing = key.split(",")
-        theirs = published[f"{key},satisfaction"]["ftInfAUExpanded"]
-        duration = int(steps) - (timing == "after")
-        theirs = theirs.replace("$duration$", str(duration))
-        for name, atom in NAMES.items():
-            theirs = theirs.replace(name, atom)
-        ours, theirs = Reader(path).whole(), Reader(theirs).whole()
         atoms = ["r"] + ["m"] * (scope != "null") + ["c"] * (condition != "null") + ["q"] * (timing in ("until", "before"))
+        yield key, int(steps), Reader(path).whole(), atoms
+
+
+def theirs(published, key, steps):
+    """FRET's formula of that key, in our names."""
+    formula = published[f"{key},satisfaction"]["ftInfAUExpanded"]
+    formula = formula.replace("$duration$", str(steps - key.endswith(",after")))
+    for name, atom in NAMES.items():
+        formula = formula.replace(name, atom)
+    return Reader(formula).whole()
+
+
+def answers(formula, atoms):
+    """A hash of the formula's truth at the beginning of each word."""
+    truths = bytes(truth(formula, word, start)[0] for word, start in words(atoms))
+    return hashlib.sha256(truths).hexdigest()
+
+
+def compare(forms, semantics):
+    published = json.load(open(semantics))
+    compared, judged, different = 0, 0, []
+    for key, steps, formula, atoms in ours(forms):
+        published_formula = theirs(published, key, steps)
         compared += 1
         for word, start in words(atoms):
             judged += 1
-            if truth(ours, word, start)[0] != truth(theirs, word, start)[0]:
+            if truth(formula, word, start)[0] != truth(published_formula, word, start)[0]:
                 shown = [sorted(letter) for letter in word]
                 different.append(f"{key} {steps}: {shown[:start]} then for ever {shown[start:]}")
                 break
     print(f"{compared} formulas compared in {judged} judgements, {len(different)} differ")
+    return different
+
+
+def record(forms, semantics):
+    published = json.load(open(semantics))
+    for key, steps, _, atoms in ours(forms):
+        print(key, steps, answers(theirs(published, key, steps), atoms), sep="\t")
+    return []
+
+
+def check(forms, recorded):
+    expected = {}
+    for line in open(recorded):
+        key, steps, answer = line.rstrip("\n").split("\t")
+        expected[key, int(steps)] = answer
+    different, compared = [], 0
+    for key, steps, formula, atoms in ours(forms):
+        answer = expected.pop((key, steps), None)
+        compared += answer is not None
+        if answer != answers(formula, atoms):
+            reason = "is not recorded" if answer is None else "answers otherwise than FRET's"
+            different.append(f"{key} {steps}: {reason}")
+    different += [f"{key} {steps}: recorded, but we have no such formula" for key, steps in expected]
+    print(f"{compared} formulas held against FRET's recorded answers, {len(different)} differ")
+    return different
+
+
+def main(what, forms, other):
+    different = {"compare": compare, "record": record, "check": check}[what](forms, other)
     for line in different:
         print(line)
     return 1 if different else 0
