@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stimulus::Stimulus;
 use trace::{Trace, TraceError};
 
+use crate::controller::ControllerError;
 use crate::mujoco::EngineError;
 use crate::scenario::ScenarioError;
 
@@ -55,6 +56,8 @@ pub enum SimError {
         /// The name asked for.
         name: String,
     },
+    /// A controller could not be started, failed, or gave what the bench does not take.
+    Controller(ControllerError),
     /// The bench cannot do what the stimulus asks.
     Stimulus {
         /// Which part of it, why, and what would do.
@@ -72,6 +75,7 @@ impl fmt::Display for SimError {
                 f,
                 "the physics became unstable at {time_secs:.3} s in the episode with seed {seed}; shorten simulation.time_step_secs or soften the stiffest servo or contact"
             ),
+            Self::Controller(error) => write!(f, "{error}"),
             Self::Cancelled => write!(f, "the episode was cancelled"),
             Self::UnknownTest { name } => write!(
                 f,

@@ -109,6 +109,7 @@ pub mod physics;
 mod random;
 pub mod robot;
 pub mod scenario;
+pub mod scene;
 mod world;
 
 pub use bench::{

@@ -13,10 +13,14 @@ pub struct Layout {
     pub bodies: Vec<BodyPlan>,
     /// Shapes of bodies and of the world.
     pub shapes: Vec<ShapePlan>,
-    /// Joints; at most one for each body.
+    /// Joints; those of one body apply in this order, from the parent outwards.
     pub joints: Vec<JointPlan>,
     /// Drives of joints.
     pub drives: Vec<DrivePlan>,
+    /// Joints that follow others.
+    pub couplings: Vec<CouplingPlan>,
+    /// Pairs of bodies that never touch.
+    pub no_contact: Vec<[usize; 2]>,
 }
 
 /// A rigid body.
@@ -41,7 +45,7 @@ pub enum Motion {
     Fixed,
     /// Freely; its parent is the world.
     Free,
-    /// By its joint, which is in the layout's list of joints.
+    /// By its joints, which are in the layout's list of joints.
     Jointed,
     /// As it is placed, whatever pushes it; its parent is the world. It pushes others.
     Led,
@@ -71,6 +75,19 @@ pub struct ShapePlan {
     pub form: Form,
     /// Coulomb friction; of two shapes the larger holds.
     pub friction: f64,
+    /// What it touches. Rays meet it in any case.
+    pub touches: Touches,
+}
+
+/// Which other shapes a shape touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Touches {
+    /// All that touch anything.
+    All,
+    /// All but those of the same group, 0 to 30.
+    AllButGroup(u8),
+    /// None.
+    Nothing,
 }
 
 /// The form of a shape; cylinders and capsules lie along z, centred.
@@ -94,13 +111,16 @@ pub enum Form {
         radius_m: f64,
         length_m: f64,
     },
+    Ellipsoid {
+        radii_m: Vector,
+    },
     /// The convex hull of points.
     Hull {
         points_m: Vec<Vector>,
     },
 }
 
-/// A joint with one degree of freedom.
+/// A joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointPlan {
     /// Its name, unique among joints.
@@ -109,8 +129,12 @@ pub struct JointPlan {
     pub body: usize,
     /// Hinge or slide.
     pub kind: JointKind,
-    /// Its axis in the body's frame, through the frame's origin.
+    /// A point of its axis in the body's frame.
+    pub anchor_m: Vector,
+    /// Its axis in the body's frame.
     pub axis: Vector,
+    /// The position at which the body stands as its pose says.
+    pub reference: f64,
     /// Lowest and highest position, if it is limited.
     pub range: Option<[f64; 2]>,
     /// Viscous damping, N m s/rad or N s/m.
@@ -119,6 +143,21 @@ pub struct JointPlan {
     pub friction_loss: f64,
     /// Inertia of its drive as seen from the joint, kg m² or kg.
     pub armature: f64,
+    /// A spring, N m/rad or N/m.
+    pub stiffness: f64,
+    /// Where the spring rests.
+    pub spring_reference: f64,
+}
+
+/// A joint that follows another: its position is a polynomial of the leader's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CouplingPlan {
+    /// The joint that follows.
+    pub joint: usize,
+    /// The joint that leads; a constant if `None`.
+    pub leader: Option<usize>,
+    /// Coefficients, the constant first.
+    pub coefficients: [f64; 5],
 }
 
 /// What a joint's position is.
@@ -128,6 +167,8 @@ pub enum JointKind {
     Hinge,
     /// A displacement.
     Slide,
+    /// A turn in any direction; it has no single position and cannot be driven.
+    Ball,
 }
 
 /// A drive of a joint.

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use super::layout::{BodyPlan, DriveKind, Form, JointKind, Layout, Motion, ShapePlan};
+use super::layout::{BodyPlan, DriveKind, Form, JointKind, Layout, Motion, ShapePlan, Touches};
 use crate::geometry::Pose;
 
 /// Appends a formatted line. Writing to a `String` cannot fail.
@@ -37,6 +37,8 @@ pub fn mjcf_of(layout: &Layout) -> String {
     children_of(&mut text, layout, None);
     put!(text, "</worldbody>");
     drives(&mut text, layout);
+    couplings(&mut text, layout);
+    no_contact(&mut text, layout);
     put!(text, "</mujoco>");
     text
 }
@@ -121,15 +123,20 @@ fn joint_of(text: &mut String, layout: &Layout, body: usize) {
         let kind = match joint.kind {
             JointKind::Hinge => "hinge",
             JointKind::Slide => "slide",
+            JointKind::Ball => "ball",
         };
         let range = joint.range.map_or(String::new(), |range| {
             format!(r#" range="{}""#, numbers(&range))
         });
         put!(
             text,
-            r#"<joint name="{}" type="{kind}" axis="{}" damping="{}" frictionloss="{}" armature="{}"{range}/>"#,
+            r#"<joint name="{}" type="{kind}" pos="{}" axis="{}" ref="{}" stiffness="{}" springref="{}" damping="{}" frictionloss="{}" armature="{}"{range}/>"#,
             escaped(&joint.name),
+            numbers(&joint.anchor_m),
             numbers(&joint.axis),
+            joint.reference,
+            joint.stiffness,
+            joint.spring_reference,
             joint.damping,
             joint.friction_loss,
             joint.armature
@@ -141,13 +148,28 @@ fn shapes_of(text: &mut String, layout: &Layout, body: Option<usize>) {
     for shape in layout.shapes.iter().filter(|shape| shape.body == body) {
         put!(
             text,
-            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" condim="3" mass="0"/>"#,
+            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" condim="3" mass="0" {}/>"#,
             escaped(&shape.name),
             place(&shape.pose),
             form_of(shape),
-            shape.friction
+            shape.friction,
+            masks_of(shape.touches)
         );
     }
+}
+
+/// Two shapes touch if a bit of one's `contype` is in the other's `conaffinity`.
+fn masks_of(touches: Touches) -> String {
+    const ALL: u32 = i32::MAX as u32;
+    let (kind, touched) = match touches {
+        Touches::All => (ALL, ALL),
+        Touches::AllButGroup(group) => {
+            let bit = 1 << group.min(30);
+            (bit, ALL & !bit)
+        }
+        Touches::Nothing => (0, 0),
+    };
+    format!(r#"contype="{kind}" conaffinity="{touched}""#)
 }
 
 fn form_of(shape: &ShapePlan) -> String {
@@ -165,6 +187,9 @@ fn form_of(shape: &ShapePlan) -> String {
         }
         Form::Cylinder { radius_m, length_m } => {
             format!(r#"type="cylinder" size="{radius_m} {}""#, length_m / 2.0)
+        }
+        Form::Ellipsoid { radii_m } => {
+            format!(r#"type="ellipsoid" size="{}""#, numbers(radii_m))
         }
         Form::Hull { .. } => format!(r#"type="mesh" mesh="{}""#, escaped(&shape.name)),
     }
@@ -190,4 +215,38 @@ fn drives(text: &mut String, layout: &Layout) {
         }
     }
     put!(text, "</actuator>");
+}
+
+fn couplings(text: &mut String, layout: &Layout) {
+    put!(text, "<equality>");
+    for coupling in &layout.couplings {
+        let name = |joint: usize| layout.joints.get(joint).map(|joint| escaped(&joint.name));
+        let Some(follower) = name(coupling.joint) else {
+            continue;
+        };
+        let leader = coupling.leader.and_then(name);
+        let leader = leader.map_or(String::new(), |name| format!(r#" joint2="{name}""#));
+        put!(
+            text,
+            r#"<joint joint1="{follower}"{leader} polycoef="{}"/>"#,
+            numbers(&coupling.coefficients)
+        );
+    }
+    put!(text, "</equality>");
+}
+
+fn no_contact(text: &mut String, layout: &Layout) {
+    put!(text, "<contact>");
+    for pair in &layout.no_contact {
+        let [Some(a), Some(b)] = pair.map(|body| layout.bodies.get(body)) else {
+            continue;
+        };
+        put!(
+            text,
+            r#"<exclude body1="{}" body2="{}"/>"#,
+            escaped(&a.name),
+            escaped(&b.name)
+        );
+    }
+    put!(text, "</contact>");
 }

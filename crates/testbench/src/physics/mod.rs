@@ -12,7 +12,8 @@ mod mjcf;
 mod mujoco;
 
 pub use layout::{
-    BodyPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan, Layout, Motion, ShapePlan,
+    BodyPlan, CouplingPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan, Layout,
+    Motion, ShapePlan, Touches,
 };
 pub use mjcf::mjcf_of;
 pub use mujoco::MujocoPhysics;

@@ -19,8 +19,8 @@ pub use parameters::{
     PlannerParameters, TrackingParameters,
 };
 pub use parts::{
-    Body, Drive, Human, Joint, JointAngles, Object, Pedestal, Programme, Rates, Robot, SensorRule,
-    Sensors, Shape, SimulationSettings, TrackingVolume, TruthRules,
+    Body, Drive, HandPositions, Human, Joint, JointAngles, Object, Pedestal, Programme, Rates,
+    Robot, SensorRule, Sensors, Shape, SimulationSettings, TrackingVolume, TruthRules,
 };
 
 /// Why a scenario or a parameter set cannot be used.
@@ -45,6 +45,13 @@ pub enum ScenarioError {
         /// The name.
         name: String,
     },
+    /// A robot's or object's description cannot be read.
+    Description {
+        /// Its file.
+        file: String,
+        /// What is wrong, with places and remedies.
+        reason: String,
+    },
 }
 
 impl ScenarioError {
@@ -67,6 +74,7 @@ impl fmt::Display for ScenarioError {
                     "the value of `{key}` {problem}; correct it in the scenario's file"
                 )
             }
+            Self::Description { file, reason } => write!(f, "{file}: {reason}"),
             Self::UnknownName { key, name } => write!(
                 f,
                 "`{key}` names `{name}`, which the scenario does not define; correct the name or add it"

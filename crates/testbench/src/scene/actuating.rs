@@ -1,0 +1,234 @@
+//! Actuators at work: from commands to the targets of drives and to forces.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::build::{Built, BuiltRobot};
+use super::data::{Actuator, ActuatorKind};
+use super::draws::Draws;
+use super::measure::yaw_of;
+use crate::controller::{Port, PortField};
+use crate::physics::Physics;
+
+/// An actuator in an episode.
+#[derive(Debug, Clone)]
+pub(super) struct Actuating {
+    pub(super) name: String,
+    pub(super) robot: usize,
+    pub(super) fields: Vec<PortField>,
+    /// What is commanded, in the order of the fields.
+    pub(super) commanded: Vec<f64>,
+    drives: Range<usize>,
+    lefts: usize,
+    root: usize,
+    kind: ActuatorKind,
+    /// Limits of acceleration and deceleration, for a differential drive.
+    accelerations: [f64; 2],
+    /// Speed and turn rate on the way to the commanded ones.
+    ramp: [f64; 2],
+}
+
+impl Actuating {
+    pub(super) fn new(
+        actuator: &Actuator,
+        index: usize,
+        robot: usize,
+        built: &Built,
+        draws: Draws,
+    ) -> Self {
+        let BuiltRobot { added, .. } = &built.robots[robot];
+        let drawn = |field: &str, d| draws.of("actuator", &actuator.name, field, d);
+        let (lefts, accelerations) = match &actuator.kind {
+            ActuatorKind::DifferentialDrive {
+                left_joints,
+                acceleration_m_s2,
+                deceleration_m_s2,
+                ..
+            } => (
+                left_joints.len(),
+                [
+                    drawn("acceleration_m_s2", acceleration_m_s2),
+                    drawn("deceleration_m_s2", deceleration_m_s2),
+                ],
+            ),
+            _ => (0, [0.0; 2]),
+        };
+        let fields = fields_of(&actuator.kind);
+        // A position drive holds where its joint begins.
+        let commanded = match &actuator.kind {
+            ActuatorKind::Position { joint, .. } => {
+                let joint = added.joints.get(joint);
+                let start = built.robots[robot].start.iter();
+                let start = start.rev().find(|(j, _)| Some(j) == joint);
+                vec![start.map_or(0.0, |(_, position)| *position)]
+            }
+            _ => vec![0.0; fields.len()],
+        };
+        Self {
+            name: actuator.name.clone(),
+            robot,
+            commanded,
+            fields,
+            drives: built.drives[index].clone(),
+            lefts,
+            root: added.root,
+            kind: actuator.kind.clone(),
+            accelerations,
+            ramp: [0.0; 2],
+        }
+    }
+
+    /// What a controller is told of it.
+    pub(super) fn port(&self) -> Port {
+        let mut facts = BTreeMap::new();
+        if let ActuatorKind::DifferentialDrive {
+            longest_speed_m_s,
+            longest_turn_rate_rad_s,
+            ..
+        }
+        | ActuatorKind::PlanarVelocity {
+            longest_speed_m_s,
+            longest_turn_rate_rad_s,
+            ..
+        } = &self.kind
+        {
+            facts.insert("longest_speed_m_s".to_owned(), *longest_speed_m_s);
+            facts.insert(
+                "longest_turn_rate_rad_s".to_owned(),
+                *longest_turn_rate_rad_s,
+            );
+        }
+        Port {
+            name: self.name.clone(),
+            kind: kind_name(&self.kind).to_owned(),
+            fields: self.fields.clone(),
+            facts,
+        }
+    }
+
+    /// Brings the drives on their way for the next step.
+    pub(super) fn act(&mut self, physics: &mut dyn Physics, step_secs: f64) {
+        match &self.kind {
+            ActuatorKind::Position { .. }
+            | ActuatorKind::Velocity { .. }
+            | ActuatorKind::Effort { .. } => {
+                for drive in self.drives.clone() {
+                    physics.set_drive(drive, self.commanded[0]);
+                }
+            }
+            ActuatorKind::DifferentialDrive {
+                wheel_radius_m,
+                wheel_separation_m,
+                longest_speed_m_s,
+                longest_turn_rate_rad_s,
+                turn_acceleration_rad_s2,
+                ..
+            } => {
+                let speed = self.commanded[0].clamp(-longest_speed_m_s, *longest_speed_m_s);
+                let turn =
+                    self.commanded[1].clamp(-longest_turn_rate_rad_s, *longest_turn_rate_rad_s);
+                let [faster, slower] = self.accelerations;
+                self.ramp[0] = ramped(self.ramp[0], speed, faster, slower, step_secs);
+                let most = *turn_acceleration_rad_s2;
+                self.ramp[1] = ramped(self.ramp[1], turn, most, most, step_secs);
+                let half_m_s = self.ramp[1] * wheel_separation_m / 2.0;
+                for (place, drive) in self.drives.clone().enumerate() {
+                    let side = if place < self.lefts { -1.0 } else { 1.0 };
+                    let rim_m_s = self.ramp[0] + side * half_m_s;
+                    physics.set_drive(drive, rim_m_s / wheel_radius_m);
+                }
+            }
+            ActuatorKind::PlanarVelocity { .. } => self.push(physics),
+        }
+    }
+
+    /// Force and torque on the root towards the commanded velocity.
+    fn push(&self, physics: &mut dyn Physics) {
+        let ActuatorKind::PlanarVelocity {
+            longest_speed_m_s,
+            longest_turn_rate_rad_s,
+            gain_ns_m,
+            turn_gain_nms_rad,
+            force_limit_newtons,
+            torque_limit_nm,
+        } = &self.kind
+        else {
+            return;
+        };
+        let limited = |value: f64, limit: f64| value.clamp(-limit, limit);
+        let (sine, cosine) = yaw_of(physics.body_pose(self.root).orientation).sin_cos();
+        let twist = physics.body_twist(self.root);
+        let [forward, left] = [0, 1].map(|i| limited(self.commanded[i], *longest_speed_m_s));
+        let turn = limited(self.commanded[2], *longest_turn_rate_rad_s);
+        let wanted = [
+            forward * cosine - left * sine,
+            forward * sine + left * cosine,
+        ];
+        let [x, y] = [0, 1].map(|i| {
+            limited(
+                gain_ns_m * (wanted[i] - twist.linear_m_s[i]),
+                *force_limit_newtons,
+            )
+        });
+        let torque = limited(
+            turn_gain_nms_rad * (turn - twist.angular_rad_s[2]),
+            *torque_limit_nm,
+        );
+        physics.apply(self.root, [x, y, 0.0], [0.0, 0.0, torque]);
+    }
+}
+
+/// One step from `now` towards `wanted`: `slower` limits changes towards 0, `faster` all others.
+fn ramped(now: f64, wanted: f64, faster: f64, slower: f64, step_secs: f64) -> f64 {
+    let is_braking = (now > 0.0 && wanted < now) || (now < 0.0 && wanted > now);
+    let most = if is_braking { slower } else { faster } * step_secs;
+    let next = now + (wanted - now).clamp(-most, most);
+    // Braking ends at rest; what goes on from there is acceleration.
+    if is_braking && next * now < 0.0 {
+        0.0
+    } else {
+        next
+    }
+}
+
+fn kind_name(kind: &ActuatorKind) -> &'static str {
+    match kind {
+        ActuatorKind::Position { .. } => "position",
+        ActuatorKind::Velocity { .. } => "velocity",
+        ActuatorKind::Effort { .. } => "effort",
+        ActuatorKind::DifferentialDrive { .. } => "differential_drive",
+        ActuatorKind::PlanarVelocity { .. } => "planar_velocity",
+    }
+}
+
+pub(super) fn fields_of(kind: &ActuatorKind) -> Vec<PortField> {
+    let fields: &[(&str, &str)] = match kind {
+        ActuatorKind::Position { .. } => &[("position", "rad")],
+        ActuatorKind::Velocity { .. } => &[("velocity", "rad/s")],
+        ActuatorKind::Effort { .. } => &[("effort", "Nm")],
+        ActuatorKind::DifferentialDrive { .. } => &[("speed", "m/s"), ("turn_rate", "rad/s")],
+        ActuatorKind::PlanarVelocity { .. } => {
+            &[("forward", "m/s"), ("left", "m/s"), ("turn_rate", "rad/s")]
+        }
+    };
+    let field = |(name, unit): &(&str, &str)| PortField {
+        name: (*name).to_owned(),
+        unit: (*unit).to_owned(),
+        length: 1,
+    };
+    fields.iter().map(field).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ramps_keep_to_their_limits_and_rest_between_directions() {
+        assert_eq!(ramped(0.0, 1.0, 0.5, 2.0, 0.1), 0.05);
+        assert_eq!(ramped(1.0, 0.0, 0.5, 2.0, 0.1), 0.8);
+        assert_eq!(ramped(0.1, -1.0, 0.5, 2.0, 0.1), 0.0);
+        assert_eq!(ramped(0.0, -1.0, 0.5, 2.0, 0.1), -0.05);
+        assert_eq!(ramped(-1.0, -0.9, 0.5, 2.0, 0.1), -0.9);
+    }
+}

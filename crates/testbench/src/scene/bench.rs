@@ -1,0 +1,180 @@
+//! A scene as a [`Bench`].
+
+use std::sync::Arc;
+
+use stimulus::{AbstractTest, Stimulus};
+use toml::Table;
+use trace::Trace;
+
+use super::build::{Models, build};
+use super::data::{ControllerData, SceneData};
+use super::draws::Draws;
+use super::recorder::Recorder;
+use super::run::{Run, unsuitable};
+use crate::bench::{Bench, Cancel, Recorded, SimError, Watch};
+use crate::controller::{Controller, ControllerError, Description};
+use crate::mujoco::Engine;
+use crate::physics::{Layout, MujocoPhysics, Physics};
+use crate::scenario::ScenarioError;
+
+/// How many steps pass between looks at the cancel flag.
+const CANCEL_CHECK_STEPS: u64 = 256;
+
+/// Starts a controller of the scene; called once for each episode, from any thread.
+pub type StartController =
+    Arc<dyn Fn(&ControllerData) -> Result<Box<dyn Controller>, ControllerError> + Send + Sync>;
+
+/// Builds a layout in a physics engine; called once for each episode, from any thread.
+pub type BuildPhysics = Arc<dyn Fn(&Layout) -> Result<Box<dyn Physics>, SimError> + Send + Sync>;
+
+/// MuJoCo as an engine for scenes.
+#[must_use]
+pub fn mujoco(engine: &Engine) -> BuildPhysics {
+    let engine = engine.clone();
+    Arc::new(move |layout| Ok(Box::new(MujocoPhysics::new(&engine, layout)?)))
+}
+
+/// A scene that is ready for episodes.
+pub(super) struct Prepared {
+    pub(super) data: SceneData,
+    pub(super) models: Arc<Models>,
+    pub(super) physics: BuildPhysics,
+    pub(super) controllers: StartController,
+}
+
+/// A scene: one stimulus and one seed give one recording.
+pub struct SceneBench {
+    table: Table,
+    prepared: Arc<Prepared>,
+    descriptions: Vec<Description>,
+}
+
+/// What [`SceneBench::new`] found in the descriptions of robots and objects that it does not carry
+/// over.
+pub struct SceneGap {
+    /// The description's file.
+    pub file: String,
+    /// What it is, with its place and what follows from it.
+    pub text: String,
+}
+
+impl SceneBench {
+    /// The bench of a scene in TOML. `file` gives the bytes of each file that the scene names and
+    /// that those name (meshes), by its path relative to the scene's file.
+    ///
+    /// Controllers are started once, to learn what they send and report.
+    ///
+    /// # Errors
+    /// [`SimError::Scenario`] for data that cannot be used, [`SimError::Controller`] for a
+    /// controller that cannot be started, [`SimError::Engine`] when the physics engine refuses the
+    /// scene.
+    pub fn new(
+        scene: &str,
+        file: &dyn Fn(&str) -> Result<Vec<u8>, String>,
+        physics: BuildPhysics,
+        controllers: StartController,
+    ) -> Result<(Self, Vec<SceneGap>), SimError> {
+        let table: Table = toml::from_str(scene).map_err(|error| ScenarioError::Syntax {
+            reason: error.to_string(),
+        })?;
+        let data = SceneData::from_table(table.clone())?;
+        let (models, gaps) = super::load::load(&data, file)?;
+        let mut descriptions = Vec::new();
+        for controller in &data.controllers {
+            let mut started = controllers(controller)?;
+            descriptions.push(started.describe().clone());
+            started.end()?;
+        }
+        let built = build(&data, &models, Draws { seed: 0 })?;
+        physics(&built.layout)?;
+        let bench = Self {
+            table,
+            prepared: Arc::new(Prepared {
+                data,
+                models: Arc::new(models),
+                physics,
+                controllers,
+            }),
+            descriptions,
+        };
+        Ok((bench, gaps))
+    }
+
+    /// The scene's data, on which a stimulus's settings act.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn data(&self) -> &SceneData {
+        &self.prepared.data
+    }
+
+    /// The tests that the scene brings along.
+    #[must_use]
+    pub fn tests(&self) -> &[AbstractTest] {
+        &self.prepared.data.abstract_tests
+    }
+
+    /// The scene's layout in the episode with `seed` and no settings, for a look at the model.
+    ///
+    /// # Errors
+    /// As [`SceneBench::new`].
+    pub fn layout_of(&self, seed: u64) -> Result<Layout, SimError> {
+        let Prepared { data, models, .. } = self.prepared.as_ref();
+        Ok(build(data, models, Draws { seed })?.layout)
+    }
+
+    /// The scene with a stimulus's settings in it.
+    fn with_settings(&self, stimulus: &Stimulus) -> Result<Arc<Prepared>, SimError> {
+        if stimulus.settings.is_empty() {
+            return Ok(Arc::clone(&self.prepared));
+        }
+        let mut table = self.table.clone();
+        stimulus::apply(&mut table, &stimulus.settings).map_err(|error| SimError::Stimulus {
+            reason: error.to_string(),
+        })?;
+        let data = SceneData::from_table(table).map_err(|error| unsuitable(&error))?;
+        let Prepared {
+            models,
+            physics,
+            controllers,
+            ..
+        } = self.prepared.as_ref();
+        Ok(Arc::new(Prepared {
+            data,
+            models: Arc::clone(models),
+            physics: Arc::clone(physics),
+            controllers: Arc::clone(controllers),
+        }))
+    }
+}
+
+impl Bench for SceneBench {
+    fn layout(&self) -> Result<Trace, SimError> {
+        Ok(Recorder::new(&self.prepared.data, &self.descriptions)?.trace)
+    }
+
+    fn run(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        watch: &mut dyn Watch,
+        cancel: &Cancel,
+    ) -> Result<Recorded, SimError> {
+        let mut run = Run::new(self.with_settings(stimulus)?, stimulus, seed)?;
+        let mut steps: u64 = 0;
+        loop {
+            if let Some(end) = run.end() {
+                return run.finish(end, watch);
+            }
+            if steps.is_multiple_of(CANCEL_CHECK_STEPS) && cancel.is_cancelled() {
+                return Err(SimError::Cancelled);
+            }
+            run.step(watch)?;
+            steps += 1;
+        }
+    }
+}

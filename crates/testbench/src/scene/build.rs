@@ -1,0 +1,328 @@
+//! From a scene's data and the draws of an episode to a layout, and where things are in it.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData};
+use super::draws::Draws;
+use super::person::body_of;
+use super::translate::{Added, add_model};
+use crate::geometry::{IDENTITY, Pose, box_inertia, cylinder_inertia, sphere_inertia};
+use crate::physics::{
+    BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, ShapePlan, Touches,
+};
+use crate::scenario::ScenarioError;
+
+/// The parsed descriptions of robots and objects, by file.
+pub(super) type Models = BTreeMap<String, robot_model::Model>;
+
+/// A layout, and the places in it of what the scene names.
+#[derive(Debug, Clone)]
+pub(super) struct Built {
+    pub(super) layout: Layout,
+    pub(super) robots: Vec<BuiltRobot>,
+    pub(super) people: Vec<BuiltPerson>,
+    /// Shapes of the ground.
+    pub(super) ground: Range<usize>,
+    /// For each actuator its drives, left before right.
+    pub(super) drives: Vec<Range<usize>>,
+}
+
+/// Where a robot is in the layout.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltRobot {
+    pub(super) added: Added,
+    /// Positions of joints at the beginning.
+    pub(super) start: Vec<(usize, f64)>,
+}
+
+impl BuiltRobot {
+    /// The body of a link, or of the root.
+    pub(super) fn body(&self, link: Option<&str>) -> Option<usize> {
+        match link {
+            None => Some(self.added.root),
+            Some(name) => self.added.links.get(name).copied(),
+        }
+    }
+}
+
+/// Where a person is in the layout.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltPerson {
+    /// The parts' bodies, in the order of the person's parts.
+    pub(super) bodies: Range<usize>,
+    pub(super) shapes: Range<usize>,
+    pub(super) height_m: f64,
+    pub(super) radius_m: f64,
+}
+
+/// Lays the scene out.
+///
+/// # Errors
+/// [`ScenarioError`] for a link or joint that a description does not have.
+pub(super) fn build(
+    data: &SceneData,
+    models: &Models,
+    draws: Draws,
+) -> Result<Built, ScenarioError> {
+    let mut layout = Layout {
+        time_step_secs: data.simulation.time_step_secs,
+        gravity_m_s2: data.simulation.gravity_m_s2,
+        ..Layout::default()
+    };
+    ground(&mut layout, data, draws);
+    let ground = 0..layout.shapes.len();
+    let mut group = 1;
+    let mut next_group = || {
+        group += 1;
+        group - 1
+    };
+    let robots = data
+        .robots
+        .iter()
+        .map(|robot| add_robot(&mut layout, robot, models, draws, next_group()))
+        .collect::<Result<Vec<_>, _>>()?;
+    for object in &data.objects {
+        add_object(&mut layout, object, models, draws, next_group())?;
+    }
+    let people = data.people.iter();
+    let people = people
+        .map(|person| body_of(&mut layout, person, draws, next_group()))
+        .collect();
+    let drives = data
+        .actuators
+        .iter()
+        .map(|actuator| add_drives(&mut layout, actuator, data, &robots))
+        .collect::<Result<_, _>>()?;
+    let built = Built {
+        layout,
+        robots,
+        people,
+        ground,
+        drives,
+    };
+    check_sensors(data, &built)?;
+    Ok(built)
+}
+
+/// The floor touches everything but what is fixed to the world as well.
+fn ground(layout: &mut Layout, data: &SceneData, draws: Draws) {
+    if let Some(ground) = &data.ground {
+        layout.shapes.push(ShapePlan {
+            name: "ground".to_owned(),
+            body: None,
+            pose: Pose {
+                position_m: [0.0; 3],
+                orientation: IDENTITY,
+            },
+            form: Form::Ground,
+            friction: draws.number("ground.friction", &ground.friction),
+            touches: Touches::AllButGroup(0),
+        });
+    }
+}
+
+fn add_robot(
+    layout: &mut Layout,
+    robot: &Robot,
+    models: &Models,
+    draws: Draws,
+    group: u8,
+) -> Result<BuiltRobot, ScenarioError> {
+    let key = |field: &str| super::data::key_of("robot", &robot.name, field);
+    let model = model_of(models, &robot.file, &key("file"))?;
+    let pose = draws.place("robot", &robot.name, &robot.place());
+    let friction = draws.of("robot", &robot.name, "friction", &robot.friction);
+    let added = add_model(
+        layout,
+        &robot.name,
+        model,
+        &pose,
+        robot.fixed,
+        friction,
+        group,
+    );
+    let joint = |list: &str, name: &str| {
+        let unknown = || ScenarioError::UnknownName {
+            key: key(list),
+            name: name.to_owned(),
+        };
+        added.joints.get(name).copied().ok_or_else(unknown)
+    };
+    let mut start = Vec::new();
+    for (name, position) in &robot.joints {
+        let field = format!("joints.{name}");
+        let position = draws.of("robot", &robot.name, &field, position);
+        start.push((joint("joints", name)?, position));
+    }
+    for (name, friction) in &robot.joint_friction {
+        let field = format!("joint_friction.{name}");
+        let friction = draws.of("robot", &robot.name, &field, friction);
+        layout.joints[joint("joint_friction", name)?].friction_loss = friction;
+    }
+    for name in &robot.recorded_joints {
+        joint("recorded_joints", name)?;
+    }
+    Ok(BuiltRobot { start, added })
+}
+
+fn model_of<'a>(
+    models: &'a Models,
+    file: &str,
+    key: &str,
+) -> Result<&'a robot_model::Model, ScenarioError> {
+    models.get(file).ok_or_else(|| ScenarioError::UnknownName {
+        key: key.to_owned(),
+        name: file.to_owned(),
+    })
+}
+
+fn add_object(
+    layout: &mut Layout,
+    object: &Object,
+    models: &Models,
+    draws: Draws,
+    group: u8,
+) -> Result<(), ScenarioError> {
+    let pose = draws.place("object", &object.name, &object.place());
+    let friction = draws.of("object", &object.name, "friction", &object.friction);
+    if let Some(file) = &object.file {
+        let key = super::data::key_of("object", &object.name, "file");
+        let model = model_of(models, file, &key)?;
+        add_model(
+            layout,
+            &object.name,
+            model,
+            &pose,
+            object.fixed,
+            friction,
+            group,
+        );
+        return Ok(());
+    }
+    let mass_kg = object.mass_kg.as_ref();
+    let mass_kg = mass_kg.map(|mass| draws.of("object", &object.name, "mass_kg", mass));
+    let (form, moments) = form_of(object, mass_kg.unwrap_or(1.0));
+    let identity = Pose {
+        position_m: [0.0; 3],
+        orientation: IDENTITY,
+    };
+    // What is fixed belongs to the world, so that it does not touch the ground.
+    let (body, at, group) = match mass_kg {
+        None => (None, pose, 0),
+        Some(mass_kg) => {
+            layout.bodies.push(BodyPlan {
+                name: object.name.clone(),
+                parent: None,
+                pose,
+                motion: Motion::Free,
+                inertia: Some(Inertia {
+                    mass_kg,
+                    centre_m: [0.0; 3],
+                    moments_kg_m2: [moments[0], moments[1], moments[2], 0.0, 0.0, 0.0],
+                }),
+            });
+            (Some(layout.bodies.len() - 1), identity, group)
+        }
+    };
+    layout.shapes.push(ShapePlan {
+        name: format!("{}/shape", object.name),
+        body,
+        pose: at,
+        form,
+        friction,
+        touches: Touches::AllButGroup(group),
+    });
+    Ok(())
+}
+
+/// The object's form and, for its mass, its moments of inertia.
+fn form_of(object: &Object, mass_kg: f64) -> (Form, [f64; 3]) {
+    match (object.box_m, object.radius_m, object.length_m) {
+        (Some(edges_m), _, _) => (Form::Box { edges_m }, box_inertia(mass_kg, edges_m)),
+        (None, Some(radius_m), Some(length_m)) => (
+            Form::Cylinder { radius_m, length_m },
+            cylinder_inertia(mass_kg, length_m, radius_m),
+        ),
+        (None, radius_m, _) => {
+            // The check of the data has seen to it that a radius is there.
+            let radius_m = radius_m.unwrap_or(1.0);
+            (Form::Sphere { radius_m }, sphere_inertia(mass_kg, radius_m))
+        }
+    }
+}
+
+fn add_drives(
+    layout: &mut Layout,
+    actuator: &Actuator,
+    data: &SceneData,
+    robots: &[BuiltRobot],
+) -> Result<Range<usize>, ScenarioError> {
+    let start = layout.drives.len();
+    let robot = data.robots.iter().position(|r| r.name == actuator.robot);
+    let joints = robot
+        .and_then(|robot| robots.get(robot))
+        .map(|robot| &robot.added.joints);
+    let (kind, limit) = match &actuator.kind {
+        ActuatorKind::Position {
+            stiffness,
+            damping,
+            limit,
+            ..
+        } => {
+            let (stiffness, damping) = (*stiffness, *damping);
+            (DriveKind::Position { stiffness, damping }, *limit)
+        }
+        ActuatorKind::Velocity { gain, limit, .. } => (DriveKind::Velocity { gain: *gain }, *limit),
+        ActuatorKind::DifferentialDrive {
+            gain_nms_rad,
+            torque_limit_nm,
+            ..
+        } => (
+            DriveKind::Velocity {
+                gain: *gain_nms_rad,
+            },
+            *torque_limit_nm,
+        ),
+        ActuatorKind::Effort { limit, .. } => (DriveKind::Effort, *limit),
+        ActuatorKind::PlanarVelocity { .. } => return Ok(start..start),
+    };
+    for name in actuator.kind.joints() {
+        let joint = joints.and_then(|joints| joints.get(name));
+        let Some(joint) = joint else {
+            return Err(ScenarioError::UnknownName {
+                key: super::data::key_of("actuator", &actuator.name, "joint"),
+                name: name.to_owned(),
+            });
+        };
+        layout.drives.push(DrivePlan {
+            joint: *joint,
+            kind,
+            limit,
+        });
+    }
+    Ok(start..layout.drives.len())
+}
+
+/// Every link and joint that a sensor names exists.
+fn check_sensors(data: &SceneData, built: &Built) -> Result<(), ScenarioError> {
+    for sensor in &data.sensors {
+        let robot = data.robots.iter().position(|r| r.name == sensor.robot);
+        let Some(robot) = robot.and_then(|robot| built.robots.get(robot)) else {
+            continue;
+        };
+        let unknown = |field: &str, name: &str| ScenarioError::UnknownName {
+            key: super::data::key_of("sensor", &sensor.name, field),
+            name: name.to_owned(),
+        };
+        if robot.body(sensor.link()).is_none() {
+            return Err(unknown("link", sensor.link().unwrap_or_default()));
+        }
+        for joint in sensor.joints() {
+            if !robot.added.joints.contains_key(joint) {
+                return Err(unknown("joints", joint));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,355 @@
+//! A scene as its TOML file gives it.
+//!
+//! Units stand in the names of the keys. A [`Distribution`] may stand wherever a number is drawn for
+//! an episode; each such number has a random stream of its own, named by its key, so that setting
+//! one changes no other.
+
+mod body;
+mod person;
+mod sensor;
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+use stimulus::{AbstractTest, Distribution};
+use toml::Table;
+
+pub use body::{Actuator, ActuatorKind, Object, PlaceKeys, Robot};
+pub use person::{Activity, ArmPose, Person, PersonBody, Reaction, ReactionKind, Waypoint};
+pub(super) use sensor::key_with_unit;
+pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
+
+use crate::scenario::ScenarioError;
+
+/// A scene: robots, objects, people, sensors, actuators, controllers and tests.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneData {
+    /// What the scene is called in recordings.
+    pub name: String,
+    /// Time, gravity, ends.
+    pub simulation: Simulation,
+    /// The floor; there is none without it.
+    pub ground: Option<Ground>,
+    /// Robots.
+    #[serde(default, rename = "robot")]
+    pub robots: Vec<Robot>,
+    /// Other things, fixed or loose.
+    #[serde(default, rename = "object")]
+    pub objects: Vec<Object>,
+    /// People.
+    #[serde(default, rename = "person")]
+    pub people: Vec<Person>,
+    /// Drives.
+    #[serde(default, rename = "actuator")]
+    pub actuators: Vec<Actuator>,
+    /// Sensors.
+    #[serde(default, rename = "sensor")]
+    pub sensors: Vec<Sensor>,
+    /// Robots' code.
+    #[serde(default, rename = "controller")]
+    pub controllers: Vec<ControllerData>,
+    /// The tests that can be enacted; the first is the one that a study runs.
+    #[serde(default, rename = "abstract_test")]
+    pub abstract_tests: Vec<AbstractTest>,
+}
+
+/// Time and gravity.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Simulation {
+    /// Length of a time step.
+    #[serde(default = "two_milliseconds")]
+    pub time_step_secs: f64,
+    /// Gravity, downwards.
+    #[serde(default = "earth")]
+    pub gravity_m_s2: f64,
+    /// The planned length of an episode: what has not happened by then has not happened.
+    pub duration_secs: f64,
+    /// How long an episode goes on after all controllers have finished.
+    #[serde(default)]
+    pub end_after_secs: f64,
+    /// How often the truth is recorded.
+    #[serde(default = "fifty")]
+    pub record_hz: f64,
+    /// How often people move, at least the rate of the fastest sensor that sees them.
+    #[serde(default = "hundred")]
+    pub people_hz: f64,
+    /// Distances of more than this are recorded as this.
+    #[serde(default = "ten")]
+    pub longest_distance_m: f64,
+}
+
+/// The floor, at z = 0.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// Its Coulomb friction.
+    pub friction: Distribution,
+}
+
+/// A robot's code and how it is joined.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerData {
+    /// Its name in the scene.
+    pub name: String,
+    /// The robot whose sensors and actuators it has.
+    pub robot: String,
+    /// The program and its arguments, for a controller that is a process; run by the caller.
+    #[serde(default)]
+    pub command: Vec<String>,
+    /// Files that the program consists of, besides those that `command` names.
+    #[serde(default)]
+    pub files: Vec<String>,
+    /// Simulated time from tick to tick.
+    pub period_secs: f64,
+    /// How long its commands take to take effect.
+    #[serde(default = "zero")]
+    pub latency_secs: Distribution,
+    /// What it is told at the beginning; numbers may be distributions.
+    #[serde(default)]
+    pub settings: Table,
+}
+
+fn two_milliseconds() -> f64 {
+    0.002
+}
+fn earth() -> f64 {
+    9.81
+}
+fn fifty() -> f64 {
+    50.0
+}
+fn hundred() -> f64 {
+    100.0
+}
+fn ten() -> f64 {
+    10.0
+}
+
+/// Zero, for what is left out.
+pub(super) fn zero() -> Distribution {
+    Distribution::Constant(0.0)
+}
+
+/// A key with an index or a name in it.
+pub(super) fn key_of(list: &str, name: &str, field: &str) -> String {
+    format!("{list}.{name}.{field}")
+}
+
+/// Checks a distribution and its range.
+pub(super) fn within(
+    key: &str,
+    distribution: &Distribution,
+    low: f64,
+    high: f64,
+) -> Result<(), ScenarioError> {
+    distribution
+        .check()
+        .map_err(|error| ScenarioError::value(key, &format!("is no distribution: {error}")))?;
+    let [smallest, largest] = distribution.support();
+    if smallest < low || largest > high {
+        let problem = format!(
+            "must lie between {low} and {high}; a normal distribution can be cut with `low` and `high`"
+        );
+        return Err(ScenarioError::value(key, &problem));
+    }
+    Ok(())
+}
+
+/// Checks a plain number's range.
+pub(super) fn number_within(
+    key: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+) -> Result<(), ScenarioError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let problem = format!("is {value} and must lie between {low} and {high}");
+    Err(ScenarioError::value(key, &problem))
+}
+
+/// Checks that a name is known.
+pub(super) fn known<'a>(
+    key: &str,
+    name: &str,
+    mut names: impl Iterator<Item = &'a str>,
+) -> Result<(), ScenarioError> {
+    if names.any(|known| known == name) {
+        return Ok(());
+    }
+    Err(ScenarioError::UnknownName {
+        key: key.to_owned(),
+        name: name.to_owned(),
+    })
+}
+
+impl SceneData {
+    /// Reads and checks a scene.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] with the key and what to do about it.
+    pub fn from_table(table: Table) -> Result<Self, ScenarioError> {
+        let data: Self =
+            table
+                .try_into()
+                .map_err(|error: toml::de::Error| ScenarioError::Syntax {
+                    reason: error.to_string(),
+                })?;
+        data.check()?;
+        Ok(data)
+    }
+
+    /// The abstract test called `name`.
+    #[must_use]
+    pub fn abstract_test(&self, name: &str) -> Option<&AbstractTest> {
+        self.abstract_tests.iter().find(|test| test.name == name)
+    }
+
+    fn check(&self) -> Result<(), ScenarioError> {
+        self.simulation.check()?;
+        if let Some(ground) = &self.ground {
+            within("ground.friction", &ground.friction, 0.0, 10.0)?;
+        }
+        self.check_names()?;
+        self.robots.iter().try_for_each(Robot::check)?;
+        self.objects.iter().try_for_each(Object::check)?;
+        self.people.iter().try_for_each(Person::check)?;
+        for actuator in &self.actuators {
+            self.check_robot("actuator", &actuator.name, &actuator.robot)?;
+            actuator.check()?;
+        }
+        for sensor in &self.sensors {
+            self.check_robot("sensor", &sensor.name, &sensor.robot)?;
+            sensor.check(self.simulation.time_step_secs)?;
+        }
+        for controller in &self.controllers {
+            self.check_robot("controller", &controller.name, &controller.robot)?;
+            controller.check(self.simulation.time_step_secs)?;
+        }
+        if self.robots.len() + self.objects.len() + self.people.len() > 30 {
+            let problem = "are more than 30 robots, objects and people together";
+            return Err(ScenarioError::value("robot, object, person", problem));
+        }
+        self.check_tests()
+    }
+
+    fn check_robot(&self, list: &str, name: &str, robot: &str) -> Result<(), ScenarioError> {
+        let robots = self.robots.iter().map(|robot| robot.name.as_str());
+        known(&key_of(list, name, "robot"), robot, robots)
+    }
+
+    /// Names are part of topics and of keys.
+    fn check_names(&self) -> Result<(), ScenarioError> {
+        let lists: [(&str, Vec<&str>); 6] = [
+            (
+                "robot",
+                self.robots.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "object",
+                self.objects.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "person",
+                self.people.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "actuator",
+                self.actuators.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "sensor",
+                self.sensors.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "controller",
+                self.controllers.iter().map(|x| x.name.as_str()).collect(),
+            ),
+        ];
+        let mut seen = BTreeSet::new();
+        for (list, names) in lists {
+            for name in names {
+                let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+                if name.is_empty() || !name.chars().all(plain) {
+                    let problem = "must consist of letters, digits and underscores";
+                    return Err(ScenarioError::value(&key_of(list, name, "name"), problem));
+                }
+                if !seen.insert(name.to_owned()) {
+                    let problem = "is the name of two things of the scene";
+                    return Err(ScenarioError::value(&key_of(list, name, "name"), problem));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_tests(&self) -> Result<(), ScenarioError> {
+        if self.abstract_tests.is_empty() {
+            let problem = "is missing: give at least one, `actions = []` if nothing is to be done";
+            return Err(ScenarioError::value("abstract_test", problem));
+        }
+        let mut seen = BTreeSet::new();
+        for test in &self.abstract_tests {
+            test.check().map_err(|error| {
+                ScenarioError::value("abstract_test", &format!("is wrong: {error}"))
+            })?;
+            if !seen.insert(&test.name) {
+                let key = format!("abstract_test.{}", test.name);
+                return Err(ScenarioError::value(&key, "is given twice"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Simulation {
+    fn check(&self) -> Result<(), ScenarioError> {
+        let key = |field: &str| format!("simulation.{field}");
+        number_within(&key("time_step_secs"), self.time_step_secs, 1e-5, 0.05)?;
+        number_within(&key("gravity_m_s2"), self.gravity_m_s2, 0.0, 100.0)?;
+        number_within(&key("duration_secs"), self.duration_secs, 1e-3, 36_000.0)?;
+        number_within(&key("end_after_secs"), self.end_after_secs, 0.0, 36_000.0)?;
+        number_within(
+            &key("longest_distance_m"),
+            self.longest_distance_m,
+            0.1,
+            1e4,
+        )?;
+        for (field, hz) in [("record_hz", self.record_hz), ("people_hz", self.people_hz)] {
+            whole_steps(&key(field), 1.0 / hz, self.time_step_secs)?;
+        }
+        Ok(())
+    }
+}
+
+impl ControllerData {
+    fn check(&self, time_step_secs: f64) -> Result<(), ScenarioError> {
+        let key = |field: &str| key_of("controller", &self.name, field);
+        whole_steps(&key("period_secs"), self.period_secs, time_step_secs)?;
+        within(&key("latency_secs"), &self.latency_secs, 0.0, 60.0)
+    }
+}
+
+/// How many time steps a period has: at least one, and whole.
+///
+/// # Errors
+/// [`ScenarioError::Value`] naming `key`.
+pub(super) fn whole_steps(
+    key: &str,
+    period_secs: f64,
+    time_step_secs: f64,
+) -> Result<u64, ScenarioError> {
+    let steps = period_secs / time_step_secs;
+    let is_whole = steps.is_finite() && (steps - steps.round()).abs() < 1e-6;
+    if !is_whole || !(1.0..1e9).contains(&steps.round()) {
+        let problem = format!(
+            "asks for something every {period_secs} s, which is no whole number of time steps of {time_step_secs} s"
+        );
+        return Err(ScenarioError::value(key, &problem));
+    }
+    Ok(steps.round() as u64)
+}

@@ -1,0 +1,340 @@
+//! Robots, objects and drives in a scene's file.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use stimulus::Distribution;
+
+use super::{key_of, number_within, within, zero};
+use crate::geometry::Vector;
+use crate::scenario::ScenarioError;
+
+/// Where something stands at the beginning, in the world.
+#[derive(Debug, Clone, Deserialize)]
+#[allow(missing_docs, reason = "names carry quantity and unit")]
+pub struct PlaceKeys {
+    #[serde(default = "zero")]
+    pub x_m: Distribution,
+    #[serde(default = "zero")]
+    pub y_m: Distribution,
+    #[serde(default = "zero")]
+    pub z_m: Distribution,
+    #[serde(default = "zero")]
+    pub yaw_rad: Distribution,
+}
+
+impl PlaceKeys {
+    /// The numbers with their keys.
+    pub(in crate::scene) fn fields(&self) -> [(&'static str, &Distribution); 4] {
+        [
+            ("x_m", &self.x_m),
+            ("y_m", &self.y_m),
+            ("z_m", &self.z_m),
+            ("yaw_rad", &self.yaw_rad),
+        ]
+    }
+
+    fn check(&self, list: &str, name: &str) -> Result<(), ScenarioError> {
+        for (field, distribution) in self.fields() {
+            within(&key_of(list, name, field), distribution, -1e4, 1e4)?;
+        }
+        Ok(())
+    }
+}
+
+/// A robot: a description of its links and joints, and where it stands.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Robot {
+    /// Its name.
+    pub name: String,
+    /// URDF, SDF or MJCF, relative to the scene's file.
+    pub file: String,
+    /// Where its root stands.
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub x_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub y_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub z_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub yaw_rad: Distribution,
+    /// Whether its root is fixed to the world.
+    #[serde(default)]
+    pub fixed: bool,
+    /// Positions of joints at the beginning, in rad or m; others are where the description has
+    /// them.
+    #[serde(default)]
+    pub joints: BTreeMap<String, Distribution>,
+    /// Friction of shapes whose description gives none.
+    #[serde(default = "half")]
+    pub friction: Distribution,
+    /// What one joint's friction, damping and drive inertia are, over what the description says.
+    #[serde(default)]
+    pub joint_friction: BTreeMap<String, Distribution>,
+    /// Joints whose positions and velocities are recorded.
+    #[serde(default)]
+    pub recorded_joints: Vec<String>,
+}
+
+/// Something else, fixed or loose: a wall, a box, a table.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Object {
+    /// Its name.
+    pub name: String,
+    /// URDF, SDF or MJCF, relative to the scene's file; or else one of the forms below.
+    pub file: Option<String>,
+    /// A cuboid's edges.
+    pub box_m: Option<Vector>,
+    /// A cylinder's radius; with `length_m`, upright.
+    pub radius_m: Option<f64>,
+    /// See `radius_m`; without it the object is a ball.
+    pub length_m: Option<f64>,
+    /// Its mass if it is loose; fixed to the world without one.
+    pub mass_kg: Option<Distribution>,
+    /// Whether an object from a file is fixed to the world.
+    #[serde(default)]
+    pub fixed: bool,
+    /// Its Coulomb friction.
+    #[serde(default = "half")]
+    pub friction: Distribution,
+    /// Where its centre (or its file's root) stands.
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub x_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub y_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub z_m: Distribution,
+    #[serde(default = "zero")]
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub yaw_rad: Distribution,
+}
+
+fn half() -> Distribution {
+    Distribution::Constant(0.5)
+}
+
+/// The four keys of a place, gathered.
+macro_rules! place_of {
+    ($thing:expr) => {
+        PlaceKeys {
+            x_m: $thing.x_m.clone(),
+            y_m: $thing.y_m.clone(),
+            z_m: $thing.z_m.clone(),
+            yaw_rad: $thing.yaw_rad.clone(),
+        }
+    };
+}
+
+impl Robot {
+    /// Where it stands.
+    #[must_use]
+    pub fn place(&self) -> PlaceKeys {
+        place_of!(self)
+    }
+
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        self.place().check("robot", &self.name)?;
+        let key = |field: &str| key_of("robot", &self.name, field);
+        within(&key("friction"), &self.friction, 0.0, 10.0)?;
+        for (joint, position) in &self.joints {
+            within(&key(&format!("joints.{joint}")), position, -1e4, 1e4)?;
+        }
+        for (joint, friction) in &self.joint_friction {
+            within(&key(&format!("joint_friction.{joint}")), friction, 0.0, 1e6)?;
+        }
+        Ok(())
+    }
+}
+
+impl Object {
+    /// Where it stands.
+    #[must_use]
+    pub fn place(&self) -> PlaceKeys {
+        place_of!(self)
+    }
+
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        self.place().check("object", &self.name)?;
+        let key = |field: &str| key_of("object", &self.name, field);
+        within(&key("friction"), &self.friction, 0.0, 10.0)?;
+        if let Some(mass_kg) = &self.mass_kg {
+            within(&key("mass_kg"), mass_kg, 1e-6, 1e6)?;
+        }
+        let forms = [
+            self.file.is_some(),
+            self.box_m.is_some(),
+            self.radius_m.is_some(),
+        ];
+        if forms.iter().filter(|given| **given).count() != 1 {
+            let problem = "needs exactly one of `file`, `box_m` and `radius_m`";
+            return Err(ScenarioError::value(&key("form"), problem));
+        }
+        let lengths = self.box_m.iter().flatten();
+        for length in lengths.chain(&self.radius_m).chain(&self.length_m) {
+            number_within(&key("size"), *length, 1e-6, 1e4)?;
+        }
+        Ok(())
+    }
+}
+
+/// A drive, or several that are commanded together.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Actuator {
+    /// Its name, by which a controller commands it.
+    pub name: String,
+    /// The robot it belongs to.
+    pub robot: String,
+    /// What it drives, and how.
+    #[serde(flatten)]
+    pub kind: ActuatorKind,
+}
+
+/// What an actuator drives.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[allow(missing_docs, reason = "names carry quantity and unit")]
+pub enum ActuatorKind {
+    /// One joint to a position: command `position`.
+    Position {
+        joint: String,
+        stiffness: f64,
+        damping: f64,
+        limit: f64,
+    },
+    /// One joint to a velocity: command `velocity`.
+    Velocity {
+        joint: String,
+        gain: f64,
+        limit: f64,
+    },
+    /// One joint by torque or force: command `effort`.
+    Effort { joint: String, limit: f64 },
+    /// Wheels left and right: commands `speed` (m/s, forwards) and `turn_rate` (rad/s, to the
+    /// left), reached at a limited acceleration.
+    DifferentialDrive {
+        left_joints: Vec<String>,
+        right_joints: Vec<String>,
+        wheel_radius_m: f64,
+        wheel_separation_m: f64,
+        longest_speed_m_s: f64,
+        longest_turn_rate_rad_s: f64,
+        acceleration_m_s2: Distribution,
+        deceleration_m_s2: Distribution,
+        turn_acceleration_rad_s2: f64,
+        gain_nms_rad: f64,
+        torque_limit_nm: f64,
+    },
+    /// A base that can move in every direction on the floor: commands `forward`, `left` (m/s, in
+    /// the base's frame) and `turn_rate` (rad/s), reached by limited forces on its root.
+    PlanarVelocity {
+        longest_speed_m_s: f64,
+        longest_turn_rate_rad_s: f64,
+        gain_ns_m: f64,
+        turn_gain_nms_rad: f64,
+        force_limit_newtons: f64,
+        torque_limit_nm: f64,
+    },
+}
+
+impl Actuator {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let key = |field: &str| key_of("actuator", &self.name, field);
+        for (field, value) in self.kind.positive() {
+            number_within(&key(field), value, 1e-9, 1e9)?;
+        }
+        if let ActuatorKind::DifferentialDrive {
+            left_joints,
+            right_joints,
+            acceleration_m_s2,
+            deceleration_m_s2,
+            ..
+        } = &self.kind
+        {
+            within(&key("acceleration_m_s2"), acceleration_m_s2, 1e-3, 1e3)?;
+            within(&key("deceleration_m_s2"), deceleration_m_s2, 1e-3, 1e3)?;
+            if left_joints.is_empty() || right_joints.is_empty() {
+                let problem = "names no joint; a drive has wheels on both sides";
+                return Err(ScenarioError::value(
+                    &key("left_joints, right_joints"),
+                    problem,
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ActuatorKind {
+    /// The joints that it drives.
+    #[must_use]
+    pub fn joints(&self) -> Vec<&str> {
+        match self {
+            Self::Position { joint, .. }
+            | Self::Velocity { joint, .. }
+            | Self::Effort { joint, .. } => vec![joint],
+            Self::DifferentialDrive {
+                left_joints,
+                right_joints,
+                ..
+            } => left_joints
+                .iter()
+                .chain(right_joints)
+                .map(String::as_str)
+                .collect(),
+            Self::PlanarVelocity { .. } => Vec::new(),
+        }
+    }
+
+    /// Numbers that have to be above 0.
+    fn positive(&self) -> Vec<(&'static str, f64)> {
+        match self {
+            Self::Position {
+                stiffness, limit, ..
+            } => vec![("stiffness", *stiffness), ("limit", *limit)],
+            Self::Velocity { gain, limit, .. } => vec![("gain", *gain), ("limit", *limit)],
+            Self::Effort { limit, .. } => vec![("limit", *limit)],
+            Self::DifferentialDrive {
+                wheel_radius_m,
+                wheel_separation_m,
+                longest_speed_m_s,
+                longest_turn_rate_rad_s,
+                turn_acceleration_rad_s2,
+                gain_nms_rad,
+                torque_limit_nm,
+                ..
+            } => vec![
+                ("wheel_radius_m", *wheel_radius_m),
+                ("wheel_separation_m", *wheel_separation_m),
+                ("longest_speed_m_s", *longest_speed_m_s),
+                ("longest_turn_rate_rad_s", *longest_turn_rate_rad_s),
+                ("turn_acceleration_rad_s2", *turn_acceleration_rad_s2),
+                ("gain_nms_rad", *gain_nms_rad),
+                ("torque_limit_nm", *torque_limit_nm),
+            ],
+            Self::PlanarVelocity {
+                longest_speed_m_s,
+                longest_turn_rate_rad_s,
+                gain_ns_m,
+                turn_gain_nms_rad,
+                force_limit_newtons,
+                torque_limit_nm,
+            } => vec![
+                ("longest_speed_m_s", *longest_speed_m_s),
+                ("longest_turn_rate_rad_s", *longest_turn_rate_rad_s),
+                ("gain_ns_m", *gain_ns_m),
+                ("turn_gain_nms_rad", *turn_gain_nms_rad),
+                ("force_limit_newtons", *force_limit_newtons),
+                ("torque_limit_nm", *torque_limit_nm),
+            ],
+        }
+    }
+}

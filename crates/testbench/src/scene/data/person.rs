@@ -1,0 +1,222 @@
+//! People in a scene's file.
+
+use serde::Deserialize;
+use stimulus::Distribution;
+
+use super::{key_of, within, zero};
+use crate::scenario::ScenarioError;
+
+/// A person: a body that walks where its behaviour says, whatever pushes it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Person {
+    /// Name.
+    pub name: String,
+    /// One capsule, or limbs.
+    #[serde(default)]
+    pub body: PersonBody,
+    /// Height, soles to crown.
+    #[serde(default = "tall")]
+    pub height_m: Distribution,
+    /// Radius of the capsule or the trunk.
+    #[serde(default = "stout")]
+    pub radius_m: Distribution,
+    /// Where the person stands at first.
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub x_m: Distribution,
+    #[allow(missing_docs, reason = "names carry quantity and unit")]
+    pub y_m: Distribution,
+    /// Where the person faces at first, from the x axis to the left.
+    #[serde(default = "zero")]
+    pub heading_rad: Distribution,
+    /// Walking speed.
+    #[serde(default = "walking")]
+    pub speed_m_s: Distribution,
+    /// How fast the walking speed changes.
+    #[serde(default = "brisk")]
+    pub acceleration_m_s2: Distribution,
+    /// How fast the person turns.
+    #[serde(default = "nimble")]
+    pub turn_rate_rad_s: Distribution,
+    /// What the person does at first; a test can change it.
+    #[serde(default)]
+    pub activity: Activity,
+    /// Where the activity `walk` leads, in order.
+    #[serde(default, rename = "waypoint")]
+    pub waypoints: Vec<Waypoint>,
+    /// Whether the person starts again at the first waypoint after the last.
+    #[serde(default)]
+    pub again: bool,
+    /// What the person does about a robot that is near.
+    #[serde(default)]
+    pub reaction: Option<Reaction>,
+    /// Probability that the person is distracted, and reacts to nothing, from the start.
+    #[serde(default = "zero")]
+    pub distracted_probability: Distribution,
+    /// How the arms are held.
+    #[serde(default)]
+    pub arms: ArmPose,
+}
+
+/// How a person's body is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PersonBody {
+    /// One upright capsule.
+    #[default]
+    Capsule,
+    /// Trunk, head, arms of two parts and legs, which swing as the person walks.
+    Articulated,
+}
+
+/// What a person does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Activity {
+    /// Stands.
+    Stand,
+    /// Walks along the waypoints.
+    #[default]
+    Walk,
+    /// Walks up to the nearest robot, as far as touching it.
+    Approach,
+    /// Walks after the nearest robot, a step behind.
+    Follow,
+}
+
+impl Activity {
+    /// The names as tests and recordings have them.
+    pub const NAMES: [(Self, &'static str); 4] = [
+        (Self::Stand, "stand"),
+        (Self::Walk, "walk"),
+        (Self::Approach, "approach"),
+        (Self::Follow, "follow"),
+    ];
+}
+
+/// How arms are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmPose {
+    /// They swing as the person walks.
+    #[default]
+    Swing,
+    /// They are stretched forwards.
+    Reach,
+    /// They hold something before the chest.
+    Carry,
+}
+
+impl ArmPose {
+    /// The names as tests have them.
+    pub const NAMES: [(Self, &'static str); 3] = [
+        (Self::Swing, "swing"),
+        (Self::Reach, "reach"),
+        (Self::Carry, "carry"),
+    ];
+}
+
+/// A point to walk to.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "names carry quantity and unit")]
+pub struct Waypoint {
+    pub x_m: Distribution,
+    pub y_m: Distribution,
+    /// How long the person stays there.
+    #[serde(default = "zero")]
+    pub pause_secs: Distribution,
+}
+
+/// What a person does about a robot that is near.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reaction {
+    /// What.
+    pub kind: ReactionKind,
+    /// When the robot's root is nearer than this to the person's middle.
+    pub within_m: Distribution,
+    /// How long the person takes to notice.
+    #[serde(default = "quick")]
+    pub delay_secs: Distribution,
+    /// How far aside the person steps.
+    #[serde(default = "a_step")]
+    pub aside_m: Distribution,
+}
+
+/// Kinds of reaction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReactionKind {
+    /// Stands until the robot is farther away.
+    Stops,
+    /// Walks at half the speed until it is.
+    Yields,
+    /// Walks beside the way, away from the robot's line.
+    StepsAside,
+    /// Walks up to it.
+    Approaches,
+}
+
+fn tall() -> Distribution {
+    Distribution::Constant(1.75)
+}
+fn stout() -> Distribution {
+    Distribution::Constant(0.22)
+}
+fn walking() -> Distribution {
+    Distribution::Constant(1.2)
+}
+fn brisk() -> Distribution {
+    Distribution::Constant(2.0)
+}
+fn nimble() -> Distribution {
+    Distribution::Constant(3.0)
+}
+fn quick() -> Distribution {
+    Distribution::Constant(0.4)
+}
+fn a_step() -> Distribution {
+    Distribution::Constant(0.6)
+}
+
+impl Person {
+    /// The numbers that are drawn for an episode, with their keys and ranges.
+    pub(in crate::scene) fn numbers(&self) -> [(&'static str, &Distribution, f64, f64); 9] {
+        [
+            ("height_m", &self.height_m, 0.5, 3.0),
+            ("radius_m", &self.radius_m, 0.05, 1.0),
+            ("x_m", &self.x_m, -1e4, 1e4),
+            ("y_m", &self.y_m, -1e4, 1e4),
+            ("heading_rad", &self.heading_rad, -10.0, 10.0),
+            ("speed_m_s", &self.speed_m_s, 0.0, 12.0),
+            ("acceleration_m_s2", &self.acceleration_m_s2, 1e-2, 100.0),
+            ("turn_rate_rad_s", &self.turn_rate_rad_s, 1e-2, 100.0),
+            (
+                "distracted_probability",
+                &self.distracted_probability,
+                0.0,
+                1.0,
+            ),
+        ]
+    }
+
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        let key = |field: &str| key_of("person", &self.name, field);
+        for (field, distribution, low, high) in self.numbers() {
+            within(&key(field), distribution, low, high)?;
+        }
+        for (index, point) in self.waypoints.iter().enumerate() {
+            let key = |field: &str| key(&format!("waypoint.{index}.{field}"));
+            within(&key("x_m"), &point.x_m, -1e4, 1e4)?;
+            within(&key("y_m"), &point.y_m, -1e4, 1e4)?;
+            within(&key("pause_secs"), &point.pause_secs, 0.0, 1e4)?;
+        }
+        let Some(reaction) = &self.reaction else {
+            return Ok(());
+        };
+        within(&key("reaction.within_m"), &reaction.within_m, 0.0, 1e3)?;
+        within(&key("reaction.delay_secs"), &reaction.delay_secs, 0.0, 60.0)?;
+        within(&key("reaction.aside_m"), &reaction.aside_m, 0.0, 10.0)
+    }
+}

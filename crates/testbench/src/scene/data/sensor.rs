@@ -1,0 +1,386 @@
+//! Sensors in a scene's file.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use stimulus::Distribution;
+
+use super::{key_of, number_within, whole_steps, within, zero};
+use crate::controller::PortField;
+use crate::scenario::ScenarioError;
+
+/// A sensor: what it measures, how often, how well, and how it fails.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Sensor {
+    /// Its name, under which a controller gets it.
+    pub name: String,
+    /// The robot it is on.
+    pub robot: String,
+    /// How often it measures.
+    pub rate_hz: f64,
+    /// Standard deviation of normal noise, by field with its unit: `ranges_m = 0.02`.
+    #[serde(default)]
+    pub noise: BTreeMap<String, Distribution>,
+    /// A constant error of an episode, by field with its unit.
+    #[serde(default)]
+    pub bias: BTreeMap<String, Distribution>,
+    /// From the measurement to its arrival; drawn for each measurement. None overtakes another.
+    #[serde(default = "zero")]
+    pub latency_secs: Distribution,
+    /// Probability that a measurement never arrives.
+    #[serde(default = "zero")]
+    pub dropout_probability: Distribution,
+    /// Faults that may occur.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<Fault>,
+    /// Whether each number of a list is recorded; otherwise its smallest and where it stands.
+    #[serde(default)]
+    pub record_all: bool,
+    /// What it measures.
+    #[serde(flatten)]
+    pub kind: SensorKind,
+}
+
+/// A fault of a sensor.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fault {
+    /// What happens.
+    pub kind: FaultKind,
+    /// Probability that it occurs in an episode.
+    #[serde(default = "one")]
+    pub probability: Distribution,
+    /// When it begins.
+    pub from_secs: Distribution,
+    /// When it ends; never if left out.
+    pub until_secs: Option<Distribution>,
+    /// What is added, by field with its unit, for the kind `offset`.
+    #[serde(default)]
+    pub offset: BTreeMap<String, Distribution>,
+}
+
+/// Kinds of fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// It repeats its last measurement, with new times.
+    Stuck,
+    /// It adds a constant.
+    Offset,
+    /// Nothing arrives.
+    Silent,
+}
+
+impl FaultKind {
+    /// The names as tests have them.
+    pub const NAMES: [(Self, &'static str); 3] = [
+        (Self::Stuck, "stuck"),
+        (Self::Offset, "offset"),
+        (Self::Silent, "silent"),
+    ];
+}
+
+/// What a sensor measures. `link` is where it is mounted, the robot's root if left out; the place
+/// is in the link's frame.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[allow(missing_docs, reason = "names carry quantity and unit")]
+pub enum SensorKind {
+    /// `position`, `velocity` of joints; positions are multiples of the resolution.
+    JointEncoder {
+        joints: Vec<String>,
+        #[serde(default)]
+        resolution: f64,
+    },
+    /// `x`, `y`, `z`, `yaw` in the world, `speed` forwards and `turn_rate`: as motion capture has
+    /// it.
+    Pose { link: Option<String> },
+    /// `x`, `y`, `yaw`, `speed`, `turn_rate` from wheels, by dead reckoning from where the episode
+    /// began; it believes the radius and separation given here.
+    Odometry {
+        left_joints: Vec<String>,
+        right_joints: Vec<String>,
+        wheel_radius_m: Distribution,
+        wheel_separation_m: Distribution,
+    },
+    /// `angular_velocity` (3) and `acceleration` (3, with gravity) in the link's frame.
+    Imu { link: Option<String> },
+    /// `ranges` of rays in the plane of the mount, from the first angle to the last, to the left.
+    Lidar {
+        link: Option<String>,
+        #[serde(default = "zero")]
+        x_m: Distribution,
+        #[serde(default = "zero")]
+        y_m: Distribution,
+        #[serde(default = "zero")]
+        z_m: Distribution,
+        #[serde(default = "zero")]
+        yaw_rad: Distribution,
+        rays: usize,
+        #[serde(default)]
+        first_angle_rad: f64,
+        #[serde(default)]
+        last_angle_rad: f64,
+        #[serde(default)]
+        shortest_m: f64,
+        longest_m: f64,
+    },
+    /// `touching` and the sum of normal forces, `force`, on the link.
+    Contact { link: Option<String> },
+    /// `seen`, and `distance` and `bearing` (to the left) of the nearest person who is seen: within
+    /// range and field of view, with a free line from the mount, and noticed.
+    PersonDetector {
+        link: Option<String>,
+        #[serde(default = "zero")]
+        x_m: Distribution,
+        #[serde(default = "zero")]
+        y_m: Distribution,
+        #[serde(default = "zero")]
+        z_m: Distribution,
+        #[serde(default = "zero")]
+        yaw_rad: Distribution,
+        field_of_view_rad: f64,
+        longest_m: f64,
+        #[serde(default = "one")]
+        detection_probability: Distribution,
+    },
+}
+
+fn one() -> Distribution {
+    Distribution::Constant(1.0)
+}
+
+/// The unit as it stands at the end of a key: `m/s` as `m_s`.
+#[must_use]
+pub(in crate::scene) fn key_with_unit(field: &PortField) -> String {
+    let unit = match field.unit.as_str() {
+        "N" => "newtons",
+        "m/s^2" => "m_s2",
+        "rad/s" => "rad_s",
+        "m/s" => "m_s",
+        "1" => return field.name.clone(),
+        other => other,
+    };
+    format!("{}_{unit}", field.name)
+}
+
+impl Sensor {
+    /// The fields of its measurements.
+    #[must_use]
+    pub fn fields(&self) -> Vec<PortField> {
+        let field = |name: &str, unit: &str, length: usize| PortField {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            length,
+        };
+        let planar = || {
+            vec![
+                field("yaw", "rad", 1),
+                field("speed", "m/s", 1),
+                field("turn_rate", "rad/s", 1),
+            ]
+        };
+        match &self.kind {
+            SensorKind::JointEncoder { joints, .. } => vec![
+                field("position", "rad", joints.len()),
+                field("velocity", "rad/s", joints.len()),
+            ],
+            SensorKind::Pose { .. } => {
+                let place = ["x", "y", "z"].map(|axis| field(axis, "m", 1));
+                place.into_iter().chain(planar()).collect()
+            }
+            SensorKind::Odometry { .. } => {
+                let place = ["x", "y"].map(|axis| field(axis, "m", 1));
+                place.into_iter().chain(planar()).collect()
+            }
+            SensorKind::Imu { .. } => vec![
+                field("angular_velocity", "rad/s", 3),
+                field("acceleration", "m/s^2", 3),
+            ],
+            SensorKind::Lidar { rays, .. } => vec![field("ranges", "m", *rays)],
+            SensorKind::Contact { .. } => vec![field("touching", "1", 1), field("force", "N", 1)],
+            SensorKind::PersonDetector { .. } => vec![
+                field("seen", "1", 1),
+                field("distance", "m", 1),
+                field("bearing", "rad", 1),
+            ],
+        }
+    }
+
+    /// What it is called in a setup.
+    #[must_use]
+    pub fn kind_name(&self) -> &'static str {
+        match self.kind {
+            SensorKind::JointEncoder { .. } => "joint_encoder",
+            SensorKind::Pose { .. } => "pose",
+            SensorKind::Odometry { .. } => "odometry",
+            SensorKind::Imu { .. } => "imu",
+            SensorKind::Lidar { .. } => "lidar",
+            SensorKind::Contact { .. } => "contact",
+            SensorKind::PersonDetector { .. } => "person_detector",
+        }
+    }
+
+    /// The link it is mounted on, if the scene names one.
+    #[must_use]
+    pub fn link(&self) -> Option<&str> {
+        match &self.kind {
+            SensorKind::Pose { link }
+            | SensorKind::Imu { link }
+            | SensorKind::Contact { link }
+            | SensorKind::Lidar { link, .. }
+            | SensorKind::PersonDetector { link, .. } => link.as_deref(),
+            SensorKind::JointEncoder { .. } | SensorKind::Odometry { .. } => None,
+        }
+    }
+
+    /// The joints that it reads.
+    #[must_use]
+    pub fn joints(&self) -> Vec<&str> {
+        match &self.kind {
+            SensorKind::JointEncoder { joints, .. } => joints.iter().map(String::as_str).collect(),
+            SensorKind::Odometry {
+                left_joints,
+                right_joints,
+                ..
+            } => left_joints
+                .iter()
+                .chain(right_joints)
+                .map(String::as_str)
+                .collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Where it is mounted in its link.
+    pub(in crate::scene) fn mount(&self) -> [(&'static str, Distribution); 4] {
+        let place = |[x, y, z, yaw]: [&Distribution; 4]| {
+            [
+                ("x_m", x.clone()),
+                ("y_m", y.clone()),
+                ("z_m", z.clone()),
+                ("yaw_rad", yaw.clone()),
+            ]
+        };
+        match &self.kind {
+            SensorKind::Lidar {
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad,
+                ..
+            }
+            | SensorKind::PersonDetector {
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad,
+                ..
+            } => place([x_m, y_m, z_m, yaw_rad]),
+            _ => place([&zero(), &zero(), &zero(), &zero()]),
+        }
+    }
+
+    pub(super) fn check(&self, time_step_secs: f64) -> Result<(), ScenarioError> {
+        let key = |field: &str| key_of("sensor", &self.name, field);
+        whole_steps(&key("rate_hz"), 1.0 / self.rate_hz, time_step_secs)?;
+        within(&key("latency_secs"), &self.latency_secs, 0.0, 60.0)?;
+        within(
+            &key("dropout_probability"),
+            &self.dropout_probability,
+            0.0,
+            1.0,
+        )?;
+        let fields = self.fields();
+        self.check_errors("noise", &self.noise, &fields, 0.0)?;
+        self.check_errors("bias", &self.bias, &fields, -1e6)?;
+        for (field, distribution) in self.mount() {
+            within(&key(field), &distribution, -100.0, 100.0)?;
+        }
+        for (index, fault) in self.faults.iter().enumerate() {
+            let field = |name: &str| key(&format!("fault.{index}.{name}"));
+            within(&field("probability"), &fault.probability, 0.0, 1.0)?;
+            within(&field("from_secs"), &fault.from_secs, 0.0, 1e6)?;
+            if let Some(until_secs) = &fault.until_secs {
+                within(&field("until_secs"), until_secs, 0.0, 1e6)?;
+            }
+            self.check_errors(
+                &format!("fault.{index}.offset"),
+                &fault.offset,
+                &fields,
+                -1e6,
+            )?;
+        }
+        self.check_kind()
+    }
+
+    /// Errors belong to fields, with the field's unit in the key.
+    fn check_errors(
+        &self,
+        list: &str,
+        errors: &BTreeMap<String, Distribution>,
+        fields: &[PortField],
+        low: f64,
+    ) -> Result<(), ScenarioError> {
+        for (name, distribution) in errors {
+            let key = key_of("sensor", &self.name, &format!("{list}.{name}"));
+            let keys: Vec<String> = fields.iter().map(key_with_unit).collect();
+            if !keys.contains(name) {
+                let problem = format!("is none of {}", keys.join(", "));
+                return Err(ScenarioError::value(&key, &problem));
+            }
+            within(&key, distribution, low, 1e6)?;
+        }
+        Ok(())
+    }
+
+    fn check_kind(&self) -> Result<(), ScenarioError> {
+        let key = |field: &str| key_of("sensor", &self.name, field);
+        match &self.kind {
+            SensorKind::Lidar {
+                rays,
+                first_angle_rad,
+                last_angle_rad,
+                shortest_m,
+                longest_m,
+                ..
+            } => {
+                number_within(&key("rays"), *rays as f64, 1.0, 4096.0)?;
+                number_within(&key("longest_m"), *longest_m, 1e-3, 1e4)?;
+                number_within(&key("shortest_m"), *shortest_m, 0.0, *longest_m)?;
+                if first_angle_rad > last_angle_rad {
+                    let problem = "is above the last angle; rays are counted to the left";
+                    return Err(ScenarioError::value(&key("first_angle_rad"), problem));
+                }
+                Ok(())
+            }
+            SensorKind::PersonDetector {
+                field_of_view_rad,
+                longest_m,
+                detection_probability,
+                ..
+            } => {
+                number_within(&key("longest_m"), *longest_m, 1e-3, 1e4)?;
+                number_within(&key("field_of_view_rad"), *field_of_view_rad, 1e-3, 6.3)?;
+                within(
+                    &key("detection_probability"),
+                    detection_probability,
+                    0.0,
+                    1.0,
+                )
+            }
+            SensorKind::Odometry {
+                wheel_radius_m,
+                wheel_separation_m,
+                ..
+            } => {
+                within(&key("wheel_radius_m"), wheel_radius_m, 1e-4, 100.0)?;
+                within(&key("wheel_separation_m"), wheel_separation_m, 1e-4, 100.0)
+            }
+            SensorKind::JointEncoder { resolution, .. } => {
+                number_within(&key("resolution"), *resolution, 0.0, 10.0)
+            }
+            SensorKind::Pose { .. } | SensorKind::Imu { .. } | SensorKind::Contact { .. } => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Scenes: any robot, from its own description, among things and people, with its own code.
+//!
+//! A scene is TOML: robots and objects from URDF, SDF or MJCF files (or plain shapes), actuators,
+//! sensors with rates, noise, bias, latency, dropout and faults, people who walk and react, and
+//! controllers, which run behind [`crate::controller`]. It is a [`crate::Bench`]: a stimulus (an
+//! abstract test and settings of the scene's data by dotted keys) and a seed give a recording, bit
+//! for bit.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use stimulus::Stimulus;
+//! use testbench::controller::ControllerError;
+//! use testbench::scene::{SceneBench, mujoco};
+//! use testbench::{Bench, Cancel, Engine, Unwatched};
+//!
+//! let scene = r#"
+//!     name = "a ball falls beside a person"
+//!     simulation = { duration_secs = 1.0 }
+//!     ground = { friction = 0.8 }
+//!     abstract_test = [{ name = "wait", actions = [] }]
+//!     [[object]]
+//!     name = "ball"
+//!     radius_m = 0.1
+//!     mass_kg = 1.0
+//!     z_m = { uniform = [0.5, 1.0] }
+//!     [[person]]
+//!     name = "anna"
+//!     x_m = 1.0
+//!     y_m = 0.0
+//!     waypoint = [{ x_m = 2.0, y_m = 0.0 }]
+//! "#;
+//! # let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+//! # let library = root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
+//! # if !library.exists() { return Ok(()); }
+//! let engine = Engine::load(&library)?;
+//! let no_files = |file: &str| Err(format!("there is no {file}"));
+//! let no_code = Arc::new(|_: &_| Err(ControllerError::Failed { message: "none".into() }));
+//! let (bench, gaps) = SceneBench::new(scene, &no_files, mujoco(&engine), no_code)?;
+//! assert!(gaps.is_empty());
+//! let wait = Stimulus::of(bench.tests()[0].clone());
+//! let recorded = bench.run(&wait, 7, &mut Unwatched, &Cancel::default())?;
+//! assert!(recorded.trace.signal("/truth/anna.speed").is_some());
+//! # Ok::<(), testbench::SimError>(())
+//! ```
+//!
+//! # What a recording holds
+//!
+//! | topic | rate | signals |
+//! |---|---|---|
+//! | `/truth/ROBOT` | `record_hz` | `x`, `y`, `z`, `yaw`, `speed`, `turn_rate` of the root; `person_distance` between the surfaces of the robot and the nearest person; `person_force` and `other_force`, the largest sums of contact forces (the ground's aside) since the row before; of recorded joints `JOINT.position` and `.velocity` |
+//! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of an articulated one the hands |
+//! | `/sensor/SENSOR` | when a measurement arrives | `measured_at`, `faulty`, and what it measured; a lidar's nearest range, its place and the number of returns, or all with `record_all` |
+//! | `/command/ACTUATOR` | when a command takes effect | the commanded values |
+//! | `/controller/CONTROLLER` | each tick | `finished`, `said.MESSAGE` for each message that it may send, and what it reports |
+//! | `/test` | `record_hz` | `actions_done`, `done` |
+//!
+//! # Tests
+//!
+//! `send_signal` sends a message to the controllers that receive it; `receive_signal` waits for a
+//! message of theirs or for `PERSON.arrived`; `set_param` sets `PERSON.activity` (`stand`, `walk`,
+//! `approach`, `follow`), `PERSON.speed_m_s`, `PERSON.distracted`, `PERSON.arms` (`swing`, `reach`,
+//! `carry`) and `SENSOR.fault` (`none`, `stuck`, `silent`).
+//!
+//! # What is modelled how
+//!
+//! * People go where their behaviour says and push what is in their way; nothing pushes them, and
+//!   they do not avoid walls. Feet do not bear on the floor.
+//! * A robot whose root is free rests on its own wheels or feet by contact and friction. Links of
+//!   one robot do not touch each other unless its description asks for it. Contact masks of MJCF are
+//!   carried over only where a shape touches nothing.
+//! * A lidar's rays are taken at one instant. Distances are between collision shapes; a mesh counts
+//!   as its convex hull.
+//! * Lights, cameras, sound, soft bodies and slopes of the ground are absent.
+
+mod actuating;
+mod bench;
+mod build;
+mod data;
+mod draws;
+mod load;
+mod measure;
+mod person;
+mod piloting;
+mod recorder;
+mod run;
+mod script;
+mod sensing;
+mod translate;
+mod walker;
+
+pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco};
+pub use data::{
+    Activity, Actuator, ActuatorKind, ArmPose, ControllerData, Fault, FaultKind, Ground, Object,
+    Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor, SensorKind,
+    Simulation, Waypoint,
+};

@@ -1,0 +1,239 @@
+//! A person's body: one capsule, or limbs that are moved as the person walks.
+//!
+//! The lengths of the limbs are the usual fractions of the height (R. Drillis, R. Contini, "Body
+//! segment parameters", 1966): shoulders at 0.818, hips at 0.530, upper arm 0.186, forearm with hand
+//! 0.254, half the breadth of shoulders 0.129 and of hips 0.0955, head centred at 0.935. Legs and
+//! arms swing as pendulums with the stride, opposite arms with opposite legs; knees do not bend and
+//! feet slide a little. That is enough for what sees or touches a person; it is no model of gait.
+
+use super::build::BuiltPerson;
+use super::data::{ArmPose, Person, PersonBody};
+use super::draws::Draws;
+use crate::geometry::{IDENTITY, Pose, Vector, about, add, compose, from_roll_pitch_yaw, rotate};
+use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Touches};
+
+/// A person's surface: skin and clothes.
+const FRICTION: f64 = 0.6;
+/// Length of a stride (two steps) for a height of 1.
+const STRIDE: f64 = 0.8;
+/// Largest angle of the legs at 1.4 m/s, and of the arms.
+const LEG_SWING_RAD: f64 = 0.42;
+const ARM_SWING_RAD: f64 = 0.35;
+
+/// Where and how a person is, as far as the body shows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stance {
+    pub(super) x_m: f64,
+    pub(super) y_m: f64,
+    pub(super) heading_rad: f64,
+    pub(super) speed_m_s: f64,
+    /// Distance walked.
+    pub(super) walked_m: f64,
+    pub(super) arms: ArmPose,
+}
+
+/// A limb between two joints in the person's frame (x forwards, y left, z up from the floor).
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Limb {
+    centre_m: Vector,
+    /// Turn about the person's y axis; 0 hangs straight down.
+    pitch_rad: f64,
+}
+
+/// Adds the bodies and shapes of a person.
+pub(super) fn body_of(
+    layout: &mut Layout,
+    person: &Person,
+    draws: Draws,
+    group: u8,
+) -> BuiltPerson {
+    let drawn = |field: &str, distribution| draws.of("person", &person.name, field, distribution);
+    let height_m = drawn("height_m", &person.height_m);
+    let radius_m = drawn("radius_m", &person.radius_m).min(height_m / 2.0 - 1e-3);
+    let (first_body, first_shape) = (layout.bodies.len(), layout.shapes.len());
+    for (part, form) in parts_of(person.body, height_m, radius_m) {
+        layout.bodies.push(BodyPlan {
+            name: format!("{}/{part}", person.name),
+            parent: None,
+            pose: Pose {
+                position_m: [0.0; 3],
+                orientation: IDENTITY,
+            },
+            motion: Motion::Led,
+            inertia: None,
+        });
+        layout.shapes.push(ShapePlan {
+            name: format!("{}/{part}", person.name),
+            body: Some(layout.bodies.len() - 1),
+            pose: Pose {
+                position_m: [0.0; 3],
+                orientation: IDENTITY,
+            },
+            form,
+            friction: FRICTION,
+            touches: Touches::AllButGroup(group),
+        });
+    }
+    BuiltPerson {
+        bodies: first_body..layout.bodies.len(),
+        shapes: first_shape..layout.shapes.len(),
+        height_m,
+        radius_m,
+    }
+}
+
+/// Names and forms of the parts; poses come in the same order.
+fn parts_of(body: PersonBody, height_m: f64, radius_m: f64) -> Vec<(&'static str, Form)> {
+    let capsule = |radius_m: f64, length_m: f64| Form::Capsule { radius_m, length_m };
+    match body {
+        PersonBody::Capsule => vec![("body", capsule(radius_m, height_m - 2.0 * radius_m))],
+        PersonBody::Articulated => {
+            let trunk_m = ((0.818 - 0.53) * height_m - 0.5 * radius_m).max(0.01);
+            let leg = capsule(0.045 * height_m, (0.53 - 0.09) * height_m);
+            let upper = capsule(0.026 * height_m, 0.186 * height_m);
+            let fore = capsule(0.022 * height_m, 0.254 * height_m);
+            vec![
+                ("trunk", capsule(0.75 * radius_m, trunk_m)),
+                (
+                    "head",
+                    Form::Sphere {
+                        radius_m: 0.065 * height_m,
+                    },
+                ),
+                ("left_leg", leg.clone()),
+                ("right_leg", leg),
+                ("left_upper_arm", upper.clone()),
+                ("right_upper_arm", upper),
+                ("left_forearm", fore.clone()),
+                ("right_forearm", fore),
+            ]
+        }
+    }
+}
+
+/// The poses of the parts, in the world.
+pub(super) fn poses_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Pose> {
+    let heading = from_roll_pitch_yaw([0.0, 0.0, stance.heading_rad]);
+    let foot_m = [stance.x_m, stance.y_m, 0.0];
+    limbs_of(body, height_m, stance)
+        .into_iter()
+        .map(|limb| Pose {
+            position_m: add(foot_m, rotate(heading, limb.centre_m)),
+            orientation: compose(heading, about([0.0, 1.0, 0.0], limb.pitch_rad)),
+        })
+        .collect()
+}
+
+/// Where a person's hands are, in the world: the ends of the forearms, or none for a capsule.
+pub(super) fn hands_of(body: PersonBody, height_m: f64, stance: &Stance) -> Option<[Vector; 2]> {
+    let poses = poses_of(body, height_m, stance);
+    let [.., left, right] = poses.as_slice() else {
+        return None;
+    };
+    let end = |pose: &Pose| {
+        let along = rotate(pose.orientation, [0.0, 0.0, -0.127 * height_m]);
+        add(pose.position_m, along)
+    };
+    (body == PersonBody::Articulated).then(|| [end(left), end(right)])
+}
+
+fn limbs_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Limb> {
+    let upright = |x: f64, y: f64, z: f64| Limb {
+        centre_m: [x * height_m, y * height_m, z * height_m],
+        pitch_rad: 0.0,
+    };
+    if body == PersonBody::Capsule {
+        return vec![upright(0.0, 0.0, 0.5)];
+    }
+    let phase = std::f64::consts::TAU * stance.walked_m / (STRIDE * height_m);
+    let swing = phase.sin() * (stance.speed_m_s / 1.4).min(1.5);
+    let hanging = |top: Vector, half: f64, pitch_rad: f64| Limb {
+        centre_m: hang(top, half * height_m, pitch_rad),
+        pitch_rad,
+    };
+    let hip = |side: f64| [0.0, side * 0.0955 * height_m, 0.53 * height_m];
+    let leg = |side: f64| hanging(hip(side), 0.265, -side * swing * LEG_SWING_RAD);
+    let mut limbs = vec![upright(0.0, 0.0, 0.674), upright(0.0, 0.0, 0.935)];
+    limbs.extend([leg(1.0), leg(-1.0)]);
+    let arms = [1.0, -1.0].map(|side| arm_of(side, height_m, swing, stance.arms));
+    limbs.extend(arms.map(|[upper, _]| upper));
+    limbs.extend(arms.map(|[_, fore]| fore));
+    limbs
+}
+
+/// Upper arm and forearm of one side (1 left, -1 right).
+fn arm_of(side: f64, height_m: f64, swing: f64, pose: ArmPose) -> [Limb; 2] {
+    let shoulder_m = [0.0, side * 0.129 * height_m, 0.8 * height_m];
+    // A negative pitch swings forwards.
+    let (upper_rad, fore_rad) = match pose {
+        ArmPose::Swing => (
+            side * swing * ARM_SWING_RAD,
+            side * swing * ARM_SWING_RAD - 0.2,
+        ),
+        ArmPose::Reach => (-1.3, -1.5),
+        ArmPose::Carry => (-0.2, -1.6),
+    };
+    let (upper_m, fore_m) = (0.186 * height_m, 0.254 * height_m);
+    let elbow_m = hang(shoulder_m, upper_m, upper_rad);
+    [
+        Limb {
+            centre_m: hang(shoulder_m, upper_m / 2.0, upper_rad),
+            pitch_rad: upper_rad,
+        },
+        Limb {
+            centre_m: hang(elbow_m, fore_m / 2.0, fore_rad),
+            pitch_rad: fore_rad,
+        },
+    ]
+}
+
+/// The point at `length_m` below `top` on a limb that is turned by `pitch_rad`.
+fn hang(top: Vector, length_m: f64, pitch_rad: f64) -> Vector {
+    add(
+        top,
+        rotate(about([0.0, 1.0, 0.0], pitch_rad), [0.0, 0.0, -length_m]),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stance(arms: ArmPose) -> Stance {
+        Stance {
+            x_m: 2.0,
+            y_m: 1.0,
+            heading_rad: std::f64::consts::FRAC_PI_2,
+            speed_m_s: 1.4,
+            walked_m: 0.35,
+            arms,
+        }
+    }
+
+    #[test]
+    fn hands_that_reach_are_ahead_at_shoulder_height() {
+        let hands = hands_of(PersonBody::Articulated, 1.75, &stance(ArmPose::Reach)).unwrap();
+        for (hand, side) in hands.iter().zip([-1.0, 1.0]) {
+            // Heading along y, so left is -x; the arm is 0.44 of the height long.
+            assert!((hand[0] - (2.0 + side * 0.129 * 1.75)).abs() < 1e-12);
+            assert!(hand[1] - 1.0 > 0.4 * 1.75 && hand[1] - 1.0 < 0.44 * 1.75);
+            assert!((hand[2] - 0.8 * 1.75).abs() < 0.15);
+        }
+        assert_eq!(
+            hands_of(PersonBody::Capsule, 1.75, &stance(ArmPose::Reach)),
+            None
+        );
+    }
+
+    #[test]
+    fn legs_swing_opposite_and_stay_on_the_hip() {
+        let limbs = limbs_of(PersonBody::Articulated, 1.75, &stance(ArmPose::Swing));
+        assert_eq!(
+            limbs.len(),
+            parts_of(PersonBody::Articulated, 1.75, 0.22).len()
+        );
+        assert!(limbs[2].pitch_rad * limbs[3].pitch_rad < 0.0);
+        let top = hang(limbs[2].centre_m, -0.265 * 1.75, limbs[2].pitch_rad);
+        assert!((top[2] - 0.53 * 1.75).abs() < 1e-12 && top[0].abs() < 1e-12);
+    }
+}

@@ -1,0 +1,198 @@
+//! What a scene writes down: its topics, and rows in them.
+
+use trace::{Field, Trace, TraceError};
+
+use super::data::{Activity, PersonBody, SceneData, Sensor, SensorKind};
+use crate::bench::{Control, Watch};
+use crate::controller::Description;
+
+/// The places of topics in the trace.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Topics {
+    pub(super) robots: Vec<usize>,
+    pub(super) people: Vec<usize>,
+    pub(super) sensors: Vec<usize>,
+    pub(super) actuators: Vec<usize>,
+    pub(super) controllers: Vec<usize>,
+    pub(super) test: usize,
+}
+
+/// A trace that is being written.
+#[derive(Debug, Clone)]
+pub(super) struct Recorder {
+    pub(super) trace: Trace,
+    pub(super) topics: Topics,
+    /// Whether who watches has seen enough.
+    pub(super) is_enough: bool,
+}
+
+impl Recorder {
+    /// An empty recording of a scene with these controllers.
+    pub(super) fn new(data: &SceneData, controllers: &[Description]) -> Result<Self, TraceError> {
+        let mut trace = Trace::new();
+        trace.complete = false;
+        let mut topics = Topics {
+            robots: Vec::new(),
+            people: Vec::new(),
+            sensors: Vec::new(),
+            actuators: Vec::new(),
+            controllers: Vec::new(),
+            test: 0,
+        };
+        for robot in &data.robots {
+            let fields = robot_fields(&robot.recorded_joints);
+            let topic = trace.add_channel(&format!("/truth/{}", robot.name), fields)?;
+            topics.robots.push(topic);
+        }
+        for person in &data.people {
+            let fields = person_fields(person.body);
+            let topic = trace.add_channel(&format!("/truth/{}", person.name), fields)?;
+            topics.people.push(topic);
+        }
+        for sensor in &data.sensors {
+            let fields = sensor_fields(sensor);
+            let topic = trace.add_channel(&format!("/sensor/{}", sensor.name), fields)?;
+            topics.sensors.push(topic);
+        }
+        for actuator in &data.actuators {
+            let fields = super::actuating::fields_of(&actuator.kind);
+            let fields = fields.into_iter().map(|f| Field::number(f.name, f.unit));
+            let topic =
+                trace.add_channel(&format!("/command/{}", actuator.name), fields.collect())?;
+            topics.actuators.push(topic);
+        }
+        for (controller, description) in data.controllers.iter().zip(controllers) {
+            let fields = controller_fields(description);
+            let topic = trace.add_channel(&format!("/controller/{}", controller.name), fields)?;
+            topics.controllers.push(topic);
+        }
+        let test = vec![Field::number("actions_done", "1"), Field::bool("done")];
+        topics.test = trace.add_channel("/test", test)?;
+        Ok(Self {
+            trace,
+            topics,
+            is_enough: false,
+        })
+    }
+
+    /// A fact about the recording.
+    pub(super) fn note(&mut self, key: &str, value: impl ToString) {
+        self.trace
+            .metadata
+            .insert(key.to_owned(), value.to_string());
+    }
+
+    /// Writes a row.
+    pub(super) fn row(
+        &mut self,
+        topic: usize,
+        now_secs: f64,
+        row: &[f64],
+        watch: &mut dyn Watch,
+    ) -> Result<(), TraceError> {
+        self.trace.channels[topic].push(now_secs, row)?;
+        if watch.row(topic, now_secs, row) == Control::Finish {
+            self.is_enough = true;
+        }
+        Ok(())
+    }
+}
+
+fn world(name: &str, unit: &str) -> Field {
+    Field::number(name, unit).in_frame("world")
+}
+
+fn robot_fields(joints: &[String]) -> Vec<Field> {
+    let mut fields = vec![
+        world("x", "m"),
+        world("y", "m"),
+        world("z", "m"),
+        world("yaw", "rad"),
+        world("speed", "m/s"),
+        world("turn_rate", "rad/s"),
+        Field::number("person_distance", "m"),
+        Field::number("person_force", "N"),
+        Field::number("other_force", "N"),
+    ];
+    for joint in joints {
+        fields.push(Field::number(format!("{joint}.position"), "rad"));
+        fields.push(Field::number(format!("{joint}.velocity"), "rad/s"));
+    }
+    fields
+}
+
+fn person_fields(body: PersonBody) -> Vec<Field> {
+    let mut fields = vec![
+        world("x", "m"),
+        world("y", "m"),
+        world("heading", "rad"),
+        world("speed", "m/s"),
+        Field::number("robot_distance", "m"),
+        Field::enumeration("activity", Activity::NAMES.map(|(_, name)| name)),
+        Field::bool("reacting"),
+        Field::bool("distracted"),
+        Field::bool("arrived"),
+    ];
+    if body == PersonBody::Articulated {
+        for side in ["left_hand", "right_hand"] {
+            fields.extend(["x", "y", "z"].map(|axis| world(&format!("{side}.{axis}"), "m")));
+        }
+    }
+    fields
+}
+
+/// A list of more than three numbers is recorded as its smallest number, where that stands, and how
+/// many there are, unless all are wanted.
+pub(super) fn is_summed_up(sensor: &Sensor, length: usize) -> bool {
+    matches!(sensor.kind, SensorKind::Lidar { .. }) && length > 1 && !sensor.record_all
+}
+
+fn sensor_fields(sensor: &Sensor) -> Vec<Field> {
+    let mut fields = vec![Field::number("measured_at", "s"), Field::bool("faulty")];
+    for field in sensor.fields() {
+        let (name, unit) = (&field.name, &field.unit);
+        if is_summed_up(sensor, field.length) {
+            fields.push(Field::number(format!("{name}.nearest"), unit));
+            fields.push(Field::number(format!("{name}.nearest_index"), "1"));
+            fields.push(Field::number(format!("{name}.count"), "1"));
+        } else if field.length == 1 && ["seen", "touching"].contains(&name.as_str()) {
+            fields.push(Field::bool(name));
+        } else if field.length == 1 {
+            fields.push(Field::number(name, unit));
+        } else {
+            let each = (0..field.length).map(|i| Field::number(format!("{name}.{i}"), unit));
+            fields.extend(each);
+        }
+    }
+    fields
+}
+
+/// A measurement as a row of its topic.
+pub(super) fn sensor_row(
+    sensor: &Sensor,
+    measured_secs: f64,
+    is_faulty: bool,
+    values: &[Vec<f64>],
+) -> Vec<f64> {
+    let mut row = vec![measured_secs, f64::from(u8::from(is_faulty))];
+    for numbers in values {
+        if is_summed_up(sensor, numbers.len()) {
+            let met = numbers.iter().enumerate().filter(|(_, n)| !n.is_nan());
+            let nearest = met.clone().min_by(|a, b| a.1.total_cmp(b.1));
+            row.push(nearest.map_or(f64::NAN, |(_, number)| *number));
+            row.push(nearest.map_or(f64::NAN, |(index, _)| index as f64));
+            row.push(met.count() as f64);
+        } else {
+            row.extend(numbers);
+        }
+    }
+    row
+}
+
+fn controller_fields(description: &Description) -> Vec<Field> {
+    let mut fields = vec![Field::bool("finished")];
+    let said = description.sends.iter();
+    fields.extend(said.map(|message| Field::bool(format!("said.{message}"))));
+    fields.extend(description.reports.iter().cloned());
+    fields
+}

@@ -1,0 +1,506 @@
+//! One episode of a scene: the loop that joins physics, people, sensors, controllers and recording.
+//!
+//! At each time step, in this order: people move on to the step's end (at their rate); sensors that
+//! are due measure; what has arrived is recorded; the test acts; controllers that are due tick;
+//! commands that are due take effect; the truth is recorded; the physics steps. Every rate is counted
+//! in whole steps, so nothing drifts.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use stimulus::Stimulus;
+
+use super::actuating::Actuating;
+use super::bench::Prepared;
+use super::build::{Built, build};
+use super::data::whole_steps;
+use super::draws::Draws;
+use super::measure::{Scenery, yaw_of};
+use super::person::{hands_of, poses_of};
+use super::piloting::Piloting;
+use super::recorder::{Recorder, sensor_row};
+use super::script::{Known, Script};
+use super::sensing::Sensing;
+use super::walker::{RobotSeen, Walker};
+use crate::bench::{End, Recorded, SimError, Watch};
+use crate::physics::{Physics, Touch};
+use crate::scenario::ScenarioError;
+
+/// An episode in progress.
+pub(super) struct Run {
+    pub(super) prepared: Arc<Prepared>,
+    pub(super) seed: u64,
+    draws: Draws,
+    built: Built,
+    physics: Box<dyn Physics>,
+    people: Vec<Walker>,
+    sensors: Vec<Sensing>,
+    actuators: Vec<Actuating>,
+    pub(super) pilots: Vec<Piloting>,
+    script: Script,
+    known: Known,
+    pub(super) recorder: Recorder,
+    touches: Vec<Touch>,
+    /// Largest forces since the last row, by robot: of people, of other things.
+    forces: Vec<[f64; 2]>,
+    arrived: Vec<bool>,
+    steps: u64,
+    record_steps: u64,
+    people_steps: u64,
+    finished_secs: Option<f64>,
+    commands: VecDeque<(f64, usize, usize, f64)>,
+}
+
+impl Run {
+    /// Begins an episode.
+    pub(super) fn new(
+        prepared: Arc<Prepared>,
+        stimulus: &Stimulus,
+        seed: u64,
+    ) -> Result<Self, SimError> {
+        let data = &prepared.data;
+        let draws = Draws { seed };
+        let built = build(data, &prepared.models, draws)?;
+        let step_secs = data.simulation.time_step_secs;
+        let steps = |key: &str, period_secs: f64| whole_steps(key, period_secs, step_secs);
+        let physics = (prepared.physics)(&built.layout)?;
+        let people = data.people.iter().zip(&built.people);
+        let people: Vec<Walker> = people
+            .map(|(person, body)| Walker::new(person, body.radius_m, draws))
+            .collect();
+        let robot_of = |name: &str| data.robots.iter().position(|robot| robot.name == name);
+        let mut sensors = Vec::new();
+        for sensor in &data.sensors {
+            let robot = robot_of(&sensor.robot).unwrap_or(0);
+            let period = steps("sensor.rate_hz", 1.0 / sensor.rate_hz)?;
+            sensors.push(Sensing::new(sensor, robot, &built, period, draws));
+        }
+        let actuators = data.actuators.iter().enumerate();
+        let actuators: Vec<Actuating> = actuators
+            .map(|(index, actuator)| {
+                let robot = robot_of(&actuator.robot).unwrap_or(0);
+                Actuating::new(actuator, index, robot, &built, draws)
+            })
+            .collect();
+        let mut pilots = Vec::new();
+        for controller in &data.controllers {
+            let robot = robot_of(&controller.robot).unwrap_or(0);
+            let period = steps("controller.period_secs", controller.period_secs)?;
+            let mut pilot = Piloting::start(&prepared, controller, robot, period, draws)?;
+            pilot.set_up(controller, (&data.sensors, &sensors), &actuators, draws)?;
+            pilots.push(pilot);
+        }
+        let descriptions: Vec<_> = pilots
+            .iter()
+            .map(|pilot| pilot.description().clone())
+            .collect();
+        let known = known(data, &descriptions);
+        known
+            .check(&stimulus.test)
+            .map_err(|reason| SimError::Stimulus { reason })?;
+        let mut run = Self {
+            recorder: Recorder::new(data, &descriptions)?,
+            script: Script::new(&stimulus.test),
+            known,
+            seed,
+            draws,
+            physics,
+            touches: Vec::new(),
+            forces: vec![[0.0; 2]; built.robots.len()],
+            arrived: vec![false; people.len()],
+            people,
+            sensors,
+            actuators,
+            pilots,
+            steps: 0,
+            record_steps: steps("simulation.record_hz", 1.0 / data.simulation.record_hz)?,
+            people_steps: steps("simulation.people_hz", 1.0 / data.simulation.people_hz)?,
+            finished_secs: None,
+            commands: VecDeque::new(),
+            built,
+            prepared: Arc::clone(&prepared),
+        };
+        run.describe(stimulus);
+        run.place();
+        Ok(run)
+    }
+
+    /// Facts for the recording's metadata.
+    fn describe(&mut self, stimulus: &Stimulus) {
+        let (engine, version) = self.physics.engine();
+        let recorder = &mut self.recorder;
+        recorder.note("scene", &self.prepared.data.name);
+        recorder.note("abstract_test", &stimulus.test.name);
+        recorder.note("seed", self.seed);
+        recorder.note("engine", engine);
+        recorder.note("engine_version", version);
+        recorder.note(
+            "time_step_secs",
+            self.prepared.data.simulation.time_step_secs,
+        );
+        for (controller, pilot) in self.prepared.data.controllers.iter().zip(&self.pilots) {
+            let description = pilot.description();
+            let text = format!("{} {}", description.name, description.version);
+            recorder.note(&format!("controller.{}", controller.name), text);
+        }
+        for (key, value) in &stimulus.settings {
+            recorder.note(&format!("setting.{key}"), value);
+        }
+    }
+
+    /// Brings joints and people to where they begin.
+    fn place(&mut self) {
+        for robot in &self.built.robots {
+            for (joint, position) in &robot.start {
+                self.physics.set_joint(*joint, *position);
+            }
+        }
+        self.lead_people();
+        self.physics.refresh();
+    }
+
+    fn lead_people(&mut self) {
+        for (walker, body) in self.people.iter().zip(&self.built.people) {
+            let poses = poses_of(walker.body, body.height_m, &walker.stance);
+            for (body, pose) in body.bodies.clone().zip(&poses) {
+                self.physics.lead(body, pose);
+            }
+        }
+    }
+
+    /// Simulated time.
+    pub(super) fn now_secs(&self) -> f64 {
+        self.steps as f64 * self.prepared.data.simulation.time_step_secs
+    }
+
+    /// How the episode ends now, if it does.
+    pub(super) fn end(&self) -> Option<End> {
+        let simulation = &self.prepared.data.simulation;
+        let after = |secs: f64| self.now_secs() + 1e-9 >= secs + simulation.end_after_secs;
+        if self.recorder.is_enough {
+            return Some(End::Watched);
+        }
+        let is_over = self.finished_secs.is_some_and(after)
+            || self.now_secs() + 1e-9 >= simulation.duration_secs;
+        is_over.then_some(End::Over)
+    }
+
+    /// One time step, with everything that falls due at its beginning.
+    pub(super) fn step(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        self.sense(watch)?;
+        self.enact();
+        self.pilot(watch)?;
+        self.act(watch)?;
+        if self.steps.is_multiple_of(self.record_steps) {
+            self.record(watch)?;
+        }
+        if (self.steps + 1).is_multiple_of(self.people_steps) {
+            self.move_people();
+        }
+        self.physics.step();
+        self.steps += 1;
+        self.touches.clear();
+        self.physics.touches(&mut self.touches);
+        self.gather_forces();
+        if self.steps.is_multiple_of(500) {
+            self.check_sound()?;
+        }
+        Ok(())
+    }
+
+    fn check_sound(&self) -> Result<(), SimError> {
+        if self.physics.is_sound() {
+            return Ok(());
+        }
+        Err(SimError::Unstable {
+            seed: self.seed,
+            time_secs: self.now_secs(),
+        })
+    }
+
+    /// Sensors measure, and what has arrived is recorded and goes to the controllers.
+    fn sense(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        let mut scenery = Scenery {
+            now_secs,
+            physics: self.physics.as_ref(),
+            built: &self.built,
+            people: &self.people,
+            touches: &self.touches,
+        };
+        for (index, sensor) in self.sensors.iter_mut().enumerate() {
+            if self.steps.is_multiple_of(sensor.period_steps) {
+                sensor.measure(&mut scenery);
+            }
+            while let Some(arrived) = sensor.arrived(now_secs) {
+                let is_faulty = sensor.fault(arrived.measured_secs).is_some();
+                let data = &self.prepared.data.sensors[index];
+                let row = sensor_row(data, arrived.measured_secs, is_faulty, &arrived.values);
+                self.recorder
+                    .row(self.recorder.topics.sensors[index], now_secs, &row, watch)?;
+                for pilot in self.pilots.iter_mut().filter(|p| p.robot == sensor.robot) {
+                    pilot.receive(&sensor.name, arrived.measurement(&sensor.fields));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The test does what is due.
+    fn enact(&mut self) {
+        let now_secs = self.now_secs();
+        for (index, walker) in self.people.iter().enumerate() {
+            if walker.has_arrived() && !self.arrived[index] {
+                self.arrived[index] = true;
+                self.script
+                    .hear(&format!("{}.arrived", self.known.people[index]));
+            }
+        }
+        let mut sent = Vec::new();
+        let reach = (self.people.as_mut_slice(), self.sensors.as_mut_slice());
+        self.script
+            .enact(now_secs, self.draws, &self.known, reach, &mut sent);
+        for signal in &sent {
+            self.pilots
+                .iter_mut()
+                .for_each(|pilot| pilot.hear(signal, now_secs));
+        }
+    }
+
+    /// Controllers that are due tick; their commands set out.
+    fn pilot(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        for index in 0..self.pilots.len() {
+            let pilot = &mut self.pilots[index];
+            if !self.steps.is_multiple_of(pilot.period_steps) {
+                continue;
+            }
+            let outputs = pilot.tick(now_secs, &self.actuators)?;
+            for message in &outputs.messages {
+                self.script.hear(message);
+            }
+            let due_secs = now_secs + pilot.latency_secs;
+            for (actuator, field, value) in pilot.commands(&outputs, &self.actuators) {
+                self.commands.push_back((due_secs, actuator, field, value));
+            }
+            let row = pilot.row();
+            self.recorder.row(
+                self.recorder.topics.controllers[index],
+                now_secs,
+                &row,
+                watch,
+            )?;
+        }
+        let all_finished = !self.pilots.is_empty() && self.pilots.iter().all(Piloting::is_finished);
+        if all_finished && self.finished_secs.is_none() {
+            self.finished_secs = Some(now_secs);
+        }
+        Ok(())
+    }
+
+    /// Commands that are due take effect, and drives are brought on their way.
+    fn act(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        let mut changed = vec![self.steps == 0; self.actuators.len()];
+        // Commands of controllers with different latencies are not in the order of their times.
+        let is_due = |due_secs: f64| due_secs <= now_secs + 1e-9;
+        let actuators = &mut self.actuators;
+        self.commands.retain(|(due_secs, actuator, field, value)| {
+            if is_due(*due_secs) {
+                changed[*actuator] = true;
+                actuators[*actuator].commanded[*field] = *value;
+            }
+            !is_due(*due_secs)
+        });
+        let step_secs = self.prepared.data.simulation.time_step_secs;
+        for (index, actuator) in self.actuators.iter_mut().enumerate() {
+            if changed[index] {
+                let topic = self.recorder.topics.actuators[index];
+                self.recorder
+                    .row(topic, now_secs, &actuator.commanded, watch)?;
+            }
+            actuator.act(self.physics.as_mut(), step_secs);
+        }
+        Ok(())
+    }
+
+    /// People go on to the end of this step.
+    fn move_people(&mut self) {
+        let data = &self.prepared.data.simulation;
+        let period_secs = self.people_steps as f64 * data.time_step_secs;
+        let then_secs = (self.steps + 1) as f64 * data.time_step_secs;
+        let seen = |robot: &super::build::BuiltRobot| {
+            let pose = self.physics.body_pose(robot.added.root);
+            RobotSeen {
+                x_m: pose.position_m[0],
+                y_m: pose.position_m[1],
+                yaw_rad: yaw_of(pose.orientation),
+            }
+        };
+        let robots: Vec<RobotSeen> = self.built.robots.iter().map(seen).collect();
+        for walker in &mut self.people {
+            walker.update(then_secs, period_secs, &robots);
+        }
+        self.lead_people();
+    }
+
+    /// The largest forces of people and of other things on each robot since the last row.
+    fn gather_forces(&mut self) {
+        let built = &self.built;
+        let is_person = |shape: &usize| built.people.iter().any(|p| p.shapes.contains(shape));
+        for (robot, [of_people, of_others]) in built.robots.iter().zip(&mut self.forces) {
+            let (mut people, mut others) = (0.0, 0.0);
+            for touch in &self.touches {
+                let own = touch
+                    .shapes
+                    .map(|shape| robot.added.shapes.contains(&shape));
+                let other = match own {
+                    [true, false] => touch.shapes[1],
+                    [false, true] => touch.shapes[0],
+                    _ => continue,
+                };
+                if is_person(&other) {
+                    people += touch.normal_newtons;
+                } else if !built.ground.contains(&other) {
+                    others += touch.normal_newtons;
+                }
+            }
+            *of_people = f64::max(*of_people, people);
+            *of_others = f64::max(*of_others, others);
+        }
+    }
+
+    /// Writes down the truth.
+    fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        let distances = self.distances();
+        for index in 0..self.built.robots.len() {
+            let row = self.robot_row(index, &distances[index]);
+            let topic = self.recorder.topics.robots[index];
+            self.recorder.row(topic, now_secs, &row, watch)?;
+        }
+        for index in 0..self.people.len() {
+            let nearest = distances.iter().map(|of_robot| of_robot[index]);
+            let row = self.person_row(index, nearest.fold(f64::NAN, f64::min));
+            let topic = self.recorder.topics.people[index];
+            self.recorder.row(topic, now_secs, &row, watch)?;
+        }
+        let row = [
+            self.script.done() as f64,
+            f64::from(u8::from(self.script.is_done())),
+        ];
+        let topic = self.recorder.topics.test;
+        self.recorder.row(topic, now_secs, &row, watch)?;
+        self.forces.fill([0.0; 2]);
+        Ok(())
+    }
+
+    /// The distance between the surfaces of each robot and each person.
+    fn distances(&mut self) -> Vec<Vec<f64>> {
+        let longest_m = self.prepared.data.simulation.longest_distance_m;
+        let (built, physics) = (&self.built, &mut self.physics);
+        let of_robot = |robot: &super::build::BuiltRobot| {
+            let mut of_person = |person: &super::build::BuiltPerson| {
+                let mut least_m = longest_m;
+                for own in robot.added.shapes.clone() {
+                    for theirs in person.shapes.clone() {
+                        let distance_m = physics.distance_m(own, theirs, least_m);
+                        least_m = least_m.min(distance_m);
+                    }
+                }
+                least_m
+            };
+            built.people.iter().map(&mut of_person).collect()
+        };
+        built.robots.iter().map(of_robot).collect()
+    }
+
+    fn robot_row(&self, index: usize, distances: &[f64]) -> Vec<f64> {
+        let robot = &self.built.robots[index];
+        let pose = self.physics.body_pose(robot.added.root);
+        let twist = self.physics.body_twist(robot.added.root);
+        let [x, y, z] = pose.position_m;
+        let nearest_m = distances.iter().copied().fold(f64::NAN, f64::min);
+        let mut row = vec![
+            x,
+            y,
+            z,
+            yaw_of(pose.orientation),
+            twist.linear_m_s[0].hypot(twist.linear_m_s[1]),
+            twist.angular_rad_s[2],
+            nearest_m,
+            self.forces[index][0],
+            self.forces[index][1],
+        ];
+        for joint in &self.prepared.data.robots[index].recorded_joints {
+            let state = robot.added.joints.get(joint);
+            let state = state.map_or(Default::default(), |joint| self.physics.joint(*joint));
+            row.extend([state.position, state.velocity]);
+        }
+        row
+    }
+
+    fn person_row(&self, index: usize, distance_m: f64) -> Vec<f64> {
+        let walker = &self.people[index];
+        let stance = &walker.stance;
+        let flag = |value: bool| f64::from(u8::from(value));
+        let mut row = vec![
+            stance.x_m,
+            stance.y_m,
+            stance.heading_rad,
+            stance.speed_m_s,
+            distance_m,
+            walker.activity as u8 as f64,
+            flag(walker.is_reacting()),
+            flag(walker.distracted),
+            flag(walker.has_arrived()),
+        ];
+        if let Some(hands) = hands_of(walker.body, self.built.people[index].height_m, stance) {
+            row.extend(hands.as_flattened());
+        }
+        row
+    }
+
+    /// Ends the episode and closes the recording.
+    pub(super) fn finish(mut self, end: End, watch: &mut dyn Watch) -> Result<Recorded, SimError> {
+        self.record(watch)?;
+        self.check_sound()?;
+        for pilot in &mut self.pilots {
+            pilot.end()?;
+        }
+        self.recorder.trace.complete = end == End::Over;
+        Ok(Recorded {
+            sim_secs: self.now_secs(),
+            trace: self.recorder.trace,
+            steps: self.steps,
+            end,
+        })
+    }
+}
+
+/// What tests may name in this scene.
+fn known(data: &super::data::SceneData, descriptions: &[crate::controller::Description]) -> Known {
+    let people: Vec<String> = data.people.iter().map(|p| p.name.clone()).collect();
+    let events = people.iter().map(|name| format!("{name}.arrived"));
+    let sends = descriptions.iter().flat_map(|d| d.sends.iter().cloned());
+    let receives = descriptions.iter().flat_map(|d| d.receives.iter().cloned());
+    Known {
+        sendable: receives.collect(),
+        receivable: sends.chain(events).collect(),
+        sensors: data.sensors.iter().map(|s| s.name.clone()).collect(),
+        people,
+    }
+}
+
+impl From<crate::controller::ControllerError> for SimError {
+    fn from(error: crate::controller::ControllerError) -> Self {
+        Self::Controller(error)
+    }
+}
+
+/// Data that were checked before can still lack a link or joint of a description.
+pub(super) fn unsuitable(error: &ScenarioError) -> SimError {
+    SimError::Stimulus {
+        reason: error.to_string(),
+    }
+}

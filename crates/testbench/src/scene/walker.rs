@@ -1,0 +1,375 @@
+//! How people move: along waypoints, to a robot, after it, and what they do when it comes near.
+//!
+//! A person is a point with a heading. It turns towards where it wants to go at a limited rate and
+//! changes its speed at a limited acceleration. Each update covers one period of the scene's
+//! `people_hz`.
+
+use stimulus::Distribution;
+
+use super::data::{Activity, ArmPose, Person, PersonBody, ReactionKind};
+use super::draws::Draws;
+use super::person::Stance;
+
+/// Nearer than this a waypoint counts as reached.
+const REACHED_M: f64 = 0.15;
+/// How far a person who approaches stays from the robot's root, beyond the person's own radius.
+const TOUCHING_M: f64 = 0.3;
+/// How far behind a person follows.
+const BEHIND_M: f64 = 1.0;
+/// A robot is away again beyond this multiple of the distance at which the person reacts.
+const AWAY: f64 = 1.2;
+
+/// What a person sees of a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RobotSeen {
+    pub(super) x_m: f64,
+    pub(super) y_m: f64,
+    pub(super) yaw_rad: f64,
+}
+
+/// The numbers of a person that an episode draws.
+#[derive(Debug, Clone, PartialEq)]
+struct Drawn {
+    acceleration_m_s2: f64,
+    turn_rate_rad_s: f64,
+    radius_m: f64,
+    waypoints: Vec<(f64, f64, f64)>,
+    reaction: Option<(ReactionKind, f64, f64, f64)>,
+}
+
+/// A person in an episode.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Walker {
+    pub(super) body: PersonBody,
+    pub(super) stance: Stance,
+    pub(super) activity: Activity,
+    pub(super) distracted: bool,
+    /// The speed that the person walks at when nothing hinders.
+    pub(super) walking_m_s: f64,
+    pub(super) velocity_m_s: [f64; 2],
+    again: bool,
+    drawn: Drawn,
+    next: usize,
+    pause_until_secs: f64,
+    near_since_secs: Option<f64>,
+    reacting: bool,
+    aside_m: Option<[f64; 2]>,
+}
+
+impl Walker {
+    /// The person at the beginning of an episode.
+    pub(super) fn new(person: &Person, radius_m: f64, draws: Draws) -> Self {
+        let drawn = |field: &str, d: &Distribution| draws.of("person", &person.name, field, d);
+        let waypoint = |(index, point): (usize, &super::data::Waypoint)| {
+            let of = |field: &str, d: &Distribution| drawn(&format!("waypoint.{index}.{field}"), d);
+            (
+                of("x_m", &point.x_m),
+                of("y_m", &point.y_m),
+                of("pause_secs", &point.pause_secs),
+            )
+        };
+        let reaction = person.reaction.as_ref().map(|reaction| {
+            (
+                reaction.kind,
+                drawn("reaction.within_m", &reaction.within_m),
+                drawn("reaction.delay_secs", &reaction.delay_secs),
+                drawn("reaction.aside_m", &reaction.aside_m),
+            )
+        });
+        let probability = drawn("distracted_probability", &person.distracted_probability);
+        let name = format!("person.{}.is_distracted", person.name);
+        Self {
+            body: person.body,
+            stance: Stance {
+                x_m: drawn("x_m", &person.x_m),
+                y_m: drawn("y_m", &person.y_m),
+                heading_rad: drawn("heading_rad", &person.heading_rad),
+                speed_m_s: 0.0,
+                walked_m: 0.0,
+                arms: person.arms,
+            },
+            activity: person.activity,
+            distracted: draws.stream(&name).chance(probability),
+            walking_m_s: drawn("speed_m_s", &person.speed_m_s),
+            velocity_m_s: [0.0; 2],
+            again: person.again,
+            drawn: Drawn {
+                acceleration_m_s2: drawn("acceleration_m_s2", &person.acceleration_m_s2),
+                turn_rate_rad_s: drawn("turn_rate_rad_s", &person.turn_rate_rad_s),
+                radius_m,
+                waypoints: person.waypoints.iter().enumerate().map(waypoint).collect(),
+                reaction,
+            },
+            next: 0,
+            pause_until_secs: 0.0,
+            near_since_secs: None,
+            reacting: false,
+            aside_m: None,
+        }
+    }
+
+    /// Whether the last waypoint has been reached.
+    pub(super) fn has_arrived(&self) -> bool {
+        !self.drawn.waypoints.is_empty() && self.next >= self.drawn.waypoints.len()
+    }
+
+    /// Whether the person reacts to a robot.
+    pub(super) fn is_reacting(&self) -> bool {
+        self.reacting
+    }
+
+    /// Changes how the arms are held.
+    pub(super) fn hold_arms(&mut self, arms: ArmPose) {
+        self.stance.arms = arms;
+    }
+
+    /// Moves on by `period_secs`.
+    pub(super) fn update(&mut self, now_secs: f64, period_secs: f64, robots: &[RobotSeen]) {
+        let nearest = self.nearest(robots);
+        self.notice(now_secs, nearest);
+        let (goal, speed_m_s) = self.wish(now_secs, nearest);
+        match (goal, self.aside_m.is_some() && self.reacting) {
+            (Some(goal), true) => self.sidestep(goal, speed_m_s, period_secs),
+            (goal, _) => self.walk(goal, speed_m_s, period_secs),
+        }
+    }
+
+    fn nearest(&self, robots: &[RobotSeen]) -> Option<(RobotSeen, f64)> {
+        let distance = |robot: &RobotSeen| self.distance_m([robot.x_m, robot.y_m]);
+        robots
+            .iter()
+            .map(|robot| (*robot, distance(robot)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
+        (x_m - self.stance.x_m).hypot(y_m - self.stance.y_m)
+    }
+
+    /// Begins or ends a reaction.
+    fn notice(&mut self, now_secs: f64, nearest: Option<(RobotSeen, f64)>) {
+        let (Some((kind, within_m, delay_secs, aside_m)), Some((robot, distance_m))) =
+            (self.drawn.reaction, nearest)
+        else {
+            return;
+        };
+        if self.distracted || distance_m > AWAY * within_m {
+            self.near_since_secs = None;
+            self.reacting = false;
+            self.aside_m = None;
+        } else if distance_m <= within_m {
+            let since_secs = *self.near_since_secs.get_or_insert(now_secs);
+            if !self.reacting && now_secs - since_secs >= delay_secs {
+                self.reacting = true;
+                if kind == ReactionKind::StepsAside {
+                    self.aside_m = Some(self.beside(robot, aside_m));
+                }
+            }
+        }
+    }
+
+    /// The point `aside_m` away from the line on which the robot faces, on the person's side of it.
+    fn beside(&self, robot: RobotSeen, aside_m: f64) -> [f64; 2] {
+        let (sine, cosine) = robot.yaw_rad.sin_cos();
+        let [dx, dy] = [self.stance.x_m - robot.x_m, self.stance.y_m - robot.y_m];
+        let left_m = dy * cosine - dx * sine;
+        let side = if left_m >= 0.0 { aside_m } else { -aside_m };
+        [
+            self.stance.x_m - side * sine,
+            self.stance.y_m + side * cosine,
+        ]
+    }
+
+    /// Where the person wants to go, and how fast.
+    fn wish(
+        &mut self,
+        now_secs: f64,
+        nearest: Option<(RobotSeen, f64)>,
+    ) -> (Option<[f64; 2]>, f64) {
+        let stand = (None, 0.0);
+        let kind = self.drawn.reaction.filter(|_| self.reacting).map(|r| r.0);
+        let activity = match kind {
+            Some(ReactionKind::Stops) => return stand,
+            Some(ReactionKind::StepsAside) => return (self.aside_m, self.walking_m_s),
+            Some(ReactionKind::Approaches) => Activity::Approach,
+            Some(ReactionKind::Yields) | None => self.activity,
+        };
+        let haste = if kind == Some(ReactionKind::Yields) {
+            0.5
+        } else {
+            1.0
+        };
+        let speed_m_s = haste * self.walking_m_s;
+        let towards = |keep_m: f64| match nearest {
+            Some((robot, distance_m)) if distance_m > keep_m => {
+                (Some([robot.x_m, robot.y_m]), speed_m_s)
+            }
+            _ => stand,
+        };
+        match activity {
+            Activity::Stand => stand,
+            Activity::Approach => towards(self.drawn.radius_m + TOUCHING_M),
+            Activity::Follow => towards(self.drawn.radius_m + BEHIND_M),
+            Activity::Walk => match self.waypoint(now_secs) {
+                Some(goal) => (Some(goal), speed_m_s),
+                None => stand,
+            },
+        }
+    }
+
+    /// The waypoint to walk to, none while pausing or after the last.
+    fn waypoint(&mut self, now_secs: f64) -> Option<[f64; 2]> {
+        if now_secs < self.pause_until_secs {
+            return None;
+        }
+        let (x_m, y_m, pause_secs) = *self.drawn.waypoints.get(self.next)?;
+        if self.distance_m([x_m, y_m]) > REACHED_M {
+            return Some([x_m, y_m]);
+        }
+        self.next += 1;
+        if self.again && self.next == self.drawn.waypoints.len() {
+            self.next = 0;
+        }
+        self.pause_until_secs = now_secs + pause_secs;
+        None
+    }
+
+    /// Turns towards the goal and walks forwards, slower while it is aside.
+    fn walk(&mut self, goal: Option<[f64; 2]>, speed_m_s: f64, period_secs: f64) {
+        let mut wanted_m_s = 0.0;
+        if let Some([x_m, y_m]) = goal {
+            let bearing_rad = (y_m - self.stance.y_m).atan2(x_m - self.stance.x_m);
+            let error_rad = wrapped(bearing_rad - self.stance.heading_rad);
+            let most_rad = self.drawn.turn_rate_rad_s * period_secs;
+            self.stance.heading_rad =
+                wrapped(self.stance.heading_rad + error_rad.clamp(-most_rad, most_rad));
+            wanted_m_s = speed_m_s * error_rad.cos().max(0.0);
+        }
+        self.accelerate(wanted_m_s, period_secs);
+        let (sine, cosine) = self.stance.heading_rad.sin_cos();
+        self.go([cosine, sine], period_secs);
+    }
+
+    /// Moves without turning.
+    fn sidestep(&mut self, [x_m, y_m]: [f64; 2], speed_m_s: f64, period_secs: f64) {
+        let left_m = self.distance_m([x_m, y_m]);
+        // No faster than it can still stop.
+        let most_m_s = (2.0 * self.drawn.acceleration_m_s2 * left_m).sqrt();
+        self.accelerate(speed_m_s.min(most_m_s), period_secs);
+        let speed = self.stance.speed_m_s.min(left_m / period_secs);
+        self.stance.speed_m_s = speed;
+        let direction = if left_m > 0.0 {
+            [
+                (x_m - self.stance.x_m) / left_m,
+                (y_m - self.stance.y_m) / left_m,
+            ]
+        } else {
+            [0.0; 2]
+        };
+        self.go(direction, period_secs);
+    }
+
+    fn accelerate(&mut self, wanted_m_s: f64, period_secs: f64) {
+        let most_m_s = self.drawn.acceleration_m_s2 * period_secs;
+        let change = wanted_m_s - self.stance.speed_m_s;
+        self.stance.speed_m_s += change.clamp(-most_m_s, most_m_s);
+    }
+
+    fn go(&mut self, direction: [f64; 2], period_secs: f64) {
+        self.velocity_m_s = direction.map(|part| part * self.stance.speed_m_s);
+        self.stance.x_m += self.velocity_m_s[0] * period_secs;
+        self.stance.y_m += self.velocity_m_s[1] * period_secs;
+        self.stance.walked_m += self.stance.speed_m_s * period_secs;
+    }
+}
+
+/// An angle in [-π, π).
+pub(super) fn wrapped(angle_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    (angle_rad + PI).rem_euclid(TAU) - PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person(text: &str) -> Person {
+        toml::from_str(&format!("name = \"p\"\nx_m = 0.0\ny_m = 0.0\n{text}")).unwrap()
+    }
+
+    fn walker(text: &str) -> Walker {
+        Walker::new(&person(text), 0.2, Draws { seed: 1 })
+    }
+
+    fn run(walker: &mut Walker, secs: f64, robot: Option<RobotSeen>) {
+        let robots: Vec<RobotSeen> = robot.into_iter().collect();
+        for step in 0..(secs * 100.0) as u32 {
+            walker.update(f64::from(step) / 100.0, 0.01, &robots);
+        }
+    }
+
+    #[test]
+    fn waypoints_are_reached_in_the_time_that_speed_and_acceleration_give() {
+        let mut p = walker(
+            "speed_m_s = 1.0\nacceleration_m_s2 = 2.0\nwaypoint = [{ x_m = 4.0, y_m = 0.0 }]",
+        );
+        // 0.5 s and 0.25 m to walk, then 3.6 m at 1 m/s: within 0.15 m of the point after 4.1 s.
+        run(&mut p, 4.05, None);
+        assert!(!p.has_arrived() && (p.stance.speed_m_s - 1.0).abs() < 1e-9);
+        let mut p = walker(
+            "speed_m_s = 1.0\nacceleration_m_s2 = 2.0\nwaypoint = [{ x_m = 4.0, y_m = 0.0 }]",
+        );
+        run(&mut p, 4.2, None);
+        assert!(p.has_arrived());
+    }
+
+    #[test]
+    fn who_stops_stops_after_the_delay_and_who_is_distracted_does_not() {
+        let text = "speed_m_s = 1.0\nwaypoint = [{ x_m = 9.0, y_m = 0.0 }]\nreaction = { kind = \"stops\", within_m = 2.0, delay_secs = 0.5 }";
+        let robot = RobotSeen {
+            x_m: 5.0,
+            y_m: 0.0,
+            yaw_rad: std::f64::consts::PI,
+        };
+        let mut attentive = walker(text);
+        run(&mut attentive, 10.0, Some(robot));
+        assert!(attentive.is_reacting() && attentive.stance.speed_m_s == 0.0);
+        assert!((3.4..4.0).contains(&attentive.stance.x_m));
+        let mut distracted = walker(&format!("distracted_probability = 1.0\n{text}"));
+        run(&mut distracted, 10.0, Some(robot));
+        assert!(distracted.has_arrived());
+    }
+
+    #[test]
+    fn who_steps_aside_leaves_the_robots_line() {
+        let text = "activity = \"stand\"\nreaction = { kind = \"steps_aside\", within_m = 3.0, aside_m = 0.6 }";
+        let mut p = walker(text);
+        run(
+            &mut p,
+            5.0,
+            Some(RobotSeen {
+                x_m: 2.0,
+                y_m: -0.1,
+                yaw_rad: std::f64::consts::PI,
+            }),
+        );
+        assert!((p.stance.y_m - 0.6).abs() < 1e-6, "{}", p.stance.y_m);
+        assert!(p.stance.speed_m_s.abs() < 1e-6);
+    }
+
+    #[test]
+    fn who_approaches_stops_at_the_robot() {
+        let mut p = walker("activity = \"approach\"\nspeed_m_s = 1.0");
+        run(
+            &mut p,
+            10.0,
+            Some(RobotSeen {
+                x_m: 0.0,
+                y_m: 3.0,
+                yaw_rad: 0.0,
+            }),
+        );
+        assert!((p.stance.y_m - 2.5).abs() < 0.35, "{}", p.stance.y_m);
+        assert_eq!(p.stance.speed_m_s, 0.0);
+    }
+}
