@@ -11,15 +11,18 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 12] = [
+const CRATES: [(&str, u8, &[&str]); 15] = [
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
     ("stats", 0, &[]),
     ("trace", 0, &[]),
+    ("robot-model", 0, &[]),
+    ("stimulus", 0, &[]),
     ("checker", 1, &["prism-lang", "temporal", "stats"]),
     ("recording", 1, &["trace"]),
     ("requirement-lang", 1, &["temporal", "trace"]),
-    ("testbench", 1, &["trace"]),
+    ("testbench", 1, &["trace", "robot-model", "stimulus"]),
+    ("campaign", 1, &["stats", "stimulus"]),
     ("evidence", 2, &["stats"]),
     ("live", 2, &["trace", "recording"]),
     ("report", 2, &["evidence"]),
@@ -31,10 +34,13 @@ const CRATES: [(&str, u8, &[&str]); 12] = [
             "temporal",
             "stats",
             "trace",
+            "robot-model",
+            "stimulus",
             "checker",
             "recording",
             "requirement-lang",
             "testbench",
+            "campaign",
             "evidence",
             "live",
             "report",
