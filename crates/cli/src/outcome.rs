@@ -5,6 +5,9 @@
 pub enum Outcome {
     /// All requirements hold and the evidence agrees.
     Holds,
+    /// It was interrupted before what was planned was over; what was found so
+    /// far is kept.
+    Interrupted,
     /// Something could not be decided.
     Inconclusive,
     /// The work is done but some of its data could not be kept or read.
@@ -14,12 +17,13 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// The exit code: 0, 1 or 3. (2 is an error of the call or the input, 101
-    /// a bug of ours, 130 an interruption.)
+    /// The exit code: 0, 1, 3 or 130. (2 is an error of the call or the
+    /// input, 101 a bug of ours.)
     pub fn exit_code(self) -> u8 {
         match self {
             Outcome::Holds => 0,
             Outcome::Violated => 1,
+            Outcome::Interrupted => 130,
             Outcome::Inconclusive | Outcome::DataLost => 3,
         }
     }

@@ -9,6 +9,7 @@ pub mod model_checking;
 pub mod operation;
 pub mod recording;
 pub mod simulation;
+pub mod watched;
 
 use crate::problem::Problem;
 use crate::store::hash_of;

@@ -92,6 +92,37 @@ impl Bridge {
         self.pacer = Pacer::start(self.clock, bench_nanos, tolerance_nanos);
     }
 
+    /// The clock of the source, which stamps both sides.
+    pub(crate) fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// What is known of a topic of the bench.
+    pub(crate) fn topic(&self, publication: PublicationId) -> Option<&Arc<Topic>> {
+        let mut published = self.published.iter();
+        published
+            .find(|(id, _)| *id == publication)
+            .map(|(_, topic)| topic)
+    }
+
+    /// Hands what comes from outside for up to `timeout` to `take`, and what waits already.
+    ///
+    /// # Errors
+    /// When the source has ended.
+    pub fn listen(
+        &mut self,
+        timeout: Duration,
+        take: &mut dyn FnMut(Incoming),
+    ) -> Result<(), LiveError> {
+        let mut next = self.source.next(timeout)?;
+        while let Some(incoming) = next {
+            self.last_nanos = self.last_nanos.max(nanos_of(&incoming));
+            take(incoming);
+            next = self.source.next(Duration::ZERO)?;
+        }
+        Ok(())
+    }
+
     /// Waits until bench time `bench_nanos` is due and hands what comes from outside meanwhile to `take`. What waits
     /// already is handed over even if the bench is late. Gives how late the step is, in nanoseconds.
     ///
@@ -135,18 +166,16 @@ impl Bridge {
         data: Vec<u8>,
         take: &mut dyn FnMut(Incoming),
     ) -> Result<(), LiveError> {
-        let known = self.published.iter().find(|(id, _)| *id == publication);
-        let Some((_, topic)) = known else {
-            return Err(LiveError::Option(
-                "this publication is of another bridge".to_owned(),
-            ));
-        };
+        let topic = self
+            .topic(publication)
+            .cloned()
+            .ok_or_else(|| LiveError::Option("this publication is of another bridge".to_owned()))?;
         let now = self.clock.now_nanos().max(self.last_nanos);
         self.publisher.publish(publication, now, &data)?;
         self.last_nanos = now;
         self.sent += 1;
         take(Incoming::Message(Message {
-            topic: topic.clone(),
+            topic,
             publish_nanos: Some(now),
             received_nanos: now,
             sequence: Some(self.sent),

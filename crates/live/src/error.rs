@@ -27,14 +27,17 @@ pub enum LiveError {
     },
     /// The transport stopped working and cannot be continued; attach again.
     Transport(String),
+    /// All was handed out that there was to come, as it should be; the text says how it ended.
+    Ended(String),
 }
 
 impl fmt::Display for LiveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Option(text) | Self::Unsupported(text) | Self::Encoding(text) => {
-                f.write_str(text)
-            }
+            Self::Option(text)
+            | Self::Unsupported(text)
+            | Self::Encoding(text)
+            | Self::Ended(text) => f.write_str(text),
             Self::Connect { to, reason } => write!(
                 f,
                 "cannot connect to {to}: {reason}; check that it runs and can be reached from here"

@@ -6,7 +6,8 @@
 //! here; [`Topic::info`] describes a topic for [`recording::Extractor`].
 //!
 //! The way back is a [`Publisher`]; a [`Bridge`] joins both, so that a robot's part runs in the loop with a simulated
-//! rest: some topics come from outside, some from the test bench, paced by the wall clock, all in one stream.
+//! rest: some topics come from outside, some from the test bench, paced by the wall clock, all in one stream
+//! ([`LiveStream::of_bench`] runs it in a thread).
 //!
 //! ```
 //! use live::{Incoming, Outgoing, Publisher, Source, TopicFilter, dds};
@@ -35,6 +36,7 @@
 //! ```
 
 mod bridge;
+mod bridge_stream;
 mod clock;
 pub mod dds;
 mod described;
@@ -48,6 +50,7 @@ mod stream;
 mod topic;
 
 pub use bridge::Bridge;
+pub use bridge_stream::BridgeFeed;
 pub use clock::Clock;
 pub use error::LiveError;
 pub use pace::{Pacer, Punctuality};

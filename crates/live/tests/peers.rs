@@ -395,10 +395,15 @@ fn what_we_publish_is_taken_by_the_peer_completely_and_in_order() {
     assert!(number(3) < RATE, "joined late: {line}");
 }
 
-/// The number in `{"n": number}`.
+/// The number in `{"n": number, …}`.
 fn number_in_json(message: &Message) -> u64 {
     let text = std::str::from_utf8(&message.data).expect("text");
-    let digits: String = text.chars().filter(char::is_ascii_digit).collect();
+    let (_, behind) = text.split_once("\"n\":").expect("the member n");
+    let digits: String = behind
+        .trim_start()
+        .chars()
+        .take_while(char::is_ascii_digit)
+        .collect();
     digits.parse().expect("a number")
 }
 

@@ -131,7 +131,9 @@ pub use inspect::{
     FieldSummary, FieldValue, FrameInspection, InspectOptions, Inspection, TopicInspection,
     inspect, inspect_reader,
 };
-pub use signals::{BindError, Moment, SignalStream, StreamError, StreamNote, StreamNoteKind};
+pub use signals::{
+    BindError, Moment, Polled, SignalStream, StreamError, StreamNote, StreamNoteKind,
+};
 
 #[cfg(test)]
 mod kept;

@@ -63,4 +63,4 @@ pub(crate) use tf_message::transforms_of;
 pub use bind::BindError;
 pub use error::StreamError;
 pub use report::{StreamNote, StreamNoteKind};
-pub use stream::{Moment, SignalStream};
+pub use stream::{Moment, Polled, SignalStream};

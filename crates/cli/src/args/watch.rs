@@ -16,16 +16,19 @@ Examples:
   corroborate watch my-study --dds 42 --out runs            and record the run
   corroborate watch my-study --foxglove ws://robot:8765 --for 60s --format json
   corroborate watch my-study --dds --topics '/robot/*' --out runs
+  corroborate watch my-study --dds --simulate E2 --outside /sensors/pressure_ok --out runs
 
 Judges as messages come: a verdict is said as soon as it is determined. By the
 time of arrival (`--time log`, unless the topic map says otherwise) nothing is
 waited for; by other times a verdict waits for what may still come late (as
-long as `reorder` in the topic map says). Time passes only with messages: while
-all is silent, nothing is judged.
+long as `reorder` in the topic map says). By the time of arrival, a deadline that
+has passed is judged 100 ms later even if all is silent; by other times, with the
+next message.
 
-Ctrl-C ends and sums up; a second one ends at once. Exits 1 if a requirement
-is violated, 3 if messages were lost or a verdict is open, 130 if it was
-interrupted before anything was judged."
+Ctrl-C (or SIGTERM) ends and sums up; a second one ends at once. Where another
+end was planned (--for, --simulate), the run then counts as incomplete. Exits 1
+if a requirement is violated, 3 if messages were lost or a verdict is open, 130
+if it was interrupted before what was planned was over."
 )]
 pub struct Watch {
     /// The study whose requirements and failure modes are judged.
@@ -67,6 +70,21 @@ pub struct Watch {
     /// ledger's `recordings` may name it.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
+    /// Simulate the rest of the robot: run an episode of this entry of the
+    /// ledger at the pace of the clock, publish what it shows by the table
+    /// ros2.toml beside its scenario, and judge both together.
+    #[arg(long, value_name = "ENTRY")]
+    pub simulate: Option<String>,
+    /// A topic that comes from outside, not from the simulation (may be
+    /// repeated); where the simulated robot reads it, it acts by it.
+    #[arg(long, value_name = "TOPIC", requires = "simulate")]
+    pub outside: Vec<String>,
+    /// Number of the episode that is simulated.
+    #[arg(long, value_name = "N", requires = "simulate", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub episode: u64,
+    /// Seed of the simulation instead of the study's.
+    #[arg(long, value_name = "N", requires = "simulate")]
+    pub seed: Option<u64>,
     /// How what happens is told; `json`: one object a line.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -1,6 +1,6 @@
 //! `corroborate simulate`: episodes of a study's simulation, recorded.
 
-mod ros2_table;
+pub mod ros2_table;
 
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, RecordingForm, Simulate};

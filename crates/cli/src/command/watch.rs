@@ -2,13 +2,26 @@
 //!
 //! Messages go through the same stream of signals and the same monitors as
 //! recordings do, so the recording of a run, judged afterwards, has the same
-//! verdicts. Instants come with messages alone: while all is silent, nothing
-//! is judged.
+//! verdicts.
+//!
+//! # Silence
+//! Instants come with messages, but time does not stop without them. By log
+//! time (that of arrival), a deadline that has passed by 100 ms without a
+//! message is judged as missed: the monitors, copied, are shown an instant 100
+//! ms ago of which nothing is known, and a verdict that is then determined
+//! holds whatever comes. A message that arrives later counts as later, in the
+//! recording too. When watching ends, what is overdue is judged alike, and the
+//! recording says until when was listened, so that it is judged the same
+//! afterwards. A signal with a staleness is only held as long as that allows.
+//! By other times a message may always come later than it was measured:
+//! there, deadlines are judged with the next message.
 
+mod bench;
 mod connection;
 mod event;
 mod hub;
 mod keeper;
+mod link;
 mod reader;
 mod teller;
 
@@ -19,40 +32,107 @@ use crate::problem::Problem;
 use crate::study::Study;
 use crate::technique::judging::{Judgement, Judges, Session};
 use crate::technique::recording::ReadingRules;
+use bench::Bench;
 use event::{LiveVerdict, WatchEvent};
 use evidence::Subject;
 use hub::{Hub, SharedHub, locked};
 use keeper::Keeper;
+use link::Link;
 use live::Source;
-use reader::LiveReader;
-use recording::{SignalStream, TimeSource, TopicMap, TypeDefinitions};
+use reader::{Inbox, LiveReader, SharedInbox, opened};
+use recording::{Moment, Polled, SignalStream, StreamError, TimeSource, TopicMap, TypeDefinitions};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use teller::Teller;
 use temporal::monitor::Verdict;
+
+/// How long after its time a message may still come before a deadline counts
+/// as missed.
+const OVERDUE_AFTER_NANOS: i64 = 100_000_000;
+
+/// How often to look, at most, whether a deadline has passed.
+const LOOK_EVERY_NANOS: i64 = 50_000_000;
 
 /// Judges a running system until it is told to end.
 pub fn watch(arguments: &Watch, setting: &Setting) -> Result<Done, Problem> {
     let study = Study::load(&arguments.study)?;
     let judges = judges(&study, &arguments.only)?;
     let map = topic_map(&study, arguments)?;
-    let signals: Vec<String> = judges.signals().into_iter().collect();
+    let judged: Vec<String> = judges.signals().into_iter().collect();
+    let bench = Bench::new(arguments, &study, &map, &judged, setting)?;
+    let signals = with_inputs(judged, bench.as_ref());
     let filter = connection::filter(&arguments.topics, &map, &signals);
-    let source = connection::connect(arguments, filter)?;
+    let source: Box<dyn Source> = match &bench {
+        Some(bench) => Box::new(bench.connect(arguments, filter)?),
+        None => connection::connect(arguments, filter)?,
+    };
+    let asked = Asked {
+        arguments,
+        judges: &judges,
+        map: &map,
+        signals: &signals,
+    };
+    attached(&asked, setting, source, bench.as_ref())
+}
+
+/// What is to be watched.
+struct Asked<'w> {
+    arguments: &'w Watch,
+    judges: &'w Judges<'w>,
+    map: &'w TopicMap,
+    signals: &'w [String],
+}
+
+/// Judges what `source` gives until it is told to end.
+fn attached(
+    asked: &Asked<'_>,
+    setting: &Setting,
+    source: Box<dyn Source>,
+    bench: Option<&Bench>,
+) -> Result<Done, Problem> {
+    let (arguments, map, signals) = (asked.arguments, asked.map, asked.signals);
     let types = types(arguments)?;
-    connection::wait_for_topics(&*source, &types, &map, &signals, arguments.wait, setting)?;
+    connection::wait_for_topics(&*source, &types, map, signals, arguments.wait, setting)?;
     let hub = hub(arguments, setting, &*source)?;
-    let reader = LiveReader::new(source, hub.clone(), types);
-    let mut stream = SignalStream::new(Box::new(reader), &map, &signals)
+    let inbox = Inbox::new(source, hub.clone());
+    let reader = LiveReader::new(inbox.clone(), hub.clone(), types);
+    let mut stream = SignalStream::new(Box::new(reader), map, signals)
         .map_err(|errors| unfit(errors.iter().map(ToString::to_string)))?;
     tell_beginning(&hub, &stream);
+    let link = match bench {
+        Some(bench) => Some(Link::new(
+            &bench.inputs,
+            stream.layout(),
+            bench.readings.clone(),
+        )?),
+        None => None,
+    };
+    if let Some(bench) = bench {
+        bench.begin();
+    }
     let mut run = Run {
         hub: &hub,
-        told: vec![None; judges.start(stream.layout())?.determined().count()],
+        inbox: &inbox,
+        until_nanos: None,
+        bench,
+        link,
+        told: vec![None; asked.judges.start(stream.layout())?.determined().count()],
         instants: 0,
+        looked_nanos: i64::MIN,
     };
-    let judgements = run.judge(&judges, &mut stream)?;
+    let judgements = run.judge(asked.judges, &mut stream)?;
     Ok(run.finish(&stream, &judgements, arguments.format))
+}
+
+/// The judged signals and those that the simulated robot reads.
+fn with_inputs(judged: Vec<String>, bench: Option<&Bench>) -> Vec<String> {
+    let mut signals = judged;
+    for signal in bench.map(Bench::signals).unwrap_or_default() {
+        if !signals.contains(&signal) {
+            signals.push(signal);
+        }
+    }
+    signals
 }
 
 fn judges<'a>(study: &'a Study, only: &[String]) -> Result<Judges<'a>, Problem> {
@@ -107,8 +187,18 @@ fn hub(arguments: &Watch, setting: &Setting, source: &dyn Source) -> Result<Shar
         keeper,
         setting.interrupt.clone(),
         ends_at_nanos,
+        planned(arguments),
     );
     Ok(Arc::new(Mutex::new(hub)))
+}
+
+/// What is to be over when watching ends, unless Ctrl-C is to end it.
+fn planned(arguments: &Watch) -> Option<String> {
+    match (&arguments.simulate, arguments.limit) {
+        (Some(_), _) => Some("the episode was over".into()),
+        (None, Some(_)) => Some("its time was over".into()),
+        (None, None) => None,
+    }
 }
 
 fn unfit(texts: impl Iterator<Item = String>) -> Problem {
@@ -127,6 +217,14 @@ fn tell_beginning(hub: &SharedHub, stream: &SignalStream) {
     };
     let now_nanos = hub.clock.now_nanos();
     hub.tell(now_nanos, event);
+    let unfinished = hub.keeper.as_ref().map(|it| it.unfinished.clone());
+    for path in unfinished.unwrap_or_default() {
+        let text = format!(
+            "{} has no end: its run was killed or still goes on; it counts as incomplete (`corroborate monitor --partial` judges it)",
+            path.display()
+        );
+        hub.tell(now_nanos, WatchEvent::Notice { text });
+    }
     for absent in stream.absent() {
         let text = absent.to_string();
         hub.tell(now_nanos, WatchEvent::Notice { text });
@@ -141,9 +239,17 @@ fn recording_of(hub: &Hub) -> Option<String> {
 /// One run that is watched.
 struct Run<'h> {
     hub: &'h SharedHub,
+    inbox: &'h SharedInbox,
+    /// How long was listened, by log time.
+    until_nanos: Option<i64>,
+    /// The simulated rest of the robot, if there is one, and what it reads.
+    bench: Option<&'h Bench>,
+    link: Option<Link>,
     /// For each monitor, its verdict and when that was told, by log time.
     told: Vec<Option<(i64, LiveVerdict)>>,
     instants: u64,
+    /// When it was looked last whether something is overdue.
+    looked_nanos: i64,
 }
 
 impl Run<'_> {
@@ -155,35 +261,99 @@ impl Run<'_> {
     ) -> Result<Vec<Judgement<'a>>, Problem> {
         let mut session = judges.start(stream.layout())?;
         loop {
-            match stream.next_instant() {
-                Ok(Some(moment)) => {
-                    session.step(moment.time_secs, stream.snapshot())?;
-                    self.instants += 1;
-                    self.tell_determined(&session, moment.log_nanos);
-                    self.show(&session);
-                }
-                Ok(None) => break,
+            match self.next(stream) {
+                Ok(Some(Polled::Instant(moment))) => self.take(&mut session, stream, moment)?,
+                Ok(Some(Polled::Nothing) | None) => self.look_at_clock(&session, stream)?,
+                Ok(Some(Polled::End)) => break,
                 Err(error) => {
                     locked(self.hub).miss(error.to_string());
                     break;
                 }
             }
         }
-        Ok(session.finish(stream.complete()))
+        self.until_nanos = self.silent_until();
+        if let Some(bench) = self.bench {
+            let mut hub = locked(self.hub);
+            bench.missing().into_iter().for_each(|what| hub.miss(what));
+        }
+        let until_secs = self.until_nanos.and_then(|it| stream.steady_until_secs(it));
+        session.finish_at(stream.complete(), until_secs)
     }
 
-    /// Tells the verdicts that this instant determined.
-    fn tell_determined(&mut self, session: &Session<'_, '_>, log_nanos: i64) {
-        let mut determined = session.determined().zip(&self.told);
-        if !determined.any(|((.., verdict), told)| verdict.is_some() && told.is_none()) {
-            return;
+    /// Until when it is known what has come, by log time; `None` while
+    /// something that has come waits to be read.
+    fn silent_until(&self) -> Option<i64> {
+        let now_nanos = locked(self.hub).clock.now_nanos();
+        let is_empty = opened(self.inbox).is_empty();
+        is_empty.then(|| now_nanos - OVERDUE_AFTER_NANOS)
+    }
+
+    /// The next instant or message; `None` if none came for a moment.
+    fn next(&self, stream: &mut SignalStream) -> Result<Option<Polled>, StreamError> {
+        if let Some(moment) = stream.ready()? {
+            return Ok(Some(Polled::Instant(moment)));
         }
-        let verdicts: Vec<Option<Verdict>> = session.determined().map(|(.., v)| v).collect();
-        for (place, judgement) in session.so_far().iter().enumerate() {
-            if verdicts[place].is_none() || self.told[place].is_some() {
+        // The lock is let go before anything is read.
+        let has_come = opened(self.inbox).wait();
+        has_come.then(|| stream.poll()).transpose()
+    }
+
+    /// Judges an instant.
+    fn take(
+        &mut self,
+        session: &mut Session<'_, '_>,
+        stream: &SignalStream,
+        moment: Moment,
+    ) -> Result<(), Problem> {
+        if let Some(link) = &self.link {
+            link.pass(stream.snapshot());
+        }
+        session.step(moment.time_secs, stream.snapshot())?;
+        self.instants += 1;
+        let now: Vec<_> = session.determined().map(|(.., it)| it).collect();
+        let news =
+            |(verdict, told): (&Option<Verdict>, &Option<_>)| verdict.is_some() && told.is_none();
+        if now.iter().zip(&self.told).any(news) {
+            let said = session.so_far().into_iter().zip(now);
+            let determined = said.map(|(it, verdict)| verdict.map(|_| it)).collect();
+            self.tell(determined, moment.log_nanos);
+        }
+        self.show(session);
+        Ok(())
+    }
+
+    /// Judges what is overdue: a deadline has passed and nothing has come.
+    fn look_at_clock(
+        &mut self,
+        session: &Session<'_, '_>,
+        stream: &SignalStream,
+    ) -> Result<(), Problem> {
+        let now_nanos = locked(self.hub).clock.now_nanos();
+        if now_nanos.saturating_sub(self.looked_nanos) < LOOK_EVERY_NANOS {
+            return Ok(());
+        }
+        self.looked_nanos = now_nanos;
+        let Some(until_nanos) = self.silent_until() else {
+            return Ok(());
+        };
+        let Some(until_secs) = stream.steady_until_secs(until_nanos) else {
+            return Ok(());
+        };
+        let overdue = session.overdue(until_secs)?;
+        if overdue.iter().any(Option::is_some) {
+            opened(self.inbox).judged_until(until_nanos);
+            self.tell(overdue, until_nanos);
+        }
+        Ok(())
+    }
+
+    /// Tells the verdicts that are determined and were not told before.
+    fn tell(&mut self, determined: Vec<Option<Judgement<'_>>>, log_nanos: i64) {
+        for (place, judgement) in determined.into_iter().enumerate() {
+            let Some(judgement) = judgement.filter(|_| self.told[place].is_none()) else {
                 continue;
-            }
-            let verdict = LiveVerdict::of(judgement);
+            };
+            let verdict = LiveVerdict::of(&judgement);
             self.told[place] = Some((log_nanos, verdict.clone()));
             let mut hub = locked(self.hub);
             let now_nanos = hub.clock.now_nanos();
@@ -218,12 +388,19 @@ impl Run<'_> {
         }
         let verdicts: Vec<LiveVerdict> = judgements.iter().map(LiveVerdict::of).collect();
         let complete = hub.is_complete();
-        let about = BTreeMap::from([
+        let mut about = BTreeMap::from([
             ("complete".to_owned(), complete.to_string()),
             ("received".to_owned(), hub.received().to_string()),
             ("lost".to_owned(), hub.lost().to_string()),
             ("missing".to_owned(), hub.missing().join("; ")),
         ]);
+        if let Some(until_nanos) = self.until_nanos {
+            about.insert("until_nanos".to_owned(), until_nanos.to_string());
+        }
+        if let Some(bench) = self.bench {
+            about.extend(bench.about.clone());
+            about.extend(bench.findings());
+        }
         let now_nanos = hub.clock.now_nanos();
         let end = WatchEvent::End {
             reason: hub.reason().to_owned(),
@@ -248,7 +425,11 @@ impl Run<'_> {
                 Format::Json => String::new(),
                 Format::Text => summary(&verdicts, &hub, &missing, self.instants),
             },
-            outcome: outcome(judgements, missing.is_empty()),
+            outcome: match outcome(judgements, missing.is_empty()) {
+                Outcome::Violated => Outcome::Violated,
+                _ if hub.was_cut_short => Outcome::Interrupted,
+                other => other,
+            },
         }
     }
 }
@@ -310,3 +491,6 @@ fn outcome(judgements: &[Judgement<'_>], complete: bool) -> Outcome {
         Outcome::Holds
     }
 }
+
+#[cfg(test)]
+mod tests;

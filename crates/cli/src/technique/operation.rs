@@ -15,12 +15,16 @@ use crate::study::Study;
 use crate::talk::{Interrupt, Stage};
 use evidence::{Asset, AssetRole, Cost, Tool};
 use recording::TrialPath;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 use temporal::monitor::Verdict;
 
-/// What a recording of `corroborate watch` says of its run.
-const COMPLETE: &str = "corroborate.watch.complete";
+/// What a recording of `corroborate watch` says of a simulated rest.
+const SIMULATED: &str = "corroborate.watch.simulated";
+
+/// What it says of the topics that came from outside.
+const OUTSIDE: &str = "corroborate.watch.outside";
 
 /// The recordings of one entry, found and hashed.
 pub struct Recordings {
@@ -91,17 +95,21 @@ impl Recordings {
             false => Ok(()),
         };
         let mut all = Vec::new();
+        let mut mixtures = BTreeMap::new();
         for trial in &self.trials {
             go_on()?;
             let judged = self.rules.judge(&judges, &trial.path, &go_on)?;
-            let whole = judged.complete && !lost_live(&trial.path, &self.rules)?;
-            if !whole {
+            let said = said_of_itself(&trial.path, &self.rules)?;
+            if let Some(mixture) = mixture_of(&said) {
+                *mixtures.entry(mixture).or_insert(0_u64) += 1;
+            }
+            if !judged.complete {
                 let name = &trial.name;
                 say(&format!(
                     "{id}: {name} is not complete; it counts only where it is violated"
                 ));
             }
-            all.push(if whole {
+            all.push(if judged.complete {
                 judged.judgements
             } else {
                 only_violations(judged.judgements)
@@ -113,7 +121,7 @@ impl Recordings {
             tool: Tool {
                 name: "corroborate recordings".into(),
                 version: env!("CARGO_PKG_VERSION").into(),
-                settings: format!("{} recordings", self.trials.len()),
+                settings: settings(self.trials.len(), &mixtures),
             },
             findings: simulation::findings(study, &all, &names)?,
             form_differences: Vec::new(),
@@ -128,14 +136,31 @@ impl Recordings {
     }
 }
 
-/// Whether the run lost messages while it was recorded, as it says itself.
-fn lost_live(path: &Path, rules: &ReadingRules) -> Result<bool, Problem> {
+/// What a recording says of itself.
+fn said_of_itself(path: &Path, rules: &ReadingRules) -> Result<BTreeMap<String, String>, Problem> {
     let reader = recording::open(path, &rules.options)
         .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-    Ok(reader
-        .metadata()
-        .get(COMPLETE)
-        .is_some_and(|said| said != "true"))
+    Ok(reader.metadata().clone())
+}
+
+/// Which part of a run was simulated and which was not; `None` if no part was.
+fn mixture_of(said: &BTreeMap<String, String>) -> Option<String> {
+    let simulated = said.get(SIMULATED)?;
+    // Episodes differ only by their number.
+    let entry = simulated.split(',').next().unwrap_or(simulated);
+    let outside = said.get(OUTSIDE).filter(|it| !it.is_empty());
+    let outside = outside.map_or("nothing", String::as_str);
+    Some(format!(
+        "simulated as in {entry} but {outside} from outside"
+    ))
+}
+
+/// How many recordings there are, and how many of them are of mixed origin.
+fn settings(count: usize, mixtures: &BTreeMap<String, u64>) -> String {
+    let told = mixtures
+        .iter()
+        .map(|(what, count)| format!("; {count} {what}"));
+    format!("{count} recordings{}", told.collect::<String>())
 }
 
 /// What a trial from which something is missing can still show.
@@ -174,4 +199,32 @@ fn add_assets(study: &Path, path: &Path, assets: &mut Vec<Asset>) -> Result<(), 
         hash: hasher.finalize().to_hex().to_string(),
     });
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recordings_with_a_part_in_the_loop_say_what_came_from_outside() {
+        let said = |pairs: &[(&str, &str)]| -> BTreeMap<String, String> {
+            let owned = pairs
+                .iter()
+                .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
+            owned.collect()
+        };
+        assert_eq!(mixture_of(&said(&[(OUTSIDE, "/felt")])), None);
+        let mut mixtures = BTreeMap::new();
+        for episode in ["E2, episode 1", "E2, episode 2"] {
+            let said = said(&[(SIMULATED, episode), (OUTSIDE, "/felt, /seen")]);
+            *mixtures
+                .entry(mixture_of(&said).expect("mixed"))
+                .or_insert(0) += 1;
+        }
+        assert_eq!(
+            settings(3, &mixtures),
+            "3 recordings; 2 simulated as in E2 but /felt, /seen from outside"
+        );
+        assert_eq!(settings(1, &BTreeMap::new()), "1 recordings");
+    }
 }

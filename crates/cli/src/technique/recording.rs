@@ -167,8 +167,12 @@ impl ReadingRules {
         if !complete && lost.is_empty() {
             lost.push("it has no proper end, so its last messages may be missing".to_owned());
         }
+        let missed = super::watched::missed(stream.metadata());
+        let complete = complete && missed.is_none();
+        lost.extend(missed);
+        let until_secs = super::watched::until_secs(&stream);
         Ok(JudgedRecording {
-            judgements: session.finish(complete),
+            judgements: session.finish_at(complete, until_secs)?,
             lost,
             notes,
             signals: signals_of(judges, stream.layout()),

@@ -86,6 +86,17 @@ impl Campaign {
         }
     }
 
+    /// A world in which single episodes can be run.
+    pub fn world(&self) -> Result<World, Problem> {
+        World::new(&self.engine, &self.scenario, &self.parameters)
+            .map_err(|error| Problem::new("simulation-failed", error.to_string()))
+    }
+
+    /// How often the robot's code runs, per second.
+    pub fn controller_hz(&self) -> u32 {
+        self.scenario.rates.controller_hz
+    }
+
     /// What an episode's trace depends on, besides its seed and this program.
     pub fn inputs(&self, inputs: &mut Inputs) {
         inputs

@@ -106,6 +106,11 @@ impl<T> ReorderBuffer<T> {
         self.take()
     }
 
+    /// The time of the first of all that wait.
+    pub fn first_nanos(&self) -> Option<i64> {
+        self.first().map(|entry| entry.time_nanos)
+    }
+
     fn first(&self) -> Option<&Entry<T>> {
         match (self.in_order.front(), self.behind.peek()) {
             (Some(front), Some(Reverse(behind))) => Some(front.min(behind)),

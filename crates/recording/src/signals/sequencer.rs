@@ -9,6 +9,7 @@
 
 use trace::{Snapshot, Trace, TraceError};
 
+use super::frames::FrameSource;
 use super::linear::Samples;
 use super::plan::SourcePlan;
 use super::report::{Notes, StreamNoteKind};
@@ -422,9 +423,24 @@ impl Sequencer {
         Ok(Some(first_nanos))
     }
 
+    /// The time of the first that was taken and is not part of an instant yet, or of the first
+    /// value that may become too old: up to there nothing can change but by what comes.
+    pub fn steady_before_nanos(&self) -> i64 {
+        let frames = self.sources.iter().filter_map(|it| it.frames.as_ref());
+        let waiting = frames.filter_map(FrameSource::waiting_since);
+        let first = [self.incoming.first_nanos(), self.outgoing.front_nanos()];
+        let first = first.into_iter().flatten().chain(waiting).min();
+        first.unwrap_or(i64::MAX).min(self.next_expiry_nanos)
+    }
+
     /// A time in seconds from the origin.
     pub fn secs(&self, time_nanos: i64) -> f64 {
         time_nanos.saturating_sub(self.origin_nanos()) as f64 / 1e9
+    }
+
+    /// The time of the last instant; `None` before the first.
+    pub fn last_nanos(&self) -> Option<i64> {
+        (self.last_nanos != i64::MIN).then_some(self.last_nanos)
     }
 
     /// The log time of the last instant.

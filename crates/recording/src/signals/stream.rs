@@ -1,6 +1,6 @@
 //! From a recording to the values of all signals at one instant after another.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 
 use trace::{Snapshot, Trace};
@@ -39,6 +39,17 @@ pub struct Moment {
     /// transform, to within the delays of neighbouring messages. Equal to `time_nanos` by log
     /// time; otherwise it need not increase.
     pub log_nanos: i64,
+}
+
+/// What [`SignalStream::poll`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Polled {
+    /// The next instant.
+    Instant(Moment),
+    /// A message that gives no instant yet.
+    Nothing,
+    /// The last instant was given.
+    End,
 }
 
 /// The signals of a recording, or of anything else that can be read as one.
@@ -212,28 +223,70 @@ impl SignalStream {
     /// [`StreamError`] if the recording cannot be read on or understood.
     pub fn next_instant(&mut self) -> Result<Option<Moment>, StreamError> {
         loop {
-            let next = self
-                .sequencer
-                .next(&mut self.notes)
-                .map_err(StreamError::Trace)?;
-            if let Some(time_nanos) = next {
-                let time_secs = self.sequencer.secs(time_nanos);
-                return Ok(Some(Moment {
-                    time_secs,
-                    time_nanos,
-                    log_nanos: self.sequencer.log_nanos(),
-                }));
-            }
-            if self.finished {
-                return self.failed.take().map_or(Ok(None), Err);
-            }
-            if let Err(error) = self.read_one() {
-                // What was read before is given first.
-                self.failed = Some(error);
-                self.has_failed = true;
-                self.finish();
+            match self.poll()? {
+                Polled::Instant(moment) => return Ok(Some(moment)),
+                Polled::Nothing => {}
+                Polled::End => return Ok(None),
             }
         }
+    }
+
+    /// As [`SignalStream::next_instant`], but reads one message at most, for streams that have no
+    /// end: between two messages the caller can look at the clock.
+    ///
+    /// # Errors
+    /// As [`SignalStream::next_instant`].
+    pub fn poll(&mut self) -> Result<Polled, StreamError> {
+        if let Some(moment) = self.ready()? {
+            return Ok(Polled::Instant(moment));
+        }
+        if self.finished {
+            return self.failed.take().map_or(Ok(Polled::End), Err);
+        }
+        if let Err(error) = self.read_one() {
+            // What was read before is given first.
+            self.failed = Some(error);
+            self.has_failed = true;
+            self.finish();
+        }
+        Ok(Polled::Nothing)
+    }
+
+    /// The next instant, if it follows from what was read already.
+    ///
+    /// # Errors
+    /// [`StreamError`] if its values cannot be held.
+    pub fn ready(&mut self) -> Result<Option<Moment>, StreamError> {
+        let next = self.sequencer.next(&mut self.notes);
+        let next = next.map_err(StreamError::Trace)?;
+        Ok(next.map(|time_nanos| Moment {
+            time_secs: self.sequencer.secs(time_nanos),
+            time_nanos,
+            log_nanos: self.sequencer.log_nanos(),
+        }))
+    }
+
+    /// If every message that was logged before `log_nanos` has been read: up to when the signals
+    /// are known to be as they were at the last instant, in seconds from the origin; at most the
+    /// moment before a value becomes too old or before something that waits for a transform.
+    ///
+    /// `None` before the first instant, if that is not behind the last one, and by other times than
+    /// log time, since by those a message may always come later than it was measured.
+    #[must_use]
+    pub fn steady_until_secs(&self, log_nanos: i64) -> Option<f64> {
+        let last_nanos = self.sequencer.last_nanos()?;
+        if self.time.source != TimeSource::Log {
+            return None;
+        }
+        let before_nanos = self.sequencer.steady_before_nanos();
+        let until_nanos = log_nanos.min(before_nanos.saturating_sub(1));
+        (until_nanos > last_nanos).then(|| self.sequencer.secs(until_nanos))
+    }
+
+    /// What the recording says of itself.
+    #[must_use]
+    pub fn metadata(&self) -> &BTreeMap<String, String> {
+        self.reader.metadata()
     }
 
     /// The values at the last instant.

@@ -27,7 +27,7 @@ const FILE: &str = "ros2.toml";
 #[derive(Debug)]
 pub struct Ros2Table {
     /// What is written, in the order of the file.
-    topics: Vec<Ros2Topic>,
+    pub topics: Vec<Ros2Topic>,
     /// The file's text, on which the recordings depend.
     pub text: String,
     name: String,
@@ -85,7 +85,8 @@ impl Ros2Table {
     }
 }
 
-fn bad(message: String) -> Problem {
+/// A table that does not fit the simulation or the types of ROS 2.
+pub fn bad(message: String) -> Problem {
     Problem::new("bad-ros2-table", message)
         .remedy("compare the table with the recordings that are made without --as")
 }

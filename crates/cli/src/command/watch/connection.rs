@@ -4,7 +4,7 @@
 use crate::args::Watch;
 use crate::command::Setting;
 use crate::problem::Problem;
-use live::{LiveError, SchemaText, Source, Topic, TopicFilter, dds, foxglove};
+use live::{LiveError, Publisher, SchemaText, Source, Topic, TopicFilter, dds, foxglove};
 use recording::{
     Loss, RawMessage, ReadError, Reader, SignalSource, SignalStream, TimeSource, TopicInfo,
     TopicMap, TypeDefinitions,
@@ -19,15 +19,22 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// After how long of waiting to say for what.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// The topics that the signals need, and those that were asked for.
-pub fn filter(asked: &[String], map: &TopicMap, signals: &[String]) -> TopicFilter {
-    let mut patterns: BTreeSet<String> = asked.iter().cloned().collect();
+/// The topics that the signals need.
+pub fn topics_for(map: &TopicMap, signals: &[String]) -> BTreeSet<String> {
+    let mut topics = BTreeSet::new();
     for signal in signals {
         match map.find(signal) {
-            Some((entry, _)) => patterns.extend(topics_of(&entry.source)),
-            None => patterns.extend(topic_of(signal)),
+            Some((entry, _)) => topics.extend(topics_of(&entry.source)),
+            None => topics.extend(topic_of(signal)),
         }
     }
+    topics
+}
+
+/// The topics that the signals need, and those that were asked for.
+pub fn filter(asked: &[String], map: &TopicMap, signals: &[String]) -> TopicFilter {
+    let mut patterns = topics_for(map, signals);
+    patterns.extend(asked.iter().cloned());
     if map.time.source == TimeSource::Clock {
         patterns.insert("/clock".into());
     }
@@ -60,21 +67,39 @@ fn topic_of(path: &str) -> Vec<String> {
 
 /// Attaches to the running system.
 pub fn connect(arguments: &Watch, filter: TopicFilter) -> Result<Box<dyn Source>, Problem> {
-    let connected: Result<Box<dyn Source>, LiveError> = match (&arguments.foxglove, arguments.dds) {
-        (Some(url), _) => {
+    let connected: Result<Box<dyn Source>, LiveError> = match &arguments.foxglove {
+        Some(url) => {
             let options = foxglove::FoxgloveOptions::default();
             foxglove::connect(url, filter, &options).map(|stream| Box::new(stream) as _)
         }
-        (None, domain) => {
-            let options = dds::DdsOptions {
-                domain: domain.unwrap_or(0),
-                networks: arguments.network.clone(),
-                ..dds::DdsOptions::default()
-            };
-            dds::connect(&options, filter).map(|stream| Box::new(stream) as _)
-        }
+        None => dds::connect(&dds_options(arguments), filter).map(|stream| Box::new(stream) as _),
     };
-    connected.map_err(|error| Problem::new("cannot-connect", error.to_string()))
+    connected.map_err(not_connected)
+}
+
+/// Makes ready to publish into the running system.
+pub fn publisher(arguments: &Watch) -> Result<Box<dyn Publisher>, Problem> {
+    let made: Result<Box<dyn Publisher>, LiveError> = match &arguments.foxglove {
+        Some(url) => {
+            let options = foxglove::FoxgloveOptions::default();
+            foxglove::FoxglovePublisher::new(url, &options).map(|it| Box::new(it) as _)
+        }
+        None => dds::DdsPublisher::new(&dds_options(arguments)).map(|it| Box::new(it) as _),
+    };
+    made.map_err(not_connected)
+}
+
+fn dds_options(arguments: &Watch) -> dds::DdsOptions {
+    dds::DdsOptions {
+        domain: arguments.dds.unwrap_or(0),
+        networks: arguments.network.clone(),
+        ..dds::DdsOptions::default()
+    }
+}
+
+/// A connection that could not be made.
+pub fn not_connected(error: LiveError) -> Problem {
+    Problem::new("cannot-connect", error.to_string())
 }
 
 /// The definition of a topic's type: that of the connection, or a known one.

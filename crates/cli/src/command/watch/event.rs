@@ -39,6 +39,8 @@ pub enum WatchEvent {
         topic: String,
         /// The type of its messages.
         type_name: String,
+        /// `outside`, or `simulation` for what our own test bench publishes.
+        origin: String,
     },
     /// A wanted topic is not listened to.
     TopicRefused {
@@ -236,7 +238,14 @@ impl WatchEvent {
                 Some(path) => format!("judging; recording to {path}"),
                 None => "judging; nothing is recorded (no --out)".into(),
             },
-            Self::TopicAppeared { topic, type_name } => format!("{topic} appeared ({type_name})"),
+            Self::TopicAppeared {
+                topic,
+                type_name,
+                origin,
+            } => match origin.as_str() {
+                "simulation" => format!("{topic} is published by the simulation ({type_name})"),
+                _ => format!("{topic} appeared ({type_name})"),
+            },
             Self::TopicRefused { topic, reason } => format!("{topic} is left out: {reason}"),
             Self::Lost {
                 topic,

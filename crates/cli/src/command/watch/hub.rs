@@ -5,7 +5,7 @@ use super::event::{WatchEvent, WatchLine};
 use super::keeper::Keeper;
 use super::teller::Teller;
 use crate::talk::Interrupt;
-use live::{Clock, Event, LossCause, Message};
+use live::{Clock, Event, LossCause, Message, Origin};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -27,6 +27,10 @@ pub struct Hub {
     pub keeper: Option<Keeper>,
     interrupt: Interrupt,
     ends_at_nanos: Option<i64>,
+    /// What was to be over before watching ends, if that was planned.
+    planned: Option<String>,
+    /// Whether it was not.
+    pub was_cut_short: bool,
     /// Why watching ends, once it does.
     ended: Option<String>,
     /// What is missing, a clause each, and how often.
@@ -45,6 +49,7 @@ impl Hub {
         keeper: Option<Keeper>,
         interrupt: Interrupt,
         ends_at_nanos: Option<i64>,
+        planned: Option<String>,
     ) -> Self {
         Self {
             clock,
@@ -52,6 +57,8 @@ impl Hub {
             keeper,
             interrupt,
             ends_at_nanos,
+            planned,
+            was_cut_short: false,
             ended: None,
             missing: BTreeMap::new(),
             lost: 0,
@@ -65,6 +72,10 @@ impl Hub {
         if self.ended.is_none() {
             if self.interrupt.is_set() {
                 self.ended = Some("interrupted".into());
+                if let Some(what) = self.planned.clone() {
+                    self.was_cut_short = true;
+                    self.miss(format!("it was interrupted before {what}"));
+                }
             } else if self.teller.is_deaf() {
                 self.ended = Some("nobody reads what is told".into());
             } else if self
@@ -80,6 +91,11 @@ impl Hub {
     /// Why watching ended.
     pub fn reason(&self) -> &str {
         self.ended.as_deref().unwrap_or("the stream ended")
+    }
+
+    /// All came that was to come.
+    pub fn end(&mut self, why: String) {
+        self.ended.get_or_insert(why);
     }
 
     /// The connection cannot be continued.
@@ -123,6 +139,11 @@ impl Hub {
             Event::TopicAppeared { topic } => WatchEvent::TopicAppeared {
                 topic: topic.name.clone(),
                 type_name: topic.type_name.clone(),
+                origin: match topic.origin {
+                    Origin::Outside => "outside",
+                    Origin::TestBench => "simulation",
+                }
+                .into(),
             },
             Event::Refused { name, reason } => WatchEvent::TopicRefused {
                 topic: name,

@@ -16,7 +16,7 @@ use live::Message;
 use recording::{RawRecording, RawTopicId, ShownVerdict, TypeDefinitions, VerdictFile};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// How long messages are kept back at most.
@@ -29,6 +29,8 @@ const ABOUT: &str = "corroborate.watch";
 pub struct Keeper {
     /// The recording.
     pub path: PathBuf,
+    /// Recordings of earlier runs that were not ended.
+    pub unfinished: Vec<PathBuf>,
     verdicts: PathBuf,
     recording: Option<RawRecording<BufWriter<File>>>,
     events: BufWriter<File>,
@@ -47,6 +49,7 @@ impl Keeper {
             std::fs::create_dir_all(folder)
                 .map_err(|error| Problem::cannot_write(folder, &error))?;
         }
+        let unfinished = unfinished(&folders[0]);
         let name = stamp(now_nanos);
         let (file, path, name) = new_file(&folders[0], &name)?;
         let events = folders[1].join(format!("{name}.jsonl"));
@@ -54,6 +57,7 @@ impl Keeper {
             .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
         Ok(Self {
             path,
+            unfinished,
             verdicts: folders[2].join(format!("{name}.mcap")),
             recording: Some(recording),
             events: File::create(&events)
@@ -179,6 +183,36 @@ fn verdict_bytes(told: &[(i64, LiveVerdict)]) -> Result<Vec<u8>, String> {
     file.finish().map_err(text)
 }
 
+/// The recordings in `folder` that do not end as a recording ends: those of
+/// runs that were killed, or that still go on.
+fn unfinished(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut found: Vec<PathBuf> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|it| it == "mcap") && !has_end(path))
+        .collect();
+    found.sort();
+    found
+}
+
+/// Whether the file ends with the magic number that ends every MCAP file. One
+/// that cannot be read is not judged.
+fn has_end(path: &Path) -> bool {
+    const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
+    let read = || {
+        let mut file = File::open(path)?;
+        // The number also begins a file, so a file of nothing else has no end.
+        if file.metadata()?.len() < 2 * MAGIC.len() as u64 {
+            return Ok(false);
+        }
+        let mut end = [0; MAGIC.len()];
+        file.seek(SeekFrom::End(-(MAGIC.len() as i64)))?;
+        file.read_exact(&mut end)?;
+        Ok::<_, std::io::Error>(end == *MAGIC)
+    };
+    read().unwrap_or(true)
+}
+
 /// A file that was not there before, with its name without extension.
 fn new_file(folder: &Path, name: &str) -> Result<(File, PathBuf, String), Problem> {
     let mut attempt = 1;
@@ -221,7 +255,25 @@ fn stamp(unix_nanos: i64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::stamp;
+    use super::*;
+
+    #[test]
+    fn runs_that_were_killed_are_found_by_the_next_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let begin = |nanos| {
+            let types = TypeDefinitions::new(&[]).expect("types");
+            Keeper::new(folder.path(), nanos, types).expect("a keeper")
+        };
+        let mut whole = begin(0);
+        assert_eq!(whole.unfinished, [] as [PathBuf; 0]);
+        whole.finish_recording(&BTreeMap::new());
+        let killed = begin(1_000_000_000);
+        assert_eq!(killed.unfinished, [] as [PathBuf; 0]);
+        // As SIGKILL leaves it: what was handed over is there, no end.
+        let path = killed.path.clone();
+        std::mem::forget(killed);
+        assert_eq!(begin(2_000_000_000).unfinished, [path]);
+    }
 
     /// Dates by `date -u -d @SECS +%Y%m%dT%H%M%SZ` of GNU coreutils.
     #[test]

@@ -15,8 +15,8 @@ pub struct Teller {
     form: Form,
     began_nanos: i64,
     drawn_nanos: i64,
-    /// Lines of the view that stand on the terminal.
-    lines: usize,
+    /// The lengths of the view's lines that stand on the terminal.
+    lines: Vec<usize>,
     verdicts: Vec<LiveVerdict>,
     /// The messages of each topic: all, and since the last drawing.
     counts: BTreeMap<u32, (String, u64, u64)>,
@@ -43,7 +43,7 @@ impl Teller {
             form,
             began_nanos,
             drawn_nanos: began_nanos,
-            lines: 0,
+            lines: Vec::new(),
             verdicts: Vec::new(),
             counts: BTreeMap::new(),
             deaf: false,
@@ -110,10 +110,12 @@ impl Teller {
 
     /// What takes the view off the terminal.
     fn erased(&mut self) -> String {
-        match std::mem::take(&mut self.lines) {
+        let columns = window().columns;
+        let lines = std::mem::take(&mut self.lines);
+        match lines.iter().map(|length| rows_of(*length, columns)).sum() {
             0 => String::new(),
-            // Up by so many lines, then erase to the end of the screen.
-            lines => format!("\x1b[{lines}A\x1b[J"),
+            // Up by so many rows, then erase to the end of the screen.
+            rows => format!("\r\x1b[{rows}A\x1b[J"),
         }
     }
 
@@ -130,8 +132,9 @@ impl Teller {
             let rate = past_secs.map(|secs| format!(", {:.0} a second", *new as f64 / secs));
             view.push_str(&format!("{name}: {all}{}\n", rate.unwrap_or_default()));
         }
-        self.lines = view.lines().count();
-        view
+        let fitted = fitted(&view, window());
+        self.lines = fitted.iter().map(|line| line.chars().count()).collect();
+        fitted.iter().map(|line| format!("{line}\n")).collect()
     }
 
     fn write(&mut self, text: &str) {
@@ -139,6 +142,55 @@ impl Teller {
         let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
         self.deaf |= written.is_err();
     }
+}
+
+/// The size of the terminal.
+#[derive(Clone, Copy)]
+struct Window {
+    columns: usize,
+    rows: usize,
+}
+
+/// The size of the terminal now; it may change at any time.
+fn window() -> Window {
+    let size = rustix::termios::tcgetwinsize(std::io::stdout());
+    let known = size.ok().filter(|it| it.ws_col > 0 && it.ws_row > 0);
+    known.map_or(
+        Window {
+            columns: 80,
+            rows: 24,
+        },
+        |it| Window {
+            columns: usize::from(it.ws_col),
+            rows: usize::from(it.ws_row),
+        },
+    )
+}
+
+/// How many rows a line of so many characters takes where it was wrapped.
+fn rows_of(length: usize, columns: usize) -> usize {
+    length.div_ceil(columns.max(1)).max(1)
+}
+
+/// The lines of a view, cut so that each takes one row and all of them stand
+/// above the cursor's; otherwise they could not be taken away again.
+fn fitted(view: &str, window: Window) -> Vec<String> {
+    let cut = |line: &str| match line.chars().count() > window.columns {
+        true => line
+            .chars()
+            .take(window.columns.saturating_sub(1))
+            .chain(['…'])
+            .collect(),
+        false => line.to_owned(),
+    };
+    let mut lines: Vec<String> = view.lines().map(cut).collect();
+    let room = window.rows.saturating_sub(1).max(1);
+    if lines.len() > room {
+        let more = lines.len() - (room - 1);
+        lines.truncate(room - 1);
+        lines.push(cut(&format!("… and {more} lines more")));
+    }
+    lines
 }
 
 /// A monitor's line in the view and in the summary.
@@ -166,4 +218,28 @@ pub fn row(verdict: &LiveVerdict) -> String {
         robustness
     );
     format!("{}\n", line.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_fits_the_terminal_or_says_that_it_is_cut() {
+        let window = |columns, rows| Window { columns, rows };
+        assert_eq!(fitted("\nabc\nd\n", window(3, 4)), ["", "abc", "d"]);
+        assert_eq!(fitted("abcd\nä b\n", window(3, 4)), ["ab…", "ä b"]);
+        let cut = fitted("a\nb\nc\nd\n", window(30, 4));
+        assert_eq!(cut, ["a", "b", "… and 2 lines more"]);
+        assert_eq!(fitted("a\nb\n", window(30, 1)), ["… and 2 lines more"]);
+    }
+
+    #[test]
+    fn lines_that_a_narrower_terminal_wraps_take_several_rows() {
+        let rows = [(0, 80), (80, 80), (81, 80), (80, 40), (5, 0)];
+        assert_eq!(
+            rows.map(|(length, columns)| rows_of(length, columns)),
+            [1, 1, 2, 2, 5]
+        );
+    }
 }

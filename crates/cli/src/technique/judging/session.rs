@@ -34,6 +34,7 @@ pub struct Session<'s, 'a> {
 }
 
 /// One monitor at work.
+#[derive(Clone)]
 struct AtWork<'s> {
     judge: Work<'s>,
     /// The last time on its own clock.
@@ -197,6 +198,68 @@ impl<'s, 'a> Session<'s, 'a> {
         pairs
             .map(|(judge, at_work)| conclude(judges, judge, at_work.judge, complete))
             .collect()
+    }
+
+    /// Ends the trace as [`Session::finish`] does, where it is known that until
+    /// `until_secs` nothing came: what is overdue by then is judged so.
+    pub fn finish_at(
+        self,
+        complete: bool,
+        until_secs: Option<f64>,
+    ) -> Result<Vec<Judgement<'a>>, Problem> {
+        let overdue = match until_secs {
+            Some(secs) => self.overdue(secs)?,
+            None => Vec::new(),
+        };
+        let mut judgements = self.finish(complete);
+        for (judgement, overdue) in judgements.iter_mut().zip(overdue) {
+            if let Some(overdue) = overdue {
+                *judgement = overdue;
+            }
+        }
+        Ok(judgements)
+    }
+
+    /// For each monitor, what it says if it is open so far and determined by
+    /// time alone, since nothing came until `time_secs`: whatever the values
+    /// are then and later, the verdict is the same. Monitors with a clock of
+    /// their own are left out, since that stands still.
+    pub fn overdue(&self, time_secs: f64) -> Result<Vec<Option<Judgement<'a>>>, Problem> {
+        let quiet = self.after_silence(time_secs)?;
+        let pairs = self.determined().zip(quiet.determined());
+        let newly: Vec<bool> = pairs
+            .map(|((.., before), (.., after))| before.is_none() && after.is_some())
+            .collect();
+        if !newly.contains(&true) {
+            return Ok(newly.iter().map(|_| None).collect());
+        }
+        let said = quiet.so_far().into_iter().zip(newly);
+        Ok(said.map(|(it, newly)| newly.then_some(it)).collect())
+    }
+
+    /// The monitors, copied, after an instant at `time_secs` of which nothing
+    /// is known.
+    fn after_silence(&self, time_secs: f64) -> Result<Self, Problem> {
+        let mut quiet = Session {
+            judges: self.judges,
+            predicates: Vec::new(),
+            channels: Vec::new(),
+            begun: self.begun,
+            clocks: Vec::new(),
+            at_work: self.at_work.clone(),
+            truth: vec![None; self.truth.len()],
+            robustness: vec![f64::NAN; self.robustness.len()],
+            atom_truth: Vec::new(),
+            atom_robustness: Vec::new(),
+        };
+        for (index, judge) in self.judges.judges.iter().enumerate() {
+            if judge.clock.is_none() && time_secs > quiet.at_work[index].last_secs {
+                quiet
+                    .advance(index, judge, time_secs)
+                    .map_err(|error| Problem::new("bad-recording", error))?;
+            }
+        }
+        Ok(quiet)
     }
 
     /// What each monitor would say if the trace were cut short here. The

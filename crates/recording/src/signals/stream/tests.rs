@@ -466,3 +466,47 @@ fn moments_know_where_they_stand_in_the_recording() {
         assert_eq!(logged, expected);
     }
 }
+
+/// What is steady, in ms, after each instant, if nothing was logged before `log_ms`.
+fn steady_ms(text: &str, log_ms: i64) -> Vec<Option<f64>> {
+    let number = |value| vec![("data", Ros2Value::Number(value))];
+    let messages = [10, 20].map(|ms| ("/a", NUMBER, ms, number(1.0)));
+    let mut stream = streamed(recorded(&messages), &map(text), &["/s.a"]).unwrap();
+    let mut steady = vec![stream.steady_until_secs(log_ms * MS)];
+    loop {
+        match stream.poll().unwrap() {
+            Polled::Instant(_) => steady.push(stream.steady_until_secs(log_ms * MS)),
+            Polled::Nothing => {}
+            Polled::End => break,
+        }
+    }
+    let in_ms = |secs: f64| (secs * 1e3 * 1e3).round() / 1e3;
+    steady.into_iter().map(|it| it.map(in_ms)).collect()
+}
+
+#[test]
+fn signals_are_steady_until_the_clock_or_until_they_are_too_old() {
+    let at_once = "[time]\nreorder = \"0 s\"\n";
+    let plain = "[\"/s.a\"]\nfrom = \"/a.data\"\n";
+    let fresh = format!("{plain}staleness = \"5 ms\"\n");
+    assert_eq!(
+        steady_ms(&format!("{at_once}{plain}"), 50),
+        [None, Some(50.0), Some(50.0)]
+    );
+    // The past is no news.
+    assert_eq!(
+        steady_ms(&format!("{at_once}{plain}"), 15),
+        [None, Some(15.0), None]
+    );
+    // At 15 ms the first value is fresh for the last time, which is an instant too.
+    assert_eq!(
+        steady_ms(&format!("{at_once}{fresh}"), 50),
+        [None, Some(15.0), None, Some(25.0)]
+    );
+    // What waits to be put in order may stand anywhere from its time on.
+    let waits = format!("[time]\nreorder = \"100 s\"\n{plain}");
+    assert_eq!(steady_ms(&waits, 50), [None, Some(20.0), Some(50.0)]);
+    // A message may always come later than it was sent.
+    let publish = format!("[time]\nfrom = \"publish\"\nreorder = \"0 s\"\n{plain}");
+    assert_eq!(steady_ms(&publish, 50), [None, None, None]);
+}

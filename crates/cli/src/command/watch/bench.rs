@@ -1,0 +1,374 @@
+//! The simulated rest of a robot: an episode at the pace of the clock, whose
+//! messages and those from outside are one stream.
+//!
+//! What the episode records becomes messages by the table `ros2.toml`, except
+//! for the topics that are said to be outside. Simulated time begins when all
+//! wanted topics are there. A step that begins later than one period of the
+//! robot's code makes the run incomplete: the part in the loop has then met a
+//! robot that reacted too late.
+
+use super::connection::{self, not_connected, topics_for};
+use super::link::{Input, SharedReadings};
+use crate::args::Watch;
+use crate::command::Setting;
+use crate::command::simulate::ros2_table::{Ros2Table, bad};
+use crate::problem::Problem;
+use crate::study::{Study, Work};
+use crate::technique::simulation::{Campaign, Seeds};
+use live::{
+    Bridge, BridgeFeed, LiveError, LiveStream, Outgoing, PublicationId, Punctuality, SchemaText,
+    TopicFilter,
+};
+use recording::{Ros2Encoder, Ros2Topic, TopicMap};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use testbench::{Cancel, Outside, OutsideReadings, SimError, World, run_episode_with};
+use trace::Trace;
+
+/// How long to listen at once before the episode begins.
+const LISTEN: Duration = Duration::from_millis(20);
+
+/// An episode that is to be joined to what runs outside.
+pub struct Bench {
+    world: World,
+    seed: u64,
+    /// What it publishes.
+    topics: Vec<Ros2Topic>,
+    /// What of it comes from outside.
+    pub inputs: Vec<Input>,
+    /// The values of that.
+    pub readings: SharedReadings,
+    tolerance_nanos: i64,
+    /// What a recording of the run says of it.
+    pub about: BTreeMap<String, String>,
+    begin: Arc<AtomicBool>,
+    kept: Arc<Mutex<Kept>>,
+}
+
+/// How an episode went.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kept {
+    punctuality: Punctuality,
+    /// Rows of which no message could be made.
+    left_out: u64,
+}
+
+impl Bench {
+    /// Prepares the episode that is asked for, if one is.
+    pub fn new(
+        arguments: &Watch,
+        study: &Study,
+        map: &TopicMap,
+        signals: &[String],
+        setting: &Setting,
+    ) -> Result<Option<Self>, Problem> {
+        let Some(id) = &arguments.simulate else {
+            return Ok(None);
+        };
+        let entry = study.entry(id)?;
+        let Work::Simulate {
+            scenario,
+            parameters,
+            ..
+        } = &entry.work
+        else {
+            let message = format!("`{}` is no simulation of this study", entry.id);
+            return Err(Problem::new("not-a-simulation", message)
+                .remedy("name an entry of the ledger with a scenario"));
+        };
+        let library = setting.physics_library.as_deref();
+        let campaign = Campaign::new(study, scenario, parameters, library)?;
+        let table = Ros2Table::beside(&study.folder.join(scenario))?;
+        let inputs = Input::from_outside(&arguments.outside, map);
+        check_outside(arguments, map, signals, &table, &inputs)?;
+        let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
+        let seed = seeds.of(arguments.episode);
+        let tool = campaign.tool();
+        let about = [
+            (
+                "simulated",
+                format!("{}, episode {}", entry.id, arguments.episode),
+            ),
+            (
+                "simulated_by",
+                format!("{} {}, {}", tool.name, tool.version, tool.settings),
+            ),
+            ("simulated_seed", seed.to_string()),
+            ("simulated_scenario", shown(scenario)),
+            ("simulated_parameters", shown(parameters)),
+            ("outside", arguments.outside.join(", ")),
+        ];
+        let is_inside = |topic: &Ros2Topic| !arguments.outside.contains(&topic.name);
+        Ok(Some(Self {
+            world: campaign.world()?,
+            seed,
+            topics: table.topics.into_iter().filter(is_inside).collect(),
+            readings: SharedReadings::new(&inputs),
+            inputs,
+            tolerance_nanos: 1_000_000_000 / i64::from(campaign.controller_hz().max(1)),
+            about: about.map(|(key, value)| (key.to_owned(), value)).into(),
+            begin: Arc::default(),
+            kept: Arc::default(),
+        }))
+    }
+
+    /// The signals that the robot reads from outside.
+    pub fn signals(&self) -> Vec<String> {
+        self.inputs.iter().flat_map(|it| it.signals()).collect()
+    }
+
+    /// Attaches, and makes everything ready; the episode waits for
+    /// [`Bench::begin`].
+    pub fn connect(
+        &self,
+        arguments: &Watch,
+        mut filter: TopicFilter,
+    ) -> Result<LiveStream, Problem> {
+        for topic in &self.topics {
+            // What is published must not come back from outside.
+            filter.leave(&topic.name);
+        }
+        let layout = layout(&self.world)?;
+        let outgoing = outgoing(&self.topics, &layout)?;
+        let source = connection::connect(arguments, filter)?;
+        let bridge = Bridge::new(source, connection::publisher(arguments)?);
+        let mut episode = Episode {
+            world: self.world.clone(),
+            seed: self.seed,
+            topics: self.topics.clone(),
+            layout,
+            readings: self.readings.clone(),
+            tolerance_nanos: self.tolerance_nanos,
+            begin: self.begin.clone(),
+            kept: self.kept.clone(),
+        };
+        LiveStream::of_bench(bridge, &outgoing, move |feed, ids| episode.run(feed, ids))
+            .map_err(not_connected)
+    }
+
+    /// Lets simulated time begin.
+    pub fn begin(&self) {
+        self.begin.store(true, Ordering::Release);
+    }
+
+    /// What is missing because of the simulation, a clause each.
+    pub fn missing(&self) -> Vec<String> {
+        let kept = *self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let late = kept.punctuality;
+        let millis = |nanos: i64| nanos as f64 / 1e6;
+        let mut missing = Vec::new();
+        if late.late_steps > 0 {
+            missing.push(format!(
+                "{} of {} steps of the simulation were more than {} ms late, at most {:.1} ms",
+                late.late_steps,
+                late.steps,
+                millis(self.tolerance_nanos),
+                millis(late.latest_nanos),
+            ));
+        }
+        missing
+    }
+
+    /// What was noted while it ran, for the recording.
+    pub fn findings(&self) -> BTreeMap<String, String> {
+        let kept = *self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let late = kept.punctuality;
+        [
+            ("simulated_steps", late.steps.to_string()),
+            ("simulated_late_steps", late.late_steps.to_string()),
+            ("simulated_latest_nanos", late.latest_nanos.to_string()),
+            ("simulated_rows_left_out", kept.left_out.to_string()),
+        ]
+        .map(|(key, value)| (key.to_owned(), value))
+        .into()
+    }
+}
+
+fn shown(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
+}
+
+/// A topic from outside that nobody reads is a slip of the pen.
+fn check_outside(
+    arguments: &Watch,
+    map: &TopicMap,
+    signals: &[String],
+    table: &Ros2Table,
+    inputs: &[Input],
+) -> Result<(), Problem> {
+    let of_inputs: Vec<String> = inputs.iter().flat_map(|it| it.signals()).collect();
+    let mut known = topics_for(map, signals);
+    known.extend(topics_for(map, &of_inputs));
+    known.extend(table.topics.iter().map(|topic| topic.name.clone()));
+    match arguments.outside.iter().find(|it| !known.contains(*it)) {
+        None => Ok(()),
+        Some(topic) => Err(Problem::new(
+            "unknown-live-topic",
+            format!("nothing is read from {topic}: neither a requirement nor the simulated robot needs it"),
+        )
+        .remedy("name a topic of ros2.toml or of the topic map; to record others, use --topics")),
+    }
+}
+
+/// The channels of an episode's trace: what is there when its first step is.
+fn layout(world: &World) -> Result<Trace, Problem> {
+    struct First(Trace);
+    impl Outside for First {
+        fn step(&mut self, _: f64, recorded: &Trace) -> ControlFlow<()> {
+            self.0 = recorded.clone();
+            ControlFlow::Break(())
+        }
+        fn readings(&self) -> OutsideReadings {
+            OutsideReadings::default()
+        }
+    }
+    let mut first = First(Trace::new());
+    match run_episode_with(&mut world.clone(), 0, &Cancel::default(), &mut first) {
+        Err(SimError::Cancelled) | Ok(_) => Ok(first.0),
+        Err(error) => Err(Problem::new("simulation-failed", error.to_string())),
+    }
+}
+
+/// The topics as they are made known.
+fn outgoing(topics: &[Ros2Topic], layout: &Trace) -> Result<Vec<Outgoing>, Problem> {
+    let describe = |topic: &Ros2Topic| {
+        let encoder = Ros2Encoder::new(layout, topic);
+        let encoder = encoder.map_err(|error| bad(format!("{}: {error}", topic.name)))?;
+        let mut outgoing = Outgoing::ros2(&topic.name, &topic.type_name);
+        outgoing.schema = Some(SchemaText {
+            encoding: "ros2msg".into(),
+            data: encoder.schema_text().into_bytes(),
+        });
+        Ok(outgoing)
+    };
+    topics.iter().map(describe).collect()
+}
+
+/// The episode as its thread has it.
+struct Episode {
+    world: World,
+    seed: u64,
+    topics: Vec<Ros2Topic>,
+    layout: Trace,
+    readings: SharedReadings,
+    tolerance_nanos: i64,
+    begin: Arc<AtomicBool>,
+    kept: Arc<Mutex<Kept>>,
+}
+
+impl Episode {
+    fn run(&mut self, feed: &mut BridgeFeed, ids: &[PublicationId]) -> Result<String, LiveError> {
+        while !self.begin.load(Ordering::Acquire) {
+            if feed.stopped() {
+                return Ok("it was stopped".into());
+            }
+            feed.listen(LISTEN)?;
+        }
+        feed.start(0, self.tolerance_nanos);
+        let encoders = self
+            .topics
+            .iter()
+            .map(|it| Ros2Encoder::new(&self.layout, it));
+        let encoders = encoders.collect::<Result<Vec<_>, _>>();
+        let encoders = encoders.map_err(|error| LiveError::Encoding(error.to_string()))?;
+        let mut rest = Rest {
+            sent: vec![0; encoders.len()],
+            encoders,
+            feed,
+            ids,
+            readings: &self.readings,
+            kept: &self.kept,
+            message: Vec::new(),
+            failed: None,
+        };
+        let episode = run_episode_with(&mut self.world, self.seed, &Cancel::default(), &mut rest);
+        if let Some(error) = rest.failed {
+            return Err(error);
+        }
+        match episode {
+            Ok(episode) => {
+                rest.publish(&episode.trace)?;
+                Ok(format!(
+                    "the episode is over after {:.2} s",
+                    episode.sim_secs
+                ))
+            }
+            Err(SimError::Cancelled) => Ok("it was stopped".into()),
+            Err(error) => Err(LiveError::Unsupported(format!(
+                "the simulation failed: {error}"
+            ))),
+        }
+    }
+}
+
+/// What an episode under way meets.
+struct Rest<'r> {
+    feed: &'r mut BridgeFeed,
+    ids: &'r [PublicationId],
+    encoders: Vec<Ros2Encoder<'r>>,
+    /// For each topic, the rows that were sent.
+    sent: Vec<usize>,
+    readings: &'r SharedReadings,
+    kept: &'r Mutex<Kept>,
+    message: Vec<u8>,
+    failed: Option<LiveError>,
+}
+
+impl Rest<'_> {
+    /// Sends what was recorded since.
+    fn publish(&mut self, recorded: &Trace) -> Result<(), LiveError> {
+        let encoding = |error: recording::Ros2WriteError| LiveError::Encoding(error.to_string());
+        for (place, encoder) in self.encoders.iter().enumerate() {
+            let times = &recorded.channels[encoder.channel()].times_secs;
+            for (row, secs) in times.iter().enumerate().skip(self.sent[place]) {
+                let message = &mut self.message;
+                let made = encoder.encode(recorded, row, nanos(*secs), message);
+                if made.map_err(encoding)? {
+                    self.feed.publish(self.ids[place], message.clone())?;
+                } else {
+                    let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+                    kept.left_out += 1;
+                }
+            }
+            self.sent[place] = times.len();
+        }
+        Ok(())
+    }
+
+    fn keep_step(&mut self, now_secs: f64, recorded: &Trace) -> Result<(), LiveError> {
+        self.publish(recorded)?;
+        self.feed.advance(nanos(now_secs))?;
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.punctuality = self.feed.punctuality();
+        Ok(())
+    }
+}
+
+impl Outside for Rest<'_> {
+    fn step(&mut self, now_secs: f64, recorded: &Trace) -> ControlFlow<()> {
+        if self.feed.stopped() {
+            return ControlFlow::Break(());
+        }
+        match self.keep_step(now_secs, recorded) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                self.failed = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    fn readings(&self) -> OutsideReadings {
+        self.readings.now()
+    }
+}
+
+/// Seconds of simulated time in nanoseconds.
+fn nanos(secs: f64) -> i64 {
+    // A conversion from a double saturates.
+    (secs * 1e9).round() as i64
+}
