@@ -22,6 +22,7 @@ pub use mesh::Mesh;
 pub use model::{Format, Joint, JointKind, Link, Mark, Model};
 pub use pose::Pose;
 pub use reader::{Loaded, Resolver};
+pub use sdf::parse_sdf;
 pub use sensor::{Camera, Fan, Lidar, Noise, Sensor, SensorKind};
 pub use shape::{Friction, Geometry, Inertial, Mask, Role, Shape};
 pub use urdf::parse_urdf;
@@ -35,6 +36,7 @@ pub fn parse(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loade
     let mut reader = reader::Reader::new(resolve);
     let model = match root.name.as_str() {
         "robot" => urdf::robot(&mut reader, &root),
+        "sdf" | "gazebo" => sdf::document(&mut reader, root),
         other => {
             let message = format!("<{other}> starts no robot description");
             let remedy = "name a URDF (<robot>), an SDF (<sdf>) or an MJCF (<mujoco>) file";

@@ -253,6 +253,21 @@ impl Model {
         self.joints.iter().filter(move |joint| joint.link == link)
     }
 
+    /// Whether a link never moves: no joint with a freedom lies between it and the world.
+    #[must_use]
+    pub fn is_static(&self, link: usize) -> bool {
+        let mut at = Some(link);
+        while let Some(index) = at {
+            let moves = self.links[index].kinematic
+                || self.joints_of(index).any(|joint| joint.kind.freedoms() > 0);
+            if moves {
+                return false;
+            }
+            at = self.links[index].parent;
+        }
+        true
+    }
+
     /// Sum of the links' masses.
     #[must_use]
     pub fn total_mass_kg(&self) -> f64 {

@@ -48,6 +48,8 @@ pub(crate) struct Reader<'r, 's> {
     pub warnings: Vec<Problem>,
     pub problems: Vec<Problem>,
     pub meshes: Vec<Mesh>,
+    /// Files that could not be had: gaps, unless something else fails because of them.
+    missing: Vec<Problem>,
     mesh_index: BTreeMap<(String, [u64; 3], bool), Option<usize>>,
     files: usize,
     corners: usize,
@@ -61,6 +63,7 @@ impl<'r, 's> Reader<'r, 's> {
             warnings: vec![],
             problems: vec![],
             meshes: vec![],
+            missing: vec![],
             mesh_index: BTreeMap::new(),
             files: 0,
             corners: 0,
@@ -87,7 +90,8 @@ impl<'r, 's> Reader<'r, 's> {
                         remedy: "give a robot, a model, a world or a mujoco element".to_owned(),
                     });
                 }
-                Err(Problems(self.problems))
+                self.missing.append(&mut self.problems);
+                Err(Problems(self.missing))
             }
         }
     }
@@ -304,20 +308,27 @@ impl<'r, 's> Reader<'r, 's> {
         (self.resolve)(address)
     }
 
-    /// The text at an address as XML; problems otherwise.
-    pub fn document(&mut self, place: &Place, address: &str) -> Option<Element> {
-        let bytes = match self.bytes(address) {
-            Ok(bytes) => bytes,
-            Err(reason) => {
-                let message = format!("{} cannot be included: {reason}", shortened(address));
-                self.problem(place, message, "put the file there, or correct the address");
+    /// The text at an address as XML. What cannot be had is a gap, what cannot be read a problem.
+    pub fn optional_document(&mut self, include: &Element, address: &str) -> Option<Element> {
+        let place = &include.place;
+        let text = match self.bytes(address).map(String::from_utf8) {
+            Ok(Ok(text)) => text,
+            Ok(Err(_)) => {
+                let message = format!("{} is not text in UTF-8", shortened(address));
+                self.problem(place, message, "save it as UTF-8");
                 return None;
             }
-        };
-        let Ok(text) = String::from_utf8(bytes) else {
-            let message = format!("{} is not text in UTF-8", shortened(address));
-            self.problem(place, message, "save it as UTF-8");
-            return None;
+            Err(reason) => {
+                let what = format!("{} cannot be had: {reason}", shortened(address));
+                let consequence = "what it describes is missing";
+                self.missing.push(Problem {
+                    place: place.clone(),
+                    message: what.clone(),
+                    remedy: "other things may be missing because of it".to_owned(),
+                });
+                self.gap(place, &include.name, what, Effect::Motion, consequence);
+                return None;
+            }
         };
         match xml::read(address, &text) {
             Ok(root) => Some(root),

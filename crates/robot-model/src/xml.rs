@@ -113,7 +113,8 @@ pub(crate) fn read(file: &str, text: &str) -> Result<Element, Problem> {
         nodes_limit: MAX_NODES,
         ..roxmltree::ParsingOptions::default()
     };
-    let document = roxmltree::Document::parse_with_options(text, options)
+    let tolerant = tolerant(text);
+    let document = roxmltree::Document::parse_with_options(&tolerant, options)
         .map_err(|error| syntax_problem(file, &error))?;
     let lines = Lines::new(file, text);
     convert(document.root_element(), &lines, 1)
@@ -155,7 +156,7 @@ fn convert(
         });
     }
     let attributes = node.attributes().map(|attribute| Attribute {
-        name: full_name(attribute.namespace(), attribute.name()),
+        name: original(lines.text, attribute.range().start, attribute.name()),
         value: attribute.value().to_owned(),
         place: lines.place(attribute.range().start),
     });
@@ -163,7 +164,7 @@ fn convert(
     let text: String = texts.filter_map(|child| child.text()).collect();
     let elements = node.children().filter(roxmltree::Node::is_element);
     Ok(Element {
-        name: full_name(node.tag_name().namespace(), node.tag_name().name()),
+        name: original(lines.text, node.range().start + 1, node.tag_name().name()),
         attributes: attributes.collect(),
         children: elements
             .map(|child| convert(child, lines, depth + 1))
@@ -173,11 +174,80 @@ fn convert(
     })
 }
 
-/// Names of a namespace keep a mark of it, so that `xacro:macro` is not taken for `macro`.
-fn full_name(namespace: Option<&str>, name: &str) -> String {
-    match namespace {
-        Some(space) if space.contains("xacro") => format!("xacro:{name}"),
-        Some(space) if !space.is_empty() => format!("{{{space}}}{name}"),
-        _ => name.to_owned(),
+/// The text as strict XML of the same length, so that places stay: what the programs that wrote these languages accept
+/// and the standard does not (`--` in comments, a declaration behind blanks, prefixes without a namespace).
+///
+/// Comments and processing instructions become blanks; a colon in a name becomes a full stop, and [`original`] finds it
+/// again.
+fn tolerant(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find('<') {
+        result.push_str(&rest[..start]);
+        rest = &rest[start..];
+        let end = match rest.as_bytes() {
+            [b'<', b'!', b'-', b'-', ..] => rest[4..].find("-->").map(|end| end + 7),
+            [b'<', b'?', ..] => rest.find("?>").map(|end| end + 2),
+            [b'<', b'!', b'[', ..] => rest.find("]]>").map(|end| end + 3),
+            _ => Some(end_of_tag(rest)),
+        };
+        let (markup, behind) = rest.split_at(end.unwrap_or(rest.len()));
+        match (markup.as_bytes(), end) {
+            ([b'<', b'!', b'-', ..] | [b'<', b'?', ..], Some(_)) => blank(markup, &mut result),
+            ([b'<', b'!', ..], _) | (_, None) => result.push_str(markup),
+            _ => without_colons(markup, &mut result),
+        }
+        rest = behind;
     }
+    result.push_str(rest);
+    result
+}
+
+/// The length of a tag: up to the first `>` outside of quotes, or the whole rest.
+fn end_of_tag(text: &str) -> usize {
+    let mut quote = None;
+    for (index, byte) in text.bytes().enumerate() {
+        match (quote, byte) {
+            (None, b'>') => return index + 1,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// Blanks in place of a text, lines kept.
+fn blank(text: &str, into: &mut String) {
+    let line = |byte: u8| {
+        if byte == b'\n' || byte == b'\r' {
+            byte as char
+        } else {
+            ' '
+        }
+    };
+    into.extend(text.bytes().map(line));
+}
+
+fn without_colons(tag: &str, into: &mut String) {
+    let mut quote = None;
+    for character in tag.chars() {
+        match (quote, character) {
+            (None, '"' | '\'') => quote = Some(character),
+            (Some(open), _) if open == character => quote = None,
+            _ => {}
+        }
+        into.push(if quote.is_none() && character == ':' {
+            '.'
+        } else {
+            character
+        });
+    }
+}
+
+/// The name as it was written, from the place where the parser found it.
+fn original(text: &str, start: usize, name: &str) -> String {
+    text.get(start..start + name.len())
+        .unwrap_or(name)
+        .to_owned()
 }

@@ -78,7 +78,7 @@ impl Writer<'_> {
         let link = &model.links[index];
         for (position, shape) in link.shapes.iter().enumerate() {
             if shape.role == Role::Collision || self.options.visuals {
-                self.shape(link, position, shape);
+                self.shape(index, position, shape);
             }
         }
         self.marks(Some(index));
@@ -108,8 +108,16 @@ impl Writer<'_> {
         );
     }
 
-    fn shape(&mut self, link: &Link, position: usize, shape: &Shape) {
+    fn shape(&mut self, index: usize, position: usize, shape: &Shape) {
+        let link = &self.model.links[index];
         let form = match &shape.geometry {
+            Geometry::Plane { .. } if !self.model.is_static(index) => {
+                self.notes.push(format!(
+                    "the plane on link {} is left out, since MuJoCo knows planes only on links that never move",
+                    link.name
+                ));
+                return;
+            }
             Geometry::Mesh { mesh } => {
                 if !self.written_meshes.get(*mesh).copied().unwrap_or(false) {
                     return;
