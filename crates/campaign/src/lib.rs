@@ -1,13 +1,20 @@
 //! Which stimuli to run next, and what the outcomes so far say.
 
+pub mod coverage;
 pub mod design;
 mod error;
 mod random;
 pub mod search;
+pub mod shrink;
 
+pub use coverage::{
+    Coverage, CoverageModel, Cross, FileCoverage, Hole, Lcov, NewBin, Saturation, SetCoverage,
+    Share, Situation, Variable, Visits,
+};
 pub use design::{Design, Sampler, centred_discrepancy};
 pub use error::CampaignError;
 pub use random::Random;
 pub use search::{
     Bayesian, CmaEs, CrossEntropy, Evaluated, GaussianProcess, Method, Prediction, Search, Searcher,
 };
+pub use shrink::{NotShown, ShrinkOptions, Shrunk, Size, shrink};
