@@ -15,6 +15,7 @@
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustering`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
+//! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`] |
 //!
@@ -54,6 +55,7 @@ pub mod posterior;
 pub mod power;
 mod quadrature;
 mod ranks;
+pub mod sequential;
 pub mod spearman;
 pub mod special;
 
@@ -72,4 +74,5 @@ pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
 pub use posterior::{BetaPosterior, probability_greater, probability_within};
 pub use power::{Arm, FurtherTrials, Goal, further_trials, trials_per_arm};
+pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
 pub use spearman::{Spearman, spearman, spearman_exact};
