@@ -3,6 +3,7 @@
 pub mod coverage;
 pub mod design;
 mod error;
+pub mod generate;
 mod random;
 pub mod search;
 pub mod shrink;
@@ -13,6 +14,10 @@ pub use coverage::{
 };
 pub use design::{Design, Sampler, centred_discrepancy};
 pub use error::CampaignError;
+pub use generate::{
+    ActionPattern, Agent, Alternative, Cover, FromPath, Grammar, Known, PathMapping, PathStep,
+    Plan, Rule, StepRule, Values, smallest_cover,
+};
 pub use random::Random;
 pub use search::{
     Bayesian, CmaEs, CrossEntropy, Evaluated, GaussianProcess, Method, Prediction, Search, Searcher,

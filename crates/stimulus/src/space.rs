@@ -204,6 +204,26 @@ impl Space {
         Ok(settings)
     }
 
+    /// The point that settings stand for; a parameter that they do not set has its nominal value.
+    /// `None` if a setting is no value of its parameter, or keys of one parameter disagree.
+    #[must_use]
+    pub fn point_of(&self, settings: &Settings) -> Option<Point> {
+        let nominal = self.nominal();
+        let mut values = Vec::with_capacity(self.parameters.len());
+        for (parameter, nominal) in self.parameters.iter().zip(nominal.0) {
+            let mut given = parameter.sets.iter().filter_map(|key| settings.get(key));
+            let first = given.next();
+            if given.any(|other| Some(other) != first) {
+                return None;
+            }
+            values.push(match first {
+                Some(setting) => parameter.value(setting)?,
+                None => nominal,
+            });
+        }
+        Some(Point(values))
+    }
+
     /// The test made concrete: keys that begin with `test.actions.` change the test, all others
     /// become settings of the bench.
     ///
@@ -333,6 +353,32 @@ impl Parameter {
             } => wrong(),
             Distribution::Integer { .. } if value.fract() != 0.0 => wrong(),
             _ => Ok(Setting::Number(value + 0.0)),
+        }
+    }
+
+    /// The number of a setting: the inverse of [`setting`](Self::setting). `None` if it is of
+    /// another kind.
+    #[must_use]
+    pub fn value(&self, setting: &Setting) -> Option<f64> {
+        match (setting, &self.distribution) {
+            (Setting::Bool(yes), Distribution::Boolean { .. }) => Some(f64::from(u8::from(*yes))),
+            (
+                Setting::Text(text),
+                Distribution::Choice {
+                    options: Options::Labels(labels),
+                    ..
+                },
+            ) => Some(labels.iter().position(|label| label == text)? as f64),
+            (
+                _,
+                Distribution::Boolean { .. }
+                | Distribution::Choice {
+                    options: Options::Labels(_),
+                    ..
+                },
+            ) => None,
+            (Setting::Number(number), _) => Some(*number),
+            _ => None,
         }
     }
 

@@ -1,7 +1,9 @@
 //! Spaces and stimuli as a user writes them.
 
 use proptest::prelude::*;
-use stimulus::{AbstractTest, Action, Distribution, Setting, Space, Stimulus, StimulusError};
+use stimulus::{
+    AbstractTest, Action, Distribution, Setting, Settings, Space, Stimulus, StimulusError,
+};
 
 const SPACE: &str = r#"
 [[parameter]]
@@ -48,6 +50,17 @@ fn a_point_becomes_settings() {
     let expected = expected.map(|(key, value)| (key.to_owned(), value));
     assert_eq!(settings, expected.into());
     assert_eq!(space.nominal().0, [8.0, 0.0, 0.0, 2.0]);
+    assert_eq!(space.point_of(&settings), Some(point));
+    assert_eq!(space.point_of(&Settings::new()), Some(space.nominal()));
+    let wrong = [
+        ("human.helper", Setting::from(1.0)),
+        ("human.pull_newtons", Setting::from(1.0)),
+    ];
+    for (key, value) in wrong {
+        let mut settings = settings.clone();
+        settings.insert(key.to_owned(), value);
+        assert_eq!(space.point_of(&settings), None, "{key}");
+    }
     assert_eq!(space.parameters[0].shown(8.0), "8 N");
     assert_eq!(space.parameters[2].shown(1.0), "dusty");
 }

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use stimulus::{Settings, Stimulus};
+use stimulus::{Settings, Space, Stimulus, StimulusError};
 
 pub use size::Size;
 
@@ -32,17 +32,41 @@ pub use size::Size;
 pub struct ShrinkOptions {
     /// Values that need no explanation, by dotted key: a setting with this value counts as absent.
     pub nominal: Settings,
+    /// The declared ranges: what lies outside is not tried, if the start lies within. A smaller
+    /// scenario that nobody declared possible would explain nothing.
+    pub space: Space,
     /// How many stimuli may be run.
     pub budget: usize,
 }
 
 impl Default for ShrinkOptions {
-    /// No nominal values, and 1000 runs.
+    /// No nominal values, no ranges, and 1000 runs.
     fn default() -> Self {
         Self {
             nominal: Settings::new(),
+            space: Space::default(),
             budget: 1000,
         }
+    }
+}
+
+impl ShrinkOptions {
+    /// The nominal values and ranges of a space.
+    ///
+    /// # Errors
+    /// [`StimulusError::Point`] if a nominal value is none of its parameter.
+    pub fn within(space: Space, budget: usize) -> Result<Self, StimulusError> {
+        let nominal = space.settings(&space.nominal())?;
+        Ok(Self {
+            nominal,
+            space,
+            budget,
+        })
+    }
+
+    fn declares(&self, stimulus: &Stimulus) -> bool {
+        let point = self.space.point_of(&stimulus.settings);
+        point.is_some_and(|point| self.space.allows(&point))
     }
 }
 
@@ -88,11 +112,11 @@ impl std::error::Error for NotShown {}
 /// start.settings.insert("pull_newtons".into(), 3.141592.into());
 /// start.settings.insert("mass_kg".into(), 0.35.into());
 ///
-/// // It takes looking away, then being ready, and a pull below 5 N.
+/// // It takes looking away, then being ready, and a pull of 2 to 5 N.
 /// let result = shrink(&start, &ShrinkOptions::default(), &mut |s| {
 ///     let text = s.test.to_string();
 ///     let away = text.find("gaze=false");
-///     let weak = s.settings.get("pull_newtons").is_some_and(|p| matches!(p, stimulus::Setting::Number(n) if *n < 5.0));
+///     let weak = s.settings.get("pull_newtons").is_some_and(|p| matches!(p, stimulus::Setting::Number(n) if (2.0..5.0).contains(n)));
 ///     weak && away.is_some() && away < text.find("send ready")
 /// })?;
 /// assert_eq!(result.stimulus.test.to_string(), "set gaze=false; send ready");
@@ -114,6 +138,7 @@ pub fn shrink(
         known: BTreeMap::new(),
         runs: 0,
         exhausted: false,
+        within: options.declares(start),
         size: Size::of(start, &options.nominal),
         best: start.clone(),
     };
@@ -141,6 +166,8 @@ struct Shrinking<'a> {
     /// Answers by content.
     known: BTreeMap<String, bool>,
     runs: usize,
+    /// Only what the space declares possible is tried.
+    within: bool,
     /// A run was wanted that the budget did not allow.
     exhausted: bool,
     best: Stimulus,
@@ -167,7 +194,8 @@ impl Shrinking<'_> {
     /// Takes a candidate for the best if it is smaller and still shows it.
     fn accept(&mut self, candidate: Stimulus) -> bool {
         let size = Size::of(&candidate, &self.options.nominal);
-        if size >= self.size || !self.shows(&candidate) {
+        let possible = !self.within || self.options.declares(&candidate);
+        if size >= self.size || !possible || !self.shows(&candidate) {
             return false;
         }
         self.best = candidate;

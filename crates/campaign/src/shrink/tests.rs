@@ -104,6 +104,7 @@ fn settings_go_back_to_nominal_and_values_go() {
         ]
         .into(),
         budget: 200,
+        ..ShrinkOptions::default()
     };
     let result = shrink(&start, &options, &mut |s| {
         s.settings.contains_key("a")
@@ -158,4 +159,24 @@ fn delays_become_short_and_round() {
 fn what_does_not_show_it_is_not_shrunk() {
     let error = shrink(&signals(&[1]), &ShrinkOptions::default(), &mut |_| false).unwrap_err();
     assert!(error.to_string().contains("run it with the seed"));
+}
+
+#[test]
+fn what_nobody_declared_possible_is_not_tried() {
+    let space = Space::from_toml(
+        "[[parameter]]\nname = \"pull\"\nsets = [\"pull_newtons\"]\nuniform = [1.5, 15]\nnominal = 8\n\
+         [[parameter]]\nname = \"mass\"\nsets = [\"mass_kg\"]\nuniform = [0.3, 0.4]\n",
+    )
+    .unwrap();
+    let mut start = signals(&[1]);
+    start.settings.insert("pull_newtons".into(), 3.77.into());
+    start.settings.insert("mass_kg".into(), 0.377.into());
+    let options = ShrinkOptions::within(space, 100).unwrap();
+    let weak = |s: &Stimulus| matches!(s.settings.get("pull_newtons"), Some(Setting::Number(n)) if *n < 5.0);
+    let result = shrink(&start, &options, &mut |s| weak(s)).unwrap();
+    assert_eq!(
+        result.stimulus.settings,
+        [("pull_newtons".to_owned(), 4.0.into())].into()
+    );
+    assert!(result.stimulus.test.actions.is_empty() && result.is_minimal);
 }
