@@ -3,6 +3,7 @@
 //! This is where the engines of the lower floors meet evidence; nothing else
 //! knows both.
 
+mod bench;
 pub mod experiment;
 pub mod judging;
 pub mod model_checking;

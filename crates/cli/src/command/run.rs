@@ -52,8 +52,10 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         .zip(&prepared)
         .map(|(entry, prepared)| {
             let mut assets = assets(&study, entry)?;
-            if let Prepared::Judge(recordings) = prepared {
-                assets.extend_from_slice(recordings.assets());
+            match prepared {
+                Prepared::Judge(recordings) => assets.extend_from_slice(recordings.assets()),
+                Prepared::Simulate(campaign) => assets.extend_from_slice(campaign.assets()),
+                _ => {}
             }
             Ok((entry.id.as_str(), assets))
         })
@@ -129,13 +131,12 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
                 ..
             } => {
                 let library = setting.physics_library.as_deref();
-                match Campaign::new(study, scenario, parameters, library) {
-                    Ok(campaign) => Ok(Prepared::Simulate(Box::new(campaign))),
-                    Err(problem) if problem.code == "no-physics-library" => {
-                        Ok(Prepared::CannotSimulate(problem))
-                    }
-                    Err(problem) => Err(problem),
-                }
+                prepared_campaign(Campaign::new(study, scenario, parameters, library), setting)
+            }
+            Work::SimulateScene { scene, test, .. } => {
+                let library = setting.physics_library.as_deref();
+                let campaign = Campaign::of_scene(study, scene, test.as_deref(), library);
+                prepared_campaign(campaign, setting)
             }
             Work::Read {
                 cohort,
@@ -156,6 +157,24 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
     technique::judging::Judges::new(study, |_| true)?;
     every_proposition_is_expressed_somewhere(study, &prepared)?;
     Ok(prepared)
+}
+
+/// A campaign, or that simulations cannot run here; what of robots'
+/// descriptions is not simulated is said.
+fn prepared_campaign(
+    campaign: Result<Campaign, Problem>,
+    setting: &Setting,
+) -> Result<Prepared<'static>, Problem> {
+    match campaign {
+        Ok(campaign) => {
+            campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
+            Ok(Prepared::Simulate(Box::new(campaign)))
+        }
+        Err(problem) if problem.code == "no-physics-library" => {
+            Ok(Prepared::CannotSimulate(problem))
+        }
+        Err(problem) => Err(problem),
+    }
 }
 
 /// What was set to a count must be a constant of the model.
@@ -244,9 +263,10 @@ impl Runner<'_> {
                 &self.setting.interrupt,
                 &|title, total| self.setting.talk.begin(title, total),
             )?,
-            (Prepared::Simulate(campaign), Work::Simulate { episodes, .. }) => {
-                self.simulate(entry, campaign, *episodes)?
-            }
+            (
+                Prepared::Simulate(campaign),
+                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
+            ) => self.simulate(entry, campaign, *episodes)?,
             (Prepared::Read(tables), Work::Read { technique, .. }) => {
                 tables.produce(self.study, &entry.id, *technique)?
             }
@@ -327,7 +347,10 @@ impl Runner<'_> {
                     inputs.add_json(&constant.name, &sample);
                 }
             }
-            (Prepared::Simulate(campaign), Work::Simulate { episodes, .. }) => {
+            (
+                Prepared::Simulate(campaign),
+                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
+            ) => {
                 campaign.inputs(&mut inputs);
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 inputs.add_json("episodes", episodes);
@@ -518,6 +541,7 @@ fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem>
             parameters,
             ..
         } => files.extend([(SystemModel, scenario.as_path()), (SystemModel, parameters)]),
+        Work::SimulateScene { scene, .. } => files.push((SystemModel, scene)),
         Work::Read {
             cohort,
             requirements,

@@ -41,20 +41,33 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
-    let Work::Simulate {
-        scenario,
-        parameters,
-        episodes,
-    } = &entry.work
-    else {
-        return Err(Problem::new(
-            "not-a-simulation",
-            format!("`{}` is no simulation of this study", entry.id),
-        )
-        .remedy("name an entry of the ledger with a scenario"));
-    };
     let library = setting.physics_library.as_deref();
-    let campaign = Campaign::new(&study, scenario, parameters, library)?;
+    let (campaign, scenario, episodes) = match &entry.work {
+        Work::Simulate {
+            scenario,
+            parameters,
+            episodes,
+        } => {
+            let campaign = Campaign::new(&study, scenario, parameters, library)?;
+            (campaign, scenario, episodes)
+        }
+        Work::SimulateScene {
+            scene,
+            test,
+            episodes,
+        } => {
+            let campaign = Campaign::of_scene(&study, scene, test.as_deref(), library)?;
+            (campaign, scene, episodes)
+        }
+        _ => {
+            return Err(Problem::new(
+                "not-a-simulation",
+                format!("`{}` is no simulation of this study", entry.id),
+            )
+            .remedy("name an entry of the ledger with a scenario or a scene"));
+        }
+    };
+    campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
     let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
     let count = arguments.episodes.unwrap_or(*episodes);
     let numbers = arguments.first..arguments.first + count;

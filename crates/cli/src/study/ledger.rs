@@ -52,6 +52,15 @@ pub enum Work {
         /// How many episodes.
         episodes: u64,
     },
+    /// Run seeded episodes of a scene and judge them with the monitors.
+    SimulateScene {
+        /// The scene's file, relative to the study.
+        scene: PathBuf,
+        /// Which of its tests is enacted; the first if none is named.
+        test: Option<String>,
+        /// How many episodes.
+        episodes: u64,
+    },
     /// Read counts from tables.
     Read {
         /// Of the real robot or of published simulations.
@@ -77,7 +86,7 @@ impl Work {
     pub fn technique(&self) -> evidence::Technique {
         match self {
             Work::Check { .. } => evidence::Technique::ModelChecking,
-            Work::Simulate { .. } => evidence::Technique::Simulation,
+            Work::Simulate { .. } | Work::SimulateScene { .. } => evidence::Technique::Simulation,
             Work::Read { technique, .. } | Work::Judge { technique, .. } => *technique,
         }
     }
@@ -187,6 +196,8 @@ struct EntryText {
     methods: Option<Spanned<Vec<Method>>>,
     scenario: Option<Spanned<PathBuf>>,
     parameters: Option<Spanned<PathBuf>>,
+    scene: Option<Spanned<PathBuf>>,
+    test: Option<Spanned<String>>,
     episodes: Option<Spanned<u64>>,
     tables: Option<Spanned<TablesText>>,
     recordings: Option<Spanned<PathBuf>>,
@@ -435,10 +446,34 @@ impl Reader<'_> {
                 "choose 1 to 10000000",
             ));
         }
+        if let Some(scene) = &text.scene {
+            return self.simulate_scene(text, scene, *episodes.get_ref());
+        }
         Ok(Work::Simulate {
             scenario: self.file(text, "scenario", text.scenario.as_ref())?,
             parameters: self.file(text, "parameters", text.parameters.as_ref())?,
             episodes: *episodes.get_ref(),
+        })
+    }
+
+    fn simulate_scene(
+        &self,
+        text: &EntryText,
+        scene: &Spanned<PathBuf>,
+        episodes: u64,
+    ) -> Result<Work, Problem> {
+        if let Some(other) = text.scenario.as_ref().or(text.parameters.as_ref()) {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` names a scene and a scenario", text.id.get_ref()),
+                other.span(),
+                "keep either `scene` or `scenario` and `parameters`",
+            ));
+        }
+        Ok(Work::SimulateScene {
+            scene: self.existing(scene)?,
+            test: text.test.as_ref().map(|test| test.get_ref().clone()),
+            episodes,
         })
     }
 

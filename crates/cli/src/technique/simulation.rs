@@ -7,26 +7,40 @@
 //! changed monitor judges the same episodes again.
 
 use super::Produced;
+use super::bench::SceneCampaign;
 use super::judging::{Judgement, Judges};
 use crate::forms::differences;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::Study;
 use crate::talk::{Interrupt, Stage};
-use evidence::{Cost, Finding, Measure, Reading, Subject, Tool};
+use evidence::{Asset, Cost, Finding, Measure, Reading, Subject, Tool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use temporal::monitor::Verdict;
-use testbench::{Engine, Parameters, Scenario, ScenarioError, SimError, World};
+use testbench::{Engine, Parameters, Scenario, ScenarioError, SimError, Unwatched, World};
 use trace::Trace;
 
 /// Runs that are named as witnesses of a violation, at most.
 const WITNESSES: usize = 5;
 
-/// A scenario with its parameters and the engine that runs it.
+/// A bench and the engine that runs it.
 pub struct Campaign {
     engine: Engine,
+    bench: Bench,
+}
+
+/// What is simulated.
+enum Bench {
+    /// The handover world.
+    Handover(Box<Handover>),
+    /// A scene.
+    Scene(Box<SceneCampaign>),
+}
+
+/// A scenario with its parameters.
+struct Handover {
     scenario: Scenario,
     parameters: Parameters,
     scenario_text: String,
@@ -57,24 +71,48 @@ impl Campaign {
     ) -> Result<Self, Problem> {
         let (scenario, scenario_text) = read_scenario(&study.folder.join(scenario))?;
         let (parameters, parameters_text) = read_parameters(&study.folder.join(parameters))?;
-        let Some(library) = library else {
-            return Err(Problem::new(
-                "no-physics-library",
-                "simulations need the MuJoCo library, whose place is not known",
-            )
-            .remedy("start the program as `./corroborate`, which fetches it, or set CORROBORATE_MUJOCO to its path"));
-        };
-        let engine = Engine::load(library).map_err(|error| {
-            Problem::new("no-physics-library", error.to_string())
-                .remedy("run `tools/mujoco`, which fetches the version that is needed")
-        })?;
-        Ok(Self {
-            engine,
+        let engine = load_engine(library)?;
+        let handover = Handover {
             scenario,
             parameters,
             scenario_text,
             parameters_text,
+        };
+        Ok(Self {
+            engine,
+            bench: Bench::Handover(Box::new(handover)),
         })
+    }
+
+    /// Reads a scene with everything that it names and loads the engine.
+    pub fn of_scene(
+        study: &Study,
+        scene: &Path,
+        test: Option<&str>,
+        library: Option<&Path>,
+    ) -> Result<Self, Problem> {
+        let engine = load_engine(library)?;
+        let scene = SceneCampaign::new(study, scene, test, &engine)?;
+        Ok(Self {
+            engine,
+            bench: Bench::Scene(Box::new(scene)),
+        })
+    }
+
+    /// The files that a scene names: robots' descriptions, their code.
+    pub fn assets(&self) -> &[Asset] {
+        match &self.bench {
+            Bench::Handover(_) => &[],
+            Bench::Scene(scene) => scene.assets(),
+        }
+    }
+
+    /// What of robots' descriptions is not simulated.
+    pub fn gaps(&self) -> &[String] {
+        match &self.bench {
+            Bench::Handover(_) => &[],
+            Bench::Scene(scene) => scene.gaps(),
+        }
     }
 
     /// The engine and the settings that can move a number.
@@ -82,27 +120,51 @@ impl Campaign {
         Tool {
             name: "MuJoCo".into(),
             version: self.engine.version().to_owned(),
-            settings: format!("time step {} s", self.scenario.simulation.time_step_secs),
+            settings: match &self.bench {
+                Bench::Handover(handover) => {
+                    let step_secs = handover.scenario.simulation.time_step_secs;
+                    format!("time step {step_secs} s")
+                }
+                Bench::Scene(scene) => scene.settings(),
+            },
+        }
+    }
+
+    /// The handover's parts; a scene has none of them.
+    fn handover(&self) -> Result<&Handover, Problem> {
+        match &self.bench {
+            Bench::Handover(handover) => Ok(handover),
+            Bench::Scene(_) => Err(Problem::new(
+                "not-a-handover",
+                "a scene cannot be joined to parts outside",
+            )
+            .remedy("name an entry of the ledger with a `scenario` and `parameters`")),
         }
     }
 
     /// A world in which single episodes can be run.
     pub fn world(&self) -> Result<World, Problem> {
-        World::new(&self.engine, &self.scenario, &self.parameters)
+        let handover = self.handover()?;
+        World::new(&self.engine, &handover.scenario, &handover.parameters)
             .map_err(|error| Problem::new("simulation-failed", error.to_string()))
     }
 
     /// How often the robot's code runs, per second.
-    pub fn controller_hz(&self) -> u32 {
-        self.scenario.rates.controller_hz
+    pub fn controller_hz(&self) -> Result<u32, Problem> {
+        Ok(self.handover()?.scenario.rates.controller_hz)
     }
 
     /// What an episode's trace depends on, besides its seed and this program.
     pub fn inputs(&self, inputs: &mut Inputs) {
-        inputs
-            .add("scenario", self.scenario_text.as_bytes())
-            .add("parameters", self.parameters_text.as_bytes())
-            .add("engine", self.engine.version().as_bytes());
+        inputs.add("engine", self.engine.version().as_bytes());
+        match &self.bench {
+            Bench::Handover(handover) => {
+                inputs
+                    .add("scenario", handover.scenario_text.as_bytes())
+                    .add("parameters", handover.parameters_text.as_bytes());
+            }
+            Bench::Scene(scene) => scene.inputs(inputs),
+        }
     }
 
     /// Runs the episodes of `numbers` in parallel and hands each trace to
@@ -160,15 +222,38 @@ impl Campaign {
             SimError::Cancelled => Problem::interrupted(),
             other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
         };
+        let handover = match &self.bench {
+            Bench::Handover(handover) => handover,
+            Bench::Scene(scene) => {
+                let run = scene.run(seed, &mut Unwatched, interrupt);
+                return Ok(run.map_err(problem)?.trace);
+            }
+        };
         let world = match world {
             Some(world) => world,
             None => world.insert(
-                World::new(&self.engine, &self.scenario, &self.parameters).map_err(problem)?,
+                World::new(&self.engine, &handover.scenario, &handover.parameters)
+                    .map_err(problem)?,
             ),
         };
         let episode = testbench::run_episode(world, seed, interrupt.cancel());
         Ok(episode.map_err(problem)?.trace)
     }
+}
+
+/// Loads the physics library.
+fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
+    let Some(library) = library else {
+        return Err(Problem::new(
+                "no-physics-library",
+                "simulations need the MuJoCo library, whose place is not known",
+            )
+            .remedy("start the program as `./corroborate`, which fetches it, or set CORROBORATE_MUJOCO to its path"));
+    };
+    Engine::load(library).map_err(|error| {
+        Problem::new("no-physics-library", error.to_string())
+            .remedy("run `tools/mujoco`, which fetches the version that is needed")
+    })
 }
 
 /// The seeds of a piece of evidence's episodes.

@@ -73,7 +73,7 @@ pub struct ShapePlan {
     pub pose: Pose,
     /// Its form.
     pub form: Form,
-    /// Coulomb friction; of two shapes the larger holds.
+    /// Coulomb friction; of two shapes the smaller holds.
     pub friction: f64,
     /// What it touches. Rays meet it in any case.
     pub touches: Touches,

@@ -148,14 +148,20 @@ fn shapes_of(text: &mut String, layout: &Layout, body: Option<usize>) {
     for shape in layout.shapes.iter().filter(|shape| shape.body == body) {
         put!(
             text,
-            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" condim="3" mass="0" {}/>"#,
+            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" priority="{}" condim="3" mass="0" {}/>"#,
             escaped(&shape.name),
             place(&shape.pose),
             form_of(shape),
             shape.friction,
+            priority_of(shape.friction),
             masks_of(shape.touches)
         );
     }
+}
+
+/// MuJoCo takes the friction of the shape with the higher priority: the smaller friction's.
+fn priority_of(friction: f64) -> i32 {
+    ((10.0 - friction) * 1e6).clamp(0.0, 1e8) as i32
 }
 
 /// Two shapes touch if a bit of one's `contype` is in the other's `conaffinity`.

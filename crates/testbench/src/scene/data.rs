@@ -104,6 +104,9 @@ pub struct ControllerData {
     pub files: Vec<String>,
     /// Simulated time from tick to tick.
     pub period_secs: f64,
+    /// How long an answer of the process may take on the wall clock, before the caller ends it.
+    #[serde(default = "half_a_minute")]
+    pub answer_within_secs: f64,
     /// How long its commands take to take effect.
     #[serde(default = "zero")]
     pub latency_secs: Distribution,
@@ -112,6 +115,9 @@ pub struct ControllerData {
     pub settings: Table,
 }
 
+fn half_a_minute() -> f64 {
+    30.0
+}
 fn two_milliseconds() -> f64 {
     0.002
 }
@@ -330,6 +336,12 @@ impl ControllerData {
     fn check(&self, time_step_secs: f64) -> Result<(), ScenarioError> {
         let key = |field: &str| key_of("controller", &self.name, field);
         whole_steps(&key("period_secs"), self.period_secs, time_step_secs)?;
+        number_within(
+            &key("answer_within_secs"),
+            self.answer_within_secs,
+            1e-3,
+            86_400.0,
+        )?;
         within(&key("latency_secs"), &self.latency_secs, 0.0, 60.0)
     }
 }

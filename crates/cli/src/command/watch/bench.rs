@@ -109,7 +109,7 @@ impl Bench {
             topics: table.topics.into_iter().filter(is_inside).collect(),
             readings: SharedReadings::new(&inputs),
             inputs,
-            tolerance_nanos: 1_000_000_000 / i64::from(campaign.controller_hz().max(1)),
+            tolerance_nanos: 1_000_000_000 / i64::from(campaign.controller_hz()?.max(1)),
             about: about.map(|(key, value)| (key.to_owned(), value)).into(),
             begin: Arc::default(),
             kept: Arc::default(),

@@ -1,0 +1,260 @@
+//! A controller that runs as a process and is asked line by line.
+//!
+//! Simulated time stands still while it thinks; only here does a clock of the
+//! real world run, so that a controller that hangs is ended and said to hang.
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use testbench::controller::LockStep;
+
+/// The longest line that a controller may answer, in bytes.
+const LONGEST_LINE: u64 = 16 << 20;
+/// How many lines of its error output are kept, the last ones.
+const KEPT_LINES: usize = 200;
+/// How many of them an error shows.
+const SHOWN_LINES: usize = 12;
+/// How long a process has to end by itself once its input has ended.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// The last lines of a process's error output.
+type Said = Arc<Mutex<VecDeque<String>>>;
+
+/// A running controller.
+pub struct Process {
+    name: String,
+    child: Child,
+    input: Option<ChildStdin>,
+    answers: Receiver<Result<String, String>>,
+    said: Said,
+    listeners: Vec<JoinHandle<()>>,
+    limit: Duration,
+}
+
+impl Process {
+    /// Starts `command` in `folder`. Each answer has to come within `limit`.
+    pub fn start(command: &[String], folder: &Path, limit: Duration) -> Result<Self, String> {
+        let Some((program, arguments)) = command.split_first() else {
+            return Err(
+                "the scene names no `command` for it; add for example `command = [\"python3\", \"controller.py\"]`"
+                    .into(),
+            );
+        };
+        let name = command.join(" ");
+        let mut prepared = Command::new(program);
+        prepared
+            .args(arguments)
+            .current_dir(folder)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            // Ctrl-C is for us; what we end ends its controllers.
+            .process_group(0);
+        if let Some(path) = python_path() {
+            prepared.env("PYTHONPATH", path);
+        }
+        // Whatever else a controller hashes or prints, it does the same each time.
+        prepared.env("PYTHONHASHSEED", "0");
+        let mut child = prepared
+            .spawn()
+            .map_err(|error| format!("`{name}` cannot be started: {error}"))?;
+        let (input, output, errors) =
+            (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (sender, answers) = sync_channel(1);
+        let said = Said::default();
+        let mut listeners = Vec::new();
+        if let Some(output) = output {
+            listeners.push(std::thread::spawn(move || {
+                let mut output = BufReader::new(output);
+                while let Some(line) = next_line(&mut output) {
+                    if sender.send(line).is_err() {
+                        break;
+                    }
+                }
+            }));
+        }
+        if let Some(errors) = errors {
+            let said = Arc::clone(&said);
+            listeners.push(std::thread::spawn(move || keep_lines(errors, &said)));
+        }
+        Ok(Self {
+            name,
+            child,
+            input,
+            answers,
+            said,
+            listeners,
+            limit,
+        })
+    }
+
+    /// Why no answer came, with how the process ended and what it said last.
+    fn lost(&mut self, what: &str) -> String {
+        // A process that has just closed its output is about to end.
+        let status = self.wait(GRACE);
+        let ended = match status {
+            Some(status) => format!("it ended with {status}"),
+            None => "it still runs and is ended".to_owned(),
+        };
+        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        let last: Vec<&str> = said
+            .iter()
+            .rev()
+            .take(SHOWN_LINES)
+            .map(String::as_str)
+            .collect();
+        let last: Vec<&str> = last.into_iter().rev().collect();
+        let output = if last.is_empty() {
+            String::new()
+        } else {
+            format!("; its error output ends with\n    {}", last.join("\n    "))
+        };
+        format!("`{}` {what}; {ended}{output}", self.name)
+    }
+
+    /// Waits for its end for a while.
+    fn wait(&mut self, longest: Duration) -> Option<std::process::ExitStatus> {
+        const PAUSE: Duration = Duration::from_millis(5);
+        let mut waited = Duration::ZERO;
+        loop {
+            if let Ok(Some(status)) = self.child.try_wait() {
+                return Some(status);
+            }
+            if waited >= longest {
+                return None;
+            }
+            std::thread::sleep(PAUSE);
+            waited += PAUSE;
+        }
+    }
+}
+
+impl LockStep for Process {
+    fn exchange(&mut self, line: &str) -> Result<String, String> {
+        let sent = match &mut self.input {
+            Some(input) => writeln!(input, "{line}").and_then(|()| input.flush()),
+            None => Err(std::io::Error::other("its input is closed")),
+        };
+        if sent.is_err() {
+            return Err(self.lost("does not read its input"));
+        }
+        match self.answers.recv_timeout(self.limit) {
+            Ok(answer) => answer.map_err(|reason| self.lost(&reason)),
+            Err(RecvTimeoutError::Timeout) => {
+                let secs = self.limit.as_secs_f64();
+                self.input = None;
+                Err(self.lost(&format!("gave no answer within {secs} s")))
+            }
+            Err(RecvTimeoutError::Disconnected) => Err(self.lost("closed its output")),
+        }
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.input = None;
+        if self.wait(GRACE).is_none() {
+            // If it cannot be killed it has ended in the meantime.
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+        // A grandchild may hold the pipes open: then the listeners are left behind.
+        self.listeners.retain(|listener| !listener.is_finished());
+    }
+}
+
+/// The next line, at most [`LONGEST_LINE`] long; `None` at the end.
+fn next_line(output: &mut impl BufRead) -> Option<Result<String, String>> {
+    let mut line = Vec::new();
+    match output.take(LONGEST_LINE).read_until(b'\n', &mut line) {
+        Ok(0) => None,
+        Ok(_) if line.last() != Some(&b'\n') && line.len() as u64 >= LONGEST_LINE => {
+            Some(Err("answered a line that is too long".into()))
+        }
+        Ok(_) => Some(String::from_utf8(line).map_err(|_| "answered no UTF-8 text".into())),
+        Err(error) => Some(Err(format!("cannot be read: {error}"))),
+    }
+}
+
+fn keep_lines(errors: impl Read, said: &Said) {
+    let mut errors = BufReader::new(errors);
+    let mut line = Vec::new();
+    while let Ok(1..) = (&mut errors)
+        .take(LONGEST_LINE)
+        .read_until(b'\n', &mut line)
+    {
+        let text = String::from_utf8_lossy(&line).trim_end().to_owned();
+        line.clear();
+        let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+        if said.len() == KEPT_LINES {
+            said.pop_front();
+        }
+        said.push_back(text);
+    }
+}
+
+/// Where Python finds our client, before what the user's own path names.
+fn python_path() -> Option<std::ffi::OsString> {
+    let clients = std::env::var_os("CORROBORATE_CLIENTS")?;
+    let ours = Path::new(&clients).join("python");
+    let theirs = std::env::var_os("PYTHONPATH").unwrap_or_default();
+    let paths = std::iter::once(ours).chain(std::env::split_paths(&theirs));
+    std::env::join_paths(paths.filter(|path| !path.as_os_str().is_empty())).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn start(script: &str, limit: Duration) -> Process {
+        let command = ["sh", "-c", script].map(str::to_owned);
+        Process::start(&command, Path::new("."), limit).unwrap()
+    }
+
+    #[test]
+    fn lines_are_answered_in_turn() {
+        let mut echo = start(
+            "while read line; do echo \"<$line>\"; done",
+            Duration::from_secs(60),
+        );
+        assert_eq!(echo.exchange("one").unwrap().trim_end(), "<one>");
+        assert_eq!(echo.exchange("two").unwrap().trim_end(), "<two>");
+    }
+
+    #[test]
+    fn how_a_process_ended_is_said_with_its_last_words() {
+        let script = "read line; echo 'no map here' >&2; exit 3";
+        let error = start(script, Duration::from_secs(60))
+            .exchange("go")
+            .unwrap_err();
+        assert!(error.contains("exit status: 3"), "{error}");
+        // Its error output is read on another thread, which may be a moment behind.
+        assert!(error.contains("closed its output"), "{error}");
+    }
+
+    #[test]
+    fn a_process_that_hangs_is_ended() {
+        let mut hanging = start("read line; exec sleep 600", Duration::from_millis(50));
+        let error = hanging.exchange("go").unwrap_err();
+        assert!(error.contains("no answer within 0.05 s"), "{error}");
+        let id = hanging.child.id();
+        drop(hanging);
+        assert!(!Path::new(&format!("/proc/{id}")).exists());
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_named() {
+        let command = ["no-such-program".to_owned()];
+        let error = Process::start(&command, Path::new("."), GRACE)
+            .err()
+            .unwrap();
+        assert!(error.contains("no-such-program"), "{error}");
+        assert!(Process::start(&[], Path::new("."), GRACE).is_err());
+    }
+}

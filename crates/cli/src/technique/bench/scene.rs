@@ -1,0 +1,194 @@
+//! A scene as a campaign's bench: its files, its test, its controllers.
+
+use super::process::Process;
+use crate::problem::{Problem, Source, did_you_mean};
+use crate::store::{Inputs, hash_of};
+use crate::study::Study;
+use crate::talk::Interrupt;
+use evidence::{Asset, AssetRole};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use stimulus::{AbstractTest, Stimulus};
+use testbench::controller::{Controller, ControllerError, RemoteController};
+use testbench::scene::{ControllerData, SceneBench, StartController, mujoco};
+use testbench::{Bench, Engine, Recorded, SimError, Watch};
+
+/// A scene and the test that is enacted in it.
+pub struct SceneCampaign {
+    bench: SceneBench,
+    stimulus: Stimulus,
+    text: String,
+    /// The files that the scene consists of.
+    assets: Vec<Asset>,
+    gaps: Vec<String>,
+}
+
+impl SceneCampaign {
+    /// Reads a scene of a study, with everything that it names. `test` is one
+    /// of the scene's own tests, the first if it is not named.
+    pub fn new(
+        study: &Study,
+        scene: &Path,
+        test: Option<&str>,
+        engine: &Engine,
+    ) -> Result<Self, Problem> {
+        let path = study.folder.join(scene);
+        let source = Source::read(&path)?;
+        let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
+        let files = Mutex::new(BTreeMap::new());
+        let read = |address: &str| {
+            let local = address.strip_prefix("file://").unwrap_or(address);
+            let bytes = std::fs::read(folder.join(local)).map_err(|e| e.to_string())?;
+            let mut files = files.lock().unwrap_or_else(PoisonError::into_inner);
+            files.insert(address.to_owned(), hash_of(&bytes));
+            Ok(bytes)
+        };
+        let start = starter(&folder);
+        let made = SceneBench::new(&source.text, &read, mujoco(engine), start);
+        let (bench, gaps) = made.map_err(|error| scene_problem(&source, &error))?;
+        let stimulus = Stimulus::of(chosen(&bench, test, &source)?);
+        for controller in &bench.data().controllers {
+            // What of the command is a file is part of what is tested.
+            for name in controller.command.iter().chain(&controller.files) {
+                if folder.join(name).is_file() {
+                    read(name).map_err(|error| Problem::new("bad-scene", error))?;
+                }
+            }
+        }
+        let files = files.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let beside = scene.parent().unwrap_or(Path::new(""));
+        let assets = files.into_iter().map(|(path, hash)| Asset {
+            role: AssetRole::SystemModel,
+            path: plain(&beside.join(path)),
+            hash,
+        });
+        Ok(Self {
+            bench,
+            stimulus,
+            text: source.text,
+            assets: assets.collect(),
+            gaps: gaps.into_iter().map(|gap| gap.text).collect(),
+        })
+    }
+
+    /// What an episode's trace depends on.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs
+            .add("scene", self.text.as_bytes())
+            .add("test", self.stimulus.to_json().as_bytes())
+            .add_json("files", &self.assets);
+    }
+
+    /// The files that the scene names, by their paths in the study.
+    pub fn assets(&self) -> &[Asset] {
+        &self.assets
+    }
+
+    /// What of the robots' descriptions is not carried over.
+    pub fn gaps(&self) -> &[String] {
+        &self.gaps
+    }
+
+    /// The settings that can move a number.
+    pub fn settings(&self) -> String {
+        let mut settings = format!(
+            "time step {} s, test {}",
+            self.bench.data().simulation.time_step_secs,
+            self.stimulus.test.name
+        );
+        if !self.bench.data().controllers.is_empty() {
+            settings.push_str(", controllers as processes, their processor time not counted");
+        }
+        settings
+    }
+
+    /// One episode.
+    pub fn run(
+        &self,
+        seed: u64,
+        watch: &mut dyn Watch,
+        interrupt: &Interrupt,
+    ) -> Result<Recorded, SimError> {
+        let run = self
+            .bench
+            .run(&self.stimulus, seed, watch, interrupt.cancel());
+        match run {
+            // A controller that ended with us did not fail.
+            Err(SimError::Controller(_)) if interrupt.is_set() => Err(SimError::Cancelled),
+            other => other,
+        }
+    }
+}
+
+/// A path without `a/../`, with `/` between its parts.
+fn plain(path: &Path) -> String {
+    let mut parts: Vec<String> = Vec::new();
+    for part in path.components() {
+        let part = part.as_os_str().to_string_lossy().into_owned();
+        match (part.as_str(), parts.last().map(String::as_str)) {
+            ("..", Some(last)) if last != ".." => {
+                parts.pop();
+            }
+            (".", _) => {}
+            _ => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+/// Starts the scene's controllers as processes in the scene's folder.
+fn starter(folder: &Path) -> StartController {
+    let folder = folder.to_owned();
+    Arc::new(move |data: &ControllerData| {
+        let limit = Duration::from_secs_f64(data.answer_within_secs);
+        let process = Process::start(&data.command, &folder, limit)
+            .map_err(|reason| ControllerError::Transport { reason })?;
+        Ok(Box::new(RemoteController::connect(process)?) as Box<dyn Controller>)
+    })
+}
+
+fn chosen(
+    bench: &SceneBench,
+    test: Option<&str>,
+    source: &Source,
+) -> Result<AbstractTest, Problem> {
+    let tests = bench.tests();
+    let found = match test {
+        None => tests.first(),
+        Some(name) => tests.iter().find(|known| known.name == name),
+    };
+    found.cloned().ok_or_else(|| {
+        let name = test.unwrap_or_default();
+        let message = format!("{} has no abstract test `{name}`", source.name);
+        let problem = Problem::new("unknown-test", message);
+        match did_you_mean(name, tests.iter().map(|known| known.name.as_str())) {
+            Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+            None => problem.remedy("name one of its [[abstract_test]] tables"),
+        }
+    })
+}
+
+fn scene_problem(source: &Source, error: &SimError) -> Problem {
+    let code = match error {
+        SimError::Controller(_) => "controller-failed",
+        _ => "bad-scene",
+    };
+    Problem::new(code, format!("{}: {error}", source.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_given_without_detours() {
+        assert_eq!(
+            plain(Path::new("simulation/../controller/a.py")),
+            "controller/a.py"
+        );
+        assert_eq!(plain(Path::new("./simulation/a.urdf")), "simulation/a.urdf");
+        assert_eq!(plain(Path::new("../../a")), "../../a");
+    }
+}
