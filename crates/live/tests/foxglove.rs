@@ -2,6 +2,7 @@
 
 use live::foxglove::{self, FoxgloveOptions, FoxglovePublisher};
 use live::{Event, Incoming, LiveError, LiveStream, Outgoing, Publisher, Source, TopicFilter};
+use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -217,6 +218,59 @@ fn what_a_server_says_wrongly_is_told_and_survived() {
     assert_eq!(seen[2], "notice the server says: slow");
     assert!(seen[3].starts_with("notice a text of the server is not understood"));
     assert_eq!(seen[4..], ["appeared /count Count", "/count@None=x"]);
+    source.stop();
+    server.join().expect("the script went through");
+}
+
+/// Bytes as they go over the wire, past what the library would send.
+fn send_raw(socket: &mut WebSocket<TcpStream>, bytes: &[u8]) {
+    socket.get_mut().write_all(bytes).expect("sent");
+}
+
+/// Frames that lie about themselves break the connection, and only that: it is made again, and what is lost is told.
+#[test]
+fn a_server_that_lies_about_its_frames_is_left_and_met_again() {
+    let lies: [&[u8]; 6] = [
+        // A text of 2^62 bytes, of which none follow.
+        &[0x81, 127, 0x40, 0, 0, 0, 0, 0, 0, 0],
+        // A binary frame above the limit of this test.
+        &[0x82, 127, 0, 0, 0, 0, 0, 1, 0, 0],
+        // Bits that are reserved.
+        &[0xf2, 1, 0],
+        // An operation that does not exist.
+        &[0x83, 0],
+        // A text that is not UTF-8.
+        &[0x81, 2, 0xff, 0xfe],
+        // A masked frame, which only clients send.
+        &[0x82, 0x81, 1, 2, 3, 4, 5],
+    ];
+    let count = lies.len();
+    let (url, server) = serve(move |listener| {
+        for (place, lie) in lies.iter().enumerate() {
+            let mut socket = accept(&listener);
+            subscribe(&mut socket, 1);
+            let number = [u8::try_from(place).expect("few")];
+            socket.send(message(1, 1, &number)).expect("sent");
+            send_raw(&mut socket, lie);
+            while socket.read().is_ok() {}
+        }
+        let mut honest = accept(&listener);
+        subscribe(&mut honest, 1);
+        honest.send(message(1, 2, b"end")).expect("sent");
+        while honest.read().is_ok() {}
+    });
+    let options = FoxgloveOptions {
+        largest_message: 1000,
+        ..FoxgloveOptions::default()
+    };
+    let filter = TopicFilter::new(&["/count"], &[]);
+    let mut source = foxglove::connect(&url, filter, &options).expect("connected");
+    let seen = until_messages(&mut source, count + 1);
+    let times = |what: &str| seen.iter().filter(|it| *it == what).count();
+    assert_eq!(times("disconnected all"), count, "{seen:?}");
+    assert_eq!(times("reconnected all"), count);
+    assert_eq!(seen.last().map(String::as_str), Some("/count@Some(2)=end"));
+    assert_eq!(source.totals().received, count as u64 + 1);
     source.stop();
     server.join().expect("the script went through");
 }

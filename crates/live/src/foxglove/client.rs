@@ -34,6 +34,8 @@ pub(super) fn listen(
             topic: None,
             reason,
         });
+        // Before the new one is made: a server that serves one client at a time waits for the end of the old one.
+        drop(socket);
         let Some(again) = reconnect(outlet, address, options) else {
             return;
         };
