@@ -99,9 +99,11 @@ pub use ros2_writer::{
 };
 pub use transform::{FrameId, LookupError, Transform, TransformBuffer, TransformProblem};
 
+mod parquet;
 mod raw_writer;
 mod type_definitions;
 
+pub use parquet::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
 pub use raw_writer::{RawRecording, RawTopicId, RawWriteError};
 pub use type_definitions::TypeDefinitions;
 

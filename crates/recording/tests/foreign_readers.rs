@@ -1,15 +1,14 @@
 //! What is written here, read by libraries that are not ours.
 //!
-//! Needs Python with `mcap`, `mcap-ros2-support` and `rosbags`, and for the viewer `rerun-sdk`:
-//! `pip install mcap mcap-ros2-support rosbags rerun-sdk`, and the interpreter's path in
-//! `CORROBORATE_PYTHON`. Then `cargo test -p recording --test foreign_readers -- --ignored`.
+//! Needs Python with what `python/requirements.txt` names (`pip install --requirement` it), and the
+//! interpreter's path in `CORROBORATE_PYTHON`. Then `cargo test -p recording --test foreign_readers -- --ignored`.
 
 use std::path::Path;
 use std::process::Command;
 
 use recording::{
-    Ros2Recording, Ros2Source, Ros2Topic, Ros2TraceOptions, Ros2Value, ShownVerdict, VerdictFile,
-    ros2_recording_of, ros2_type_names,
+    Cell, ParquetColumn, ParquetType, ParquetWriter, Ros2Recording, Ros2Source, Ros2Topic,
+    Ros2TraceOptions, Ros2Value, ShownVerdict, VerdictFile, ros2_recording_of, ros2_type_names,
 };
 use trace::{Field, Trace};
 
@@ -168,5 +167,59 @@ fn verdicts_are_shown_by_rerun() -> Checked {
     ] {
         assert!(printed.contains(line), "{line} is not in {printed}");
     }
+    Ok(())
+}
+
+/// pyarrow, pandas, polars and DuckDB read each type, missing values and several row groups.
+#[test]
+#[ignore = "needs Python with pyarrow, pandas, polars and duckdb"]
+fn tables_in_parquet_are_read_by_others() -> Checked {
+    let folder = tempfile::tempdir()?;
+    for (name, rows) in [("empty", 0), ("small", 3), ("large", 150_000)] {
+        let path = folder.path().join(format!("{name}.parquet"));
+        write_parquet(&path, rows)?;
+    }
+    let said = python("read_parquet.py", folder.path())?;
+    assert_eq!(said.lines().count(), 12, "{said}");
+    Ok(())
+}
+
+/// The table whose values `read_parquet.py` computes again.
+fn write_parquet(path: &Path, rows: u64) -> Checked {
+    let columns = vec![
+        ParquetColumn::new("number", ParquetType::U64).meaning("the row's number, from 0"),
+        ParquetColumn::new("seed", ParquetType::U64),
+        ParquetColumn::new("even", ParquetType::Bool),
+        ParquetColumn::new("maybe", ParquetType::Bool).optional(),
+        ParquetColumn::new("third", ParquetType::Double).in_unit("m/s"),
+        ParquetColumn::new("gaps", ParquetType::Double).optional(),
+        ParquetColumn::new("name", ParquetType::Text),
+        ParquetColumn::new("never", ParquetType::Text).optional(),
+    ];
+    let file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    let mut table = ParquetWriter::new(file, columns, &[("study", "a \"test\"")])?;
+    for number in 0..rows {
+        let text = format!("näme {}", number % 7);
+        let maybe = match number % 3 {
+            0 => Cell::Missing,
+            rest => Cell::Bool(rest == 1),
+        };
+        let gaps = match number {
+            0 => Cell::Double(f64::NEG_INFINITY),
+            _ if number % 5 == 4 => Cell::Missing,
+            _ => Cell::Double(-(number as f64)),
+        };
+        table.push(&[
+            Cell::U64(number),
+            Cell::U64(u64::MAX - number),
+            Cell::Bool(number % 2 == 0),
+            maybe,
+            Cell::Double(number as f64 / 3.0),
+            gaps,
+            Cell::Text(&text),
+            Cell::Missing,
+        ])?;
+    }
+    table.finish()?;
     Ok(())
 }
