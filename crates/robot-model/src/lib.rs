@@ -1,9 +1,11 @@
 //! A robot's or scene's description in URDF, SDF or MJCF to one tree of links, joints and shapes.
 pub mod actuator;
+mod assembly;
 mod checks;
 pub mod diagnostics;
 mod kinematics;
 pub mod mesh;
+mod mjcf;
 pub mod model;
 pub mod pose;
 mod reader;
@@ -16,9 +18,11 @@ mod write;
 mod xml;
 
 pub use actuator::{Actuator, ActuatorKind, Coupling};
+pub use assembly::{Assembly, Base, NameTaken};
 pub use diagnostics::{Effect, Gap, Place, Problem, Problems};
 pub use kinematics::WrongSize;
 pub use mesh::Mesh;
+pub use mjcf::parse_mjcf;
 pub use model::{Format, Joint, JointKind, Link, Mark, Model};
 pub use pose::Pose;
 pub use reader::{Loaded, Resolver};
@@ -36,6 +40,7 @@ pub fn parse(file: &str, text: &str, resolve: &mut Resolver<'_>) -> Result<Loade
     let mut reader = reader::Reader::new(resolve);
     let model = match root.name.as_str() {
         "robot" => urdf::robot(&mut reader, &root),
+        "mujoco" => mjcf::document(&mut reader, root),
         "sdf" | "gazebo" => sdf::document(&mut reader, root),
         other => {
             let message = format!("<{other}> starts no robot description");

@@ -253,6 +253,30 @@ impl Model {
         self.joints.iter().filter(move |joint| joint.link == link)
     }
 
+    /// Adds a joint behind those of its link and of the links before it, and lets everything that names joints follow.
+    pub fn insert_joint(&mut self, joint: Joint) {
+        let behind = |known: &Joint| known.link > joint.link;
+        let at = self
+            .joints
+            .iter()
+            .position(behind)
+            .unwrap_or(self.joints.len());
+        let moved = |index: usize| if index >= at { index + 1 } else { index };
+        self.joints.insert(at, joint);
+        for actuator in &mut self.actuators {
+            actuator.joint = moved(actuator.joint);
+        }
+        for coupling in &mut self.couplings {
+            coupling.joint = moved(coupling.joint);
+            coupling.leader = coupling.leader.map(moved);
+        }
+        for sensor in &mut self.sensors {
+            if let Some(index) = sensor.kind.joint_mut() {
+                *index = moved(*index);
+            }
+        }
+    }
+
     /// Whether a link never moves: no joint with a freedom lies between it and the world.
     #[must_use]
     pub fn is_static(&self, link: usize) -> bool {

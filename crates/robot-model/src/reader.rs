@@ -339,6 +339,26 @@ impl<'r, 's> Reader<'r, 's> {
         }
     }
 
+    /// The text at the first of some addresses that can be had, as XML; a problem if none can.
+    pub fn needed_document(&mut self, place: &Place, addresses: &[String]) -> Option<Element> {
+        let mut reason = String::new();
+        for address in addresses {
+            match self.bytes(address) {
+                Ok(bytes) => {
+                    let text = String::from_utf8_lossy(&bytes);
+                    let read = xml::read(address, &text);
+                    return read.map_err(|problem| self.problems.push(problem)).ok();
+                }
+                Err(why) if reason.is_empty() => reason = why,
+                Err(_) => {}
+            }
+        }
+        let address = addresses.first().map_or("", String::as_str);
+        let message = format!("{} cannot be included: {reason}", shortened(address));
+        self.problem(place, message, "put the file there, or correct its name");
+        None
+    }
+
     /// The index of the mesh at an address, read once for each scale. `None` after a gap or a problem.
     ///
     /// A mesh that is only looked at is named, not read.
@@ -368,6 +388,7 @@ impl<'r, 's> Reader<'r, 's> {
             vertices_m: vec![],
             triangles: vec![],
             scale,
+            unsigned_volume: false,
         });
         self.meshes.len() - 1
     }
@@ -423,6 +444,7 @@ impl<'r, 's> Reader<'r, 's> {
             vertices_m: read.vertices.iter().map(scaled).collect(),
             triangles: read.triangles.into_iter().map(turned).collect(),
             scale,
+            unsigned_volume: false,
         });
         Some(self.meshes.len() - 1)
     }

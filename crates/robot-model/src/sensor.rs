@@ -71,6 +71,19 @@ pub enum SensorKind {
     Other(String),
 }
 
+impl SensorKind {
+    /// The index of the joint that it measures, if any.
+    pub fn joint_mut(&mut self) -> Option<&mut usize> {
+        match self {
+            Self::ForceTorque { joint }
+            | Self::JointPosition { joint }
+            | Self::JointVelocity { joint }
+            | Self::JointEffort { joint } => Some(joint),
+            _ => None,
+        }
+    }
+}
+
 /// Rays of a range finder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lidar {

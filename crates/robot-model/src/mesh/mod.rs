@@ -23,6 +23,8 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Factors by which the file's coordinates were multiplied.
     pub scale: Vector,
+    /// Whether its volume counts every triangle as facing outwards, as MuJoCo does unless told otherwise.
+    pub unsigned_volume: bool,
 }
 
 impl Mesh {
@@ -71,8 +73,8 @@ pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Triangles, MeshError> {
             "a coordinate is not a finite number below 1e9".to_owned(),
         ));
     }
-    if read.triangles.is_empty() {
-        return Err(MeshError::Damaged("it has no triangle".to_owned()));
+    if read.vertices.is_empty() {
+        return Err(MeshError::Damaged("it has no vertex".to_owned()));
     }
     Ok(read)
 }

@@ -11,7 +11,14 @@ impl Writer<'_> {
         let kind = match joint.kind {
             JointKind::Fixed => return,
             JointKind::Free => {
-                put!(self.text, "<freejoint name=\"{name}\"/>\n");
+                let numbers = [
+                    ("damping", joint.damping),
+                    ("frictionloss", joint.friction),
+                    ("armature", joint.armature),
+                ];
+                put!(self.text, "<joint name=\"{name}\" type=\"free\"");
+                self.numbers(&numbers);
+                self.text.push_str("/>\n");
                 return;
             }
             JointKind::Revolute => "hinge",
@@ -44,10 +51,15 @@ impl Writer<'_> {
             ("springref", joint.spring_reference),
             ("armature", joint.armature),
         ];
+        self.numbers(&numbers);
+        self.text.push_str("/>\n");
+    }
+
+    /// Attributes that are not zero.
+    fn numbers(&mut self, numbers: &[(&str, f64)]) {
         for (attribute, number) in numbers.iter().filter(|(_, number)| *number != 0.0) {
             put!(self.text, " {attribute}=\"{number}\"");
         }
-        self.text.push_str("/>\n");
     }
 
     pub(super) fn couplings(&mut self) {
