@@ -2,7 +2,9 @@
 //!
 //! * [`explore::explore`] builds the reachable states of a `dtmc` ([`state_space::StateSpace`]);
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
-//! * [`sample_path`] draws a random path, the same for the same seed.
+//! * [`sample_path`] draws a random path, the same for the same seed;
+//! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
+//!   transition, and what happens in each step.
 //!
 //! Three methods ([`Method`]): sound (the default: floating point with bounds that hold, rounding included),
 //! an imitation of PRISM's default for reproducing published figures, and exact rational arithmetic. Path
@@ -41,6 +43,7 @@ mod exact;
 pub mod explore;
 pub mod graph;
 mod interval_iteration;
+pub mod paths;
 mod prism_default;
 mod product;
 mod property;
