@@ -13,6 +13,7 @@
 //! [`Study::load`] reads them, and reports every mistake that can be seen
 //! without running anything.
 
+mod finding;
 mod judging_form;
 mod ledger;
 mod parameters;
@@ -20,6 +21,7 @@ mod requirements;
 mod sentence_form;
 mod vocabulary;
 
+pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
 pub use ledger::{Entry, Method, Work};
 pub use parameters::StudyParameters;

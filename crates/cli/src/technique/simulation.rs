@@ -242,7 +242,7 @@ impl Campaign {
 }
 
 /// Loads the physics library.
-fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
+pub fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
     let Some(library) = library else {
         return Err(Problem::new(
                 "no-physics-library",
