@@ -1,5 +1,6 @@
 //! Which stimuli to run next, and what the outcomes so far say.
 
+pub mod calibration;
 pub mod coverage;
 pub mod design;
 mod error;
@@ -7,6 +8,8 @@ pub mod generate;
 mod random;
 pub mod search;
 pub mod shrink;
+pub mod splitting;
+pub mod stopping;
 
 pub use coverage::{
     Coverage, CoverageModel, Cross, FileCoverage, Hole, Lcov, NewBin, Saturation, SetCoverage,
@@ -23,3 +26,4 @@ pub use search::{
     Bayesian, CmaEs, CrossEntropy, Evaluated, GaussianProcess, Method, Prediction, Search, Searcher,
 };
 pub use shrink::{NotShown, ShrinkOptions, Shrunk, Size, shrink};
+pub use stopping::{Stop, Stopping, StoppingRule};

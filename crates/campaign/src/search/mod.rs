@@ -20,7 +20,7 @@ mod bayesian;
 mod cma_es;
 mod cross_entropy;
 mod cube;
-mod eigen;
+pub(crate) mod eigen;
 mod gaussian_process;
 
 use serde::{Deserialize, Serialize};

@@ -1,0 +1,220 @@
+//! Simulators with known parameters.
+
+use stats::Confidence;
+
+use super::*;
+use crate::random::Random;
+
+/// Three ways to fail of two parameters; the third shares an opportunity with the first.
+fn rates(unit: &[f64]) -> [f64; 3] {
+    let (a, b) = (unit[0], unit[1]);
+    [0.35 * (1.0 - a).powi(2), 0.02 + 0.3 * b, 0.05 + 0.1 * a * b]
+}
+
+fn episode(unit: Vec<f64>, random: &mut Random) -> Episode {
+    let [slip, miss, both] = rates(&unit);
+    let slipped = random.chance(slip);
+    let missed = random.chance(miss);
+    let third = random.chance(both);
+    // After a slip there is no opportunity for the second.
+    let outcomes = vec![Some(slipped), (!slipped).then_some(missed), Some(third)];
+    Episode { unit, outcomes }
+}
+
+/// Counts of 100 real runs at a truth.
+fn reality(truth: &[f64], held_out: bool, random: &mut Random) -> Vec<Observed> {
+    let runs: Vec<Episode> = (0..100).map(|_| episode(truth.to_vec(), random)).collect();
+    ["slip", "miss", "both"]
+        .iter()
+        .enumerate()
+        .map(|(mode, name)| {
+            let outcomes = runs.iter().filter_map(|run| run.outcomes[mode]);
+            let outcomes: Vec<bool> = outcomes.collect();
+            Observed {
+                mode: (*name).to_owned(),
+                occurrences: outcomes.iter().filter(|o| **o).count() as u64,
+                opportunities: outcomes.len() as u64,
+                held_out: held_out && mode == 2,
+            }
+        })
+        .collect()
+}
+
+fn calibrated(truth: &[f64], seed: u64, per_round: usize) -> Calibration {
+    let mut random = Random::new(seed, "reality and simulator");
+    let options = CalibrationOptions {
+        dimensions: 2,
+        points: 1000,
+        seed,
+    };
+    let observed = reality(truth, true, &mut random);
+    let mut calibration = Calibration::new(observed, options).unwrap();
+    for _ in 0..2 {
+        for unit in calibration.ask(per_round) {
+            let told = episode(unit, &mut random);
+            calibration.tell(told).unwrap();
+        }
+    }
+    calibration
+}
+
+#[test]
+fn planted_parameters_are_recovered() {
+    let calibration = calibrated(&[0.6, 0.4], 3, 1000);
+    let posterior = calibration.posterior();
+    let marginals = posterior.marginals(Confidence::P95);
+    for (marginal, truth) in marginals.iter().zip([0.6, 0.4]) {
+        assert!(marginal.interval.contains(truth), "{marginals:?}");
+        assert!(marginal.contraction > 0.5, "{marginals:?}");
+    }
+    assert!(posterior.effective_size() > 50.0);
+    assert!(posterior.directions().iter().all(|d| !d.unidentified));
+    for (predicted, fit) in calibration
+        .predictive(&posterior)
+        .iter()
+        .zip(calibration.fits())
+    {
+        assert!(predicted.p_value.unwrap() > 0.01, "{predicted:?}");
+        assert!(fit.p_value.is_none_or(|p| p > 0.001), "{fit:?}");
+    }
+}
+
+#[test]
+fn posterior_ranks_of_the_truth_are_uniform() {
+    // Simulation-based calibration: truths from the prior; the posterior probability below the
+    // truth is then uniform. 60 repeats, two parameters.
+    let mut random = Random::new(11, "truths");
+    let (mut ranks, mut covered) = (Vec::new(), 0);
+    for seed in 0..60 {
+        let truth = [random.unit(), random.unit()];
+        let posterior = calibrated(&truth, 100 + seed, 250).posterior();
+        for (d, truth) in truth.iter().enumerate() {
+            let rank = posterior.cdf(d, *truth);
+            covered += u32::from((0.025..=0.975).contains(&rank));
+            ranks.push(rank);
+        }
+    }
+    // 120 intervals at 95 %; 106 or fewer has probability 2e-3.
+    assert!(covered >= 106, "{covered} of 120");
+    // Kolmogorov and Smirnov: beyond 1.95 / sqrt(60) with probability 1e-3 (ranks of one repeat
+    // hang together, so it is tested as of 60).
+    ranks.sort_by(f64::total_cmp);
+    let count = ranks.len() as f64;
+    let distance = ranks.iter().enumerate().map(|(i, rank)| {
+        let (low, high) = (i as f64 / count, (i as f64 + 1.0) / count);
+        (rank - low).abs().max((rank - high).abs())
+    });
+    let distance = distance.fold(0.0, f64::max);
+    assert!(distance < 1.95 / 60_f64.sqrt(), "{distance}");
+}
+
+#[test]
+fn a_parameter_without_influence_is_named() {
+    let mut random = Random::new(5, "idle");
+    let observed = vec![Observed {
+        mode: "slip".into(),
+        occurrences: 10,
+        opportunities: 100,
+        held_out: false,
+    }];
+    let options = CalibrationOptions {
+        dimensions: 2,
+        points: 1000,
+        seed: 1,
+    };
+    let mut calibration = Calibration::new(observed, options).unwrap();
+    for unit in calibration.ask(1500) {
+        let outcomes = vec![Some(random.chance(0.3 * unit[0]))];
+        calibration.tell(Episode { unit, outcomes }).unwrap();
+    }
+    let posterior = calibration.posterior();
+    let marginals = posterior.marginals(Confidence::P95);
+    assert!(marginals[0].contraction > 0.6 && marginals[1].contraction < 0.3);
+    let least = &posterior.directions()[0];
+    assert!(least.unidentified && least.loadings[1] > 0.9, "{least:?}");
+}
+
+#[test]
+fn a_mode_that_the_simulator_cannot_show_fails_its_prediction() {
+    let mut random = Random::new(8, "blind");
+    let mode = |name: &str, occurrences, held_out| Observed {
+        mode: name.into(),
+        occurrences,
+        opportunities: 100,
+        held_out,
+    };
+    let observed = vec![mode("slip", 10, false), mode("unknown", 12, true)];
+    let options = CalibrationOptions {
+        dimensions: 1,
+        points: 500,
+        seed: 2,
+    };
+    let mut calibration = Calibration::new(observed, options).unwrap();
+    for unit in calibration.ask(800) {
+        let outcomes = vec![Some(random.chance(0.3 * unit[0])), Some(false)];
+        calibration.tell(Episode { unit, outcomes }).unwrap();
+    }
+    let predictive = calibration.predictive(&calibration.posterior());
+    assert!(predictive[0].p_value.unwrap() > 0.05, "{predictive:?}");
+    assert!(predictive[1].p_value.unwrap() < 1e-4, "{predictive:?}");
+}
+
+#[test]
+fn the_same_episodes_give_the_same_posterior_and_next_round() {
+    let once = calibrated(&[0.3, 0.7], 9, 200);
+    let twice = calibrated(&[0.3, 0.7], 9, 200);
+    assert_eq!(once.posterior().mean(), twice.posterior().mean());
+    assert_eq!(once.clone().ask(20), twice.clone().ask(20));
+}
+
+#[test]
+fn surfaces_follow_rates_and_say_when_they_do_not() {
+    let mut random = Random::new(4, "surface");
+    let points: Vec<Vec<f64>> = (0..4000).map(|_| vec![random.unit()]).collect();
+    let mut outcomes = |rate: &dyn Fn(f64) -> f64| -> Vec<(Vec<f64>, bool)> {
+        let one = |p: &Vec<f64>| (p.clone(), random.chance(rate(p[0])));
+        points.iter().map(one).collect()
+    };
+    let smooth = outcomes(&|u| 0.3 / (1.0 + (4.0 * u).exp()));
+    let wiggly = outcomes(&|u| if (u * 5.0) as i32 % 2 == 0 { 0.3 } else { 0.01 });
+    fn borrowed(outcomes: &[(Vec<f64>, bool)]) -> Vec<(&[f64], bool)> {
+        outcomes.iter().map(|(u, o)| (u.as_slice(), *o)).collect()
+    }
+    let surface = Surface::fit(1, &borrowed(&smooth));
+    for u in [0.1, 0.5, 0.9] {
+        let exact = 0.3 / (1.0 + (4.0_f64 * u).exp());
+        assert!((surface.rate(&[u]) - exact).abs() < 0.02);
+    }
+    assert!(surface.fit_test(&borrowed(&smooth)).p_value.unwrap() > 0.01);
+    let wrong = Surface::fit(1, &borrowed(&wiggly));
+    assert!(wrong.fit_test(&borrowed(&wiggly)).p_value.unwrap() < 1e-6);
+}
+
+#[test]
+fn contradictory_or_empty_counts_are_refused() {
+    let options = CalibrationOptions {
+        dimensions: 1,
+        points: 500,
+        seed: 2,
+    };
+    let counts = |occurrences, opportunities, held_out| {
+        vec![Observed {
+            mode: "slip".into(),
+            occurrences,
+            opportunities,
+            held_out,
+        }]
+    };
+    assert!(Calibration::new(counts(3, 2, false), options).is_err());
+    assert!(Calibration::new(counts(1, 2, true), options).is_err());
+    assert!(Calibration::new(counts(0, 0, false), options).is_err());
+    let mut good = Calibration::new(counts(1, 2, false), options).unwrap();
+    let outcomes = vec![None, None];
+    assert!(
+        good.tell(Episode {
+            unit: vec![0.5],
+            outcomes
+        })
+        .is_err()
+    );
+}
