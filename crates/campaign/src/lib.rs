@@ -23,7 +23,9 @@ pub use generate::{
 };
 pub use random::Random;
 pub use search::{
-    Bayesian, CmaEs, CrossEntropy, Evaluated, GaussianProcess, Method, Prediction, Search, Searcher,
+    Agreement, Bayesian, CmaEs, Confirmation, CrossEntropy, DisagreementOptions,
+    DisagreementSearch, Evaluated, Finding, FormalPrediction, GaussianProcess, MapCell, Method,
+    Prediction, Search, Searcher,
 };
 pub use shrink::{NotShown, ShrinkOptions, Shrunk, Size, shrink};
 pub use stopping::{Stop, Stopping, StoppingRule};

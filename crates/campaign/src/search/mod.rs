@@ -20,6 +20,7 @@ mod bayesian;
 mod cma_es;
 mod cross_entropy;
 mod cube;
+mod disagreement;
 pub(crate) mod eigen;
 mod gaussian_process;
 
@@ -29,6 +30,10 @@ use stimulus::{Point, Space};
 pub use bayesian::Bayesian;
 pub use cma_es::CmaEs;
 pub use cross_entropy::CrossEntropy;
+pub use disagreement::{
+    Agreement, Confirmation, DisagreementOptions, DisagreementSearch, Finding, FormalPrediction,
+    MapCell,
+};
 pub use gaussian_process::{GaussianProcess, Prediction};
 
 use crate::error::CampaignError;
