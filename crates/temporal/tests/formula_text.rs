@@ -333,3 +333,25 @@ fn same_numbers(formula: &Formula, names: &[AtomText]) -> Formula {
         Formula::Since(window, left, right) => Formula::Since(*window, again(left), again(right)),
     }
 }
+
+#[test]
+fn windows_of_one_instant_are_found_where_they_ask_for_a_sample() {
+    let instants = |text: &str| -> Vec<String> {
+        let found = read(text).formula.exact_instants().into_iter();
+        found.map(|interval| interval.to_string()).collect()
+    };
+    assert_eq!(instants("always (p => F[2 s, 2 s] q)"), ["[2 s, 2 s]"]);
+    assert_eq!(
+        instants("(p S[500 ms, 0.5 s] q) or not H[1, 1 s] (p U[1 s, 2 s] q)"),
+        ["[0.5 s, 0.5 s]", "[1 s, 1 s]"]
+    );
+    for text in [
+        "F[0 s, 0 s] p",
+        "F[2, 2] p",
+        "F[2 samples, 2 samples] p",
+        "G[1 s, inf] p",
+        "X p",
+    ] {
+        assert_eq!(instants(text), Vec::<String>::new(), "{text}");
+    }
+}

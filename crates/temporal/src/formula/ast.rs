@@ -379,6 +379,22 @@ impl Formula {
             .sum::<usize>()
     }
 
+    /// Windows that are one instant so many seconds away, as in `eventually[2 s, 2 s] p`, in the order
+    /// of the text. In discrete time they ask for a sample at just that time: where there is none,
+    /// `eventually` and its like are false and `always` and its like true, whatever the signals did.
+    #[must_use]
+    pub fn exact_instants(&self) -> Vec<Interval> {
+        let is_instant = |interval: &Interval| {
+            matches!(interval.window(TimeModel::Discrete),
+                Ok(Window::Seconds { low_secs, high_secs }) if low_secs == high_secs && low_secs > 0.0)
+        };
+        let own = self.interval().filter(is_instant);
+        let inner = self.operands().into_iter();
+        own.into_iter()
+            .chain(inner.flat_map(Formula::exact_instants))
+            .collect()
+    }
+
     /// Whether its truth at a time depends on that time alone.
     #[must_use]
     pub fn is_propositional(&self) -> bool {
