@@ -128,7 +128,7 @@ impl SceneBench {
     }
 
     /// The scene with a stimulus's settings in it.
-    fn with_settings(&self, stimulus: &Stimulus) -> Result<Arc<Prepared>, SimError> {
+    pub(super) fn with_settings(&self, stimulus: &Stimulus) -> Result<Arc<Prepared>, SimError> {
         if stimulus.settings.is_empty() {
             return Ok(Arc::clone(&self.prepared));
         }

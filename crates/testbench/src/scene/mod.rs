@@ -83,6 +83,7 @@ mod person;
 mod piloting;
 mod recorder;
 mod run;
+mod saving;
 mod script;
 mod sensing;
 mod translate;
@@ -94,3 +95,4 @@ pub use data::{
     Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor, SensorKind,
     Simulation, Waypoint,
 };
+pub use saving::{RunningScene, SavedScene};

@@ -1,6 +1,7 @@
 //! Controllers at work: what has arrived for them, what they want, and checks of the latter.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::actuating::Actuating;
 use super::bench::Prepared;
@@ -19,13 +20,83 @@ pub(super) struct Piloting {
     pub(super) latency_secs: f64,
     controller: Box<dyn Controller>,
     waiting: Inputs,
+    setup: Setup,
+    /// What it was told and answered, if that is kept.
+    log: Option<Vec<Arc<(Inputs, Outputs)>>>,
     /// Whether it has finished, what it has said, what it reports: the row of its topic.
     is_finished: bool,
     said: Vec<bool>,
     reported: Vec<f64>,
 }
 
+/// What makes a controller again what it was.
+#[derive(Debug, Clone)]
+pub(super) struct PilotLog {
+    robot: usize,
+    period_steps: u64,
+    latency_secs: f64,
+    setup: Setup,
+    ticks: Vec<Arc<(Inputs, Outputs)>>,
+    waiting: Inputs,
+    is_finished: bool,
+    said: Vec<bool>,
+    reported: Vec<f64>,
+}
+
 impl Piloting {
+    /// Keeps from now on what the controller is told and answers.
+    pub(super) fn keep_log(&mut self) {
+        self.log = Some(Vec::new());
+    }
+
+    /// What makes the controller again what it is.
+    pub(super) fn log(&self) -> PilotLog {
+        PilotLog {
+            robot: self.robot,
+            period_steps: self.period_steps,
+            latency_secs: self.latency_secs,
+            setup: self.setup.clone(),
+            ticks: self.log.clone().unwrap_or_default(),
+            waiting: self.waiting.clone(),
+            is_finished: self.is_finished,
+            said: self.said.clone(),
+            reported: self.reported.clone(),
+        }
+    }
+
+    /// A new controller that has been told all that another was told.
+    pub(super) fn replay(
+        prepared: &Prepared,
+        data: &ControllerData,
+        log: &PilotLog,
+    ) -> Result<Self, ControllerError> {
+        let mut controller = (prepared.controllers)(data)?;
+        controller.set_up(&log.setup)?;
+        for tick in &log.ticks {
+            let (inputs, outputs) = tick.as_ref();
+            if controller.tick(inputs)? != *outputs {
+                return Err(ControllerError::Failed {
+                    message: format!(
+                        "told the same again it answers otherwise at {} s, so an episode with it cannot be continued; let it depend on nothing but its inputs and its seed",
+                        inputs.time_secs
+                    ),
+                });
+            }
+        }
+        Ok(Self {
+            robot: log.robot,
+            period_steps: log.period_steps,
+            latency_secs: log.latency_secs,
+            setup: log.setup.clone(),
+            log: Some(log.ticks.clone()),
+            waiting: log.waiting.clone(),
+            is_finished: log.is_finished,
+            said: log.said.clone(),
+            reported: log.reported.clone(),
+            controller,
+        })
+    }
+
     /// Starts the controller.
     pub(super) fn start(
         prepared: &Prepared,
@@ -41,6 +112,8 @@ impl Piloting {
             period_steps,
             latency_secs: draws.of("controller", &data.name, "latency_secs", &data.latency_secs),
             waiting: Inputs::default(),
+            setup: Setup::default(),
+            log: None,
             is_finished: false,
             said: vec![false; description.sends.len()],
             reported: vec![f64::NAN; description.reports.len()],
@@ -74,7 +147,9 @@ impl Piloting {
                 .collect(),
             settings: settings_of(data, draws)?,
         };
-        self.controller.set_up(&setup)
+        self.controller.set_up(&setup)?;
+        self.setup = setup;
+        Ok(())
     }
 
     /// A measurement has arrived.
@@ -119,6 +194,9 @@ impl Piloting {
             }
         }
         self.is_finished |= outputs.finished;
+        if let Some(log) = &mut self.log {
+            log.push(Arc::new((inputs, outputs.clone())));
+        }
         Ok(outputs)
     }
 

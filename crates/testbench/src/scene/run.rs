@@ -17,14 +17,38 @@ use super::data::whole_steps;
 use super::draws::Draws;
 use super::measure::{Scenery, yaw_of};
 use super::person::{hands_of, poses_of};
-use super::piloting::Piloting;
+use super::piloting::{PilotLog, Piloting};
 use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Script};
 use super::sensing::Sensing;
 use super::walker::{RobotSeen, Walker};
 use crate::bench::{End, Recorded, SimError, Watch};
-use crate::physics::{Physics, Touch};
+use crate::physics::{Physics, PhysicsState, Touch};
 use crate::scenario::ScenarioError;
+
+/// Everything of an episode but the engine and the controllers themselves.
+pub(super) struct Frozen {
+    prepared: Arc<Prepared>,
+    seed: u64,
+    draws: Draws,
+    built: Built,
+    physics: PhysicsState,
+    people: Vec<Walker>,
+    sensors: Vec<Sensing>,
+    actuators: Vec<Actuating>,
+    pilots: Vec<PilotLog>,
+    script: Script,
+    known: Known,
+    recorder: Recorder,
+    touches: Vec<Touch>,
+    forces: Vec<[f64; 2]>,
+    arrived: Vec<bool>,
+    steps: u64,
+    record_steps: u64,
+    people_steps: u64,
+    finished_secs: Option<f64>,
+    commands: VecDeque<(f64, usize, usize, f64)>,
+}
 
 /// An episode in progress.
 pub(super) struct Run {
@@ -123,6 +147,80 @@ impl Run {
         run.describe(stimulus);
         run.place();
         Ok(run)
+    }
+
+    /// Everything that determines how the episode goes on.
+    pub(super) fn freeze(&self) -> Frozen {
+        Frozen {
+            prepared: Arc::clone(&self.prepared),
+            seed: self.seed,
+            draws: self.draws,
+            built: self.built.clone(),
+            physics: self.physics.save(),
+            people: self.people.clone(),
+            sensors: self.sensors.clone(),
+            actuators: self.actuators.clone(),
+            pilots: self.pilots.iter().map(Piloting::log).collect(),
+            script: self.script.clone(),
+            known: self.known.clone(),
+            recorder: self.recorder.clone(),
+            touches: self.touches.clone(),
+            forces: self.forces.clone(),
+            arrived: self.arrived.clone(),
+            steps: self.steps,
+            record_steps: self.record_steps,
+            people_steps: self.people_steps,
+            finished_secs: self.finished_secs,
+            commands: self.commands.clone(),
+        }
+    }
+
+    /// An episode that goes on from a saved one.
+    pub(super) fn thaw(frozen: &Frozen) -> Result<Self, SimError> {
+        let prepared = Arc::clone(&frozen.prepared);
+        let mut physics = (prepared.physics)(&frozen.built.layout)?;
+        if !physics.restore(&frozen.physics) {
+            return Err(SimError::Stimulus {
+                reason: "the saved state is of another scene".to_owned(),
+            });
+        }
+        let controllers = prepared.data.controllers.iter().zip(&frozen.pilots);
+        let pilots = controllers
+            .map(|(data, log)| Piloting::replay(&prepared, data, log))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            seed: frozen.seed,
+            draws: frozen.draws,
+            built: frozen.built.clone(),
+            physics,
+            people: frozen.people.clone(),
+            sensors: frozen.sensors.clone(),
+            actuators: frozen.actuators.clone(),
+            pilots,
+            script: frozen.script.clone(),
+            known: frozen.known.clone(),
+            recorder: frozen.recorder.clone(),
+            touches: frozen.touches.clone(),
+            forces: frozen.forces.clone(),
+            arrived: frozen.arrived.clone(),
+            steps: frozen.steps,
+            record_steps: frozen.record_steps,
+            people_steps: frozen.people_steps,
+            finished_secs: frozen.finished_secs,
+            commands: frozen.commands.clone(),
+            prepared,
+        })
+    }
+
+    /// Draws what is still to be drawn under another seed.
+    pub(super) fn draw_anew(&mut self, draws: Draws) {
+        self.draws = draws;
+        for sensor in &mut self.sensors {
+            sensor.draw_anew(draws);
+        }
+        self.recorder.note("drawn_anew_seed", draws.seed);
+        let secs = self.now_secs();
+        self.recorder.note("drawn_anew_from_secs", secs);
     }
 
     /// Facts for the recording's metadata.

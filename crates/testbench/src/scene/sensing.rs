@@ -109,7 +109,7 @@ impl Sensing {
             dropout_probability: drawn("dropout_probability", &sensor.dropout_probability),
             faults: sensor.faults.iter().enumerate().filter_map(fault).collect(),
             forced: None,
-            stream: draws.stream(&format!("sensor.{}.errors", sensor.name)),
+            stream: draws.stream(&errors_of(&sensor.name)),
             last: None,
             on_the_way: VecDeque::new(),
             fields,
@@ -188,6 +188,11 @@ impl Sensing {
         }
     }
 
+    /// Draws errors from here on anew.
+    pub(super) fn draw_anew(&mut self, draws: Draws) {
+        self.stream = draws.stream(&errors_of(&self.name));
+    }
+
     /// The next measurement that has arrived by now.
     pub(super) fn arrived(&mut self, now_secs: f64) -> Option<Arrived> {
         let (due_secs, _) = self.on_the_way.front()?;
@@ -196,6 +201,11 @@ impl Sensing {
         }
         self.on_the_way.pop_front().map(|(_, arrived)| arrived)
     }
+}
+
+/// The name of the stream of a sensor's errors.
+fn errors_of(name: &str) -> String {
+    format!("sensor.{name}.errors")
 }
 
 fn is_on(fault: &DrawnFault, now_secs: f64) -> bool {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use testbench::{Engine, Parameters, Scenario};
 
 /// The repository's root.
-fn root() -> PathBuf {
+pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
