@@ -55,6 +55,7 @@ use model::Cell;
 /// # Ok::<(), campaign::CampaignError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Kept")]
 pub struct Coverage {
     model: CoverageModel,
     episodes: u64,
@@ -62,6 +63,41 @@ pub struct Coverage {
     cells: Vec<Vec<(Cell, u64)>>,
     /// The places (from 0) of the episodes that showed something new.
     news: Vec<u64>,
+}
+
+/// Coverage as it was written down, not yet checked against its model.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Kept {
+    model: CoverageModel,
+    episodes: u64,
+    cells: Vec<Vec<(Cell, u64)>>,
+    news: Vec<u64>,
+}
+
+impl TryFrom<Kept> for Coverage {
+    type Error = CampaignError;
+
+    fn try_from(kept: Kept) -> Result<Self, CampaignError> {
+        kept.model.check()?;
+        let mut coverage = Self::new(kept.model);
+        let fits = |(cross, cells): (&Cross, &Vec<(Cell, u64)>)| {
+            let ascending = cells.windows(2).all(|pair| pair[0].0 < pair[1].0);
+            ascending
+                && cells
+                    .iter()
+                    .all(|(cell, _)| coverage.model.has_cell(cross, cell))
+        };
+        let mut pairs = coverage.model.crosses.iter().zip(&kept.cells);
+        if kept.cells.len() != coverage.cells.len() || !pairs.all(fits) {
+            let problem = "the counts that were kept do not fit the model beside them";
+            return Err(CampaignError::Text(problem.to_owned()));
+        }
+        coverage.episodes = kept.episodes;
+        coverage.cells = kept.cells;
+        coverage.news = kept.news;
+        Ok(coverage)
+    }
 }
 
 /// A bin that an episode was the first to cover.

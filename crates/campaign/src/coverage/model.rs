@@ -253,6 +253,13 @@ impl CoverageModel {
         self.variables_of(cross).map(place).collect()
     }
 
+    /// Whether each place of a cell is one of its variable's labels.
+    pub(super) fn has_cell(&self, cross: &Cross, cell: &Cell) -> bool {
+        let mut pairs = self.variables_of(cross).zip(cell);
+        cell.len() == cross.of.len()
+            && pairs.all(|(variable, place)| usize::from(*place) < variable.labels.len())
+    }
+
     pub(super) fn labels_of(&self, cross: &Cross, cell: &Cell) -> Vec<String> {
         let pairs = self.variables_of(cross).zip(cell);
         pairs

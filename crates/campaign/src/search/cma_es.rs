@@ -308,6 +308,9 @@ impl Search for CmaEs {
 
     fn tell(&mut self, results: &[(Point, f64)]) {
         for (point, value) in results {
+            if self.cube.unit_of(point).is_none() {
+                continue;
+            }
             let value = orderly(*value);
             self.best.tell(point, value);
             // Points from elsewhere, or of a generation that is over, would distort the paths.
@@ -328,7 +331,7 @@ impl Search for CmaEs {
 
     fn recommend(&self) -> Option<Point> {
         let folded: Vec<f64> = self.run.mean.iter().map(|x| reflect(*x)).collect();
-        let center = self.cube.space.at(&folded);
+        let center = self.cube.at(&folded);
         // After a restart the mean has not yet learnt anything.
         if self.run.generation > 0
             && self.restarts == 0

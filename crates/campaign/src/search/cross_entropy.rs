@@ -24,7 +24,8 @@ use super::{Best, Evaluated, Search};
 use crate::error::CampaignError;
 use crate::random::Random;
 
-const ELITE_SHARE: f64 = 0.15;
+const ELITE_SHARE: f64 = 0.2;
+const SMALLEST_ELITE: usize = 5;
 const SMOOTHING: f64 = 0.8;
 const DEVIATION_SMOOTHING: f64 = 0.8;
 const DEVIATION_POWER: i32 = 5;
@@ -54,12 +55,12 @@ pub struct CrossEntropy {
 }
 
 impl CrossEntropy {
-    /// A search with 10 points a generation and 5 more for each parameter.
+    /// A search with 20 points a generation and 3 more for each parameter.
     ///
     /// # Errors
     /// [`CampaignError::TooTight`] when no point meets the constraints.
     pub fn new(space: Space, seed: u64) -> Result<Self, CampaignError> {
-        let population = 10 + 5 * space.dimensions();
+        let population = 20 + 3 * space.dimensions();
         Self::with_population(space, seed, population)
     }
 
@@ -97,7 +98,7 @@ impl CrossEntropy {
     fn refit(&mut self) {
         let mut told = std::mem::take(&mut self.told);
         told.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let elite = ((ELITE_SHARE * told.len() as f64).ceil() as usize).max(2);
+        let elite = ((ELITE_SHARE * told.len() as f64).ceil() as usize).max(SMALLEST_ELITE);
         told.truncate(elite);
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let values: Vec<f64> = told.iter().map(|(unit, _)| unit[index]).collect();
@@ -242,12 +243,15 @@ impl Search for CrossEntropy {
 
     fn tell(&mut self, results: &[(Point, f64)]) {
         for (point, value) in results {
+            let Some(elsewhere) = self.cube.unit_of(point) else {
+                continue;
+            };
             let value = orderly(*value);
             self.best.tell(point, value);
-            let unit = match self.cube.settle(point) {
-                Some(proposal) => proposal.unit,
-                None => self.cube.space.unit_of(point),
-            };
+            let unit = self
+                .cube
+                .settle(point)
+                .map_or(elsewhere, |proposal| proposal.unit);
             self.told.push((unit, value));
         }
         if self.told.len() >= self.population {
@@ -260,7 +264,7 @@ impl Search for CrossEntropy {
     }
 
     fn recommend(&self) -> Option<Point> {
-        let center = self.cube.space.at(&self.center());
+        let center = self.cube.at(&self.center());
         if self.generation > 1 && self.cube.space.meets_constraints(&center) {
             return Some(center);
         }

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use stimulus::{Distribution, Options, Parameter, Point, Space};
 
-use crate::design::{Design, Sampler};
+use crate::design::{Design, Sampler, TAIL};
 use crate::error::CampaignError;
 use crate::random::Random;
 
@@ -52,6 +52,22 @@ impl Cube {
         self.space.parameters.iter()
     }
 
+    /// The point at coordinates of the cube. Where a distribution has no limit, the outermost
+    /// thousandth of it is left out: a search would go there, and find what never happens.
+    pub(crate) fn at(&self, unit: &[f64]) -> Point {
+        let pairs = unit.iter().zip(&self.space.parameters);
+        let inner: Vec<f64> = pairs
+            .map(|(u, parameter)| within_tails(*u, parameter))
+            .collect();
+        self.space.at(&inner)
+    }
+
+    /// Coordinates of a point that was not proposed here; `None` if it is none of the space.
+    pub(crate) fn unit_of(&self, point: &Point) -> Option<Vec<f64>> {
+        let fits = point.0.len() == self.dimensions() && point.0.iter().all(|x| x.is_finite());
+        fits.then(|| self.space.unit_of(point))
+    }
+
     /// Draws until the constraints are met. A draw is what the algorithm learns from, and the
     /// coordinates of the cube that become the point (which can differ by folding and noise).
     pub(crate) fn draw(
@@ -61,12 +77,12 @@ impl Cube {
     ) -> (Vec<f64>, Point) {
         for _ in 0..PATIENCE {
             let (learned, unit) = one(random);
-            let point = self.space.at(&unit);
+            let point = self.at(&unit);
             if self.space.meets_constraints(&point) {
                 return (learned, point);
             }
         }
-        (self.feasible.clone(), self.space.at(&self.feasible))
+        (self.feasible.clone(), self.at(&self.feasible))
     }
 
     pub(crate) fn propose(&mut self, point: Point, unit: Vec<f64>, generation: u64) {
@@ -87,6 +103,13 @@ impl Cube {
         let index = self.open.iter().position(|p| p.point == *point)?;
         Some(self.open.remove(index))
     }
+}
+
+fn within_tails(u: f64, parameter: &Parameter) -> f64 {
+    let [low, high] = parameter.distribution.support();
+    let from = if low.is_finite() { 0.0 } else { TAIL };
+    let to = if high.is_finite() { 1.0 } else { 1.0 - TAIL };
+    u.clamp(from, to)
 }
 
 /// How many values a parameter has, if they are few enough to be told apart one by one.

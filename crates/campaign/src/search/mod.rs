@@ -11,7 +11,8 @@
 //! | [`CmaEs`] | continuous spaces, hundreds to thousands of episodes, correlated parameters | N. Hansen (2016) |
 //! | [`Bayesian`] | few (up to some hundreds of) expensive episodes, noise | D. R. Jones, M. Schonlau and W. J. Welch (1998) |
 //!
-//! Values of episodes are random. A violation that was found is a violation, whatever the noise:
+//! A search stays within the declared ranges and constraints, and within the inner 99.8 % of a
+//! distribution that has no limits. Values of episodes are random. A violation that was found is a violation, whatever the noise:
 //! its stimulus and seed replay it. A *smallest value* is not: the best of many noisy values is
 //! too good to be true, so [`Search::recommend`] gives the point that the search trusts, which
 //! fresh seeds then have to confirm.
@@ -43,7 +44,7 @@ pub trait Search {
     /// The next `count` points to evaluate.
     fn ask(&mut self, count: usize) -> Vec<Point>;
 
-    /// What became of points. A value that is no number counts as the largest, for example where a
+    /// What became of points; points that are none of the space are left out. A value that is no number counts as the largest, for example where a
     /// requirement was not triggered and has no robustness.
     fn tell(&mut self, results: &[(Point, f64)]);
 

@@ -245,7 +245,7 @@ fn values_that_are_none_and_points_from_elsewhere_are_taken() {
     for method in [Method::CrossEntropy, Method::CmaEs, Method::Bayesian] {
         let mut search = Searcher::new(method, cube(2), 1).unwrap();
         assert!(search.best().is_none());
-        search.tell(&[(Point(vec![0.0, 0.0]), 2.5)]);
+        search.tell(&[(Point(vec![0.0, 0.0]), 2.5), (Point(vec![0.0]), 1.0)]);
         for _ in 0..8 {
             let told = search
                 .ask(5)
@@ -269,5 +269,20 @@ fn a_space_without_parameters_is_searched_too() {
             search.tell(&told);
         }
         assert_eq!(search.recommend().unwrap(), Point(vec![]));
+    }
+}
+
+#[test]
+fn distributions_without_limits_are_not_followed_to_infinity() {
+    let text = "[[parameter]]\nname = \"x\"\nsets = [\"x\"]\nnormal = [0, 1]";
+    for method in [Method::CrossEntropy, Method::CmaEs, Method::Bayesian] {
+        let mut search = Searcher::new(method, Space::from_toml(text).unwrap(), 1).unwrap();
+        for _ in 0..30 {
+            let told: Vec<_> = search.ask(5).into_iter().map(|p| (-p.0[0], p)).collect();
+            let told: Vec<_> = told.into_iter().map(|(y, p)| (p, y)).collect();
+            search.tell(&told);
+        }
+        let best = search.best().unwrap().point.0[0];
+        assert!((2.0..3.1).contains(&best), "{method:?} {best}");
     }
 }
