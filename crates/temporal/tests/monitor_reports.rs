@@ -76,11 +76,13 @@ fn each_way_to_fail_names_its_place() {
         assert_eq!((report.failed, report.verdict), (1, Verdict::Violated));
         report.first_failure.expect("it failed")
     };
-    let expected = |time_secs, stage, proposition: &str, reason| Failure {
+    let expected = |time_secs, stage, proposition: &str, seen_false: (f64, f64), reason| Failure {
         time_secs,
         stage,
         proposition: proposition.to_owned(),
         triggered_at_secs: 1.0,
+        false_from_secs: seen_false.0,
+        false_to_secs: seen_false.1,
         reason,
     };
     let grasp: (f64, &[&str]) = (1.0, &["grasps", "in_hand"]);
@@ -88,22 +90,35 @@ fn each_way_to_fail_names_its_place() {
     let dropped = failure(&[grasp, (2.0, &[]), sensed]);
     assert_eq!(
         dropped,
-        expected(2.0, 0, "in_hand", FailureReason::HoldBroken)
+        expected(2.0, 0, "in_hand", (2.0, 2.0), FailureReason::HoldBroken)
     );
     let refused = failure(&[grasp, (3.0, &["sensed"])]);
     assert_eq!(
         refused,
-        expected(3.0, 1, "sensors_ok", FailureReason::AssertedFalse)
+        expected(
+            3.0,
+            1,
+            "sensors_ok",
+            (3.0, 3.0),
+            FailureReason::AssertedFalse
+        )
     );
     let late = failure(&[grasp, sensed, (8.5, &["decided", "released"])]);
-    assert_eq!(late, expected(8.5, 2, "decided", FailureReason::Deadline));
+    // It was true then, but late: it was false from the beginning of the stage to the deadline.
+    assert_eq!(
+        late,
+        expected(8.5, 2, "decided", (3.0, 8.0), FailureReason::Deadline)
+    );
     let kept = failure(&[grasp, sensed, (8.0, &["decided"])]);
     assert_eq!(
         kept,
-        expected(8.0, 3, "released", FailureReason::AssertedFalse)
+        expected(8.0, 3, "released", (8.0, 8.0), FailureReason::AssertedFalse)
     );
     let ended = failure(&[grasp, (2.0, &["in_hand"])]);
-    assert_eq!(ended, expected(2.0, 0, "sensed", FailureReason::EndOfTrace));
+    assert_eq!(
+        ended,
+        expected(2.0, 0, "sensed", (1.0, 2.0), FailureReason::EndOfTrace)
+    );
 }
 
 #[test]

@@ -299,11 +299,22 @@ impl Judge<'_> {
                 }
                 _ => step.proposition(),
             };
+            let entered_secs = instance.entered_secs;
+            let (false_from_secs, false_to_secs) = match reason {
+                FailureReason::AssertedFalse | FailureReason::HoldBroken => (time_secs, time_secs),
+                FailureReason::Deadline => {
+                    let deadline_secs = entered_secs + step.within_secs();
+                    (entered_secs, deadline_secs.min(time_secs))
+                }
+                FailureReason::EndOfTrace => (entered_secs, time_secs),
+            };
             self.report.first_failure = Some(Failure {
                 time_secs,
                 stage: instance.stage,
                 proposition: self.monitor.propositions[proposition].clone(),
                 triggered_at_secs: instance.triggered_at_secs,
+                false_from_secs,
+                false_to_secs,
                 reason,
             });
         }

@@ -37,6 +37,11 @@ pub struct Failure {
     pub proposition: String,
     /// Time at which the instance began, in seconds of the trace's clock.
     pub triggered_at_secs: f64,
+    /// From when on the proposition was seen to be false, in seconds of the trace's clock: where it had to
+    /// be true at that sample, from there, and where it had to become true, from the beginning of the stage.
+    pub false_from_secs: f64,
+    /// Until when; not behind the deadline, since a proposition may come too late.
+    pub false_to_secs: f64,
     /// How it failed.
     pub reason: FailureReason,
 }
