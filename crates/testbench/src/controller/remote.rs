@@ -16,6 +16,12 @@ pub trait LockStep: Send {
     /// # Errors
     /// In one sentence, when the other side is gone or too late.
     fn exchange(&mut self, line: &str) -> Result<String, String>;
+
+    /// What the other side said last besides its answers, for example on its error output; nothing
+    /// if it said nothing. It is shown when a controller reports an error.
+    fn last_words(&mut self) -> String {
+        String::new()
+    }
 }
 
 /// A controller that is spoken to over a [`LockStep`] transport.
@@ -118,10 +124,15 @@ fn ask(transport: &mut impl LockStep, question: &Question<'_>) -> Result<Answer,
         .exchange(&line)
         .map_err(|reason| ControllerError::Transport { reason })?;
     match serde_json::from_str(&answer) {
-        Ok(Answer::Error { message }) => Err(ControllerError::Failed { message }),
+        Ok(Answer::Error { message }) => {
+            let words = transport.last_words();
+            let separator = if words.is_empty() { "" } else { "\n" };
+            let message = format!("{message}{separator}{words}");
+            Err(ControllerError::Failed { message })
+        }
         Ok(answer) => Ok(answer),
         Err(error) => {
-            let shown: String = answer.chars().take(SHOWN).collect();
+            let shown: String = answer.trim_end().chars().take(SHOWN).collect();
             Err(protocol(format!("{error} in `{shown}`")))
         }
     }

@@ -41,29 +41,29 @@ impl Recorder {
         };
         for robot in &data.robots {
             let fields = robot_fields(&robot.recorded_joints);
-            let topic = trace.add_channel(&format!("/truth/{}", robot.name), fields)?;
+            let topic = trace.add_channel(format!("/truth/{}", robot.name), fields)?;
             topics.robots.push(topic);
         }
         for person in &data.people {
             let fields = person_fields(person.body);
-            let topic = trace.add_channel(&format!("/truth/{}", person.name), fields)?;
+            let topic = trace.add_channel(format!("/truth/{}", person.name), fields)?;
             topics.people.push(topic);
         }
         for sensor in &data.sensors {
             let fields = sensor_fields(sensor);
-            let topic = trace.add_channel(&format!("/sensor/{}", sensor.name), fields)?;
+            let topic = trace.add_channel(format!("/sensor/{}", sensor.name), fields)?;
             topics.sensors.push(topic);
         }
         for actuator in &data.actuators {
             let fields = super::actuating::fields_of(&actuator.kind);
             let fields = fields.into_iter().map(|f| Field::number(f.name, f.unit));
             let topic =
-                trace.add_channel(&format!("/command/{}", actuator.name), fields.collect())?;
+                trace.add_channel(format!("/command/{}", actuator.name), fields.collect())?;
             topics.actuators.push(topic);
         }
         for (controller, description) in data.controllers.iter().zip(controllers) {
             let fields = controller_fields(description);
-            let topic = trace.add_channel(&format!("/controller/{}", controller.name), fields)?;
+            let topic = trace.add_channel(format!("/controller/{}", controller.name), fields)?;
             topics.controllers.push(topic);
         }
         let test = vec![Field::number("actions_done", "1"), Field::bool("done")];

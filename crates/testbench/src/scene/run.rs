@@ -472,8 +472,8 @@ impl Run {
     fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
         let now_secs = self.now_secs();
         let distances = self.distances();
-        for index in 0..self.built.robots.len() {
-            let row = self.robot_row(index, &distances[index]);
+        for (index, to_people) in distances.iter().enumerate() {
+            let row = self.robot_row(index, to_people);
             let topic = self.recorder.topics.robots[index];
             self.recorder.row(topic, now_secs, &row, watch)?;
         }

@@ -231,7 +231,7 @@ mod tests {
         );
         let mut script = Script::new(&test);
         let (draws, known) = (Draws { seed: 1 }, Known::default());
-        let mut at = |script: &mut Script, now_secs: f64| {
+        let at = |script: &mut Script, now_secs: f64| {
             let mut sent = Vec::new();
             script.enact(now_secs, draws, &known, (&mut [], &mut []), &mut sent);
             sent

@@ -23,6 +23,9 @@ const SHOWN_LINES: usize = 12;
 /// How long a process has to end by itself once its input has ended.
 const GRACE: Duration = Duration::from_secs(2);
 
+/// How long last words are waited for when a controller reports an error.
+const WORDS: Duration = Duration::from_millis(50);
+
 /// The last lines of a process's error output.
 type Said = Arc<Mutex<VecDeque<String>>>;
 
@@ -102,20 +105,25 @@ impl Process {
             Some(status) => format!("it ended with {status}"),
             None => "it still runs and is ended".to_owned(),
         };
-        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        let last: Vec<&str> = said
-            .iter()
-            .rev()
-            .take(SHOWN_LINES)
-            .map(String::as_str)
-            .collect();
-        let last: Vec<&str> = last.into_iter().rev().collect();
+        let last = self.last_lines();
         let output = if last.is_empty() {
             String::new()
         } else {
-            format!("; its error output ends with\n    {}", last.join("\n    "))
+            format!("; its error output ends with\n{last}")
         };
         format!("`{}` {what}; {ended}{output}", self.name)
+    }
+
+    /// The last lines of its error output, indented.
+    fn last_lines(&self) -> String {
+        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        let skipped = said.len().saturating_sub(SHOWN_LINES);
+        let lines: Vec<String> = said
+            .iter()
+            .skip(skipped)
+            .map(|l| format!("    {l}"))
+            .collect();
+        lines.join("\n")
     }
 
     /// Waits for its end for a while.
@@ -153,6 +161,12 @@ impl LockStep for Process {
             }
             Err(RecvTimeoutError::Disconnected) => Err(self.lost("closed its output")),
         }
+    }
+
+    fn last_words(&mut self) -> String {
+        // The words come on another way than the answer and may be a moment behind.
+        std::thread::sleep(WORDS);
+        self.last_lines()
     }
 }
 
