@@ -227,6 +227,23 @@ impl Problem {
         text
     }
 
+    /// The problem as a warning in one line: something that can be worked with,
+    /// but perhaps is not meant.
+    pub fn warning_line(&self) -> String {
+        let place = self.place.as_ref().map(|place| {
+            let (text, start) = (&place.source.text, place.span.start);
+            let (line, column) = prism_lang::line_and_column(text, start);
+            format!("{}:{line}:{column}: ", place.source.name)
+        });
+        let mut said = format!("warning: {}{}", place.unwrap_or_default(), self.message);
+        if let Some(remedy) = &self.remedy {
+            said.push(' ');
+            said.push_str(remedy);
+        }
+        said.push_str(&format!(" (`corroborate explain {}`)", self.code));
+        said
+    }
+
     fn groups(&self) -> Vec<Group<'_>> {
         let title = Level::ERROR.primary_title(self.message.as_str());
         let title = if self.kind == Kind::Interrupted {
@@ -317,6 +334,22 @@ mod tests {
         let known = ["handed_over", "grip_failed", "sensing"];
         assert_eq!(did_you_mean("handed_ovr", known), Some("handed_over"));
         assert_eq!(did_you_mean("planner", known), None);
+    }
+
+    #[test]
+    fn a_warning_is_one_line_with_its_place() {
+        let source = Source {
+            name: "requirements.toml".into(),
+            text: "id = 1\nshall = x\n".into(),
+        };
+        let warning = Problem::new("exact-instant", "This asks for one instant.")
+            .at(&source, 15..16)
+            .remedy("Write `within`.");
+        assert_eq!(
+            warning.warning_line(),
+            "warning: requirements.toml:2:9: This asks for one instant. Write `within`. \
+             (`corroborate explain exact-instant`)"
+        );
     }
 
     #[test]

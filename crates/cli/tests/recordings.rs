@@ -355,3 +355,29 @@ fn a_call_without_study_or_formula_is_refused() {
         assert!(said.talk.contains(code), "{code}: {said:?}");
     }
 }
+
+#[test]
+fn a_window_of_one_instant_is_warned_of_in_discrete_time() {
+    let folder = folder();
+    let file = shown(&rosbag("mcap"));
+    let at_once = "eventually[500 ms, 500 ms] (/arm.shoulder > 0 rad)";
+    let said = monitor(folder.path(), at_once, &[&file, "--format", "json"]);
+    assert_eq!(said.code, 0, "{said:?}");
+    assert_conforms("monitor.schema.json", &said);
+    let report = json(&said);
+    let warnings = report["warnings"].as_array().expect("a list");
+    assert_eq!(warnings.len(), 1, "{report}");
+    let warning = warnings[0].as_str().expect("a text");
+    assert!(
+        warning.starts_with("warning: <formula>:1:1: [0.5 s, 0.5 s]"),
+        "{warning}"
+    );
+    assert!(said.talk.contains(warning), "{said:?}");
+    for more in [&["--dense"][..], &["--ending", "weak"]] {
+        let mut arguments = vec![file.as_str(), "--format", "json"];
+        arguments.extend(more);
+        let said = monitor(folder.path(), at_once, &arguments);
+        let count = json(&said)["warnings"].as_array().map(Vec::len);
+        assert_eq!(count, Some(usize::from(more[0] != "--dense")), "{said:?}");
+    }
+}

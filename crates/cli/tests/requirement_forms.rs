@@ -173,3 +173,85 @@ fn a_late_clock_that_stands_still_can_be_judged_by() {
         );
     }
 }
+
+/// The warnings of `requirements`, which are said, too.
+fn warnings(requirement: &str) -> Vec<String> {
+    let folder = study(requirement);
+    let said = corroborate(folder.path(), &["requirements", ".", "--format", "json"]);
+    let report: Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"));
+    let found = report["warnings"].as_array().expect("a list");
+    let found: Vec<String> = found
+        .iter()
+        .filter_map(Value::as_str)
+        .map(str::to_owned)
+        .collect();
+    assert!(
+        found.iter().all(|line| said.talk.contains(line)),
+        "{said:?}"
+    );
+    found
+}
+
+#[test]
+fn what_is_perhaps_not_meant_is_warned_of_once_at_its_place() {
+    let after = "shall = \"When active the robot shall after 2 s satisfy done.\"";
+    let within = "shall = \"When active the robot shall within 2 s satisfy done.\"";
+    let formula = "formula = \"always (active => eventually[2 s, 2 s] done)\"";
+    let found = warnings(after);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].starts_with("warning: ./requirements.toml:4:"),
+        "{found:?}"
+    );
+    assert!(found[0].contains("exact instant"), "{found:?}");
+    assert_eq!(warnings(within), Vec::<String>::new());
+    let by_hand = warnings(&format!("{within}\n{formula}"));
+    assert_eq!(by_hand.len(), 1, "{by_hand:?}");
+    assert!(
+        by_hand[0].starts_with("warning: ./requirements.toml:5:12: [2 s, 2 s]"),
+        "{by_hand:?}"
+    );
+    assert_eq!(
+        warnings(&format!("{formula}\ntime = \"dense\"")),
+        Vec::<String>::new()
+    );
+    let twice = format!(
+        "{after}\n[[requirement]]\nid = \"2\"\ntext = \"t\"\nthreshold = \"at least 0.5\"\nsame_as = \"1\""
+    );
+    assert_eq!(warnings(&twice).len(), 1);
+}
+
+/// Nine stages that wait for ever are judged, but have no robustness, and that is said.
+#[test]
+fn why_stages_have_no_robustness_is_said() {
+    let decided = "what decided it is true or false, and no number";
+    let stage = "{ wait_for = \"done\" }";
+    let shown = |count: usize| {
+        let stages = vec![stage; count].join(", ");
+        let folder = study(&format!(
+            "monitor.when = \"active\"\nmonitor.then = [{stages}]"
+        ));
+        let table = "time_secs,/r.active,/r.done\n0,false,false\n1,true,false\n2,true,true\n";
+        std::fs::write(folder.path().join("r.csv"), table).expect("written");
+        let report = reported(&folder, &["monitor", ".", "r.csv", "--format", "json"]);
+        let text = corroborate(folder.path(), &["monitor", ".", "r.csv"]).out;
+        (report["recordings"][0]["verdicts"][0].clone(), text)
+    };
+    let (verdict, text) = shown(8);
+    assert_eq!(verdict["verdict"], "satisfied", "{verdict}");
+    assert!(
+        verdict["robustness"].is_null() && verdict["no_robustness"] == decided,
+        "{verdict}"
+    );
+    assert!(!text.contains("no robustness"), "{text}");
+    let (verdict, text) = shown(9);
+    assert_eq!(verdict["verdict"], "satisfied", "{verdict}");
+    assert!(verdict["robustness"].is_null(), "{verdict}");
+    let reason = verdict["no_robustness"].as_str().expect("a reason");
+    assert!(reason.contains("up to 8 stages"), "{reason}");
+    assert!(
+        text.contains(&format!("satisfied, no robustness: {reason}")),
+        "{text}"
+    );
+}

@@ -27,8 +27,10 @@ pub fn monitor(arguments: &Monitor, setting: &Setting) -> Result<Done, Problem> 
         Some(folder) => verdict_files(folder, &files)?,
         None => Vec::new(),
     };
+    let warnings = asked.warnings();
+    warnings.iter().for_each(|line| setting.talk.say(line));
     let stage = setting.talk.begin("recordings", files.len() as u64);
-    let mut report = MonitorReport::new();
+    let mut report = MonitorReport::new(warnings);
     let mut judged = Vec::new();
     for (place, file) in files.iter().enumerate() {
         setting.go_on()?;

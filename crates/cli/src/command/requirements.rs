@@ -21,6 +21,8 @@ pub struct RequirementsReport {
     pub format: String,
     /// Each requirement in its forms.
     pub requirements: Vec<RequirementForms>,
+    /// What has a meaning that is perhaps not meant.
+    pub warnings: Vec<String>,
     /// Forms whose texts are not what the requirement declares.
     pub drift: Vec<Drift>,
     /// Numbers without a unit that are a declared limit if the signal has the
@@ -114,7 +116,8 @@ pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done,
     let forms = forms_of(&study);
     let found = of_study(&study);
     let mut report = RequirementsReport {
-        format: "1.0".into(),
+        format: "1.1".into(),
+        warnings: warn(&study, setting),
         requirements: study
             .forms
             .subjects
@@ -142,6 +145,14 @@ pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done,
         Format::Text => text(&report),
     };
     Ok(Done { output, outcome })
+}
+
+/// Says what has a meaning that is perhaps not meant, and gives it.
+fn warn(study: &Study, setting: &Setting) -> Vec<String> {
+    let found = study.forms.warnings(&[]);
+    let lines: Vec<String> = found.iter().map(Problem::warning_line).collect();
+    lines.iter().for_each(|line| setting.talk.say(line));
+    lines
 }
 
 fn hold_against_recordings(

@@ -43,6 +43,9 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     for id in &arguments.only {
         study.entry(id)?;
     }
+    for warning in study.forms.warnings(&[]) {
+        setting.talk.say(&warning.warning_line());
+    }
     let prepared = prepare(&study, setting)?;
     // Hashed before anything runs, so that an edit meanwhile is not taken for
     // what was run.

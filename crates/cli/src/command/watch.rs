@@ -57,6 +57,9 @@ const LOOK_EVERY_NANOS: i64 = 50_000_000;
 pub fn watch(arguments: &Watch, setting: &Setting) -> Result<Done, Problem> {
     let study = Study::load(&arguments.study)?;
     let judges = judges(&study, &arguments.only)?;
+    for warning in study.forms.warnings(&arguments.only) {
+        setting.talk.say(&warning.warning_line());
+    }
     let map = topic_map(&study, arguments)?;
     let judged: Vec<String> = judges.signals().into_iter().collect();
     let bench = Bench::new(arguments, &study, &map, &judged, setting)?;

@@ -39,6 +39,7 @@ pub fn judged_on_traces(study: &Study, text: &str) -> Result<JudgingForm, String
             trigger: None,
             time: TimeModel::Discrete,
             ending: Ending::Finite,
+            place: None,
         }),
         clock: None,
         from_sentence: false,

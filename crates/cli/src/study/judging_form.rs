@@ -49,9 +49,36 @@ pub struct FormulaRule {
     pub time: TimeModel,
     /// What is said of times behind the end of a recording.
     pub ending: Ending,
+    /// Where it is written in its file, without the quotes, if it is.
+    #[serde(skip)]
+    pub place: Option<Range<usize>>,
 }
 
 impl FormulaRule {
+    /// What has a meaning that is perhaps not meant; `source` is the text in
+    /// which the formula stands.
+    pub fn warning(&self, source: &Source, place: &Range<usize>) -> Option<Problem> {
+        if self.time == TimeModel::Dense {
+            return None;
+        }
+        let instant = self.parsed.formula.exact_instants().into_iter().next()?;
+        let place = self.place.as_ref().unwrap_or(place);
+        Some(
+            Problem::new(
+                "exact-instant",
+                format!(
+                    "{instant} is one exact instant: where a recording has no sample just then, \
+                     `eventually` is false and `always` true, whatever happened."
+                ),
+            )
+            .at(source, place.clone())
+            .remedy(
+                "Widen the window to what may pass between two samples, or judge it in dense time, \
+                 in which signals keep their values (`time = \"dense\"`, `--dense`).",
+            ),
+        )
+    }
+
     /// The rule of a sentence's monitor.
     pub fn of_sentence(
         monitor: requirement_lang::compile::monitor::Monitor,
@@ -67,6 +94,7 @@ impl FormulaRule {
             trigger: Some(monitor.trigger),
             time,
             ending,
+            place: None,
         }
     }
 
@@ -230,6 +258,7 @@ impl Reader<'_> {
             parsed,
             time,
             ending,
+            place: Some(start..text.span().end.saturating_sub(1)),
         };
         FormulaMonitor::compile(&rule.parsed.formula, &rule.settings()).map_err(|error| {
             Problem::new("bad-formula", error.to_string()).at(self.source, text.span())

@@ -37,6 +37,26 @@ impl Forms {
     pub fn by_id(&self, id: &str) -> Option<&SubjectForm> {
         self.subjects.iter().find(|form| form.subject.id() == id)
     }
+
+    /// What has a meaning that is perhaps not meant, in the forms of those
+    /// with the identifiers `only`, or of all if there are none.
+    pub fn warnings(&self, only: &[String]) -> Vec<Problem> {
+        let mut found: Vec<Problem> = Vec::new();
+        for form in &self.subjects {
+            let id = form.subject.id();
+            if !only.is_empty() && !only.iter().any(|wanted| wanted == id) {
+                continue;
+            }
+            for warning in form.warnings(&self.source) {
+                // Requirements that differ in their threshold share their forms.
+                let line = warning.warning_line();
+                if found.iter().all(|other| other.warning_line() != line) {
+                    found.push(warning);
+                }
+            }
+        }
+        found
+    }
 }
 
 /// How one subject is judged by each technique.
@@ -69,6 +89,24 @@ pub struct SubjectForm {
 }
 
 impl SubjectForm {
+    /// What has a meaning that is perhaps not meant.
+    fn warnings(&self, source: &Source) -> Vec<Problem> {
+        let sentence = self.sentence.as_ref();
+        let mut found = sentence.map_or_else(Vec::new, |sentence| sentence.warnings.clone());
+        let said = found.iter().any(|warning| warning.code == "exact-instant");
+        let main = self.monitor.iter();
+        let judging = main.chain(self.readings.iter().map(|reading| &reading.monitor));
+        for form in judging {
+            if let Rule::Formula(rule) = &form.rule
+                && !(said && form.from_sentence)
+            {
+                let place = sentence.map_or(&self.span, |sentence| &sentence.span);
+                found.extend(rule.warning(source, place));
+            }
+        }
+        found
+    }
+
     /// Takes from the sentence the forms that are not written by hand.
     fn complete_from_sentence(&mut self) {
         let Some(sentence) = &self.sentence else {

@@ -11,7 +11,7 @@ use requirement_lang::compile::goal::{ModelGoal, TraceGoal, model_goal, trace_go
 use requirement_lang::compile::monitor::{Monitor, monitor};
 use requirement_lang::compile::property::{Model, Property, property};
 use requirement_lang::sentence::{Amount, Duration, Sentence, Stage, Timing};
-use requirement_lang::{Context, Explanation, explain, library, parse};
+use requirement_lang::{Context, Diagnostic, Explanation, explain, library, parse};
 use std::ops::Range;
 use temporal::formula::TimeModel;
 use toml::Spanned;
@@ -37,6 +37,8 @@ pub struct SentenceForm {
     pub bins: Result<Vec<Bin>, String>,
     /// Propositions without a column in the experiments' tables.
     pub not_in_experiments: Vec<String>,
+    /// What has a meaning that is perhaps not meant.
+    pub warnings: Vec<Problem>,
 }
 
 /// What sentences are read with.
@@ -62,8 +64,11 @@ impl SentenceReader<'_> {
     ) -> Result<SentenceForm, Problem> {
         let span = text.span().start + 1..text.span().end.saturating_sub(1);
         let text = text.into_inner();
-        let tree = self.parse(&text, span.start)?;
-        Ok(self.forms(text, tree, span, judging))
+        let (tree, warnings) = self.parse(&text, span.start)?;
+        Ok(SentenceForm {
+            warnings,
+            ..self.forms(text, tree, span, judging)
+        })
     }
 
     /// The sentence of a template of the library, whose parameters the study
@@ -162,13 +167,15 @@ impl SentenceReader<'_> {
             trace_goal: trace_goal(&tree).map_err(|reason| reason.to_string()),
             bins: bins(&tree).map_err(|reason| reason.to_string()),
             not_in_experiments: self.unbound(&tree, |p| p.column.is_some()),
+            warnings: Vec::new(),
             text,
             span,
             tree,
         }
     }
 
-    fn parse(&self, text: &str, start: usize) -> Result<Sentence, Problem> {
+    /// The sentence, and what has a meaning that is perhaps not meant.
+    fn parse(&self, text: &str, start: usize) -> Result<(Sentence, Vec<Problem>), Problem> {
         let names: Vec<&str> = self
             .vocabulary
             .propositions
@@ -179,18 +186,25 @@ impl SentenceReader<'_> {
             parameters: Some(&self.parameters.values),
             vocabulary: Some(&names),
         };
-        parse(text, &context).into_result().map_err(|mistakes| {
-            let problems = mistakes.into_iter().map(|mistake| {
-                let span = start + mistake.span.start..start + mistake.span.end;
-                let problem = Problem::new(mistake.code, mistake.message).at(self.source, span);
-                match mistake.remedy {
-                    Some(remedy) => problem.remedy(remedy),
-                    None => problem,
-                }
-            });
-            Problem::all(problems)
-                .unwrap_or_else(|| Problem::new("bad-sentence", "the sentence could not be read"))
-        })
+        let parsed = parse(text, &context);
+        let failed = parsed.has_errors();
+        let found = parsed.diagnostics.into_iter();
+        let problems = found.map(|found| self.problem(found, start));
+        if !failed {
+            return Ok((parsed.tree, problems.collect()));
+        }
+        Err(Problem::all(problems)
+            .unwrap_or_else(|| Problem::new("bad-sentence", "the sentence could not be read")))
+    }
+
+    /// A diagnostic of a sentence that begins at `start` in its file.
+    fn problem(&self, found: Diagnostic, start: usize) -> Problem {
+        let span = start + found.span.start..start + found.span.end;
+        let problem = Problem::new(found.code, found.message).at(self.source, span);
+        match found.remedy {
+            Some(remedy) => problem.remedy(remedy),
+            None => problem,
+        }
     }
 
     /// The model's text for an atom of a sentence.

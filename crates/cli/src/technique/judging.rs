@@ -19,7 +19,7 @@ use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabular
 use evidence::Subject;
 use std::collections::BTreeMap;
 use temporal::formula::FormulaMonitor;
-use temporal::monitor::{Monitor, RobustnessMonitor, Verdict};
+use temporal::monitor::{Monitor, RobustnessMonitor, TooManyUnbounded, Verdict};
 use trace::{Cursor, Predicate, Quantity, Sampling, Trace, ticks};
 
 /// All monitors of a study, compiled.
@@ -52,8 +52,8 @@ struct SubjectJudge<'a> {
 enum CompiledRule {
     Staged {
         monitor: Monitor,
-        /// `None` if it has too many stages without a deadline.
-        robustness: Option<Box<RobustnessMonitor>>,
+        /// Not to be had if it has too many stages without a deadline.
+        robustness: Result<Box<RobustnessMonitor>, TooManyUnbounded>,
     },
     Formula {
         monitor: Box<FormulaMonitor>,
@@ -87,6 +87,8 @@ pub struct JudgedTrace {
     /// By how much it is satisfied or, below 0, violated. Stages of which too
     /// many have no deadline have none.
     pub robustness: Option<Robustness>,
+    /// Why there is no robustness, if it could not be computed.
+    pub no_robustness: Option<TooManyUnbounded>,
     /// When the verdict was determined, if before the end; seconds.
     pub decided_at_secs: Option<f64>,
     /// Why it is violated.
@@ -103,6 +105,14 @@ pub struct Robustness {
     /// False if triggers fell within an instance of the stages under way, so
     /// that only bounds are known.
     pub exact: bool,
+}
+
+impl Robustness {
+    /// `None` if it is infinitely far from another verdict: then truth values
+    /// decided and no comparison of numbers did, so no number says how far.
+    pub fn by_numbers(self) -> Option<Self> {
+        (self.low != self.high || self.low.is_finite()).then_some(self)
+    }
 }
 
 /// The shortest part of a trace that shows a violation.
@@ -286,7 +296,7 @@ impl CompiledRule {
             Rule::Staged(spec) => {
                 let monitor = Monitor::compile(spec)
                     .map_err(|error| Problem::new("bad-monitor", error.to_string()))?;
-                let robustness = monitor.robustness().ok().map(Box::new);
+                let robustness = monitor.robustness().map(Box::new);
                 Ok(Self::Staged {
                     monitor,
                     robustness,

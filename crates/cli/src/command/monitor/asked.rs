@@ -61,6 +61,22 @@ impl<'a> Asked<'a> {
         }
     }
 
+    /// What has a meaning that is perhaps not meant, one line each.
+    pub fn warnings(&self) -> Vec<String> {
+        let found = match &self.what {
+            What::Study(study) => study.forms.warnings(self.only),
+            What::Formulas { forms, .. } => {
+                let rules = forms.iter().filter_map(|(_, form)| match &form.rule {
+                    Rule::Formula(rule) => Some(rule),
+                    Rule::Staged(_) => None,
+                });
+                let warning = |rule: &FormulaRule| rule.warning(&source_of(&rule.text), &(0..0));
+                rules.filter_map(warning).collect()
+            }
+        };
+        found.iter().map(Problem::warning_line).collect()
+    }
+
     /// The compiled monitors.
     pub fn judges(&self) -> Result<Judges<'_>, Problem> {
         match &self.what {
@@ -154,11 +170,16 @@ fn formulas(arguments: &Monitor) -> Result<What, Problem> {
     Ok(What::Formulas { vocabulary, forms })
 }
 
-fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
-    let source = Source {
+/// A formula of the command line as a text with a name.
+fn source_of(formula: &str) -> Source {
+    Source {
         name: "<formula>".into(),
-        text: text.to_owned(),
-    };
+        text: formula.to_owned(),
+    }
+}
+
+fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
+    let source = source_of(text);
     let bad = |message: String, span: Range<usize>| {
         Problem::new("bad-formula", message).at(&source, span)
     };
@@ -196,6 +217,7 @@ fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
             EndingChoice::Strong => Ending::Strong,
             EndingChoice::Inconclusive => Ending::Inconclusive,
         },
+        place: Some(0..text.len()),
     };
     FormulaMonitor::compile(&rule.parsed.formula, &rule.settings())
         .map_err(|error| bad(error.to_string(), 0..text.len()))?;

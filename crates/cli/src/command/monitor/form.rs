@@ -1,17 +1,24 @@
 //! What `monitor --format json` prints.
 
 use super::asked::Asked;
-use crate::technique::judging::{Judgement, Responsible, Violation, verdict_name};
+use crate::technique::judging::{
+    Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name,
+};
 use crate::technique::recording::JudgedRecording;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
+
+/// Why there is no robustness where truth values decide and no comparison does.
+pub const DECIDED_BY_NO_NUMBER: &str = "what decided it is true or false, and no number";
 
 /// What `monitor --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct MonitorReport {
     /// Version of this form.
     pub format: String,
+    /// What has a meaning that is perhaps not meant.
+    pub warnings: Vec<String>,
     /// One for each recording.
     pub recordings: Vec<RecordingVerdicts>,
     /// One for each monitor, over all recordings.
@@ -54,9 +61,11 @@ pub struct SubjectVerdict {
     /// How often one was not.
     pub failed: u64,
     /// How far it is from another verdict, in the SI unit of what it compares:
-    /// above 0 satisfied, below 0 violated. Stages of which more than eight
-    /// have no deadline have none.
+    /// above 0 satisfied, below 0 violated.
     pub robustness: Option<Robustness>,
+    /// Why there is no robustness, if there is none: it could not be computed,
+    /// or no comparison of numbers decided the verdict.
+    pub no_robustness: Option<String>,
     /// When the verdict was determined, if before the end of the recording;
     /// seconds of its clock.
     pub decided_at_secs: Option<f64>,
@@ -140,9 +149,10 @@ pub struct Total {
 
 impl MonitorReport {
     /// A report on nothing yet.
-    pub fn new() -> Self {
+    pub fn new(warnings: Vec<String>) -> Self {
         Self {
-            format: "1.2".into(),
+            format: "1.3".into(),
+            warnings,
             recordings: Vec::new(),
             totals: Vec::new(),
         }
@@ -173,6 +183,7 @@ impl SubjectVerdict {
         let findings = &judgement.findings;
         let violation = findings.violation.as_ref();
         let responsible = violation.and_then(|v| v.responsible.last());
+        let by_numbers = findings.robustness.and_then(FoundRobustness::by_numbers);
         Self {
             subject: judgement.subject.id().to_owned(),
             reading: judgement.reading.map(str::to_owned),
@@ -180,11 +191,18 @@ impl SubjectVerdict {
             covered: findings.triggered,
             passed: findings.passed,
             failed: findings.failed,
-            robustness: findings.robustness.map(|found| Robustness {
+            robustness: by_numbers.map(|found| Robustness {
                 least: found.low.is_finite().then_some(found.low),
                 greatest: found.high.is_finite().then_some(found.high),
                 exact: found.exact,
             }),
+            no_robustness: match findings.no_robustness {
+                Some(reason) => Some(reason.to_string()),
+                None if by_numbers.is_none() && findings.robustness.is_some() => {
+                    Some(DECIDED_BY_NO_NUMBER.to_owned())
+                }
+                None => None,
+            },
             decided_at_secs: findings.decided_at_secs,
             violation: violation.map(|violation| shown_violation(asked, found, violation)),
             failed_at_secs: violation.map(|v| v.to_secs),

@@ -1,7 +1,8 @@
 //! Verdicts as text for people.
 
 use super::form::{
-    MonitorReport, RecordingVerdicts, Robustness, ShownResponsible, ShownSignal, SubjectVerdict,
+    DECIDED_BY_NO_NUMBER, MonitorReport, RecordingVerdicts, Robustness, ShownResponsible,
+    ShownSignal, SubjectVerdict,
 };
 use std::fmt::Write;
 
@@ -25,11 +26,8 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
         // Writing to a String cannot fail.
         let _ = match verdict.verdict.as_str() {
             "violated" => writeln!(output, "{file}: {label} {}", violated(verdict)),
-            word => match &verdict.robustness {
-                Some(robustness) => {
-                    let shown = shown_robustness(robustness);
-                    writeln!(output, "{file}: {label} {word}, robustness {shown}")
-                }
+            word => match robustness(verdict) {
+                Some(robustness) => writeln!(output, "{file}: {label} {word}, {robustness}"),
                 None => Ok(()),
             },
         };
@@ -62,10 +60,21 @@ fn violated(verdict: &SubjectVerdict) -> String {
     } else if let Some(secs) = verdict.decided_at_secs {
         let _ = write!(said, " at {secs:.3} s");
     }
-    if let Some(robustness) = &verdict.robustness {
-        let _ = write!(said, ", robustness {}", shown_robustness(robustness));
+    if let Some(robustness) = robustness(verdict) {
+        let _ = write!(said, ", {robustness}");
     }
     said
+}
+
+/// The robustness, or why there is none; `None` if there is nothing to say.
+fn robustness(verdict: &SubjectVerdict) -> Option<String> {
+    match (&verdict.robustness, &verdict.no_robustness) {
+        (Some(robustness), _) => Some(format!("robustness {}", shown_robustness(robustness))),
+        (None, Some(reason)) if reason != DECIDED_BY_NO_NUMBER => {
+            Some(format!("no robustness: {reason}"))
+        }
+        (None, _) => None,
+    }
 }
 
 fn responsible(verdict: &SubjectVerdict) -> Vec<String> {
@@ -124,7 +133,7 @@ fn shown_bounds(robustness: &Robustness) -> String {
         (Some(least), Some(greatest)) => format!("from {least} to {greatest}"),
         (Some(least), None) => format!("at least {least}"),
         (None, Some(greatest)) => format!("at most {greatest}"),
-        (None, None) => "without limits".to_owned(),
+        (None, None) => "unknown".to_owned(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What happens while a system is watched, as JSON lines and as text.
 
-use crate::technique::judging::{JudgedTrace, Judgement, Violation, verdict_name};
+use crate::technique::judging::{JudgedTrace, Judgement, Robustness, Violation, verdict_name};
 use evidence::Subject;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -165,6 +165,7 @@ impl LiveVerdict {
             passed,
             failed,
             robustness,
+            no_robustness: _,
             decided_at_secs,
             violation,
         } = &judgement.findings;
@@ -181,7 +182,9 @@ impl LiveVerdict {
             covered: *triggered,
             passed: *passed,
             failed: *failed,
-            robustness: robustness.map(|it| [finite(it.low), finite(it.high)]),
+            robustness: robustness
+                .and_then(Robustness::by_numbers)
+                .map(|it| [finite(it.low), finite(it.high)]),
             decided_at_secs: *decided_at_secs,
             violation: violation.as_ref().map(LiveViolation::of),
         }

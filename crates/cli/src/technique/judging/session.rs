@@ -61,7 +61,7 @@ impl<'s, 'a> Session<'s, 'a> {
                     robustness,
                 } => Work::Staged(
                     monitor.start(),
-                    robustness.as_deref().map(|it| Box::new(it.start())),
+                    robustness.as_ref().ok().map(|it| Box::new(it.start())),
                 ),
                 CompiledRule::Formula { monitor, .. } => Work::Formula(monitor.start()),
             },
@@ -285,7 +285,7 @@ fn conclude<'a>(
             Work::Staged(staged, robustness) => {
                 let report = staged.finish(complete);
                 let robustness = robustness.and_then(|it| it.finish(complete, &report));
-                of_stages(judges, report, robustness)
+                of_stages(judges, judge, report, robustness)
             }
             Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
         },
@@ -293,7 +293,8 @@ fn conclude<'a>(
 }
 
 /// The time on a monitor's own clock, which never goes back and, where it
-/// stands still, takes the least step.
+/// stands still, takes the least step. So of several instants exactly at a
+/// deadline the first decides: what comes with the others is late.
 fn own_time<V: SignalValues>(clock: &BoundQuantity, values: &V, last_secs: f64) -> Option<f64> {
     let shown = clock.eval(values)?;
     let in_secs = match clock.unit() {
@@ -317,6 +318,7 @@ fn channels_of(predicate: &BoundPredicate) -> Vec<usize> {
 
 fn of_stages(
     judges: &Judges<'_>,
+    judge: &SubjectJudge<'_>,
     report: MonitorReport,
     robustness: Option<StagedRobustness>,
 ) -> JudgedTrace {
@@ -327,8 +329,8 @@ fn of_stages(
             signals: signals(judges, &failure.proposition),
             proposition: failure.proposition,
             value: false,
-            from_secs: failure.triggered_at_secs,
-            to_secs: failure.time_secs,
+            from_secs: failure.false_from_secs,
+            to_secs: failure.false_to_secs,
         }],
     });
     JudgedTrace {
@@ -341,6 +343,12 @@ fn of_stages(
             high: found.bounds.high,
             exact: found.exact,
         }),
+        no_robustness: match &judge.rule {
+            CompiledRule::Staged { robustness, .. } if report.triggered > 0 => {
+                robustness.as_ref().err().copied()
+            }
+            _ => None,
+        },
         decided_at_secs: violation.as_ref().map(|v| v.to_secs),
         violation,
     }
@@ -373,6 +381,7 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
             high: bounds.high,
             exact: true,
         }),
+        no_robustness: None,
         decided_at_secs: report.decided_at_secs,
         violation,
     }
