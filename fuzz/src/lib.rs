@@ -354,3 +354,43 @@ pub fn topic_map(bytes: &[u8]) {
         }
     }
 }
+
+/// Reads a robot's or scene's description, whose every file is the description itself; what could be read can be posed,
+/// written and read again.
+pub fn robot(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    let mut resolve = |_: &str| Ok(bytes.to_vec());
+    let loaded = match robot_model::parse("robot.xml", text, &mut resolve) {
+        Ok(loaded) => loaded,
+        Err(problems) => {
+            assert!(!problems.0.is_empty(), "refused without a reason");
+            for problem in &problems.0 {
+                assert!(!problem.remedy.is_empty(), "no remedy: {problem}");
+            }
+            return;
+        }
+    };
+    let model = &loaded.model;
+    let poses = model
+        .poses(&model.reference_positions())
+        .expect("its own positions");
+    assert_eq!(poses.len(), model.links.len());
+    // Two things of one name cannot be written.
+    let Ok(written) = robot_model::to_mjcf(model, &robot_model::MjcfOptions::default()) else {
+        return;
+    };
+    let again = robot_model::parse(
+        "again.xml",
+        &written.text,
+        &mut |_: &str| Err(String::new()),
+    );
+    let again = again.unwrap_or_else(|problems| panic!("what we write, we read: {problems}"));
+    // A link called world without shapes is the world itself, which needs no element.
+    let named = |model: &robot_model::Model| -> Vec<String> {
+        let links = model.links.iter().filter(|link| link.name != "world");
+        links.map(|link| link.name.clone()).collect()
+    };
+    assert_eq!(named(&again.model), named(model));
+}

@@ -49,7 +49,8 @@ pub enum Command {
     Monitor(Monitor),
     /// Judge a running system, and record the run.
     Watch(Watch),
-    /// Show what is in a recording, and draft its topic map.
+    /// Show what is in a recording, and draft its topic map; or in a robot's
+    /// description.
     Inspect(Inspect),
     /// Show requirements in all their forms, and where the forms disagree.
     Requirements(Requirements),
@@ -303,13 +304,21 @@ Examples:
   corroborate inspect run.mcap
   corroborate inspect bag_folder --draft-map topics.toml
   corroborate inspect run.bag --draft-map -
+  corroborate inspect robot.urdf --packages ros_ws/src
 
 Lists topics with their types, rates, jitter and gaps, and what does not fit.
 The draft has an entry for every value; delete what is not needed. Exits 3 if
-something of the recording is lost.")]
+something of the recording is lost. Of a robot's or scene's description (URDF,
+SDF, MJCF: .urdf, .sdf, .world, .xml) shows the tree of links and joints, and
+what of it a simulation would not have.")]
 pub struct Inspect {
-    /// The recording: a file, or a folder that rosbag2 recorded.
+    /// The recording: a file, or a folder that rosbag2 recorded. Or a
+    /// description of a robot or a scene.
     pub recording: PathBuf,
+    /// A folder with the packages or models that a description names; may be
+    /// repeated. The folders around the description are searched too.
+    #[arg(long, value_name = "FOLDER")]
+    pub packages: Vec<PathBuf>,
     /// Write a draft of the topic map to this new file (`-`: print it instead
     /// of the table).
     #[arg(long, value_name = "FILE")]

@@ -137,3 +137,8 @@ fn sentences() {
 fn topic_maps() {
     replay("topic_map", targets::topic_map);
 }
+
+#[test]
+fn descriptions_of_robots() {
+    replay("robot", targets::robot);
+}

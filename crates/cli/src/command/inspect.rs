@@ -11,6 +11,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 
+mod description;
 mod form;
 
 /// What `inspect --format json` prints.
@@ -27,8 +28,11 @@ pub struct InspectReport {
     pub recording: Inspection,
 }
 
-/// Looks into a recording.
+/// Looks into a recording, or a description of a robot.
 pub fn inspect(arguments: &Inspect) -> Result<Done, Problem> {
+    if description::is_description(&arguments.recording) {
+        return description::inspect(arguments);
+    }
     let options = InspectOptions {
         gap_factor: arguments.gap_factor,
     };
