@@ -5,6 +5,9 @@
 //! commands that are due take effect; the truth is recorded; the physics steps. Every rate is counted
 //! in whole steps, so nothing drifts.
 
+mod frozen;
+mod truth;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -16,39 +19,17 @@ use super::build::{Built, build};
 use super::data::whole_steps;
 use super::draws::Draws;
 use super::measure::{Scenery, yaw_of};
-use super::person::{hands_of, poses_of};
-use super::piloting::{PilotLog, Piloting};
+use super::person::poses_of;
+use super::piloting::Piloting;
 use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Script};
 use super::sensing::Sensing;
 use super::walker::{RobotSeen, Walker};
 use crate::bench::{End, Recorded, SimError, Watch};
-use crate::physics::{Physics, PhysicsState, Touch};
+use crate::physics::{Physics, Touch};
 use crate::scenario::ScenarioError;
 
-/// Everything of an episode but the engine and the controllers themselves.
-pub(super) struct Frozen {
-    prepared: Arc<Prepared>,
-    seed: u64,
-    draws: Draws,
-    built: Built,
-    physics: PhysicsState,
-    people: Vec<Walker>,
-    sensors: Vec<Sensing>,
-    actuators: Vec<Actuating>,
-    pilots: Vec<PilotLog>,
-    script: Script,
-    known: Known,
-    recorder: Recorder,
-    touches: Vec<Touch>,
-    forces: Vec<[f64; 2]>,
-    arrived: Vec<bool>,
-    steps: u64,
-    record_steps: u64,
-    people_steps: u64,
-    finished_secs: Option<f64>,
-    commands: VecDeque<(f64, usize, usize, f64)>,
-}
+pub(super) use frozen::Frozen;
 
 /// An episode in progress.
 pub(super) struct Run {
@@ -147,80 +128,6 @@ impl Run {
         run.describe(stimulus);
         run.place();
         Ok(run)
-    }
-
-    /// Everything that determines how the episode goes on.
-    pub(super) fn freeze(&self) -> Frozen {
-        Frozen {
-            prepared: Arc::clone(&self.prepared),
-            seed: self.seed,
-            draws: self.draws,
-            built: self.built.clone(),
-            physics: self.physics.save(),
-            people: self.people.clone(),
-            sensors: self.sensors.clone(),
-            actuators: self.actuators.clone(),
-            pilots: self.pilots.iter().map(Piloting::log).collect(),
-            script: self.script.clone(),
-            known: self.known.clone(),
-            recorder: self.recorder.clone(),
-            touches: self.touches.clone(),
-            forces: self.forces.clone(),
-            arrived: self.arrived.clone(),
-            steps: self.steps,
-            record_steps: self.record_steps,
-            people_steps: self.people_steps,
-            finished_secs: self.finished_secs,
-            commands: self.commands.clone(),
-        }
-    }
-
-    /// An episode that goes on from a saved one.
-    pub(super) fn thaw(frozen: &Frozen) -> Result<Self, SimError> {
-        let prepared = Arc::clone(&frozen.prepared);
-        let mut physics = (prepared.physics)(&frozen.built.layout)?;
-        if !physics.restore(&frozen.physics) {
-            return Err(SimError::Stimulus {
-                reason: "the saved state is of another scene".to_owned(),
-            });
-        }
-        let controllers = prepared.data.controllers.iter().zip(&frozen.pilots);
-        let pilots = controllers
-            .map(|(data, log)| Piloting::replay(&prepared, data, log))
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            seed: frozen.seed,
-            draws: frozen.draws,
-            built: frozen.built.clone(),
-            physics,
-            people: frozen.people.clone(),
-            sensors: frozen.sensors.clone(),
-            actuators: frozen.actuators.clone(),
-            pilots,
-            script: frozen.script.clone(),
-            known: frozen.known.clone(),
-            recorder: frozen.recorder.clone(),
-            touches: frozen.touches.clone(),
-            forces: frozen.forces.clone(),
-            arrived: frozen.arrived.clone(),
-            steps: frozen.steps,
-            record_steps: frozen.record_steps,
-            people_steps: frozen.people_steps,
-            finished_secs: frozen.finished_secs,
-            commands: frozen.commands.clone(),
-            prepared,
-        })
-    }
-
-    /// Draws what is still to be drawn under another seed.
-    pub(super) fn draw_anew(&mut self, draws: Draws) {
-        self.draws = draws;
-        for sensor in &mut self.sensors {
-            sensor.draw_anew(draws);
-        }
-        self.recorder.note("drawn_anew_seed", draws.seed);
-        let secs = self.now_secs();
-        self.recorder.note("drawn_anew_from_secs", secs);
     }
 
     /// Facts for the recording's metadata.
@@ -440,123 +347,6 @@ impl Run {
             walker.update(then_secs, period_secs, &robots);
         }
         self.lead_people();
-    }
-
-    /// The largest forces of people and of other things on each robot since the last row.
-    fn gather_forces(&mut self) {
-        let built = &self.built;
-        let is_person = |shape: &usize| built.people.iter().any(|p| p.shapes.contains(shape));
-        for (robot, [of_people, of_others]) in built.robots.iter().zip(&mut self.forces) {
-            let (mut people, mut others) = (0.0, 0.0);
-            for touch in &self.touches {
-                let own = touch
-                    .shapes
-                    .map(|shape| robot.added.shapes.contains(&shape));
-                let other = match own {
-                    [true, false] => touch.shapes[1],
-                    [false, true] => touch.shapes[0],
-                    _ => continue,
-                };
-                if is_person(&other) {
-                    people += touch.normal_newtons;
-                } else if !built.ground.contains(&other) {
-                    others += touch.normal_newtons;
-                }
-            }
-            *of_people = f64::max(*of_people, people);
-            *of_others = f64::max(*of_others, others);
-        }
-    }
-
-    /// Writes down the truth.
-    fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
-        let now_secs = self.now_secs();
-        let distances = self.distances();
-        for (index, to_people) in distances.iter().enumerate() {
-            let row = self.robot_row(index, to_people);
-            let topic = self.recorder.topics.robots[index];
-            self.recorder.row(topic, now_secs, &row, watch)?;
-        }
-        for index in 0..self.people.len() {
-            let nearest = distances.iter().map(|of_robot| of_robot[index]);
-            let row = self.person_row(index, nearest.fold(f64::NAN, f64::min));
-            let topic = self.recorder.topics.people[index];
-            self.recorder.row(topic, now_secs, &row, watch)?;
-        }
-        let row = [
-            self.script.done() as f64,
-            f64::from(u8::from(self.script.is_done())),
-        ];
-        let topic = self.recorder.topics.test;
-        self.recorder.row(topic, now_secs, &row, watch)?;
-        self.forces.fill([0.0; 2]);
-        Ok(())
-    }
-
-    /// The distance between the surfaces of each robot and each person.
-    fn distances(&mut self) -> Vec<Vec<f64>> {
-        let longest_m = self.prepared.data.simulation.longest_distance_m;
-        let (built, physics) = (&self.built, &mut self.physics);
-        let of_robot = |robot: &super::build::BuiltRobot| {
-            let mut of_person = |person: &super::build::BuiltPerson| {
-                let mut least_m = longest_m;
-                for own in robot.added.shapes.clone() {
-                    for theirs in person.shapes.clone() {
-                        let distance_m = physics.distance_m(own, theirs, least_m);
-                        least_m = least_m.min(distance_m);
-                    }
-                }
-                least_m
-            };
-            built.people.iter().map(&mut of_person).collect()
-        };
-        built.robots.iter().map(of_robot).collect()
-    }
-
-    fn robot_row(&self, index: usize, distances: &[f64]) -> Vec<f64> {
-        let robot = &self.built.robots[index];
-        let pose = self.physics.body_pose(robot.added.root);
-        let twist = self.physics.body_twist(robot.added.root);
-        let [x, y, z] = pose.position_m;
-        let nearest_m = distances.iter().copied().fold(f64::NAN, f64::min);
-        let mut row = vec![
-            x,
-            y,
-            z,
-            yaw_of(pose.orientation),
-            twist.linear_m_s[0].hypot(twist.linear_m_s[1]),
-            twist.angular_rad_s[2],
-            nearest_m,
-            self.forces[index][0],
-            self.forces[index][1],
-        ];
-        for joint in &self.prepared.data.robots[index].recorded_joints {
-            let state = robot.added.joints.get(joint);
-            let state = state.map_or(Default::default(), |joint| self.physics.joint(*joint));
-            row.extend([state.position, state.velocity]);
-        }
-        row
-    }
-
-    fn person_row(&self, index: usize, distance_m: f64) -> Vec<f64> {
-        let walker = &self.people[index];
-        let stance = &walker.stance;
-        let flag = |value: bool| f64::from(u8::from(value));
-        let mut row = vec![
-            stance.x_m,
-            stance.y_m,
-            stance.heading_rad,
-            stance.speed_m_s,
-            distance_m,
-            walker.activity as u8 as f64,
-            flag(walker.is_reacting()),
-            flag(walker.distracted),
-            flag(walker.has_arrived()),
-        ];
-        if let Some(hands) = hands_of(walker.body, self.built.people[index].height_m, stance) {
-            row.extend(hands.as_flattened());
-        }
-        row
     }
 
     /// Ends the episode and closes the recording.

@@ -1,0 +1,124 @@
+//! What is true in an episode, as it is written down.
+
+use super::*;
+use crate::scene::build::{BuiltPerson, BuiltRobot};
+use crate::scene::person::hands_of;
+
+impl Run {
+    /// The largest forces of people and of other things on each robot since the last row.
+    pub(super) fn gather_forces(&mut self) {
+        let built = &self.built;
+        let is_person = |shape: &usize| built.people.iter().any(|p| p.shapes.contains(shape));
+        for (robot, [of_people, of_others]) in built.robots.iter().zip(&mut self.forces) {
+            let (mut people, mut others) = (0.0, 0.0);
+            for touch in &self.touches {
+                let own = touch
+                    .shapes
+                    .map(|shape| robot.added.shapes.contains(&shape));
+                let other = match own {
+                    [true, false] => touch.shapes[1],
+                    [false, true] => touch.shapes[0],
+                    _ => continue,
+                };
+                if is_person(&other) {
+                    people += touch.normal_newtons;
+                } else if !built.ground.contains(&other) {
+                    others += touch.normal_newtons;
+                }
+            }
+            *of_people = f64::max(*of_people, people);
+            *of_others = f64::max(*of_others, others);
+        }
+    }
+
+    /// Writes down the truth.
+    pub(super) fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
+        let now_secs = self.now_secs();
+        let distances = self.distances();
+        for (index, to_people) in distances.iter().enumerate() {
+            let row = self.robot_row(index, to_people);
+            let topic = self.recorder.topics.robots[index];
+            self.recorder.row(topic, now_secs, &row, watch)?;
+        }
+        for index in 0..self.people.len() {
+            let nearest = distances.iter().map(|of_robot| of_robot[index]);
+            let row = self.person_row(index, nearest.fold(f64::NAN, f64::min));
+            let topic = self.recorder.topics.people[index];
+            self.recorder.row(topic, now_secs, &row, watch)?;
+        }
+        let row = [
+            self.script.done() as f64,
+            f64::from(u8::from(self.script.is_done())),
+        ];
+        let topic = self.recorder.topics.test;
+        self.recorder.row(topic, now_secs, &row, watch)?;
+        self.forces.fill([0.0; 2]);
+        Ok(())
+    }
+
+    /// The distance between the surfaces of each robot and each person.
+    fn distances(&mut self) -> Vec<Vec<f64>> {
+        let longest_m = self.prepared.data.simulation.longest_distance_m;
+        let (built, physics) = (&self.built, &mut self.physics);
+        let of_robot = |robot: &BuiltRobot| {
+            let mut of_person = |person: &BuiltPerson| {
+                let mut least_m = longest_m;
+                for own in robot.added.shapes.clone() {
+                    for theirs in person.shapes.clone() {
+                        let distance_m = physics.distance_m(own, theirs, least_m);
+                        least_m = least_m.min(distance_m);
+                    }
+                }
+                least_m
+            };
+            built.people.iter().map(&mut of_person).collect()
+        };
+        built.robots.iter().map(of_robot).collect()
+    }
+
+    fn robot_row(&self, index: usize, distances: &[f64]) -> Vec<f64> {
+        let robot = &self.built.robots[index];
+        let pose = self.physics.body_pose(robot.added.root);
+        let twist = self.physics.body_twist(robot.added.root);
+        let [x, y, z] = pose.position_m;
+        let nearest_m = distances.iter().copied().fold(f64::NAN, f64::min);
+        let mut row = vec![
+            x,
+            y,
+            z,
+            yaw_of(pose.orientation),
+            twist.linear_m_s[0].hypot(twist.linear_m_s[1]),
+            twist.angular_rad_s[2],
+            nearest_m,
+            self.forces[index][0],
+            self.forces[index][1],
+        ];
+        for joint in &self.prepared.data.robots[index].recorded_joints {
+            let state = robot.added.joints.get(joint);
+            let state = state.map_or(Default::default(), |joint| self.physics.joint(*joint));
+            row.extend([state.position, state.velocity]);
+        }
+        row
+    }
+
+    fn person_row(&self, index: usize, distance_m: f64) -> Vec<f64> {
+        let walker = &self.people[index];
+        let stance = &walker.stance;
+        let flag = |value: bool| f64::from(u8::from(value));
+        let mut row = vec![
+            stance.x_m,
+            stance.y_m,
+            stance.heading_rad,
+            stance.speed_m_s,
+            distance_m,
+            walker.activity as u8 as f64,
+            flag(walker.is_reacting()),
+            flag(walker.distracted),
+            flag(walker.has_arrived()),
+        ];
+        if let Some(hands) = hands_of(walker.body, self.built.people[index].height_m, stance) {
+            row.extend(hands.as_flattened());
+        }
+        row
+    }
+}
