@@ -15,8 +15,9 @@
 //! for the map; E. Even-Dar, S. Mannor and Y. Mansour (2006) for elimination of what is decided;
 //! the confidence sequences are those of [`stats::sequential`], at a level shared among the
 //! contexts (C. E. Bonferroni, 1936). Deviation: the process begins at the prediction, with the
-//! weight of two episodes, so that disagreement has to be shown. Cost: O(n) for each candidate,
-//! O(n^2) to fit lengths. Guarantee: the probability that any context is wrongly said to disagree
+//! weight of two episodes, so that disagreement has to be shown. Cost: O(n) for each of 400
+//! candidates, O(n^2) to fit lengths; at most 400 predictions more than two an explored episode, and one
+//! for each place of a map. Guarantee: the probability that any context is wrongly said to disagree
 //! (or to agree) is at most 1 - confidence, however often one looks; the map is an estimate, and
 //! that a disagreement is found at all is not guaranteed.
 
@@ -33,6 +34,9 @@ use super::cube::{Cube, unordered};
 use crate::error::CampaignError;
 use crate::random::Random;
 use surrogate::Surrogate;
+
+/// How many places the search chooses among, beside those that are spread evenly.
+const POOL: usize = 400;
 
 /// What a model predicts for a context: a probability.
 pub type FormalPrediction<'a> = &'a dyn Fn(&Point) -> f64;
@@ -100,6 +104,9 @@ pub struct DisagreementSearch {
     rows: Vec<Vec<f64>>,
     successes: Vec<bool>,
     predicted: Vec<f64>,
+    /// Places to choose among with what the model predicts there: a prediction can take a model
+    /// checker's run, so that each is asked for once.
+    pool: Vec<(Vec<f64>, f64)>,
     /// The map's lengths, and how many outcomes there were when they were fitted.
     lengths: Vec<f64>,
     fitted_at: usize,
@@ -142,6 +149,7 @@ impl DisagreementSearch {
             rows: Vec::new(),
             successes: Vec::new(),
             predicted: Vec::new(),
+            pool: Vec::new(),
             fitted_at: 0,
             confirmation: None,
         })
@@ -246,7 +254,7 @@ impl DisagreementSearch {
     fn explore(&mut self, count: usize, formal: FormalPrediction<'_>) -> Vec<Point> {
         let mut surrogate = self.fitted_surrogate(formal);
         for proposal in self.cube.open() {
-            let predicted = formal(&proposal.point);
+            let predicted = self.prediction_at(&proposal.unit, &proposal.point, formal);
             let expected = surrogate.at(&proposal.unit, predicted).mean();
             surrogate.push(&proposal.unit, expected, predicted);
         }
@@ -257,10 +265,13 @@ impl DisagreementSearch {
                 self.asked < 2 * self.cube.dimensions() + 10 || self.asked.is_multiple_of(3);
             let point = match spread {
                 true => self.spread_point(),
-                false => self.suspicious_point(&surrogate, formal),
+                false => {
+                    self.fill_pool(formal);
+                    self.suspicious_point(&surrogate)
+                }
             };
             let unit = self.cube.space.unit_of(&point);
-            let predicted = formal(&point);
+            let predicted = self.prediction_at(&unit, &point, formal);
             let expected = surrogate.at(&unit, predicted).mean();
             surrogate.push(&unit, expected, predicted);
             self.asked += 1;
@@ -273,8 +284,10 @@ impl DisagreementSearch {
     /// The process, its lengths fitted anew when there is a quarter more data than at the last
     /// time.
     fn fitted_surrogate(&mut self, formal: FormalPrediction<'_>) -> Surrogate {
-        for row in &self.rows[self.predicted.len()..] {
-            self.predicted.push(formal(&self.cube.space.at(row)));
+        for index in self.predicted.len()..self.rows.len() {
+            let row = &self.rows[index];
+            let predicted = self.prediction_at(row, &self.cube.space.at(row), formal);
+            self.predicted.push(predicted);
         }
         let mut surrogate = self.surrogate(formal);
         if self.rows.len() >= (self.fitted_at + self.fitted_at / 4).max(20) {
@@ -283,6 +296,12 @@ impl DisagreementSearch {
             self.fitted_at = self.rows.len();
         }
         surrogate
+    }
+
+    /// What the model predicts, from the pool where it is known.
+    fn prediction_at(&self, unit: &[f64], point: &Point, formal: FormalPrediction<'_>) -> f64 {
+        let known = self.pool.iter().find(|(row, _)| row == unit);
+        known.map_or_else(|| formal(point), |(_, predicted)| *predicted)
     }
 
     fn spread_point(&mut self) -> Point {
@@ -299,53 +318,58 @@ impl DisagreementSearch {
         point
     }
 
-    fn suspicious_point(&mut self, surrogate: &Surrogate, formal: FormalPrediction<'_>) -> Point {
-        let dimensions = self.cube.dimensions();
-        let space = &self.cube.space;
-        let mut best: Option<(f64, Point)> = None;
-        for _ in 0..200 {
-            let (_, point) = self.cube.draw(&mut self.random, |random| {
-                let row: Vec<f64> = (0..dimensions).map(|_| random.open_unit()).collect();
-                (row.clone(), row)
-            });
-            let predicted = formal(&point);
-            let beta = surrogate.at(&space.unit_of(&point), predicted);
-            let score = (beta.mean() - predicted).abs() + beta.sd();
-            if best.as_ref().is_none_or(|(highest, _)| score > *highest) {
-                best = Some((score, point));
-            }
+    /// Fills the pool, the first time.
+    fn fill_pool(&mut self, formal: FormalPrediction<'_>) {
+        let missing = POOL - self.pool.len().min(POOL);
+        for _ in 0..missing {
+            let row = self.spread_candidate();
+            let predicted = formal(&self.cube.space.at(&row));
+            self.pool.push((row, predicted));
         }
-        best.map_or_else(|| space.nominal(), |(_, point)| point)
+    }
+
+    /// The place of the pool where the difference may be largest (the first of equals).
+    fn suspicious_point(&mut self, surrogate: &Surrogate) -> Point {
+        let score = |(row, predicted): &(Vec<f64>, f64)| {
+            let beta = surrogate.at(row, *predicted);
+            (beta.mean() - predicted).abs() + beta.sd()
+        };
+        let scores = self.pool.iter().map(score).enumerate();
+        let best = scores.rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        let index = best.map_or(0, |(index, _)| index);
+        match self.pool.get(index) {
+            Some((row, _)) => self.cube.space.at(row),
+            None => self.cube.space.nominal(),
+        }
     }
 
     /// The contexts of the largest differences that the process is sure of, far from each other.
     fn suspicious_contexts(&mut self, formal: FormalPrediction<'_>) -> Confirmation {
         let surrogate = self.fitted_surrogate(formal);
-        let more = (0..1000)
-            .map(|_| self.spread_candidate())
-            .collect::<Vec<_>>();
-        let mut scored: Vec<(f64, Vec<f64>)> = (self.rows.iter().chain(&more))
-            .map(|row| {
-                let predicted = formal(&self.cube.space.at(row));
+        self.fill_pool(formal);
+        let tried = self.rows.iter().zip(self.predicted.iter().copied());
+        let pool = self.pool.iter().map(|(row, predicted)| (row, *predicted));
+        let mut scored: Vec<(f64, Vec<f64>, f64)> = (tried.chain(pool))
+            .map(|(row, predicted)| {
                 let beta = surrogate.at(row, predicted);
-                ((beta.mean() - predicted).abs() - beta.sd(), row.clone())
+                let sure = (beta.mean() - predicted).abs() - beta.sd();
+                (sure, row.clone(), predicted)
             })
             .collect();
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
         // Where a coordinate hardly matters its length is long; contexts may still lie apart in it.
         let metric = surrogate.with_lengths_up_to(surrogate::START_LENGTH);
-        let mut chosen: Vec<Vec<f64>> = Vec::new();
-        for (_, row) in scored {
-            let far = |other: &Vec<f64>| metric.distance(other, &row) > 0.5;
+        let mut chosen: Vec<(Vec<f64>, f64)> = Vec::new();
+        for (_, row, predicted) in scored {
+            let far = |other: &(Vec<f64>, f64)| metric.distance(&other.0, &row) > 0.5;
             if chosen.len() < self.options.contexts.max(1) && chosen.iter().all(far) {
-                chosen.push(row);
+                chosen.push((row, predicted));
             }
         }
-        let contexts = chosen.iter().map(|row| self.cube.space.at(row));
-        let contexts = contexts.map(|point| (formal(&point), point));
-        let contexts = contexts
-            .map(|(predicted, point)| (point, predicted))
-            .collect();
+        let contexts = chosen
+            .iter()
+            .map(|(row, predicted)| (self.cube.space.at(row), *predicted));
+        let contexts = contexts.collect();
         Confirmation::of(contexts, self.options.margin, self.options.confidence)
     }
 

@@ -189,3 +189,28 @@ fn settings_out_of_range_are_refused() {
     assert!(with(|o| o.confidence = 1.5).starts_with("`confidence`"));
     assert!(Confirmation::new(vec![(Point(vec![]), 1.5)], 0.1, 0.9).is_err());
 }
+
+#[test]
+fn predictions_are_asked_for_sparingly() {
+    let asked = std::cell::Cell::new(0_usize);
+    let counted = |context: &Point| {
+        asked.set(asked.get() + 1);
+        formal(context)
+    };
+    let options = DisagreementOptions {
+        explore: 100,
+        ..DisagreementOptions::default()
+    };
+    let mut search = DisagreementSearch::new(square(), 1, options).unwrap();
+    let mut simulator = Random::new(1, "simulator");
+    for _ in 0..40 {
+        let contexts = search.ask(5, &counted);
+        let outcomes: Vec<_> = contexts
+            .into_iter()
+            .map(|c| (c, simulator.chance(0.9)))
+            .collect();
+        search.tell(&outcomes);
+    }
+    // The pool, and for each explored context one when it is proposed and one when it is told.
+    assert!(asked.get() <= 400 + 2 * 100, "{}", asked.get());
+}
