@@ -18,7 +18,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .join("case-studies/handover/simulation")
         .join(format!("{set}.toml"));
     let folder = file.parent().ok_or("the parameter file is in no folder")?;
-    let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
+    let mut scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
+    if let Some(fast) = std::env::var_os("CAMPAIGN_FAST") {
+        scenario.simulation.fast = fast == "1";
+    }
     let parameters = Parameters::parse(&std::fs::read_to_string(&file)?)?;
     let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
     let mut world = World::new(&engine, &scenario, &parameters)?;

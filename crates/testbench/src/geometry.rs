@@ -53,6 +53,81 @@ pub fn compose(outer: Quaternion, inner: Quaternion) -> Quaternion {
     ]
 }
 
+/// The rotation back.
+#[must_use]
+pub fn inverse(rotation: Quaternion) -> Quaternion {
+    let [w, x, y, z] = rotation;
+    [w, -x, -y, -z]
+}
+
+/// The rotation vector (axis times angle in rad, in the frame both refer to) that takes `from` to
+/// `to`.
+#[must_use]
+pub fn rotation_between(from: Quaternion, to: Quaternion) -> Vector {
+    let [w, x, y, z] = compose(to, inverse(from));
+    let sign = if w < 0.0 { -1.0 } else { 1.0 };
+    let axis = scale(sign, [x, y, z]);
+    let sine = norm(axis);
+    if sine < 1e-12 {
+        return [0.0; 3];
+    }
+    scale(2.0 * sine.atan2(sign * w) / sine, axis)
+}
+
+/// A rotation turned on by a rotation vector (axis times angle in rad, in the outer frame).
+#[must_use]
+pub fn turned_by(rotation: Quaternion, turn: Vector) -> Quaternion {
+    compose(about(turn, norm(turn)), rotation)
+}
+
+impl Pose {
+    /// The pose in the outer frame of something whose pose in the frame `self` is `inner`.
+    #[must_use]
+    pub fn then(&self, inner: &Pose) -> Pose {
+        Pose {
+            position_m: add(self.position_m, rotate(self.orientation, inner.position_m)),
+            orientation: compose(self.orientation, inner.orientation),
+        }
+    }
+
+    /// The pose of `self` as seen from `frame`.
+    #[must_use]
+    pub fn seen_from(&self, frame: &Pose) -> Pose {
+        let back = inverse(frame.orientation);
+        Pose {
+            position_m: rotate(back, subtract(self.position_m, frame.position_m)),
+            orientation: compose(back, self.orientation),
+        }
+    }
+}
+
+/// The shortest distance between two straight pieces, each given by its ends: minimise
+/// `|a0 + s u - b0 - t v|` over `s, t` in \[0, 1\] (Ericson, "Real-Time Collision Detection", 2005,
+/// section 5.1.9).
+#[must_use]
+pub fn distance_of_pieces(a: [Vector; 2], b: [Vector; 2]) -> f64 {
+    let (u, v, between) = (
+        subtract(a[1], a[0]),
+        subtract(b[1], b[0]),
+        subtract(a[0], b[0]),
+    );
+    let (uu, vv, uv) = (dot(u, u), dot(v, v), dot(u, v));
+    let (from_u, from_v) = (dot(u, between), dot(v, between));
+    let along = |numerator: f64, denominator: f64| {
+        if denominator > 0.0 {
+            (numerator / denominator).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let first = along(uv * from_v - from_u * vv, uu * vv - uv * uv);
+    let second = along(uv * first + from_v, vv);
+    // Where the second was cut off at an end, the first moves with it.
+    let first = along(uv * second - from_u, uu);
+    let apart = add(between, subtract(scale(first, u), scale(second, v)));
+    norm(apart)
+}
+
 /// Turns a vector by a rotation.
 #[must_use]
 pub fn rotate(rotation: Quaternion, vector: Vector) -> Vector {

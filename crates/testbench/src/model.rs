@@ -9,7 +9,9 @@
 use std::fmt::Write;
 
 use crate::geometry::{IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw};
-use crate::scenario::{Body, Drive, InertiaSource, Parameters, Scenario, Shape};
+use crate::scenario::{
+    Body, Drive, InertiaSource, Joint, JointAngles, Parameters, Scenario, Shape,
+};
 
 /// Masks of who touches whom, as MJCF's `contype` and `conaffinity`.
 const HAND_MASK: &str = r#"contype="1" conaffinity="2""#;
@@ -44,21 +46,81 @@ pub struct PhysicalDraws {
     pub object_pose: Pose,
 }
 
+/// A part of the model: some joints fixed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Part {
+    /// Whether the model is written for speed: the pairs that can touch are listed, so that nothing
+    /// is searched for, and where the arm carries its own weight there is no gravity, but for a
+    /// force on the object that the caller applies. The equations are the same.
+    pub(crate) is_lean: bool,
+    /// The drive whose joints are fixed, and the angle of each joint.
+    pub(crate) fixed: Option<(Drive, JointAngles)>,
+}
+
+impl Part {
+    /// Whether the object's weight is a force that the caller applies.
+    pub(crate) fn is_weightless(&self, scenario: &Scenario) -> bool {
+        self.is_lean && scenario.robot.gravity_compensation == 1.0
+    }
+
+    /// The angle at which a joint is fixed; `None` if it moves.
+    fn fixed_rad(&self, name: &str, joint: &Joint) -> Option<f64> {
+        let (drive, angles) = self.fixed.as_ref()?;
+        (joint.drive == *drive).then(|| angles.get(name).copied().unwrap_or(0.0))
+    }
+}
+
+/// What the model is written from.
+struct Source<'a> {
+    scenario: &'a Scenario,
+    parameters: &'a Parameters,
+    draws: &'a PhysicalDraws,
+    part: &'a Part,
+}
+
+impl Source<'_> {
+    /// The mask by which a shape finds what it touches; listed pairs need none.
+    fn mask(&self, mask: &'static str) -> &'static str {
+        if self.part.is_lean { NO_CONTACT } else { mask }
+    }
+}
+
 /// Writes the model.
 #[must_use]
 pub fn mjcf(scenario: &Scenario, parameters: &Parameters, draws: &PhysicalDraws) -> String {
+    mjcf_of_part(scenario, parameters, draws, &Part::default())
+}
+
+/// Writes a part of the model. Names, masses, drives and solver are those of the whole.
+pub(crate) fn mjcf_of_part(
+    scenario: &Scenario,
+    parameters: &Parameters,
+    draws: &PhysicalDraws,
+    part: &Part,
+) -> String {
+    let source = Source {
+        scenario,
+        parameters,
+        draws,
+        part,
+    };
     let mut text = String::with_capacity(16 * 1024);
-    header(&mut text, scenario);
+    header(&mut text, &source);
     text.push_str("<worldbody>\n");
-    supports(&mut text, scenario);
+    supports(&mut text, &source);
     let roots = scenario.bodies.iter().filter(|body| body.parent == "world");
     for body in roots {
-        body_tree(&mut text, scenario, parameters, draws, body);
+        body_tree(&mut text, &source, body);
     }
-    object(&mut text, scenario, parameters, draws);
-    human(&mut text, scenario);
+    object(&mut text, &source);
+    if part.fixed.is_none() {
+        human(&mut text, scenario);
+    }
     text.push_str("</worldbody>\n");
-    actuators(&mut text, scenario, parameters);
+    actuators(&mut text, &source);
+    if part.is_lean {
+        pairs(&mut text, &source);
+    }
     text.push_str("</mujoco>\n");
     text
 }
@@ -73,8 +135,19 @@ fn list<const N: usize>(numbers: [f64; N]) -> String {
     numbers.map(|number| number.to_string()).join(" ")
 }
 
-fn header(text: &mut String, scenario: &Scenario) {
-    let settings = &scenario.simulation;
+fn header(text: &mut String, source: &Source<'_>) {
+    let settings = &source.scenario.simulation;
+    let gravity = if source.part.is_weightless(source.scenario) {
+        0.0
+    } else {
+        -settings.gravity_m_s2
+    };
+    // A held object and the hand are one island: there is nothing to take apart.
+    let islands = if source.part.is_lean {
+        r#" island="disable""#
+    } else {
+        ""
+    };
     put!(text, r#"<mujoco model="testbench">"#);
     put!(
         text,
@@ -82,9 +155,9 @@ fn header(text: &mut String, scenario: &Scenario) {
     );
     put!(
         text,
-        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="{}" iterations="{}" tolerance="{}" noslip_iterations="{}"><flag sensor="disable" energy="disable"/></option>"#,
+        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="{}" iterations="{}" tolerance="{}" noslip_iterations="{}"><flag sensor="disable" energy="disable"{islands}/></option>"#,
         settings.time_step_secs,
-        -settings.gravity_m_s2,
+        gravity,
         settings.impedance_ratio,
         settings.solver_iterations,
         settings.solver_tolerance,
@@ -93,16 +166,18 @@ fn header(text: &mut String, scenario: &Scenario) {
 }
 
 /// Floor and pedestal.
-fn supports(text: &mut String, scenario: &Scenario) {
+fn supports(text: &mut String, source: &Source<'_>) {
+    let scenario = source.scenario;
+    let mask = source.mask(SUPPORT_MASK);
     let friction = scenario.object.pedestal_friction;
     let pedestal = &scenario.pedestal;
     put!(
         text,
-        r#"<geom name="floor" type="plane" size="5 5 0.1" friction="{friction} 0.005 0.0001" {SUPPORT_MASK}/>"#
+        r#"<geom name="floor" type="plane" size="5 5 0.1" friction="{friction} 0.005 0.0001" {mask}/>"#
     );
     put!(
         text,
-        r#"<geom name="pedestal" type="cylinder" pos="{}" size="{} {}" friction="{friction} 0.005 0.0001" {SUPPORT_MASK}/>"#,
+        r#"<geom name="pedestal" type="cylinder" pos="{}" size="{} {}" friction="{friction} 0.005 0.0001" {mask}/>"#,
         list(pedestal.centre_m),
         pedestal.radius_m,
         pedestal.length_m / 2.0
@@ -110,55 +185,70 @@ fn supports(text: &mut String, scenario: &Scenario) {
 }
 
 /// A link with everything that hangs on it.
-fn body_tree(
-    text: &mut String,
-    scenario: &Scenario,
-    parameters: &Parameters,
-    draws: &PhysicalDraws,
-    body: &Body,
-) {
-    let turned = compose(
+fn body_tree(text: &mut String, source: &Source<'_>, body: &Body) {
+    let Source {
+        scenario,
+        parameters,
+        part,
+        ..
+    } = *source;
+    let mut turned = compose(
         from_roll_pitch_yaw(body.rotation_rpy_rad),
         about(body.fixed_axis, body.fixed_angle_rad),
     );
+    let joint = body.joint.as_ref();
+    let fixed = joint.and_then(|joint| Some((joint, part.fixed_rad(&body.name, joint)?)));
+    if let Some((joint, angle_rad)) = fixed {
+        turned = compose(turned, about(joint.axis, angle_rad));
+    }
     put!(
         text,
         r#"<body name="{}" pos="{}" quat="{}" gravcomp="{}">"#,
         body.name,
         list(body.position_m),
         list(turned),
-        scenario.robot.gravity_compensation
+        if part.is_weightless(scenario) {
+            0.0
+        } else {
+            scenario.robot.gravity_compensation
+        }
     );
     inertial(text, parameters, body);
-    joint(text, scenario, parameters, body);
+    if fixed.is_none() {
+        hinge(text, scenario, parameters, body);
+    }
     if let Some(shape) = &body.contact_shape {
-        contact_geom(text, parameters, draws, body, shape);
+        contact_geom(text, source, body, shape);
     }
     for child in scenario
         .bodies
         .iter()
         .filter(|child| child.parent == body.name)
     {
-        body_tree(text, scenario, parameters, draws, child);
+        body_tree(text, source, child);
     }
     put!(text, "</body>");
 }
 
 fn inertial(text: &mut String, parameters: &Parameters, body: &Body) {
-    let moments = match parameters.inertia {
-        InertiaSource::Geometry => body.shape.inertia_kg_m2(body.mass_kg),
-        InertiaSource::Placeholder => body.placeholder_inertia_kg_m2,
-    };
     put!(
         text,
         r#"<inertial pos="{}" mass="{}" diaginertia="{}"/>"#,
         list(body.shape_position_m),
         body.mass_kg,
-        list(moments)
+        list(link_inertia_kg_m2(parameters, body))
     );
 }
 
-fn joint(text: &mut String, scenario: &Scenario, parameters: &Parameters, body: &Body) {
+/// A link's principal moments of inertia about its centre.
+pub(crate) fn link_inertia_kg_m2(parameters: &Parameters, body: &Body) -> Vector {
+    match parameters.inertia {
+        InertiaSource::Geometry => body.shape.inertia_kg_m2(body.mass_kg),
+        InertiaSource::Placeholder => body.placeholder_inertia_kg_m2,
+    }
+}
+
+fn hinge(text: &mut String, scenario: &Scenario, parameters: &Parameters, body: &Body) {
     let Some(joint) = &body.joint else { return };
     let (armature, friction_loss) = match joint.drive {
         Drive::Arm => (scenario.robot.joint_armature_kg_m2, 0.0),
@@ -177,21 +267,16 @@ fn joint(text: &mut String, scenario: &Scenario, parameters: &Parameters, body: 
     );
 }
 
-fn contact_geom(
-    text: &mut String,
-    parameters: &Parameters,
-    draws: &PhysicalDraws,
-    body: &Body,
-    shape: &Shape,
-) {
-    let hand = &parameters.hand;
+fn contact_geom(text: &mut String, source: &Source<'_>, body: &Body, shape: &Shape) {
+    let hand = &source.parameters.hand;
     put!(
         text,
-        r#"<geom name="{CONTACT_GEOM_PREFIX}{}" {} priority="1" condim="3" friction="{} 0.005 0.0001" solref="{} 1" mass="0" {HAND_MASK}/>"#,
+        r#"<geom name="{CONTACT_GEOM_PREFIX}{}" {} priority="1" condim="3" friction="{} 0.005 0.0001" solref="{} 1" mass="0" {}/>"#,
         body.name,
         geom_shape(shape, body.shape_position_m),
-        draws.friction,
-        hand.contact_time_constant_secs
+        source.draws.friction,
+        hand.contact_time_constant_secs,
+        source.mask(HAND_MASK)
     );
 }
 
@@ -227,7 +312,13 @@ fn geom_shape(shape: &Shape, centre_m: Vector) -> String {
     }
 }
 
-fn object(text: &mut String, scenario: &Scenario, parameters: &Parameters, draws: &PhysicalDraws) {
+fn object(text: &mut String, source: &Source<'_>) {
+    let Source {
+        scenario,
+        parameters,
+        draws,
+        ..
+    } = *source;
     let object = &scenario.object;
     let mass = draws.object_mass_kg;
     let moments = match parameters.inertia {
@@ -236,8 +327,6 @@ fn object(text: &mut String, scenario: &Scenario, parameters: &Parameters, draws
         }
         InertiaSource::Placeholder => object.placeholder_inertia_kg_m2,
     };
-    let friction = object.pedestal_friction;
-    let half = object.length_m / 2.0;
     put!(
         text,
         r#"<body name="{OBJECT_BODY}" pos="{}" quat="{}"><freejoint/>"#,
@@ -249,17 +338,26 @@ fn object(text: &mut String, scenario: &Scenario, parameters: &Parameters, draws
         r#"<inertial pos="0 0 0" mass="{mass}" diaginertia="{}"/>"#,
         list(moments)
     );
+    object_shapes(text, source);
+    put!(text, "</body>");
+}
+
+fn object_shapes(text: &mut String, source: &Source<'_>) {
+    let object = &source.scenario.object;
+    let (grip, rest) = (source.mask(OBJECT_GRIP_MASK), source.mask(OBJECT_REST_MASK));
+    let friction = object.pedestal_friction;
+    let half = object.length_m / 2.0;
     let end = half - object.radius_m - END_CLEARANCE_M;
     put!(
         text,
-        r#"<geom name="{OBJECT_GEOM}" type="capsule" fromto="0 0 {} 0 0 {end}" size="{}" condim="3" mass="0" {OBJECT_GRIP_MASK}/>"#,
+        r#"<geom name="{OBJECT_GEOM}" type="capsule" fromto="0 0 {} 0 0 {end}" size="{}" condim="3" mass="0" {grip}/>"#,
         -end,
         object.radius_m
     );
     for (name, z) in [("bottom", -end), ("top", end)] {
         put!(
             text,
-            r#"<geom name="object_{name}" type="sphere" pos="0 0 {z}" size="{}" friction="{friction} 0.005 0.0001" mass="0" {OBJECT_REST_MASK}/>"#,
+            r#"<geom name="object_{name}" type="sphere" pos="0 0 {z}" size="{}" friction="{friction} 0.005 0.0001" mass="0" {rest}/>"#,
             object.radius_m
         );
     }
@@ -270,11 +368,10 @@ fn object(text: &mut String, scenario: &Scenario, parameters: &Parameters, draws
     {
         put!(
             text,
-            r#"<geom name="object_foot{index}" type="sphere" pos="{x} {y} {}" size="{FOOT_RADIUS_M}" friction="{friction} 0.005 0.0001" mass="0" {OBJECT_REST_MASK}/>"#,
+            r#"<geom name="object_foot{index}" type="sphere" pos="{x} {y} {}" size="{FOOT_RADIUS_M}" friction="{friction} 0.005 0.0001" mass="0" {rest}/>"#,
             FOOT_RADIUS_M - half
         );
     }
-    put!(text, "</body>");
 }
 
 /// The human's head and hand: moved by the world, seen by viewers, touching nothing. The hand acts
@@ -294,15 +391,54 @@ fn human(text: &mut String, scenario: &Scenario) {
     );
 }
 
+/// Every pair of shapes that can touch, with the values that the engine would mix from theirs.
+fn pairs(text: &mut String, source: &Source<'_>) {
+    let Source {
+        scenario,
+        parameters,
+        draws,
+        ..
+    } = *source;
+    put!(text, "<contact>");
+    let skin = scenario
+        .bodies
+        .iter()
+        .filter(|it| it.contact_shape.is_some());
+    for body in skin {
+        put!(
+            text,
+            r#"<pair geom1="{OBJECT_GEOM}" geom2="{CONTACT_GEOM_PREFIX}{}" condim="3" friction="{mu} {mu} 0.005 0.0001 0.0001" solref="{} 1"/>"#,
+            body.name,
+            parameters.hand.contact_time_constant_secs,
+            mu = draws.friction
+        );
+    }
+    let ends = ["bottom", "top", "foot0", "foot1", "foot2", "foot3"];
+    for (end, support) in ends
+        .iter()
+        .flat_map(|end| [(end, "floor"), (end, "pedestal")])
+    {
+        put!(
+            text,
+            r#"<pair geom1="object_{end}" geom2="{support}" condim="3" friction="{mu} {mu} 0.005 0.0001 0.0001"/>"#,
+            mu = scenario.object.pedestal_friction
+        );
+    }
+    put!(text, "</contact>");
+}
+
 /// One position servo for each joint, in the order of [`joint_order`].
-fn actuators(text: &mut String, scenario: &Scenario, parameters: &Parameters) {
+fn actuators(text: &mut String, source: &Source<'_>) {
     put!(text, "<actuator>");
-    for name in joint_order(scenario) {
-        let body = scenario.bodies.iter().find(|body| body.name == name);
+    for name in joint_order(source.scenario) {
+        let body = source.scenario.bodies.iter().find(|body| body.name == name);
         let Some(joint) = body.and_then(|body| body.joint.as_ref()) else {
             continue;
         };
-        let hand = &parameters.hand;
+        if source.part.fixed_rad(&name, joint).is_some() {
+            continue;
+        }
+        let hand = &source.parameters.hand;
         let (stiffness, damping, limit) = match joint.drive {
             Drive::Arm => (
                 joint.stiffness_nm_rad,

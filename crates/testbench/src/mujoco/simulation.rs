@@ -173,6 +173,11 @@ impl Simulation {
         self.array(layout::QVEL, self.sizes.velocities)
     }
 
+    /// Generalised velocities, to be set before [`Simulation::forward`].
+    pub fn velocities_mut(&mut self) -> &mut [f64] {
+        self.array_mut(layout::QVEL, self.sizes.velocities)
+    }
+
     /// Actuator commands, in the order of the actuators in the model.
     pub fn controls_mut(&mut self) -> &mut [f64] {
         self.array_mut(layout::CTRL, self.sizes.controls)

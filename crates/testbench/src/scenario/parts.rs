@@ -42,6 +42,9 @@ pub struct SimulationSettings {
     pub impedance_ratio: f64,
     pub end_after_secs: f64,
     pub longest_secs: f64,
+    /// Leaves out of the physics what cannot matter (see the crate's notes on performance).
+    #[serde(default)]
+    pub fast: bool,
 }
 
 impl SimulationSettings {

@@ -91,7 +91,9 @@ impl HandoverBench {
             return Ok(self.world.clone().enacting(test));
         }
         let mut data = self.data.clone();
-        stimulus::apply(&mut data, &stimulus.settings).map_err(unsuitable)?;
+        let is_optional = |key: &str| key == "scenario.simulation.fast";
+        stimulus::apply_declared(&mut data, &stimulus.settings, &is_optional)
+            .map_err(unsuitable)?;
         let mut take = |key| match data.remove(key) {
             Some(toml::Value::Table(table)) => table,
             _ => Table::new(),

@@ -12,6 +12,11 @@ pub(crate) struct Setpoint {
 }
 
 impl Setpoint {
+    /// How fast it moves.
+    pub(crate) fn speed_rad_s(&self) -> f64 {
+        self.speed_rad_s
+    }
+
     /// A setpoint at rest.
     pub(crate) fn at(position_rad: f64) -> Self {
         Self {

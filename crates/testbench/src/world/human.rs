@@ -8,7 +8,8 @@
 
 use super::plant::ObjectState;
 use crate::geometry::{
-    IDENTITY, Pose, Quaternion, Vector, about, add, compose, cross, norm, rotate, scale, subtract,
+    IDENTITY, Pose, Quaternion, Vector, about, add, cross, norm, rotate, rotation_between, scale,
+    subtract,
 };
 use crate::random::Stream;
 use crate::scenario::{
@@ -352,25 +353,13 @@ fn limited(vector: Vector, limit: f64) -> Vector {
     }
 }
 
-/// The rotation vector (axis times angle, rad, world frame) that takes `from` to `to`.
-fn rotation_between(from: Quaternion, to: Quaternion) -> Vector {
-    let inverse = [from[0], -from[1], -from[2], -from[3]];
-    let [w, x, y, z] = compose(to, inverse);
-    let sign = if w < 0.0 { -1.0 } else { 1.0 };
-    let axis = scale(sign, [x, y, z]);
-    let sine = norm(axis);
-    if sine < 1e-12 {
-        return [0.0; 3];
-    }
-    scale(2.0 * sine.atan2(sign * w) / sine, axis)
-}
-
 /// The attitude of a hand that does not turn.
 pub(crate) const HAND_ATTITUDE: Quaternion = IDENTITY;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::compose;
     use crate::random::{Distribution, Purpose};
     use crate::scenario::Action;
 

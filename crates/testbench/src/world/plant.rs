@@ -1,26 +1,29 @@
 //! The robot's body and the object in the physics engine.
+//!
+//! The whole model is the reference. With `simulation.fast` a part of it stands in for the whole
+//! where the rest cannot matter: [`coasting`] while hand and object hardly move against each other
+//! or are apart, and the hand alone (`anchored`) while the arm rests.
 
-use std::collections::BTreeMap;
+mod arm;
+mod body;
+mod clearance;
+mod coasting;
+mod joints;
 
-use super::drives::{Limits, Setpoint};
+use std::sync::Arc;
+
 use super::human::{HAND_ATTITUDE, Wrench};
 use crate::geometry::{Pose, Vector};
-use crate::model::{self, PhysicalDraws};
-use crate::mujoco::{BodyId, Engine, EngineError, GeomId, Simulation};
-use crate::robot::{Commands, HandCommand};
+use crate::model::{self, Part, PhysicalDraws};
+use crate::mujoco::{Engine, EngineError};
+use crate::robot::Commands;
 use crate::scenario::{Drive, JointAngles, Parameters, Scenario};
 
-/// One joint as the plant drives it.
-#[derive(Debug, Clone)]
-struct DrivenJoint {
-    name: String,
-    drive: Drive,
-    range_rad: [f64; 2],
-    speed_limit_rad_s: f64,
-    speed_rad_s: f64,
-    setpoint: Setpoint,
-    target_rad: f64,
-}
+use body::{Blueprint, Body, Configuration};
+use coasting::{Coasting, History, WINDOW_SECS};
+use joints::{DrivenJoint, driven_joints};
+
+pub(crate) use joints::arm_joint_names;
 
 /// What touches the object.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -39,19 +42,31 @@ pub(crate) struct ObjectState {
     pub(crate) spin_rad_s: Vector,
 }
 
+/// What is integrated.
+enum Regime {
+    /// The whole model.
+    Whole,
+    /// Fingers and object, while the arm rests: [`Plant::anchored`].
+    Anchored,
+    /// At most the arm.
+    Coasting(Box<Coasting>),
+}
+
 /// The physics of one episode.
 pub(crate) struct Plant {
-    simulation: Simulation,
-    time_step_secs: f64,
+    blueprint: Arc<Blueprint>,
+    is_fast: bool,
     steps: u64,
+    window_steps: u64,
     joints: Vec<DrivenJoint>,
     finger_joints: Vec<usize>,
-    hand_positions: [JointAngles; 3],
-    arm: crate::scenario::ArmParameters,
-    hand: BodyId,
-    object: BodyId,
-    object_geom: GeomId,
-    skin: Vec<GeomId>,
+    regime: Regime,
+    whole: Body,
+    /// The hand's part of the model, and the configuration in which the arm rests in it.
+    anchored: Option<(Body, Configuration)>,
+    history: History,
+    in_regime_steps: u64,
+    fingers_are_read: bool,
 }
 
 impl Plant {
@@ -62,50 +77,33 @@ impl Plant {
         parameters: &Parameters,
         draws: &PhysicalDraws,
     ) -> Result<Self, EngineError> {
-        let simulation = engine.compile(&model::mjcf(scenario, parameters, draws))?;
-        let joints = driven_joints(scenario);
-        let find_body = |name: &str| {
-            let missing = || EngineError::Model {
-                reason: format!("it has no body {name}"),
-            };
-            simulation.body(name).ok_or_else(missing)
+        let joints = driven_joints(scenario, &parameters.arm);
+        let blueprint = Blueprint {
+            engine: engine.clone(),
+            scenario: scenario.clone(),
+            parameters: parameters.clone(),
+            draws: *draws,
         };
-        let (hand, object) = (
-            find_body(&scenario.robot.hand)?,
-            find_body(model::OBJECT_BODY)?,
-        );
-        let object_geom =
-            simulation
-                .geom(model::OBJECT_GEOM)
-                .ok_or_else(|| EngineError::Model {
-                    reason: "the object has no shape".to_owned(),
-                })?;
-        let skin = scenario
-            .bodies
-            .iter()
-            .filter_map(|body| {
-                simulation.geom(&format!("{}{}", model::CONTACT_GEOM_PREFIX, body.name))
-            })
-            .collect();
+        let part = Part {
+            is_lean: scenario.simulation.fast,
+            ..Part::default()
+        };
+        let whole = Body::new(&blueprint, &joints, &part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
-        let finger_joints = scenario.robot.fingers.iter().filter_map(index).collect();
-        let positions = &scenario.robot.hand_positions;
+        let settings = &scenario.simulation;
         let mut plant = Self {
-            simulation,
-            time_step_secs: scenario.simulation.time_step_secs,
+            is_fast: settings.fast,
             steps: 0,
+            window_steps: (WINDOW_SECS / settings.time_step_secs).round().max(1.0) as u64,
+            finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
+            regime: Regime::Whole,
+            whole,
+            anchored: None,
+            history: History::default(),
+            in_regime_steps: 0,
+            fingers_are_read: false,
             joints,
-            finger_joints,
-            hand_positions: [
-                positions.open.clone(),
-                positions.pregrasp.clone(),
-                positions.grasp.clone(),
-            ],
-            arm: parameters.arm.clone(),
-            hand,
-            object,
-            object_geom,
-            skin,
+            blueprint: Arc::new(blueprint),
         };
         plant.set_start();
         Ok(plant)
@@ -113,84 +111,228 @@ impl Plant {
 
     /// The same plant once more, in exactly the same state.
     pub(crate) fn duplicate(&self) -> Result<Self, EngineError> {
+        let anchored = self.anchored.as_ref();
+        let anchored = anchored.map(|(body, rest)| Ok((body.duplicate()?, rest.clone())));
         Ok(Self {
-            simulation: self.simulation.duplicate()?,
+            blueprint: Arc::clone(&self.blueprint),
             joints: self.joints.clone(),
             finger_joints: self.finger_joints.clone(),
-            hand_positions: self.hand_positions.clone(),
-            arm: self.arm.clone(),
-            skin: self.skin.clone(),
+            regime: match &self.regime {
+                Regime::Whole => Regime::Whole,
+                Regime::Anchored => Regime::Anchored,
+                Regime::Coasting(coasting) => Regime::Coasting(coasting.clone()),
+            },
+            whole: self.whole.duplicate()?,
+            anchored: anchored.transpose()?,
+            history: self.history.clone(),
             ..*self
         })
     }
 
     /// Joints start at their setpoints, at rest.
     fn set_start(&mut self) {
-        let start: Vec<f64> = self
+        let setpoints = self
             .joints
             .iter()
-            .map(|joint| joint.setpoint.position_rad())
-            .collect();
-        self.simulation.positions_mut()[..start.len()].copy_from_slice(&start);
-        self.simulation.controls_mut().copy_from_slice(&start);
-        self.simulation.forward();
+            .map(|joint| joint.setpoint.position_rad());
+        let start = Configuration {
+            positions_rad: setpoints.collect(),
+            velocities_rad_s: vec![0.0; self.joints.len()],
+            object: ObjectState {
+                pose: self.blueprint.draws.object_pose,
+                velocity_m_s: [0.0; 3],
+                spin_rad_s: [0.0; 3],
+            },
+        };
+        self.whole.set(&start);
+        self.whole.set_controls(&self.joints);
+        self.whole.forward();
     }
 
     /// Takes over the robot's commands.
     pub(crate) fn command(&mut self, commands: &Commands) {
-        let hand = match commands.hand {
-            HandCommand::Open => &self.hand_positions[0],
-            HandCommand::Pregrasp => &self.hand_positions[1],
-            HandCommand::Grasp => &self.hand_positions[2],
-        };
+        let hand = &self.blueprint.scenario.robot.hand_positions;
         for joint in &mut self.joints {
-            let target = match joint.drive {
-                Drive::Arm => {
-                    joint.speed_rad_s = if commands.restricted {
-                        joint.speed_limit_rad_s.min(self.arm.restricted_speed_rad_s)
-                    } else {
-                        self.arm.reset_speed_rad_s
-                    };
-                    // An arm drive refuses to leave its range; a finger is driven on to its stop.
-                    let [low, high] = joint.range_rad;
-                    commands
-                        .arm_target_rad
-                        .get(&joint.name)
-                        .map(|angle| angle.clamp(low, high))
-                }
-                Drive::Hand => hand.get(&joint.name).copied(),
-            };
-            joint.target_rad = target.unwrap_or(joint.target_rad);
+            joint.command(commands, hand, &self.blueprint.parameters.arm);
         }
     }
 
-    /// Advances drives and physics by one time step under the human's force.
-    pub(crate) fn step(&mut self, wrench: &Wrench) {
-        for (joint, control) in self.joints.iter_mut().zip(self.simulation.controls_mut()) {
-            let limits = Limits {
-                speed_rad_s: joint.speed_rad_s,
-                acceleration_rad_s2: match joint.drive {
-                    Drive::Arm => self.arm.acceleration_rad_s2,
-                    Drive::Hand => FINGER_ACCELERATION_RAD_S2,
-                },
-            };
-            joint
-                .setpoint
-                .advance(joint.target_rad, limits, self.time_step_secs);
-            *control = joint.setpoint.position_rad();
+    /// Says whether the robot reads its fingers, so that small movements of them matter.
+    pub(crate) fn read_fingers(&mut self, fingers_are_read: bool) {
+        self.fingers_are_read = fingers_are_read;
+    }
+
+    /// Advances drives and physics by one time step under the human's force, if there is one.
+    pub(crate) fn step(&mut self, wrench: Option<&Wrench>) -> Result<(), EngineError> {
+        let time_step_secs = self.blueprint.scenario.simulation.time_step_secs;
+        let wrench = wrench.filter(|wrench| **wrench != Wrench::default());
+        if self.is_fast {
+            self.choose(wrench.is_some())?;
         }
-        self.simulation
-            .set_applied_force(self.object, wrench.force_newtons, wrench.torque_nm);
-        self.simulation.step();
+        let mut arm_accelerates = false;
+        for joint in &mut self.joints {
+            let accelerates = joint.advance(time_step_secs);
+            arm_accelerates |= accelerates && joint.drive == Drive::Arm;
+        }
+        if let Regime::Coasting(coasting) = &self.regime
+            && (wrench.is_some()
+                || self.fingers_are_read
+                || !coasting.may_go_on(&self.joints, arm_accelerates))
+        {
+            self.wake()?;
+        }
+        let Wrench {
+            force_newtons,
+            torque_nm,
+        } = wrench.copied().unwrap_or_default();
+        match (&mut self.regime, &mut self.anchored) {
+            (Regime::Coasting(coasting), _) => coasting.step(&self.joints, time_step_secs),
+            (Regime::Anchored, Some((body, _))) => {
+                body.step(&self.joints, force_newtons, torque_nm);
+            }
+            _ => self.whole.step(&self.joints, force_newtons, torque_nm),
+        }
         self.steps += 1;
+        self.in_regime_steps += 1;
+        Ok(())
+    }
+
+    /// Chooses, at the ends of windows, what is integrated from here on.
+    fn choose(&mut self, is_pulled: bool) -> Result<(), EngineError> {
+        if self.in_regime_steps == 0 || !self.in_regime_steps.is_multiple_of(self.window_steps) {
+            if matches!(self.regime, Regime::Anchored) && !self.arm_is_commanded_to_rest() {
+                self.wake()?;
+            }
+            return Ok(());
+        }
+        if matches!(self.regime, Regime::Coasting(_)) {
+            return Ok(());
+        }
+        let mut history = std::mem::take(&mut self.history);
+        let body = self.active();
+        let arm_rests = self.arm_rests(|joint| body.velocity_rad_s(joint).unwrap_or(0.0));
+        history.take(body, &self.joints);
+        let fingers_rest = coasting::fingers(&self.joints).all(|i| self.joints[i].is_at_rest());
+        let begun = if fingers_rest && !is_pulled && !self.fingers_are_read {
+            let (blueprint, now) = (&self.blueprint, self.configuration());
+            let secs = self.now_secs();
+            Coasting::begin(blueprint, &self.joints, body, now, &mut history, secs)
+        } else {
+            None
+        };
+        self.history = history;
+        if let Some(coasting) = begun {
+            self.enter(Regime::Coasting(Box::new(coasting)));
+            return Ok(());
+        }
+        if arm_rests && matches!(self.regime, Regime::Whole) {
+            self.anchor(self.configuration())?;
+        } else if !arm_rests && matches!(self.regime, Regime::Anchored) {
+            self.wake()?;
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, regime: Regime) {
+        self.regime = regime;
+        self.in_regime_steps = 0;
+    }
+
+    /// Goes on with the hand alone.
+    fn anchor(&mut self, now: Configuration) -> Result<(), EngineError> {
+        let same_rest = |rest: &Configuration| {
+            coasting::arm(&self.joints).all(|i| rest.positions_rad[i] == now.positions_rad[i])
+        };
+        let body = match self.anchored.take() {
+            Some((body, rest)) if same_rest(&rest) => body,
+            _ => {
+                let part = Part {
+                    is_lean: true,
+                    fixed: Some((Drive::Arm, self.angles(&now, Drive::Arm))),
+                };
+                Body::new(&self.blueprint, &self.joints, &part)?
+            }
+        };
+        let (body, _) = self.anchored.insert((body, now.clone()));
+        body.set(&now);
+        self.enter(Regime::Anchored);
+        Ok(())
+    }
+
+    /// Goes on with the full physics: of the whole model, or of the hand where the arm rests.
+    fn wake(&mut self) -> Result<(), EngineError> {
+        let regime = std::mem::replace(&mut self.regime, Regime::Whole);
+        let ran_out = matches!(&regime, Regime::Coasting(coasting) if coasting.has_run_out());
+        let now = match regime {
+            Regime::Coasting(coasting) => coasting.end(&self.joints),
+            other => {
+                self.regime = other;
+                self.configuration()
+            }
+        };
+        self.history.clear(ran_out);
+        if self.arm_rests(|joint| now.velocities_rad_s[joint]) {
+            return self.anchor(now);
+        }
+        self.whole.set(&now);
+        self.enter(Regime::Whole);
+        Ok(())
+    }
+
+    fn angles(&self, now: &Configuration, drive: Drive) -> JointAngles {
+        let joints = self.joints.iter().zip(&now.positions_rad);
+        let chosen = joints.filter(|(joint, _)| joint.drive == drive);
+        chosen
+            .map(|(joint, angle)| (joint.name.clone(), *angle))
+            .collect()
+    }
+
+    fn arm_is_commanded_to_rest(&self) -> bool {
+        coasting::arm(&self.joints).all(|index| self.joints[index].is_at_target())
+    }
+
+    /// Whether the arm rests, given its joints' speeds.
+    fn arm_rests(&self, speed_rad_s: impl Fn(usize) -> f64) -> bool {
+        let is_slow = |joint| speed_rad_s(joint).abs() < coasting::ARM_RESTS_RAD_S;
+        self.arm_is_commanded_to_rest() && coasting::arm(&self.joints).all(is_slow)
+    }
+
+    /// The body that is integrated, while nothing is coasting.
+    fn active(&self) -> &Body {
+        match (&self.regime, &self.anchored) {
+            (Regime::Anchored, Some((body, _))) => body,
+            _ => &self.whole,
+        }
+    }
+
+    /// Where everything is, while nothing is coasting.
+    fn configuration(&self) -> Configuration {
+        let mut now = match (&self.regime, &self.anchored) {
+            (Regime::Anchored, Some((_, rest))) => {
+                let mut now = rest.clone();
+                for index in coasting::arm(&self.joints) {
+                    now.velocities_rad_s[index] = 0.0;
+                }
+                now
+            }
+            _ => Configuration {
+                positions_rad: vec![0.0; self.joints.len()],
+                velocities_rad_s: vec![0.0; self.joints.len()],
+                object: self.object(),
+            },
+        };
+        self.active().get(&mut now);
+        now
     }
 
     /// Shows the human's head and hand in the model.
     pub(crate) fn place_human(&mut self, head: &Pose, hand_m: Vector) {
-        self.simulation
-            .set_mocap(model::HUMAN_HEAD, head.position_m, head.orientation);
-        self.simulation
-            .set_mocap(model::HUMAN_HAND, hand_m, HAND_ATTITUDE);
+        let hand = Pose {
+            position_m: hand_m,
+            orientation: HAND_ATTITUDE,
+        };
+        self.whole.place(model::HUMAN_HEAD, head);
+        self.whole.place(model::HUMAN_HAND, &hand);
     }
 
     /// Time steps so far.
@@ -200,113 +342,68 @@ impl Plant {
 
     /// Simulated time: steps times the length of a step, free of the sum's rounding.
     pub(crate) fn now_secs(&self) -> f64 {
-        self.steps as f64 * self.time_step_secs
+        self.steps as f64 * self.blueprint.scenario.simulation.time_step_secs
+    }
+
+    /// The angle of a joint, by its place among the joints.
+    fn position_rad(&self, joint: usize) -> f64 {
+        match (&self.regime, &self.anchored) {
+            (Regime::Coasting(coasting), _) => {
+                let mut fingers = coasting::fingers(&self.joints);
+                coasting.position_rad(joint, fingers.position(|index| index == joint))
+            }
+            (Regime::Anchored, Some((body, rest))) => {
+                let fixed = || rest.positions_rad[joint];
+                body.position_rad(joint).unwrap_or_else(fixed)
+            }
+            _ => self.whole.position_rad(joint).unwrap_or(0.0),
+        }
     }
 
     /// Arm encoders, in the order of [`arm_joint_names`].
     pub(crate) fn arm_rad(&self, readings: &mut Vec<f64>) {
         readings.clear();
-        let positions = self.simulation.positions();
-        let angles = self.joints.iter().zip(positions);
-        readings.extend(
-            angles
-                .filter(|(joint, _)| joint.drive == Drive::Arm)
-                .map(|(_, position)| *position),
-        );
+        readings.extend(coasting::arm(&self.joints).map(|index| self.position_rad(index)));
     }
 
     /// Finger encoders in counts, in the scenario's order.
     pub(crate) fn finger_counts(&self, counts_per_rad: f64, readings: &mut Vec<i64>) {
-        let positions = self.simulation.positions();
         readings.clear();
+        let fingers = self.finger_joints.iter();
         readings.extend(
-            self.finger_joints
-                .iter()
-                .map(|index| (positions[*index] * counts_per_rad).round() as i64),
+            fingers.map(|index| (self.position_rad(*index) * counts_per_rad).round() as i64),
         );
     }
 
     /// Position (m) and speed vector (m/s) of the hand's frame.
     pub(crate) fn hand(&self) -> (Vector, Vector) {
-        (
-            self.simulation.body_position(self.hand),
-            self.simulation.body_velocity(self.hand).1,
-        )
+        let hand = match &self.regime {
+            Regime::Coasting(coasting) => coasting.hand(),
+            _ => self.active().hand(),
+        };
+        (hand.pose.position_m, hand.velocity_m_s)
     }
 
     /// The object.
     pub(crate) fn object(&self) -> ObjectState {
-        let (spin_rad_s, velocity_m_s) = self.simulation.body_velocity(self.object);
-        ObjectState {
-            pose: Pose {
-                position_m: self.simulation.body_position(self.object),
-                orientation: self.simulation.body_quaternion(self.object),
-            },
-            velocity_m_s,
-            spin_rad_s,
+        match &self.regime {
+            Regime::Coasting(coasting) => coasting.object(),
+            _ => self.active().object(),
         }
     }
 
     /// How the hand holds the object.
     pub(crate) fn grip(&self) -> Grip {
-        let mut grip = Grip::default();
-        for contact in self.simulation.contacts() {
-            let [a, b] = contact.geoms;
-            let held = (a == self.object_geom && self.skin.contains(&b))
-                || (b == self.object_geom && self.skin.contains(&a));
-            if held && contact.normal_newtons > 0.0 {
-                grip.contacts += 1;
-                grip.normal_newtons += contact.normal_newtons;
-            }
+        match &self.regime {
+            Regime::Coasting(coasting) => coasting.grip(),
+            _ => self.active().grip(),
         }
-        grip
     }
 
     /// Warnings of the physics engine: 0 in a sound run.
     pub(crate) fn warning_count(&self) -> u64 {
-        self.simulation.warning_count()
+        let anchored = self.anchored.as_ref();
+        let anchored = anchored.map_or(0, |(body, _)| body.warning_count());
+        self.whole.warning_count() + anchored
     }
-}
-
-/// Fingers speed up at once, as small gear motors do.
-const FINGER_ACCELERATION_RAD_S2: f64 = 20.0;
-
-/// The joints in the engine's order, at their starting setpoints.
-fn driven_joints(scenario: &Scenario) -> Vec<DrivenJoint> {
-    let definitions: BTreeMap<&str, _> = scenario.joints().collect();
-    let start = |name: &str| {
-        let poses = [
-            &scenario.robot.poses.neutral,
-            &scenario.robot.hand_positions.open,
-        ];
-        poses
-            .iter()
-            .find_map(|pose| pose.get(name))
-            .copied()
-            .unwrap_or(0.0)
-    };
-    let order = model::joint_order(scenario);
-    let driven = order.into_iter().filter_map(|name| {
-        let joint = *definitions.get(name.as_str())?;
-        let [low, high] = joint.range_rad;
-        let target_rad = start(&name).clamp(low, high);
-        Some(DrivenJoint {
-            name,
-            drive: joint.drive,
-            range_rad: joint.range_rad,
-            speed_limit_rad_s: joint.speed_limit_rad_s,
-            speed_rad_s: joint.speed_limit_rad_s,
-            setpoint: Setpoint::at(target_rad),
-            target_rad,
-        })
-    });
-    driven.collect()
-}
-
-/// Names of the arm joints, in the order of their encoder readings.
-pub(crate) fn arm_joint_names(scenario: &Scenario) -> Vec<String> {
-    let arm = driven_joints(scenario)
-        .into_iter()
-        .filter(|joint| joint.drive == Drive::Arm);
-    arm.map(|joint| joint.name).collect()
 }

@@ -8,7 +8,7 @@
 use trace::Trace;
 
 use super::episode::Episode;
-use super::human::{Human, View, Wrench};
+use super::human::{Human, View};
 use super::judge::{Observed, Outcome, Truth, judge};
 use super::planner::Planner;
 use super::plant::Plant;
@@ -209,13 +209,11 @@ impl Run {
                 time_secs: self.plant.now_secs(),
             });
         }
-        let wrench = if self.human.acts_on_object() {
+        let wrench = self.human.acts_on_object().then(|| {
             self.human
                 .wrench(self.plant.now_secs(), &self.plant.object())
-        } else {
-            Wrench::default()
-        };
-        self.plant.step(&wrench);
+        });
+        self.plant.step(wrench.as_ref())?;
         Ok(())
     }
 
@@ -276,6 +274,8 @@ impl Run {
         self.controller.tick(&readings);
         self.announced |= self.controller.commands().announcing;
         self.plant.command(self.controller.commands());
+        self.plant
+            .read_fingers(self.controller.state() == State::Sense);
         if self.controller.state().is_final() && self.ended_at_secs.is_none() {
             self.ended_at_secs = Some(clock_secs);
         }
