@@ -1,7 +1,9 @@
 //! The command line, as plain data.
 
+mod rare;
 mod watch;
 
+pub use rare::{Calibrate, Rare};
 pub use watch::Watch;
 
 use crate::study::Method;
@@ -45,6 +47,10 @@ pub enum Command {
     Check(Check),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
+    /// Estimate how rare an event is, by splitting.
+    Rare(Rare),
+    /// Fit simulator parameters to an evidence's counts.
+    Calibrate(Calibrate),
     /// Judge recordings with a study's monitors, or with a formula.
     Monitor(Monitor),
     /// Judge a running system, and record the run.

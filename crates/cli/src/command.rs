@@ -1,11 +1,13 @@
 //! The commands: from arguments to a printed result and an outcome.
 
+mod calibrate;
 mod check;
 mod compare;
 mod init;
 mod inspect;
 mod library;
 mod monitor;
+mod rare;
 mod report;
 mod requirements;
 mod run;
@@ -55,6 +57,8 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Run(arguments) => run::run(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
+        Command::Rare(arguments) => rare::rare(arguments, setting),
+        Command::Calibrate(arguments) => calibrate::calibrate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
         Command::Inspect(arguments) => inspect::inspect(arguments),
         Command::Watch(arguments) => watch::watch(arguments, setting),

@@ -34,7 +34,10 @@ fn main() -> ExitCode {
         Ok(done) => finish(&done),
         Err(problem) => {
             let problem = match parsed.command {
-                args::Command::Run(_) | args::Command::Simulate(_) => problem.resumable(),
+                args::Command::Run(_)
+                | args::Command::Simulate(_)
+                | args::Command::Rare(_)
+                | args::Command::Calibrate(_) => problem.resumable(),
                 _ => problem,
             };
             talk::to_stderr(&problem.render(colour));

@@ -18,6 +18,8 @@
 //! saved state determines the law of what follows; its spread is found by replications, not assumed.
 //! The same seed gives the same estimate however the runs are spread over threads.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::CampaignError;
 use crate::random::Random;
 
@@ -63,7 +65,7 @@ pub struct Branch<S> {
 }
 
 /// One replication's estimate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Descent {
     /// The estimate of the event's probability.
     pub probability: f64,
@@ -158,6 +160,10 @@ pub fn split<S: Clone, E: From<CampaignError>>(
             descent.cost += branch.cost;
             kept.extend(branch.crossings);
             runs[place] = kept;
+        }
+        // Nothing is ever continued from a rung that was killed: let go of its states.
+        for run in &mut runs {
+            run.retain(|crossing| crossing.rung > killed_level);
         }
     }
     let at_top = runs.iter().filter(|r| level(r) >= options.top).count();

@@ -1,0 +1,441 @@
+//! `corroborate rare`: how rare an event is, by splitting.
+
+pub mod bench;
+mod file;
+mod runs;
+mod score;
+
+use super::{Done, Setting, json, use_threads};
+use crate::args::{Format, Rare};
+use crate::outcome::Outcome;
+use crate::problem::{Problem, Source};
+use crate::store::{Inputs, Store};
+use crate::study::Study;
+use crate::technique::confidence;
+use crate::technique::simulation::Seeds;
+use bench::TestBench;
+use campaign::splitting::{
+    Descent, RareEstimate, SplittingOptions, SubsetOptions, combine, split, subset,
+};
+use file::{EventText, RareText};
+use rayon::prelude::*;
+use runs::Runs;
+use schemars::JsonSchema;
+use score::Score;
+use serde::Serialize;
+use stats::special::normal_sf;
+use stats::{Confidence, Sample, clopper_pearson};
+use std::fmt::Write;
+use stimulus::Space;
+use testbench::Bench;
+
+/// Plain episodes that are kept together.
+const CHUNK: u64 = 64;
+
+/// Below this, counting and splitting contradict each other.
+const CONTRADICTION: f64 = 0.01;
+
+/// What `rare --format json` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RareReport {
+    /// Version of this form.
+    pub format: String,
+    /// The physics engine with its version.
+    pub engine: String,
+    /// The level of the intervals.
+    pub confidence: f64,
+    /// The events, in the order of the file.
+    pub events: Vec<EventReport>,
+}
+
+/// One event.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EventReport {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub meaning: String,
+    /// What the estimate rests on.
+    pub guarantee: String,
+    /// The score that is the event.
+    pub limit: f64,
+    /// The probability that it happens in an episode.
+    pub probability: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Standard error over estimate; none if it was never reached.
+    pub relative_error: Option<f64>,
+    /// The estimate of each replication.
+    pub replications: Vec<f64>,
+    /// What it cost, in episodes until the time looked at.
+    pub episode_equivalents: f64,
+    /// Plain episodes that would give the same relative error.
+    pub plain_episodes_for_the_same_error: Option<f64>,
+    /// Plain episodes counted beside it.
+    pub plain: Option<PlainReport>,
+}
+
+/// Plain episodes, for comparison.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PlainReport {
+    /// Episodes in which the event happened.
+    pub count: u64,
+    /// Episodes.
+    pub episodes: u64,
+    /// Lower end of the rate's interval (Clopper and Pearson).
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Probability of a difference as great as that between counting and
+    /// splitting if both are right.
+    pub p_value: f64,
+}
+
+/// Estimates all events of the file.
+pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let study = Study::load(&arguments.study)?;
+    let source = Source::read(&arguments.file)?;
+    let text = RareText::read(&source)?;
+    check_only(&arguments.only, &text)?;
+    let level = confidence(text.confidence)?;
+    let bench = TestBench::new(
+        &Source::read(&study.folder.join(&text.scenario))?,
+        &Source::read(&study.folder.join(&text.parameters))?,
+        &text.test,
+        setting.physics_library.as_deref(),
+    )?;
+    let wanted =
+        |event: &&EventText| arguments.only.is_empty() || arguments.only.contains(&event.name);
+    let mut scored = Vec::new();
+    for event in text.events.iter().filter(wanted) {
+        let layout = bench
+            .bench
+            .layout()
+            .map_err(|error| bench::simulation_problem(error, 0))?;
+        scored.push((event, Score::new(&study, event, layout)?));
+    }
+    let folder = arguments.out.clone();
+    let store = Store::open(&folder.unwrap_or_else(|| study.folder.join("results/rare")))?;
+    let mut events = Vec::new();
+    for (event, score) in &scored {
+        let runs = Runs {
+            bench: &bench,
+            score,
+            event,
+            setting,
+        };
+        let mut inputs = Inputs::default();
+        bench.inputs(&mut inputs)?;
+        inputs.add("event", format!("{event:?}").as_bytes());
+        inputs.add("vocabulary", study.vocabulary.source.text.as_bytes());
+        let work = Work {
+            runs,
+            store: &store,
+            inputs,
+            seeds: Seeds::new(study.about.seed, &format!("rare: {}", event.name)),
+            space: Space {
+                parameters: event.parameters.clone(),
+                constraints: Vec::new(),
+            },
+        };
+        events.push(work.report(level)?);
+    }
+    let report = RareReport {
+        format: "1.0".into(),
+        engine: bench.engine.clone(),
+        confidence: level.level(),
+        events,
+    };
+    Ok(Done {
+        outcome: outcome(&report),
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => text_of(&report),
+        },
+    })
+}
+
+fn check_only(only: &[String], text: &RareText) -> Result<(), Problem> {
+    let unknown = |name: &&String| text.events.iter().all(|event| event.name != **name);
+    match only.iter().find(unknown) {
+        None => Ok(()),
+        Some(name) => {
+            let known = text.events.iter().map(|event| event.name.as_str());
+            let message = format!("there is no event `{name}`");
+            Err(Problem::new("bad-rare-event", message).remedy(format!(
+                "the file has: {}",
+                known.collect::<Vec<_>>().join(", ")
+            )))
+        }
+    }
+}
+
+/// The estimate of one event, part by part.
+struct Work<'a> {
+    runs: Runs<'a>,
+    store: &'a Store,
+    inputs: Inputs,
+    seeds: Seeds,
+    space: Space,
+}
+
+impl Work<'_> {
+    fn report(&self, level: Confidence) -> Result<EventReport, Problem> {
+        let event = self.runs.event;
+        let stage = self
+            .runs
+            .setting
+            .talk
+            .begin(&event.name, event.replications);
+        let mut descents = Vec::new();
+        for replication in 0..event.replications {
+            descents.push(self.kept("replication", replication, |seed| self.descent(seed))?);
+            stage.advance();
+        }
+        drop(stage);
+        let estimate = combine(&descents, level).map_err(problem)?;
+        let plain = match event.plain {
+            0 => None,
+            episodes => Some(self.plain(episodes, &estimate, level)?),
+        };
+        Ok(EventReport {
+            name: event.name.clone(),
+            meaning: event.meaning.clone(),
+            guarantee: self.guarantee(level),
+            limit: event.limit,
+            probability: estimate.probability,
+            low: estimate.interval.low,
+            high: estimate.interval.high,
+            relative_error: estimate.relative_error,
+            replications: estimate.replications,
+            episode_equivalents: estimate.episode_equivalents,
+            plain_episodes_for_the_same_error: estimate.plain_equivalent,
+            plain,
+        })
+    }
+
+    fn guarantee(&self, level: Confidence) -> String {
+        let event = self.runs.event;
+        let method = match self.space.parameters.is_empty() {
+            true => "by splitting on saved states (unbiased)",
+            false => "by subset simulation over inputs (bias of the order of 1/particles)",
+        };
+        format!(
+            "statistical, {method}, {} replications of {} particles, {} % interval from their spread",
+            event.replications,
+            event.particles,
+            100.0 * level.level()
+        )
+    }
+
+    /// A part of the work: as it was kept, or done now with its own seed.
+    fn kept<T: serde::Serialize + for<'de> serde::Deserialize<'de>>(
+        &self,
+        kind: &str,
+        number: u64,
+        make: impl FnOnce(u64) -> Result<T, Problem>,
+    ) -> Result<T, Problem> {
+        let mut inputs = self.inputs.clone();
+        inputs.add(kind, &number.to_le_bytes());
+        let inputs = inputs.hash();
+        let name = format!("{kind}-{}.json", &inputs[..24]);
+        if let Some(kept) = self.store.fresh(&name, &inputs) {
+            return Ok(kept);
+        }
+        self.store
+            .keep(&name, &inputs, make(self.seeds.of(number))?)?;
+        let again = || Problem::data_lost("cannot-write", format!("{name} cannot be read back"));
+        self.store.fresh(&name, &inputs).ok_or_else(again)
+    }
+
+    fn descent(&self, seed: u64) -> Result<Descent, Problem> {
+        let event = self.runs.event;
+        if self.space.parameters.is_empty() {
+            let options = SplittingOptions {
+                particles: event.particles,
+                killed: event.killed(),
+                top: self.runs.top(),
+                seed,
+            };
+            return split(&options, |jobs| self.runs.branches(jobs).map_err(Failure))
+                .map_err(|failure| failure.0);
+        }
+        let options = SubsetOptions {
+            particles: event.particles,
+            chains: event.killed(),
+            dimensions: self.space.dimensions(),
+            limit: event.limit,
+            seed,
+        };
+        let score = |inputs| self.runs.scores(&self.space, inputs).map_err(Failure);
+        let (descent, _) = subset(&options, score).map_err(|failure| failure.0)?;
+        Ok(descent)
+    }
+
+    /// Counts plain episodes, whose seeds are none of the replications'.
+    fn plain(
+        &self,
+        episodes: u64,
+        estimate: &RareEstimate,
+        level: Confidence,
+    ) -> Result<PlainReport, Problem> {
+        let chunks = episodes.div_ceil(CHUNK);
+        let title = format!("{}: plain episodes", self.runs.event.name);
+        let stage = self.runs.setting.talk.begin(&title, chunks);
+        let mut count = 0;
+        for chunk in 0..chunks {
+            let numbers = chunk * CHUNK..((chunk + 1) * CHUNK).min(episodes);
+            let (low, high) = (numbers.start, numbers.end);
+            let part = (low << 32) | high;
+            count += self.kept("plain", part, |_| {
+                let hit = |number: u64| self.is_hit(1_000_000 + number);
+                let hits: Vec<bool> = (low..high)
+                    .into_par_iter()
+                    .map(hit)
+                    .collect::<Result<_, _>>()?;
+                Ok(hits.into_iter().filter(|hit| *hit).count() as u64)
+            })?;
+            stage.advance();
+        }
+        let counted = Sample::new(count, episodes).map_err(problem)?;
+        let interval = clopper_pearson(counted, level);
+        Ok(PlainReport {
+            count,
+            episodes,
+            low: interval.low,
+            high: interval.high,
+            p_value: difference_p_value(estimate, counted),
+        })
+    }
+
+    fn is_hit(&self, number: u64) -> Result<bool, Problem> {
+        let seed = self.seeds.of(number);
+        let mut random = campaign::Random::new(seed, "inputs");
+        let unit: Vec<f64> = (0..self.space.dimensions())
+            .map(|_| random.open_unit())
+            .collect();
+        let score = self.runs.episode(&self.space, &unit, seed)?;
+        Ok(self.runs.score.rung(score) >= self.runs.top())
+    }
+}
+
+/// An error of the campaign or of a run.
+struct Failure(Problem);
+
+impl From<campaign::CampaignError> for Failure {
+    fn from(error: campaign::CampaignError) -> Self {
+        Self(problem(error))
+    }
+}
+
+fn problem(error: impl std::fmt::Display) -> Problem {
+    Problem::new("bad-rare-event", error.to_string()).remedy("correct the event's numbers")
+}
+
+/// Two-sided, by the normal approximation of both errors; the count's is taken at the mean of
+/// both rates, so that a count of 0 has one.
+fn difference_p_value(estimate: &RareEstimate, counted: Sample) -> f64 {
+    let rate = counted.rate().unwrap_or(0.0);
+    let shared = f64::midpoint(rate, estimate.probability);
+    let counting = shared * (1.0 - shared) / counted.trials as f64;
+    let splitting = estimate.relative_error.unwrap_or(0.0) * estimate.probability;
+    let deviation = (counting + splitting * splitting).sqrt();
+    if deviation <= 0.0 {
+        return 1.0;
+    }
+    2.0 * normal_sf((rate - estimate.probability).abs() / deviation)
+}
+
+fn outcome(report: &RareReport) -> Outcome {
+    let contradicts = |event: &EventReport| {
+        let plain = event.plain.as_ref();
+        plain.is_some_and(|plain| plain.p_value < CONTRADICTION)
+    };
+    if report.events.iter().any(contradicts) {
+        Outcome::Violated
+    } else if report
+        .events
+        .iter()
+        .any(|event| event.relative_error.is_none())
+    {
+        Outcome::Inconclusive
+    } else {
+        Outcome::Holds
+    }
+}
+
+fn text_of(report: &RareReport) -> String {
+    let mut text = String::new();
+    for event in &report.events {
+        // Writing to a string cannot fail.
+        let _ = write_event(&mut text, event);
+    }
+    text
+}
+
+fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
+    writeln!(text, "{}\n  {}", event.name, event.meaning)?;
+    writeln!(
+        text,
+        "  probability  {:.3e}  [{:.3e}, {:.3e}]",
+        event.probability, event.low, event.high
+    )?;
+    writeln!(text, "  guarantee    {}", event.guarantee)?;
+    write!(
+        text,
+        "  cost         {:.0} episodes",
+        event.episode_equivalents
+    )?;
+    match event.plain_episodes_for_the_same_error {
+        Some(plain) => writeln!(text, "; as exact a count would take {plain:.2e}")?,
+        None => writeln!(text, "; the event was never reached")?,
+    }
+    if let Some(plain) = &event.plain {
+        writeln!(
+            text,
+            "  counted      {} of {} plain episodes  [{:.3e}, {:.3e}], {} (p = {:.3})",
+            plain.count,
+            plain.episodes,
+            plain.low,
+            plain.high,
+            match plain.p_value < CONTRADICTION {
+                true => "which contradicts it",
+                false => "which agrees",
+            },
+            plain.p_value
+        )?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(RareReport).into();
+        crate::command::tests::assert_schema_is_committed("rare.schema.json", &schema);
+    }
+
+    #[test]
+    fn a_count_far_from_the_estimate_contradicts_it() {
+        let estimate = RareEstimate {
+            probability: 0.01,
+            interval: stats::Interval {
+                low: 0.008,
+                high: 0.012,
+            },
+            relative_error: Some(0.1),
+            replications: vec![0.01; 10],
+            episode_equivalents: 1000.0,
+            plain_equivalent: None,
+        };
+        let p_value = |count| difference_p_value(&estimate, Sample::new(count, 2000).unwrap());
+        assert!(p_value(20) > 0.9 && p_value(26) > 0.05);
+        assert!(p_value(60) < 1e-4 && p_value(0) < CONTRADICTION);
+    }
+}
