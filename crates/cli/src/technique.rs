@@ -5,6 +5,7 @@
 
 mod bench;
 pub mod experiment;
+pub mod exploration;
 pub mod judging;
 pub mod model_checking;
 pub mod operation;

@@ -10,6 +10,7 @@
 //! [`uncertainty`].
 
 mod answer;
+mod at_constants;
 mod uncertainty;
 
 pub use answer::{explore, sharp_complement};

@@ -73,6 +73,11 @@ impl SceneCampaign {
         })
     }
 
+    /// The bench itself, which takes any stimulus.
+    pub fn bench(&self) -> &SceneBench {
+        &self.bench
+    }
+
     /// What an episode's trace depends on.
     pub fn inputs(&self, inputs: &mut Inputs) {
         inputs

@@ -1,0 +1,56 @@
+//! Arguments of `explore`.
+
+use super::Format;
+use crate::technique::exploration::SourceKind;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `explore`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate explore case-studies/handover exploration.toml --out /tmp/explored
+  corroborate explore my-study exploration.toml --source random --source mutation
+  corroborate explore my-study exploration.toml --episodes 500 --format json
+  corroborate explore my-study exploration.toml --plain      by way of comparison
+  corroborate explore my-study exploration.toml --disagreement
+
+Tests come from the formal model, from chance within rules, from agents, from
+mutation and from search; each episode is judged by the study's monitors and
+held against the formal model. What is found is a witness and no statistical
+evidence: the episodes are chosen, not drawn. FOLDER gets exploration.json and
+findings/NAME.toml, one for each thing that was found, with stimulus and seed.
+Exits 1 if anything was found, 3 if an episode broke off or a finding was not
+shown again.")]
+pub struct Explore {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The file that says how to explore, relative to the study.
+    pub file: PathBuf,
+    /// Episodes, at most, instead of the file's budget.
+    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    pub episodes: Option<u64>,
+    /// Only this source of tests (may be repeated).
+    #[arg(long, value_enum, value_name = "SOURCE", conflicts_with = "plain")]
+    pub source: Vec<SourceKind>,
+    /// Run the bench's first test as it is, with nothing varied but its own
+    /// random draws: what an exploration is to be compared with.
+    #[arg(long)]
+    pub plain: bool,
+    /// Seed instead of the study's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Look for contexts in which model and bench differ, instead of
+    /// exploring.
+    #[arg(long, conflicts_with_all = ["plain", "source"])]
+    pub disagreement: bool,
+    /// Where results go instead of STUDY/exploration.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How many threads to use (results do not depend on it).
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}

@@ -1,0 +1,268 @@
+//! `corroborate explore`: episodes that are meant to show what nobody has
+//! thought of.
+
+use super::{Done, Setting, json, use_threads};
+use crate::args::{Explore, Format};
+use crate::outcome::Outcome;
+use crate::problem::{Problem, write_whole};
+use crate::study::{Finding, Shows, Study};
+use crate::talk::Interrupt;
+use crate::technique::exploration::{
+    Abstraction, ExplorationReport, Explored, Formal, ModelTests, OpenBench, Plan, ShowsJudge,
+    Situations, SourceKind, Stopped, Watching, as_text, disagreement, explore as run_exploration,
+    tests_of_model,
+};
+use crate::technique::judging::Judges;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Explores and writes what was found.
+pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let mut study = Study::load(&arguments.study)?;
+    study.about.seed = arguments.seed.unwrap_or(study.about.seed);
+    let mut plan = Plan::load(&study.folder, &arguments.file)?;
+    if let Some(episodes) = arguments.episodes {
+        plan.data.budget.episodes = episodes;
+        if let Some(disagreement) = &mut plan.data.disagreement {
+            disagreement.episodes = episodes;
+        }
+    }
+    let library = setting.physics_library.as_deref();
+    let entry = study.entry(&plan.data.evidence)?;
+    let bench = OpenBench::of_entry(&study, entry, library)?;
+    let began = Instant::now();
+    let mut explored = if arguments.disagreement {
+        only_disagreement(&study, &plan, &bench, setting)?
+    } else {
+        exploration(&study, &plan, &bench, arguments, setting)?
+    };
+    let wall_secs = began.elapsed().as_secs_f64();
+    setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => study.folder.join("exploration"),
+    };
+    keep(&study, &bench, &mut explored, &folder, setting)?;
+    let report = &explored.report;
+    Ok(Done {
+        output: match arguments.format {
+            Format::Json => json(report)?,
+            Format::Text => as_text(report),
+        },
+        outcome: outcome(report),
+    })
+}
+
+fn outcome(report: &ExplorationReport) -> Outcome {
+    let differs = |of: &crate::technique::exploration::DisagreementReport| {
+        of.contexts.iter().any(|c| c.agreement == "disagrees")
+    };
+    let is_found = !report.findings.is_empty() || report.disagreement.as_ref().is_some_and(differs);
+    let is_lost = !report.broken.is_empty() || report.findings.iter().any(|f| !f.replayed);
+    match (report.stopped, is_lost, is_found) {
+        (Stopped::Interrupted, ..) => Outcome::Interrupted,
+        (_, true, _) => Outcome::DataLost,
+        (_, _, true) => Outcome::Violated,
+        _ => Outcome::Holds,
+    }
+}
+
+fn exploration(
+    study: &Study,
+    plan: &Plan,
+    bench: &OpenBench,
+    arguments: &Explore,
+    setting: &Setting,
+) -> Result<Explored, Problem> {
+    let interrupt = &setting.interrupt;
+    let kinds = match (arguments.plain, arguments.source.is_empty()) {
+        (true, _) => vec![SourceKind::Own],
+        (_, false) => arguments.source.clone(),
+        _ => plan.sources(),
+    };
+    let formal = match &plan.data.model {
+        Some(model) => Some(Formal::of_entry(study, model, interrupt)?),
+        None => None,
+    };
+    let abstraction = match &formal {
+        Some(formal) => Abstraction::new(study, plan, formal)?,
+        None => None,
+    };
+    let of_model = match &formal {
+        Some(formal) => {
+            tests_of_model(study, plan, formal, abstraction.as_ref(), &kinds, interrupt)?
+        }
+        None => ModelTests::default(),
+    };
+    let judges = Judges::new(study, |_| true)?;
+    // A word that the bench's recordings do not know is told before anything runs.
+    judges.start(&bench.layout()?)?;
+    let watching = Watching {
+        study,
+        bench,
+        judges,
+        abstraction: abstraction.as_ref(),
+        situations: Situations::new(study, plan)?,
+    };
+    let stage = setting.talk.begin("exploring", plan.data.budget.episodes);
+    let vary = !arguments.plain;
+    run_exploration(plan, &watching, &of_model, &kinds, vary, interrupt, &stage)
+}
+
+fn only_disagreement(
+    study: &Study,
+    plan: &Plan,
+    bench: &OpenBench,
+    setting: &Setting,
+) -> Result<Explored, Problem> {
+    let begin = |title: &str, total: u64| setting.talk.begin(title, total);
+    let found = disagreement(study, plan, bench, &setting.interrupt, &begin)?;
+    Ok(Explored {
+        report: ExplorationReport::of_disagreement(plan, bench, found),
+        findings: Vec::new(),
+    })
+}
+
+/// Runs the first episode of each finding again, and writes the files.
+fn keep(
+    study: &Study,
+    bench: &OpenBench,
+    explored: &mut Explored,
+    folder: &Path,
+    setting: &Setting,
+) -> Result<(), Problem> {
+    let findings = explored
+        .findings
+        .iter_mut()
+        .zip(&mut explored.report.findings);
+    let mut names = BTreeMap::new();
+    let mut judges = BTreeMap::new();
+    // Findings are few: an interruption leaves them to be written all the same.
+    let undisturbed = Interrupt::default();
+    for (finding, report) in findings {
+        let shown_again = shown_again(study, bench, finding, &mut judges, &undisturbed)?;
+        report.replayed = shown_again.is_some();
+        finding.recording = shown_again;
+        let file = PathBuf::from("findings").join(name(&finding.shows, &mut names));
+        report.file = file.display().to_string();
+        let comment = format!(
+            "{}\nFound in episode {} of an exploration. A witness: how often it was found says\n\
+             nothing of how often it happens.",
+            report.in_words, report.first_episode
+        );
+        let path = folder.join(&file);
+        finding.write(&path, &comment)?;
+        if Finding::read(&path)? != *finding {
+            let message = format!("{} does not hold what was written", path.display());
+            return Err(Problem::data_lost("cannot-write", message));
+        }
+    }
+    let path = folder.join("exploration.json");
+    write_whole(&path, json(&explored.report)?.as_bytes())?;
+    setting.talk.say(&format!("{} is written", path.display()));
+    Ok(())
+}
+
+/// The hash of the recording of a finding's episode if it shows it again.
+fn shown_again<'s>(
+    study: &'s Study,
+    bench: &OpenBench,
+    finding: &Finding,
+    judges: &mut BTreeMap<Shows, ShowsJudge<'s>>,
+    interrupt: &Interrupt,
+) -> Result<Option<String>, Problem> {
+    let run = bench.run(&finding.stimulus, finding.seed, interrupt);
+    let Ok(recorded) = run else {
+        return Ok(None);
+    };
+    if !judges.contains_key(&finding.shows) {
+        let judge = ShowsJudge::new(study, &finding.shows, interrupt)?;
+        judges.insert(finding.shows.clone(), judge);
+    }
+    let shows = match judges.get(&finding.shows) {
+        Some(judge) => judge.shows(&recorded.trace)?,
+        None => false,
+    };
+    if !shows {
+        return Ok(None);
+    }
+    let bytes = recording::to_mcap(&recorded.trace)
+        .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
+    Ok(Some(crate::store::hash_of(&bytes)))
+}
+
+/// A file name that says what is shown; a number tells equal ones apart.
+fn name(shows: &Shows, taken: &mut BTreeMap<String, u64>) -> String {
+    let words = match shows {
+        Shows::Violated(id) => format!("violated-{id}"),
+        Shows::FailureMode(id) => format!("failure-{id}"),
+        Shows::Unknown(step) => match &step.to {
+            Some(to) => format!("unknown-{}", changes(&step.from, to)),
+            None => format!("unknown-end-{}", step.from),
+        },
+    };
+    let safe = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '_' {
+            c
+        } else {
+            '-'
+        }
+    };
+    let mut name: String = words.chars().map(safe).take(80).collect();
+    let count = taken.entry(name.clone()).or_insert(0);
+    *count += 1;
+    if *count > 1 {
+        name = format!("{name}-{count}");
+    }
+    format!("{name}.toml")
+}
+
+/// What changes from one set of propositions to another.
+fn changes(from: &str, to: &str) -> String {
+    let (from, to): (Vec<&str>, Vec<&str>) = (
+        from.split_whitespace().collect(),
+        to.split_whitespace().collect(),
+    );
+    let gone = from
+        .iter()
+        .filter(|n| !to.contains(n))
+        .map(|n| format!("not_{n}"));
+    let come = to
+        .iter()
+        .filter(|n| !from.contains(n))
+        .map(|n| (*n).to_owned());
+    gone.chain(come).collect::<Vec<_>>().join("-")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::UnknownStep;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_written() {
+        let schema: serde_json::Value = schemars::schema_for!(ExplorationReport).into();
+        crate::command::tests::assert_schema_is_committed("exploration.schema.json", &schema);
+    }
+
+    #[test]
+    fn names_say_what_changes_and_differ() {
+        let step = |from: &str, to: Option<&str>| {
+            Shows::Unknown(UnknownStep {
+                exploration: "exploration.toml".into(),
+                from: from.into(),
+                to: to.map(str::to_owned),
+            })
+        };
+        let mut taken = BTreeMap::new();
+        let mut name = |shows: &Shows| name(shows, &mut taken);
+        let drop = step("activated in_hand", Some("activated"));
+        assert_eq!(name(&drop), "unknown-not_in_hand.toml");
+        let later = step("activated in_hand sensing", Some("activated sensing"));
+        assert_eq!(name(&later), "unknown-not_in_hand-2.toml");
+        assert_eq!(name(&step("activated", None)), "unknown-end-activated.toml");
+        assert_eq!(name(&Shows::Violated("5/b".into())), "violated-5-b.toml");
+    }
+}

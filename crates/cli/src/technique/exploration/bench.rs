@@ -1,0 +1,156 @@
+//! A bench of a study that takes any stimulus: the handover world or a scene.
+
+use crate::problem::{Problem, Source};
+use crate::study::{BenchFiles, Entry, Study, Work};
+use crate::talk::Interrupt;
+use crate::technique::bench::SceneCampaign;
+use crate::technique::simulation::load_engine;
+use std::path::Path;
+use stimulus::{AbstractTest, Stimulus};
+use testbench::{Bench, Engine, HandoverBench, Recorded, SimError, Unwatched};
+use trace::Trace;
+
+/// A bench that is ready to run, with the files that it is made of.
+pub struct OpenBench {
+    world: World,
+    /// What it is made of.
+    pub files: BenchFiles,
+    /// The version of the physics engine.
+    pub engine: String,
+}
+
+enum World {
+    Handover {
+        bench: Box<HandoverBench>,
+        tests: Vec<AbstractTest>,
+    },
+    Scene(Box<SceneCampaign>),
+}
+
+impl OpenBench {
+    /// The bench of a ledger's entry.
+    pub fn of_entry(study: &Study, entry: &Entry, library: Option<&Path>) -> Result<Self, Problem> {
+        let shown = |path: &Path| Some(path.display().to_string());
+        let mut files = BenchFiles {
+            evidence: entry.id.clone(),
+            ..BenchFiles::default()
+        };
+        match &entry.work {
+            Work::Simulate {
+                scenario,
+                parameters,
+                ..
+            } => {
+                files.scenario = shown(scenario);
+                files.parameters = shown(parameters);
+            }
+            Work::SimulateScene { scene, .. } => files.scene = shown(scene),
+            _ => {
+                return Err(Problem::new(
+                    "not-a-simulation",
+                    format!("`{}` is no simulation that takes tests", entry.id),
+                )
+                .remedy("name an entry of the ledger with a scenario or a scene"));
+            }
+        }
+        Self::of_files(study, &files, library)
+    }
+
+    /// The bench that is made of these files of the study.
+    pub fn of_files(
+        study: &Study,
+        files: &BenchFiles,
+        library: Option<&Path>,
+    ) -> Result<Self, Problem> {
+        let engine = load_engine(library)?;
+        let world = match (&files.scenario, &files.parameters, &files.scene) {
+            (Some(scenario), Some(parameters), None) => {
+                handover(study, &engine, scenario, parameters)?
+            }
+            (None, None, Some(scene)) => {
+                let scene = SceneCampaign::new(study, Path::new(scene), None, &engine)?;
+                World::Scene(Box::new(scene))
+            }
+            _ => {
+                return Err(Problem::new(
+                    "bad-finding",
+                    "a bench is either a scenario with parameters, or a scene",
+                )
+                .remedy("name `scenario` and `parameters`, or `scene`"));
+            }
+        };
+        Ok(Self {
+            world,
+            files: files.clone(),
+            engine: format!("MuJoCo {}", engine.version()),
+        })
+    }
+
+    fn bench(&self) -> &dyn Bench {
+        match &self.world {
+            World::Handover { bench, .. } => bench.as_ref(),
+            World::Scene(scene) => scene.bench(),
+        }
+    }
+
+    /// The tests that the bench's own files have.
+    pub fn own_tests(&self) -> &[AbstractTest] {
+        match &self.world {
+            World::Handover { tests, .. } => tests,
+            World::Scene(scene) => scene.bench().tests(),
+        }
+    }
+
+    /// The channels of every recording, without rows.
+    pub fn layout(&self) -> Result<Trace, Problem> {
+        self.bench().layout().map_err(|error| failed(&error))
+    }
+
+    /// Runs an episode to its end.
+    pub fn run(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        interrupt: &Interrupt,
+    ) -> Result<Recorded, SimError> {
+        let run = self
+            .bench()
+            .run(stimulus, seed, &mut Unwatched, interrupt.cancel());
+        match run {
+            // A controller that ended with us did not fail.
+            Err(SimError::Controller(_)) if interrupt.is_set() => Err(SimError::Cancelled),
+            other => other,
+        }
+    }
+}
+
+fn handover(
+    study: &Study,
+    engine: &Engine,
+    scenario: &str,
+    parameters: &str,
+) -> Result<World, Problem> {
+    let scenario = Source::read(&study.folder.join(scenario))?;
+    let parameters = Source::read(&study.folder.join(parameters))?;
+    let bench = HandoverBench::new(engine, &scenario.text, &parameters.text).map_err(|error| {
+        Problem::new(
+            "bad-scenario",
+            format!("{} with {}: {error}", scenario.name, parameters.name),
+        )
+    })?;
+    let tests = bench.data()["scenario"].get("abstract_test").cloned();
+    let tests = tests.unwrap_or_else(|| toml::Value::Array(Vec::new()));
+    let tests: Vec<AbstractTest> = tests
+        .try_into()
+        .map_err(|error| Problem::new("bad-scenario", format!("{}: {error}", scenario.name)))?;
+    let bench = Box::new(bench);
+    Ok(World::Handover { bench, tests })
+}
+
+/// A failure of the bench, as the user is told.
+pub fn failed(error: &SimError) -> Problem {
+    match error {
+        SimError::Cancelled => Problem::interrupted(),
+        other => Problem::new("simulation-failed", other.to_string()),
+    }
+}

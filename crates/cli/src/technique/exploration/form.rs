@@ -1,0 +1,253 @@
+//! What an exploration gives: the form of `exploration.json`.
+
+use super::bench::OpenBench;
+use super::disagreement::DisagreementReport;
+use super::plan::Plan;
+use crate::study::{BenchFiles, Shows};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Said with every result of an exploration.
+pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new. They are witnesses and coverage; \
+    how often they show something is no estimate of how often it happens.";
+
+/// Said with a search for disagreement.
+pub const CHOSEN_CONTEXTS: &str = "The contexts were chosen where model and bench were suspected to differ. The interval of \
+    a listed context holds for that context, from fresh episodes; over all contexts nothing is estimated.";
+
+/// What an exploration found and covered.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ExplorationReport {
+    /// Version of this form.
+    pub format: String,
+    /// What the numbers are, and what they are not.
+    pub statement: String,
+    /// What was run.
+    pub bench: BenchFiles,
+    /// The version of the physics engine.
+    pub engine: String,
+    /// The ledger's entry whose formal model the episodes were held against.
+    pub model: Option<String>,
+    /// Episodes that were run.
+    pub episodes: u64,
+    /// Simulated time of all episodes.
+    pub simulated_secs: f64,
+    /// Why it ended.
+    pub stopped: Stopped,
+    /// Each source with what it brought.
+    pub sources: Vec<SourceReport>,
+    /// What was found, in the order in which it was found.
+    pub findings: Vec<FindingReport>,
+    /// Episodes that could not be run to their end.
+    pub broken: Vec<BrokenReport>,
+    /// What was covered.
+    pub coverage: CoverageReport,
+    /// What the model gave.
+    pub model_tests: ModelTestsReport,
+    /// Contexts in which model and bench differ, if they were looked for.
+    pub disagreement: Option<DisagreementReport>,
+}
+
+impl ExplorationReport {
+    /// The result of a search for disagreement alone.
+    pub fn of_disagreement(plan: &Plan, bench: &OpenBench, found: DisagreementReport) -> Self {
+        let nothing = SetReport {
+            covered: 0,
+            total: 0,
+            missing: Vec::new(),
+            unknown: Vec::new(),
+        };
+        Self {
+            format: "1.0".into(),
+            statement: CHOSEN_CONTEXTS.into(),
+            bench: bench.files.clone(),
+            engine: bench.engine.clone(),
+            model: plan.data.model.clone(),
+            episodes: found.episodes,
+            simulated_secs: found.simulated_secs,
+            stopped: Stopped::Budget,
+            sources: Vec::new(),
+            findings: Vec::new(),
+            broken: Vec::new(),
+            coverage: CoverageReport {
+                triggers: nothing,
+                crosses: Vec::new(),
+                states: None,
+                transitions: None,
+                not_expressed: Vec::new(),
+                code: None,
+                saturation: SaturationReport::default(),
+            },
+            model_tests: ModelTestsReport::default(),
+            disagreement: Some(found),
+        }
+    }
+}
+
+/// Why an exploration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stopped {
+    /// All episodes of the budget were run.
+    Budget,
+    /// More episodes of this kind have stopped paying.
+    NothingNew,
+    /// It was interrupted; what was found until then is given.
+    Interrupted,
+}
+
+/// What a source of tests brought.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct SourceReport {
+    /// The source.
+    pub source: String,
+    /// Episodes.
+    pub episodes: u64,
+    /// How many of them showed something that no episode had shown before.
+    pub with_news: u64,
+}
+
+/// Something that was found.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct FindingReport {
+    /// What it is.
+    pub shows: Shows,
+    /// The same in words.
+    pub in_words: String,
+    /// The file of the first episode that showed it, relative to the result.
+    pub file: String,
+    /// The number of that episode, from 1.
+    pub first_episode: u64,
+    /// That episode's seed, as a text: readers round numbers beyond 2^53.
+    pub seed: String,
+    /// What led to it.
+    pub found_by: String,
+    /// How many episodes showed it.
+    pub episodes: u64,
+    /// Whether it was shown again when that episode was run again.
+    pub replayed: bool,
+}
+
+/// An episode that could not be run to its end.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct BrokenReport {
+    /// Its number.
+    pub episode: u64,
+    /// Why.
+    pub reason: String,
+}
+
+/// What was covered.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CoverageReport {
+    /// Requirements and failure modes whose precondition was met.
+    pub triggers: SetReport,
+    /// Cross products of situations.
+    pub crosses: Vec<CrossReport>,
+    /// The model's abstract states.
+    pub states: Option<SetReport>,
+    /// The model's abstract transitions.
+    pub transitions: Option<SetReport>,
+    /// Propositions that the model does not express and that are false there.
+    pub not_expressed: Vec<(String, String)>,
+    /// Code of the controller.
+    pub code: Option<CodeReport>,
+    /// Whether more episodes would show more.
+    pub saturation: SaturationReport,
+}
+
+/// Members of a known set that were seen.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct SetReport {
+    /// How many were seen.
+    pub covered: u64,
+    /// How many there are.
+    pub total: u64,
+    /// Those that were never seen.
+    pub missing: Vec<String>,
+    /// What was seen that the set does not have.
+    pub unknown: Vec<String>,
+}
+
+/// A cross product of situations.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CrossReport {
+    /// Its name.
+    pub name: String,
+    /// Cells that were seen.
+    pub covered: u64,
+    /// Cells that there are.
+    pub total: u64,
+    /// What was never seen, in the largest blocks, with the number of cells.
+    pub holes: Vec<String>,
+    /// Cells that were seen although the file says that they cannot be.
+    pub seen_though_excluded: Vec<Vec<String>>,
+}
+
+/// Code coverage.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CodeReport {
+    /// Lines that ran, and all lines.
+    pub lines: [u64; 2],
+    /// Functions that ran, and all functions.
+    pub functions: [u64; 2],
+    /// Branches that were taken, and all branches.
+    pub branches: [u64; 2],
+}
+
+/// How much is still unseen.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+pub struct SaturationReport {
+    /// Different things that were seen.
+    pub seen: u64,
+    /// Those that one episode alone showed.
+    pub seen_once: u64,
+    /// How many more such episodes can show (Chao's estimate, a lower bound in
+    /// expectation).
+    pub unseen: f64,
+    /// Expected number of new things in the next episode (Good and Turing).
+    pub news_in_next: f64,
+    /// With the study's confidence, the chance that the next episode shows
+    /// anything new is at most this. It holds as far as episodes are
+    /// generated alike.
+    pub chance_of_news_at_most: f64,
+}
+
+/// Tests that the formal model gave.
+#[derive(Debug, Default, Serialize, JsonSchema)]
+pub struct ModelTestsReport {
+    /// The tests.
+    pub tests: Vec<ModelTestReport>,
+    /// Goals without a test, with the reason.
+    pub without: Vec<(String, String)>,
+    /// Paths that together take every class of transitions.
+    pub transition_cover: Option<CoverReport>,
+}
+
+/// A test that the formal model gave.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct ModelTestReport {
+    /// The source.
+    pub source: String,
+    /// Where its path leads.
+    pub goal: String,
+    /// Transitions of the path.
+    pub transitions: usize,
+    /// The path's probability.
+    pub probability: f64,
+    /// Its steps that are no action of a test.
+    pub unmapped: usize,
+    /// The test.
+    pub test: String,
+}
+
+/// Transition coverage of the model.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CoverReport {
+    /// Classes of transitions; all are taken.
+    pub classes: usize,
+    /// Paths that take them.
+    pub paths: usize,
+    /// Transitions of all paths together.
+    pub transitions: usize,
+}

@@ -1,0 +1,36 @@
+//! Exploration: episodes that are meant to show what nobody has thought of.
+//!
+//! Tests come from the formal model, from chance within rules, from agents
+//! and from mutation; parameters are drawn, pushed to their limits or searched;
+//! each episode is judged by the study's monitors and held against the formal
+//! model; what is new feeds back into what is tried next. What is found is a
+//! witness. How often it is found says nothing of how often it happens in use:
+//! the episodes are chosen, not drawn.
+
+mod abstraction;
+mod bench;
+mod campaign;
+mod concretise;
+mod disagreement;
+mod episode;
+mod form;
+mod formal;
+mod plan;
+mod shows;
+mod situations;
+mod sources;
+mod tests_of_model;
+mod text;
+
+pub use abstraction::Abstraction;
+pub use bench::OpenBench;
+pub use campaign::{Explored, explore};
+pub use disagreement::{DisagreementReport, disagreement};
+pub use episode::Watching;
+pub use form::{ExplorationReport, Stopped};
+pub use formal::Formal;
+pub use plan::{Plan, SourceKind};
+pub use shows::ShowsJudge;
+pub use situations::Situations;
+pub use tests_of_model::{ModelTests, tests_of_model};
+pub use text::as_text;

@@ -1,0 +1,203 @@
+//! Abstract tests from a formal model's paths.
+
+use super::abstraction::Abstraction;
+use super::formal::{Formal, Meaning};
+use super::plan::{Plan, SourceKind};
+use crate::problem::Problem;
+use crate::study::{Rule, Study};
+use crate::talk::Interrupt;
+use campaign::{Known, PathStep};
+use checker::paths::{Path, PathSteps, most_probable_path, transition_cover};
+use prism_lang::resolved::VariableKind;
+use std::collections::BTreeMap;
+use stimulus::{AbstractTest, Setting};
+
+/// A path of a tour is not gone on with beyond so many transitions.
+const LONGEST_TOUR: usize = 500;
+
+/// A test made from a path.
+#[derive(Clone, Debug)]
+pub struct ModelTest {
+    /// What led to it.
+    pub kind: SourceKind,
+    /// The goal, in words.
+    pub goal: String,
+    /// The test.
+    pub test: AbstractTest,
+    /// How many transitions the path has.
+    pub transitions: usize,
+    /// The path's probability.
+    pub probability: f64,
+    /// Steps that are no actions of a test: the system's own, or time.
+    pub unmapped: usize,
+}
+
+/// Tests from the model, and the goals that gave none, with the reason.
+#[derive(Debug, Default)]
+pub struct ModelTests {
+    /// The tests, no two with the same content.
+    pub tests: Vec<ModelTest>,
+    /// Goals without a test.
+    pub without: Vec<(String, String)>,
+    /// Transition coverage: classes, paths, transitions of all paths.
+    pub cover: Option<(usize, usize, usize)>,
+}
+
+/// Makes tests for those sources of the plan that need the model.
+pub fn tests_of_model(
+    study: &Study,
+    plan: &Plan,
+    formal: &Formal,
+    abstraction: Option<&Abstraction>,
+    kinds: &[SourceKind],
+    interrupt: &Interrupt,
+) -> Result<ModelTests, Problem> {
+    let mut maker = Maker {
+        plan,
+        formal,
+        made: ModelTests::default(),
+        known: Known::default(),
+    };
+    if kinds.contains(&SourceKind::Goals) {
+        for goal in &plan.data.goal {
+            maker.goal(SourceKind::Goals, &goal.name, &goal.model)?;
+        }
+    }
+    if kinds.contains(&SourceKind::Triggers) {
+        for form in &study.forms.subjects {
+            let Some(Rule::Staged(spec)) = form.monitor.as_ref().map(|m| &m.rule) else {
+                continue;
+            };
+            let name = format!("trigger of {}: {}", form.subject.id(), spec.when);
+            let word = study.vocabulary.propositions.get(&spec.when);
+            match word.and_then(|w| w.model.as_ref()) {
+                Some(binding) => maker.goal(SourceKind::Triggers, &name, &binding.text)?,
+                None => maker.none(name, "it has no meaning for the model".into()),
+            }
+        }
+    }
+    if let Some(abstraction) = abstraction.filter(|_| kinds.contains(&SourceKind::Transitions)) {
+        maker.cover(abstraction, interrupt)?;
+    }
+    Ok(maker.made)
+}
+
+struct Maker<'a> {
+    plan: &'a Plan,
+    formal: &'a Formal,
+    made: ModelTests,
+    known: Known,
+}
+
+impl Maker<'_> {
+    fn none(&mut self, goal: String, reason: String) {
+        self.made.without.push((goal, reason));
+    }
+
+    /// The most probable path to where an expression holds.
+    fn goal(&mut self, kind: SourceKind, name: &str, text: &str) -> Result<(), Problem> {
+        let flags = match self.formal.meaning(text)? {
+            Meaning::Holds(flags) => flags,
+            Meaning::Unknown(reason) => {
+                self.none(name.into(), reason);
+                return Ok(());
+            }
+        };
+        match most_probable_path(&self.formal.space, &flags) {
+            Some(path) => self.add(kind, name, &path),
+            None => {
+                self.none(name.into(), "the model never reaches it".into());
+                Ok(())
+            }
+        }
+    }
+
+    /// Paths that take every abstract transition, and in each abstract state
+    /// every change of the model that is an action of a test.
+    fn cover(&mut self, abstraction: &Abstraction, interrupt: &Interrupt) -> Result<(), Problem> {
+        let space = &self.formal.space;
+        let watched = self.watched();
+        let class = |from: usize, to: usize| {
+            let (a, b) = (abstraction.class_of[from], abstraction.class_of[to]);
+            if a != b {
+                return Some((a, b, usize::MAX));
+            }
+            let change = watched.iter().position(|(variable, value)| {
+                space.value(to, *variable) == *value && space.value(from, *variable) != *value
+            });
+            change.map(|rule| (a, b, rule))
+        };
+        let cover = transition_cover(space, class, LONGEST_TOUR, &|| !interrupt.is_set());
+        if interrupt.is_set() {
+            return Err(Problem::interrupted());
+        }
+        self.made.cover = Some((cover.classes, cover.paths.len(), cover.length));
+        for (number, path) in cover.paths.iter().enumerate() {
+            let name = format!("tour {} of the model's transitions", number + 1);
+            self.add(SourceKind::Transitions, &name, path)?;
+        }
+        Ok(())
+    }
+
+    /// Changes of variables that rules of the mapping name.
+    fn watched(&self) -> Vec<(usize, i64)> {
+        let changes = self.plan.mapping.rules.iter().flat_map(|r| &r.changes);
+        let watched = changes.filter_map(|(name, value)| {
+            let variable = self.formal.model.variable(name)?;
+            let value = match value {
+                Setting::Bool(value) => i64::from(*value),
+                other => other.as_integer()?,
+            };
+            Some((variable, value))
+        });
+        watched.collect()
+    }
+
+    fn add(&mut self, kind: SourceKind, goal: &str, path: &Path<f64>) -> Result<(), Problem> {
+        let steps = PathSteps::new(&self.formal.model, &self.formal.space, path)
+            .map_err(|error| Problem::new("cannot-explore", error.to_string()))?;
+        let steps: Vec<PathStep> = steps.steps.iter().map(|s| self.path_step(s)).collect();
+        let made = self.plan.mapping.test(goal, &steps);
+        if made.test.actions.is_empty() {
+            let reason = "no step of its path is an action of a test";
+            self.none(goal.into(), reason.into());
+        } else if self.known.is_new(&made.test) {
+            self.made.tests.push(ModelTest {
+                kind,
+                goal: goal.into(),
+                test: made.test,
+                transitions: steps.len(),
+                probability: path.probability,
+                unmapped: made.unmapped.len(),
+            });
+        } else {
+            self.none(goal.into(), "its test is the same as one before".into());
+        }
+        Ok(())
+    }
+
+    /// A step in the words of the mapping, by its most probable cause.
+    fn path_step(&self, step: &checker::paths::Step) -> PathStep {
+        let changes = step.changes.iter().map(|change| {
+            let variable = self.formal.model.variable(&change.variable);
+            let kind = variable.map(|v| self.formal.model.variables[v].kind);
+            let value = match kind {
+                Some(VariableKind::Bool) => Setting::Bool(change.to != 0),
+                _ => Setting::Number(change.to as f64),
+            };
+            (change.variable.clone(), value)
+        });
+        let changes: BTreeMap<String, Setting> = changes.collect();
+        match step.causes.first() {
+            Some(cause) => PathStep {
+                modules: cause.modules.clone(),
+                action: cause.action.clone(),
+                changes,
+            },
+            None => PathStep {
+                changes,
+                ..PathStep::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The result of an exploration for people.
+
+use super::disagreement::DisagreementReport;
+use super::form::{ExplorationReport, SetReport, Stopped};
+use std::fmt::Write;
+
+/// Members of a list that are written out, at most.
+const LISTED: usize = 8;
+
+/// The result as text.
+pub fn as_text(report: &ExplorationReport) -> String {
+    let mut text = String::new();
+    let stopped = match report.stopped {
+        Stopped::Budget => "the budget",
+        Stopped::NothingNew => "more of this kind have stopped paying",
+        Stopped::Interrupted => "interrupted",
+    };
+    let _ = writeln!(
+        text,
+        "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
+        report.episodes, report.bench.evidence, report.engine, report.simulated_secs
+    );
+    findings(&mut text, report);
+    coverage(&mut text, report);
+    sources(&mut text, report);
+    if let Some(disagreement) = &report.disagreement {
+        disagreements(&mut text, disagreement);
+    }
+    let _ = writeln!(text, "\n{}", report.statement);
+    text
+}
+
+fn findings(text: &mut String, report: &ExplorationReport) {
+    if report.findings.is_empty() {
+        let _ = writeln!(text, "\nNothing was found.");
+    } else {
+        let _ = writeln!(text, "\nFound");
+    }
+    for finding in &report.findings {
+        let replayed = if finding.replayed {
+            ""
+        } else {
+            "  NOT SHOWN AGAIN"
+        };
+        let _ = writeln!(
+            text,
+            "  {}{replayed}\n      first in episode {}, in {} of {}; by {}\n      {}",
+            finding.in_words,
+            finding.first_episode,
+            finding.episodes,
+            report.episodes,
+            finding.found_by,
+            finding.file
+        );
+    }
+    for broken in report.broken.iter().take(LISTED) {
+        let _ = writeln!(
+            text,
+            "  episode {} broke off: {}",
+            broken.episode, broken.reason
+        );
+    }
+}
+
+fn coverage(text: &mut String, report: &ExplorationReport) {
+    let coverage = &report.coverage;
+    let _ = writeln!(text, "\nCovered");
+    set(
+        text,
+        "requirements and failure modes triggered",
+        &coverage.triggers,
+    );
+    if let Some(states) = &coverage.states {
+        set(text, "abstract states of the model", states);
+    }
+    if let Some(transitions) = &coverage.transitions {
+        set(text, "abstract transitions of the model", transitions);
+    }
+    for (name, reason) in &coverage.not_expressed {
+        let _ = writeln!(text, "  the model does not express `{name}`: {reason}");
+    }
+    for cross in &coverage.crosses {
+        let _ = writeln!(
+            text,
+            "  situations `{}`: {} of {}",
+            cross.name, cross.covered, cross.total
+        );
+        list(text, "never seen", &cross.holes);
+    }
+    if let Some(code) = &coverage.code {
+        let _ = writeln!(
+            text,
+            "  code: {} of {} lines, {} of {} functions, {} of {} branches",
+            code.lines[0],
+            code.lines[1],
+            code.functions[0],
+            code.functions[1],
+            code.branches[0],
+            code.branches[1]
+        );
+    }
+    let saturation = &coverage.saturation;
+    let _ = writeln!(
+        text,
+        "  {} different things seen, {} of them in one episode only; about {:.0} more can be seen; \
+         the next episode shows something new with a chance of at most {:.3}",
+        saturation.seen, saturation.seen_once, saturation.unseen, saturation.chance_of_news_at_most
+    );
+}
+
+fn set(text: &mut String, name: &str, set: &SetReport) {
+    let _ = writeln!(text, "  {name}: {} of {}", set.covered, set.total);
+    list(text, "never", &set.missing);
+    list(text, "unknown to it", &set.unknown);
+}
+
+fn list(text: &mut String, title: &str, members: &[String]) {
+    for member in members.iter().take(LISTED) {
+        let _ = writeln!(text, "      {title}: {member}");
+    }
+    if members.len() > LISTED {
+        let _ = writeln!(
+            text,
+            "      and {} more in the JSON",
+            members.len() - LISTED
+        );
+    }
+}
+
+fn sources(text: &mut String, report: &ExplorationReport) {
+    let _ = writeln!(text, "\nSources");
+    for source in &report.sources {
+        let _ = writeln!(
+            text,
+            "  {}: {} episodes, {} with something new",
+            source.source, source.episodes, source.with_news
+        );
+    }
+    let tests = &report.model_tests;
+    if let Some(cover) = &tests.transition_cover {
+        let _ = writeln!(
+            text,
+            "  the model: {} kinds of transitions taken by {} paths with {} transitions",
+            cover.classes, cover.paths, cover.transitions
+        );
+    }
+    let without: Vec<String> = tests
+        .without
+        .iter()
+        .map(|(g, r)| format!("{g}: {r}"))
+        .collect();
+    list(text, "no test from the model", &without);
+}
+
+fn disagreements(text: &mut String, report: &DisagreementReport) {
+    let _ = writeln!(
+        text,
+        "\nContexts for requirement {}, {} episodes; margin {}",
+        report.requirement, report.episodes, report.margin
+    );
+    for context in &report.contexts {
+        let values: Vec<String> = context
+            .parameters
+            .iter()
+            .map(|(name, value)| format!("{name}={value}"))
+            .collect();
+        let _ = writeln!(
+            text,
+            "  {}: model {:.4}, bench {} of {} in [{:.3}, {:.3}] - {}",
+            values.join(", "),
+            context.predicted,
+            context.successes,
+            context.trials,
+            context.low,
+            context.high,
+            context.agreement
+        );
+    }
+}
