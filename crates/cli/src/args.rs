@@ -6,7 +6,7 @@ mod watch;
 pub use rare::{Calibrate, Rare};
 pub use watch::Watch;
 
-use crate::study::Method;
+use crate::study::{Keep, Method};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -161,6 +161,8 @@ Examples:
   corroborate simulate case-studies/handover E4 --episodes 20 --out recordings
   corroborate simulate case-studies/handover E2 --seed 7 --episodes 1 --out one
   corroborate simulate case-studies/handover E2 --as ros2 --episodes 3 --out bags
+  corroborate simulate case-studies/handover E4 --episodes 10000 --keep violations \\
+      --until 'requirement 1a is decided at 99 %' --out many
 
 Each episode becomes one MCAP file, which Foxglove opens and `corroborate
 monitor` judges. The same study and seed give the same bytes.")]
@@ -172,6 +174,14 @@ pub struct Simulate {
     /// How many episodes; as many as the ledger says if left out.
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub episodes: Option<u64>,
+    /// End before that once a requirement is decided, for example
+    /// "requirement 1a is decided at 99 %" or, without a threshold of its own,
+    /// "requirement 3 is decided against 0.9 at 99 %".
+    #[arg(long, value_name = "RULE")]
+    pub until: Option<String>,
+    /// Which recordings are kept; results are kept in any case.
+    #[arg(long, value_enum, value_name = "WHICH")]
+    pub keep: Option<Keep>,
     /// Number of the first episode.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub first: u64,

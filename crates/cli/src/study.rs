@@ -23,7 +23,7 @@ mod vocabulary;
 
 pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
-pub use ledger::{Entry, Method, Work};
+pub use ledger::{CommandText, Entry, Keep, Method, UntilText, Work};
 pub use parameters::StudyParameters;
 pub use requirements::{FormText, Forms, SubjectForm, quoted_names};
 pub use sentence_form::SentenceForm;

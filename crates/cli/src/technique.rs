@@ -4,6 +4,7 @@
 //! knows both.
 
 mod bench;
+pub mod campaign;
 pub mod experiment;
 pub mod exploration;
 pub mod judging;

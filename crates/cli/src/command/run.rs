@@ -12,7 +12,8 @@ use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::Tables;
 use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::operation::Recordings;
-use crate::technique::simulation::{self, Campaign};
+use crate::technique::campaign::{self, OutsideCommand, Until};
+use crate::technique::simulation::{Campaign, Seeds};
 use crate::technique::{self, Produced};
 use evidence::{AssetRole, Measure, StudyResult};
 use std::collections::BTreeMap;
@@ -22,6 +23,7 @@ use std::path::{Path, PathBuf};
 enum Prepared<'a> {
     Check(Box<Compiled<'a>>),
     Simulate(Box<Campaign>),
+    Command(Box<OutsideCommand>),
     /// The physics library is missing; said when the entry's turn comes, so
     /// that all else still runs.
     CannotSimulate(Problem),
@@ -47,6 +49,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         setting.talk.say(&warning.warning_line());
     }
     let prepared = prepare(&study, setting)?;
+    let untils = untils(&study)?;
     // Hashed before anything runs, so that an edit meanwhile is not taken for
     // what was run.
     let assets = study
@@ -58,6 +61,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
             match prepared {
                 Prepared::Judge(recordings) => assets.extend_from_slice(recordings.assets()),
                 Prepared::Simulate(campaign) => assets.extend_from_slice(campaign.assets()),
+                Prepared::Command(command) => assets.extend_from_slice(command.assets()),
                 _ => {}
             }
             Ok((entry.id.as_str(), assets))
@@ -71,6 +75,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
         setting,
         program: program_hash()?,
         assets,
+        untils,
     };
     let mut pieces: Vec<Piece> = Vec::new();
     let mut skipped: Vec<(&str, Problem)> = Vec::new();
@@ -141,6 +146,10 @@ fn prepare<'a>(study: &'a Study, setting: &Setting) -> Result<Vec<Prepared<'a>>,
                 let campaign = Campaign::of_scene(study, scene, test.as_deref(), library);
                 prepared_campaign(campaign, setting)
             }
+            Work::Command { command, .. } => {
+                let command = OutsideCommand::new(study, command)?;
+                Ok(Prepared::Command(Box::new(command)))
+            }
             Work::Read {
                 cohort,
                 requirements,
@@ -178,6 +187,20 @@ fn prepared_campaign(
         }
         Err(problem) => Err(problem),
     }
+}
+
+/// The stopping rules of the ledger, held against the requirements.
+fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
+    let with_rule = study
+        .ledger
+        .iter()
+        .filter_map(|entry| Some((entry, entry.sampling.until.as_ref()?)));
+    with_rule
+        .map(|(entry, text)| {
+            let until = Until::new(study, text).map_err(|problem| problem.about(&entry.id))?;
+            Ok((entry.id.as_str(), until))
+        })
+        .collect()
 }
 
 /// What was set to a count must be a constant of the model.
@@ -242,6 +265,8 @@ struct Runner<'a> {
     program: String,
     /// What each entry rests on.
     assets: BTreeMap<&'a str, Vec<evidence::Asset>>,
+    /// The stopping rules of entries that have one.
+    untils: BTreeMap<&'a str, Until>,
 }
 
 impl Runner<'_> {
@@ -269,7 +294,10 @@ impl Runner<'_> {
             (
                 Prepared::Simulate(campaign),
                 Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
-            ) => self.simulate(entry, campaign, *episodes)?,
+            ) => self.simulate(entry, campaign::Source::Bench(campaign), *episodes)?,
+            (Prepared::Command(command), Work::Command { episodes, .. }) => {
+                self.simulate(entry, campaign::Source::Command(command), *episodes)?
+            }
             (Prepared::Read(tables), Work::Read { technique, .. }) => {
                 tables.produce(self.study, &entry.id, *technique)?
             }
@@ -288,31 +316,47 @@ impl Runner<'_> {
     fn simulate(
         &self,
         entry: &Entry,
-        campaign: &Campaign,
+        source: campaign::Source<'_>,
         episodes: u64,
     ) -> Result<Produced, Problem> {
-        let mut inputs = Inputs::default();
-        campaign.inputs(&mut inputs);
-        inputs
-            .add("program", self.program.as_bytes())
-            .add("seed", &self.study.about.seed.to_le_bytes())
-            .add("evidence", entry.id.as_bytes());
+        let inputs = self.episode_inputs(entry, source);
         let folder = self
             .store
             .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
-        let stage = self
-            .setting
-            .talk
-            .begin(&format!("{}: episodes", entry.id), episodes);
-        simulation::produce(
-            self.study,
-            &entry.id,
-            campaign,
-            episodes,
-            &folder,
-            &self.setting.interrupt,
-            &stage,
-        )
+        let title = format!("{}: episodes", entry.id);
+        let stage = self.setting.talk.begin(&title, episodes);
+        let plan = campaign::Campaigning {
+            study: self.study,
+            id: &entry.id,
+            source,
+            seeds: Seeds::new(self.study.about.seed, &entry.id),
+            numbers: 1..episodes + 1,
+            keep: entry.sampling.keep,
+            early_end: entry.sampling.early_end,
+            until: self.untils.get(entry.id.as_str()),
+            folder: &folder,
+            judged_by: campaign::judged_by(self.study, source, &self.program),
+            interrupt: &self.setting.interrupt,
+            stage: &stage,
+        };
+        plan.produce()
+    }
+
+    /// What the recordings of episodes depend on. Another simulator runs the
+    /// same whichever build of this program calls it.
+    fn episode_inputs(&self, entry: &Entry, source: campaign::Source<'_>) -> Inputs {
+        let mut inputs = Inputs::default();
+        source.inputs(&mut inputs);
+        if matches!(source, campaign::Source::Bench(_)) {
+            inputs.add("program", self.program.as_bytes());
+        }
+        inputs
+            .add("seed", &self.study.about.seed.to_le_bytes())
+            .add("evidence", entry.id.as_bytes());
+        if entry.sampling.early_end {
+            inputs.add_json("early_end", &true);
+        }
+        inputs
     }
 
     fn judge(&self, entry: &Entry, recordings: &Recordings) -> Result<Produced, Problem> {
@@ -357,43 +401,25 @@ impl Runner<'_> {
                 campaign.inputs(&mut inputs);
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 inputs.add_json("episodes", episodes);
-                self.monitors(&mut inputs);
+                technique::judging::inputs_of(self.study, &mut inputs);
+                entry.sampling.inputs(&mut inputs);
+            }
+            (Prepared::Command(command), Work::Command { episodes, .. }) => {
+                command.inputs(&mut inputs);
+                command.reading_inputs(&mut inputs);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                inputs.add_json("episodes", episodes);
+                technique::judging::inputs_of(self.study, &mut inputs);
+                entry.sampling.inputs(&mut inputs);
             }
             (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
             (Prepared::Judge(recordings), Work::Judge { .. }) => {
                 recordings.inputs(self.study, &mut inputs)?;
-                self.monitors(&mut inputs);
+                technique::judging::inputs_of(self.study, &mut inputs);
             }
             _ => {}
         }
         Ok(inputs.hash())
-    }
-
-    /// Everything that judging a trace depends on.
-    fn monitors(&self, inputs: &mut Inputs) {
-        for form in &self.study.forms.subjects {
-            inputs.add("subject", form.subject.id().as_bytes());
-            inputs.add_json("monitor", &form.monitor);
-            // The forms that are held against the monitor.
-            let sentence = form.sentence.as_ref();
-            inputs.add_json("sentence", &sentence.map(|sentence| &sentence.text));
-            let property = form.property.as_ref();
-            inputs.add_json("property", &property.map(|property| &property.text));
-            for reading in &form.readings {
-                inputs.add("reading", reading.name.as_bytes());
-                inputs.add("meaning", reading.meaning.as_bytes());
-                inputs.add_json("monitor", &reading.monitor);
-            }
-        }
-        inputs.add_json("step", &self.study.about.model.step_secs());
-        for (name, proposition) in &self.study.vocabulary.propositions {
-            if let Some(binding) = &proposition.trace {
-                inputs.add(name, binding.text.as_bytes());
-            }
-        }
-        for (name, parameter) in &self.study.parameters.declared {
-            inputs.add(name, parameter.text.as_bytes());
-        }
     }
 
     fn finished(
@@ -554,7 +580,7 @@ fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem>
             let tables = [cohort, requirements, failure_modes];
             files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
         }
-        Work::Judge { .. } => {
+        Work::Judge { .. } | Work::Command { .. } => {
             let map = Path::new("topics.toml");
             if study.folder.join(map).exists() {
                 files.push((RequirementModel, map));

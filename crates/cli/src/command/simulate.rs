@@ -1,4 +1,5 @@
-//! `corroborate simulate`: episodes of a study's simulation, recorded.
+//! `corroborate simulate`: episodes of a study's simulation, recorded, judged
+//! and counted.
 
 pub mod ros2_table;
 
@@ -7,8 +8,13 @@ use crate::args::{Format, RecordingForm, Simulate};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::store::{Inputs, program_hash};
-use crate::study::{Study, Work};
-use crate::technique::simulation::{Campaign, Seeds, record, record_with};
+use crate::study::{Entry, Study, Work};
+use crate::technique;
+use crate::technique::campaign::{
+    Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until,
+};
+use crate::technique::simulation::{Campaign, Seeds, record_with};
+use evidence::Subject;
 use ros2_table::Ros2Table;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -21,10 +27,19 @@ pub struct SimulateReport {
     pub format: String,
     /// The ledger's entry that was simulated.
     pub evidence: String,
-    /// The physics engine with its version.
+    /// The simulator with its version.
     pub engine: String,
-    /// The recordings with the seed of each.
+    /// How many episodes there are, those of earlier calls included.
+    pub episodes: u64,
+    /// The recordings that are kept, with the seed of each.
     pub recordings: Vec<RecordingReport>,
+    /// What the episodes show of each requirement and failure mode. Absent for
+    /// recordings in another form, which are not judged.
+    pub estimates: Vec<EstimateReport>,
+    /// What came of the stopping rule, if there was one.
+    pub until: Option<String>,
+    /// The table of all episodes, in Parquet.
+    pub table: Option<String>,
 }
 
 /// One recorded episode.
@@ -36,124 +51,327 @@ pub struct RecordingReport {
     pub seed: u64,
 }
 
+/// The rate at which a requirement was kept, or a failure mode occurred.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EstimateReport {
+    /// Which requirement or failure mode.
+    pub subject: Subject,
+    /// Episodes in which it was kept, or occurred.
+    pub count: u64,
+    /// Episodes that decide it.
+    pub trials: u64,
+    /// The lower end of the interval at the study's level. It is of a
+    /// confidence sequence, which holds however often one looks.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+/// What is simulated.
+enum Simulator {
+    Bench(Box<Campaign>),
+    Command(Box<OutsideCommand>),
+}
+
+impl Simulator {
+    /// The simulator of an entry, and how many episodes the ledger asks for.
+    fn of(study: &Study, entry: &Entry, setting: &Setting) -> Result<(Self, u64), Problem> {
+        let library = setting.physics_library.as_deref();
+        let (campaign, episodes) = match &entry.work {
+            Work::Simulate {
+                scenario,
+                parameters,
+                episodes,
+            } => (
+                Campaign::new(study, scenario, parameters, library)?,
+                *episodes,
+            ),
+            Work::SimulateScene {
+                scene,
+                test,
+                episodes,
+            } => (
+                Campaign::of_scene(study, scene, test.as_deref(), library)?,
+                *episodes,
+            ),
+            Work::Command {
+                command, episodes, ..
+            } => {
+                let command = OutsideCommand::new(study, command)?;
+                return Ok((Self::Command(Box::new(command)), *episodes));
+            }
+            _ => {
+                return Err(Problem::new(
+                    "not-a-simulation",
+                    format!("`{}` is no simulation of this study", entry.id),
+                )
+                .remedy("name an entry of the ledger with a scenario, a scene or a command"));
+            }
+        };
+        campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
+        Ok((Self::Bench(Box::new(campaign)), episodes))
+    }
+
+    fn source(&self) -> Source<'_> {
+        match self {
+            Self::Bench(campaign) => Source::Bench(campaign),
+            Self::Command(command) => Source::Command(command),
+        }
+    }
+}
+
 /// Simulates and records.
 pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
-    let library = setting.physics_library.as_deref();
-    let (campaign, scenario, episodes) = match &entry.work {
-        Work::Simulate {
-            scenario,
-            parameters,
-            episodes,
-        } => {
-            let campaign = Campaign::new(&study, scenario, parameters, library)?;
-            (campaign, scenario, episodes)
-        }
-        Work::SimulateScene {
-            scene,
-            test,
-            episodes,
-        } => {
-            let campaign = Campaign::of_scene(&study, scene, test.as_deref(), library)?;
-            (campaign, scene, episodes)
-        }
-        _ => {
-            return Err(Problem::new(
-                "not-a-simulation",
-                format!("`{}` is no simulation of this study", entry.id),
-            )
-            .remedy("name an entry of the ledger with a scenario or a scene"));
-        }
-    };
-    campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
-    let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
-    let count = arguments.episodes.unwrap_or(*episodes);
-    let numbers = arguments.first..arguments.first + count;
-    let ros2 = match arguments.form {
-        RecordingForm::Corroborate => None,
-        RecordingForm::Ros2 => Some(Ros2Table::beside(&study.folder.join(scenario))?),
-    };
-    let mut inputs = Inputs::default();
-    campaign.inputs(&mut inputs);
-    if let Some(table) = &ros2 {
-        inputs.add("ros2", table.text.as_bytes());
-    }
-    inputs
-        .add("program", program_hash()?.as_bytes())
-        .add_json("seed", &seeds.of(0));
-    claim(&arguments.out, &inputs.hash())?;
-    let files = record_all(
-        &campaign,
-        &seeds,
-        numbers.clone(),
+    let (simulator, episodes) = Simulator::of(&study, entry, setting)?;
+    let called = Called {
+        study: &study,
+        entry,
         arguments,
-        ros2.as_ref(),
         setting,
-    )?;
-    let tool = campaign.tool();
-    let report = SimulateReport {
-        format: "1.0".into(),
-        evidence: entry.id.clone(),
-        engine: format!("{} {}", tool.name, tool.version),
-        recordings: files
-            .iter()
-            .zip(numbers)
-            .map(|(file, number)| RecordingReport {
-                file: file.display().to_string(),
-                seed: seeds.of(number),
-            })
-            .collect(),
+        seeds: Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id),
+        count: arguments.episodes.unwrap_or(episodes),
     };
-    let output = match arguments.format {
-        Format::Json => json(&report)?,
-        Format::Text => format!(
-            "{count} episodes of {} in {}\nNext: corroborate monitor {} {}\n",
-            entry.id,
-            arguments.out.display(),
-            arguments.study.display(),
-            arguments.out.display()
-        ),
-    };
-    Ok(Done {
-        output,
-        outcome: Outcome::Holds,
-    })
+    match arguments.form {
+        RecordingForm::Corroborate => called.campaign(simulator.source()),
+        RecordingForm::Ros2 => called.ros2(&simulator),
+    }
 }
 
-/// Records the episodes in the form that is wanted.
-fn record_all(
-    campaign: &Campaign,
-    seeds: &Seeds,
-    numbers: std::ops::Range<u64>,
-    arguments: &Simulate,
-    ros2: Option<&Ros2Table>,
-    setting: &Setting,
-) -> Result<Vec<PathBuf>, Problem> {
-    let title = format!("{}: episodes", arguments.evidence);
-    let stage = setting.talk.begin(&title, numbers.end - numbers.start);
-    let (folder, interrupt) = (&arguments.out, &setting.interrupt);
-    let Some(table) = ros2 else {
-        return record(campaign, seeds, numbers, folder, interrupt, &stage);
-    };
-    let written = record_with(
-        campaign,
-        seeds,
-        numbers,
-        folder,
-        interrupt,
-        &stage,
-        |trace, path| table.write(trace, path),
-    )?;
-    drop(stage);
-    let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
-    if left_out > 0 {
-        setting.talk.say(&format!(
-            "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
-        ));
+/// A call, with what it names.
+struct Called<'a> {
+    study: &'a Study,
+    entry: &'a Entry,
+    arguments: &'a Simulate,
+    setting: &'a Setting,
+    seeds: Seeds,
+    count: u64,
+}
+
+impl Called<'_> {
+    /// Runs, records and judges episodes.
+    fn campaign(&self, source: Source<'_>) -> Result<Done, Problem> {
+        let (arguments, sampling) = (self.arguments, &self.entry.sampling);
+        let rule = match &arguments.until {
+            Some(text) => Some(parse_until(text)?),
+            None => sampling.until.clone(),
+        };
+        let until = rule.map(|rule| Until::new(self.study, &rule)).transpose()?;
+        let program = program_hash()?;
+        let mut inputs = self.inputs(source, &program);
+        if sampling.early_end {
+            inputs.add_json("early_end", &true);
+        }
+        claim(&arguments.out, &inputs.hash())?;
+        let stage = self.stage();
+        let plan = Campaigning {
+            study: self.study,
+            id: &self.entry.id,
+            source,
+            seeds: self.seeds.clone(),
+            numbers: arguments.first..arguments.first + self.count,
+            keep: arguments.keep.unwrap_or(sampling.keep),
+            early_end: sampling.early_end,
+            until: until.as_ref(),
+            folder: &arguments.out,
+            judged_by: judged_by(self.study, source, &program),
+            interrupt: &self.setting.interrupt,
+            stage: &stage,
+        };
+        let finished = plan.run()?;
+        drop(stage);
+        let met = until
+            .as_ref()
+            .map(|it| it.is_met(finished.tally.sample(it.subject())));
+        let report = SimulateReport {
+            until: finished.stopped.clone(),
+            table: Some(finished.table.display().to_string()),
+            estimates: self.estimates(&finished)?,
+            ..self.report(source, finished.tally.runs(), &|number| {
+                arguments.out.join(source.recording_name(number))
+            })
+        };
+        let output = match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => self.text(&report, &finished),
+        };
+        Ok(Done {
+            output,
+            outcome: match met {
+                None | Some(Some(true)) => Outcome::Holds,
+                Some(Some(false)) => Outcome::Violated,
+                Some(None) => Outcome::Inconclusive,
+            },
+        })
     }
-    Ok(written.into_iter().map(|(path, _)| path).collect())
+
+    /// Records episodes as ROS 2 bags, which are not judged.
+    fn ros2(&self, simulator: &Simulator) -> Result<Done, Problem> {
+        let (Simulator::Bench(campaign), Some(scenario)) = (simulator, self.scenario()) else {
+            return Err(Problem::new(
+                "not-a-simulation",
+                format!("`{}` leaves recordings of its own", self.entry.id),
+            )
+            .remedy("leave out `--as ros2`"));
+        };
+        if self.arguments.until.is_some() || self.arguments.keep.is_some() {
+            return Err(Problem::new(
+                "ros2-not-judged",
+                "recordings as ROS 2 bags are all kept and not judged",
+            )
+            .remedy("leave out `--until` and `--keep`, or `--as ros2`"));
+        }
+        let table = Ros2Table::beside(&self.study.folder.join(scenario))?;
+        let source = simulator.source();
+        let mut inputs = self.inputs(source, &program_hash()?);
+        inputs.add("ros2", table.text.as_bytes());
+        let folder = &self.arguments.out;
+        claim(folder, &inputs.hash())?;
+        let numbers = self.arguments.first..self.arguments.first + self.count;
+        let stage = self.stage();
+        let interrupt = &self.setting.interrupt;
+        let write = |trace: &trace::Trace, path: &Path| table.write(trace, path);
+        let written = record_with(
+            campaign,
+            &self.seeds,
+            numbers,
+            folder,
+            interrupt,
+            &stage,
+            write,
+        )?;
+        drop(stage);
+        let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
+        if left_out > 0 {
+            self.setting.talk.say(&format!(
+                "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
+            ));
+        }
+        let report = self.report(source, self.count, &|number| {
+            folder.join(source.recording_name(number))
+        });
+        Ok(Done {
+            output: match self.arguments.format {
+                Format::Json => json(&report)?,
+                Format::Text => self.next(self.count),
+            },
+            outcome: Outcome::Holds,
+        })
+    }
+
+    fn scenario(&self) -> Option<&Path> {
+        match &self.entry.work {
+            Work::Simulate { scenario, .. } => Some(scenario),
+            Work::SimulateScene { scene, .. } => Some(scene),
+            _ => None,
+        }
+    }
+
+    fn stage(&self) -> crate::talk::Stage {
+        let title = format!("{}: episodes", self.entry.id);
+        self.setting.talk.begin(&title, self.count)
+    }
+
+    /// What the recordings depend on.
+    fn inputs(&self, source: Source<'_>, program: &str) -> Inputs {
+        let mut inputs = Inputs::default();
+        source.inputs(&mut inputs);
+        if matches!(source, Source::Bench(_)) {
+            inputs.add("program", program.as_bytes());
+        }
+        inputs.add_json("seed", &self.seeds.of(0));
+        inputs
+    }
+
+    fn report(
+        &self,
+        source: Source<'_>,
+        episodes: u64,
+        place: &dyn Fn(u64) -> PathBuf,
+    ) -> SimulateReport {
+        let tool = source.tool();
+        let numbers = self.arguments.first..self.arguments.first + episodes;
+        let kept = numbers.map(|number| (number, place(number)));
+        let kept = kept.filter(|(_, path)| path.exists());
+        SimulateReport {
+            format: "1.1".into(),
+            evidence: self.entry.id.clone(),
+            engine: format!("{} {}", tool.name, tool.version)
+                .trim_end()
+                .to_owned(),
+            episodes,
+            recordings: kept
+                .map(|(number, path)| RecordingReport {
+                    file: path.display().to_string(),
+                    seed: self.seeds.of(number),
+                })
+                .collect(),
+            estimates: Vec::new(),
+            until: None,
+            table: None,
+        }
+    }
+
+    fn estimates(&self, finished: &Finished) -> Result<Vec<EstimateReport>, Problem> {
+        let level = technique::confidence(self.study.about.confidence)?;
+        let subjects = self.study.forms.subjects.iter().map(|form| &form.subject);
+        let decided = subjects.map(|subject| (subject, finished.tally.sample(subject)));
+        Ok(decided
+            .filter(|(_, sample)| sample.trials > 0)
+            .map(|(subject, sample)| {
+                let interval = stats::confidence_sequence(sample, level);
+                EstimateReport {
+                    subject: subject.clone(),
+                    count: sample.successes,
+                    trials: sample.trials,
+                    low: interval.low,
+                    high: interval.high,
+                }
+            })
+            .collect())
+    }
+
+    fn text(&self, report: &SimulateReport, finished: &Finished) -> String {
+        let mut text = String::new();
+        for estimate in &report.estimates {
+            let share = 100.0 * estimate.count as f64 / estimate.trials as f64;
+            text.push_str(&format!(
+                "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1})\n",
+                estimate.subject.id(),
+                estimate.count,
+                estimate.trials,
+                100.0 * estimate.low,
+                100.0 * estimate.high
+            ));
+        }
+        if let Some(until) = &report.until {
+            text.push_str(&format!("{until}\n"));
+        }
+        let cost = &finished.cost;
+        let speed = cost
+            .real_time_factor
+            .map(|factor| format!(", {factor:.0} times real time on a core"));
+        text.push_str(&format!(
+            "Table: {} ({:.1} s{})\n",
+            finished.table.display(),
+            cost.wall_secs,
+            speed.unwrap_or_default()
+        ));
+        match report.recordings.is_empty() {
+            true => text,
+            false => text + &self.next(report.episodes),
+        }
+    }
+
+    fn next(&self, count: u64) -> String {
+        let (study, out) = (self.arguments.study.display(), self.arguments.out.display());
+        format!(
+            "{count} episodes of {} in {out}\nNext: corroborate monitor {study} {out}\n",
+            self.entry.id
+        )
+    }
 }
 
 /// The file that says which campaign a folder's recordings are of.
@@ -168,7 +386,7 @@ fn claim(folder: &Path, campaign: &str) -> Result<(), Problem> {
         std::fs::read_dir(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
     let occupied = entries
         .flatten()
-        .any(|e| e.path().extension().is_some_and(|x| x == "mcap"));
+        .any(|e| e.file_name().to_string_lossy().starts_with("episode-"));
     let same = std::fs::read_to_string(&mark).is_ok_and(|text| text.trim() == campaign);
     if occupied && !same {
         return Err(Problem::new(

@@ -14,6 +14,7 @@ use crate::technique::judging::{Judgement, Judges, verdict_name};
 use evidence::{FormDifference, Subject};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use temporal::formula::{Formula, Parsed};
 use temporal::monitor::Verdict;
 
@@ -23,6 +24,9 @@ pub const SENTENCE: &str = "sentence";
 pub const MONITOR: &str = "monitor";
 /// The name of the property, if it is written by hand.
 pub const PROPERTY: &str = "property";
+
+/// Runs that are named as witnesses of a difference, at most.
+const WITNESSES: usize = 5;
 
 /// The name of a failure mode's property, negated: that it does not occur.
 pub const OCCURS: &str = "occurs";
@@ -164,51 +168,73 @@ fn differing<'j, 'a>(
         .collect()
 }
 
-/// The differences on many runs, alike ones counted together, in the order of
-/// the forms. `witnesses` of the runs are named, at most.
-pub fn summary(
-    runs: &[Vec<Judgement<'_>>],
-    names: &[String],
-    witnesses: usize,
-) -> Vec<FormDifference> {
-    let mut all: Vec<FormDifference> = Vec::new();
-    for (judgements, name) in runs.iter().zip(names) {
-        for (reference, other) in differing(judgements) {
-            let new = FormDifference {
-                subject: reference.subject.clone(),
-                reference: reference.reading.unwrap_or_default().to_owned(),
-                reference_verdict: verdict_name(reference.findings.verdict).into(),
-                form: other.reading.unwrap_or_default().to_owned(),
-                verdict: verdict_name(other.findings.verdict).into(),
-                count: 0,
-                runs: runs.len() as u64,
-                witnesses: Vec::new(),
-            };
-            let place = all.iter().position(|known| is_alike(known, &new));
-            let place = place.unwrap_or_else(|| {
-                all.push(new);
-                all.len() - 1
-            });
-            let found = &mut all[place];
-            found.count += 1;
-            if found.witnesses.len() < witnesses {
-                found.witnesses.push(name.clone());
+/// The differences on many runs, alike ones counted together, taken one run at
+/// a time.
+#[derive(Clone, Debug)]
+pub struct DifferenceTally {
+    /// The forms, with their names.
+    forms: Vec<(Subject, String)>,
+    runs: u64,
+    /// By form and by its reference's verdict, so in the order of the forms.
+    found: BTreeMap<(usize, Verdict, Verdict), (u64, Vec<String>)>,
+}
+
+impl DifferenceTally {
+    /// Before the first run, of the forms of [`judges`].
+    pub fn new<'a>(forms: impl Iterator<Item = (&'a Subject, Option<&'a str>)>) -> Self {
+        let named = |(subject, form): (&Subject, Option<&str>)| {
+            (subject.clone(), form.unwrap_or_default().to_owned())
+        };
+        Self {
+            forms: forms.map(named).collect(),
+            runs: 0,
+            found: BTreeMap::new(),
+        }
+    }
+
+    /// Takes a run: the verdict of each form, in their order.
+    pub fn add(&mut self, name: &str, verdicts: &[Verdict]) {
+        self.runs += 1;
+        let mut reference = 0;
+        for place in 0..self.forms.len().min(verdicts.len()) {
+            if self.forms[place].0 != self.forms[reference].0 {
+                reference = place;
+            }
+            let (of_reference, of_form) = (verdicts[reference], verdicts[place]);
+            if differ(of_reference, of_form) {
+                let key = (place, of_reference, of_form);
+                let (count, witnesses) = self.found.entry(key).or_default();
+                *count += 1;
+                if witnesses.len() < WITNESSES {
+                    witnesses.push(name.to_owned());
+                }
             }
         }
     }
-    let place = |found: &FormDifference| {
-        let mut order = runs.iter().flatten();
-        order.position(|j| j.subject == &found.subject && j.reading == Some(found.form.as_str()))
-    };
-    all.sort_by_cached_key(|found| (place(found), found.reference_verdict.clone()));
-    all
-}
 
-/// Whether two differences are of the same forms in the same way.
-fn is_alike(one: &FormDifference, other: &FormDifference) -> bool {
-    one.subject == other.subject
-        && (&one.reference, &one.form) == (&other.reference, &other.form)
-        && (&one.reference_verdict, &one.verdict) == (&other.reference_verdict, &other.verdict)
+    /// What was found, in the order of the forms.
+    pub fn finish(self) -> Vec<FormDifference> {
+        let reference = |place: usize| {
+            let subject = &self.forms[place].0;
+            let first = self.forms.iter().find(|(other, _)| other == subject);
+            first.map(|(_, name)| name.clone()).unwrap_or_default()
+        };
+        let found = self.found.iter();
+        found
+            .map(
+                |((place, of_reference, of_form), (count, witnesses))| FormDifference {
+                    subject: self.forms[*place].0.clone(),
+                    reference: reference(*place),
+                    reference_verdict: verdict_name(*of_reference).into(),
+                    form: self.forms[*place].1.clone(),
+                    verdict: verdict_name(*of_form).into(),
+                    count: *count,
+                    runs: self.runs,
+                    witnesses: witnesses.clone(),
+                },
+            )
+            .collect()
+    }
 }
 
 /// Differences in one line.

@@ -3,6 +3,7 @@
 
 use super::{About, Forms};
 use crate::problem::{Problem, Source};
+use crate::store::Inputs;
 use evidence::{Calibration, Subject};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,6 +32,69 @@ pub struct Entry {
     pub published: Published,
     /// How to produce it.
     pub work: Work,
+    /// How its episodes are run, for simulations.
+    pub sampling: Sampling,
+}
+
+/// How the episodes of a simulation are run.
+#[derive(Clone, Debug, Default)]
+pub struct Sampling {
+    /// When to end before the last episode.
+    pub until: Option<UntilText>,
+    /// Which recordings are kept.
+    pub keep: Keep,
+    /// Whether an episode ends once all verdicts are determined.
+    pub early_end: bool,
+}
+
+impl Sampling {
+    /// What results depend on.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs
+            .add_json("until", &self.until)
+            .add_json("keep", &self.keep)
+            .add_json("early_end", &self.early_end);
+    }
+}
+
+/// A stopping rule as it is written.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct UntilText {
+    /// The requirement that is to be decided.
+    pub requirement: String,
+    /// The confidence in the decision, for example 0.99.
+    pub confidence: f64,
+    /// The rate against which it is decided, if not the requirement's own.
+    pub threshold: Option<f64>,
+}
+
+/// Which recordings of episodes are kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Keep {
+    /// All, so that a changed monitor judges the same episodes again.
+    #[default]
+    All,
+    /// Those in which a requirement is violated or a failure mode occurs.
+    Violations,
+    /// None; results are kept.
+    None,
+}
+
+/// Another simulator, or a rig, as the ledger names it.
+#[derive(Clone, Debug)]
+pub struct CommandText {
+    /// The words of the command.
+    pub command: Vec<String>,
+    /// Files on which its episodes depend.
+    pub assets: Vec<PathBuf>,
+    /// What is done in each episode.
+    pub stimulus: Option<PathBuf>,
+    /// The extension of its recordings; empty for folders.
+    pub leaves: String,
+    /// The longest that an episode may take, in seconds of real time.
+    pub limit_secs: f64,
 }
 
 /// How a piece of evidence is produced.
@@ -61,6 +125,15 @@ pub enum Work {
         /// How many episodes.
         episodes: u64,
     },
+    /// Run a command for each episode and judge the recording that it leaves.
+    Command {
+        /// Of a simulator or of a rig.
+        technique: evidence::Technique,
+        /// The command with all that belongs to it.
+        command: CommandText,
+        /// How many episodes.
+        episodes: u64,
+    },
     /// Read counts from tables.
     Read {
         /// Of the real robot or of published simulations.
@@ -87,7 +160,9 @@ impl Work {
         match self {
             Work::Check { .. } => evidence::Technique::ModelChecking,
             Work::Simulate { .. } | Work::SimulateScene { .. } => evidence::Technique::Simulation,
-            Work::Read { technique, .. } | Work::Judge { technique, .. } => *technique,
+            Work::Read { technique, .. }
+            | Work::Judge { technique, .. }
+            | Work::Command { technique, .. } => *technique,
         }
     }
 
@@ -199,6 +274,14 @@ struct EntryText {
     scene: Option<Spanned<PathBuf>>,
     test: Option<Spanned<String>>,
     episodes: Option<Spanned<u64>>,
+    command: Option<Spanned<Vec<String>>>,
+    assets: Option<Vec<Spanned<PathBuf>>>,
+    stimulus: Option<Spanned<PathBuf>>,
+    leaves: Option<Spanned<String>>,
+    limit_secs: Option<Spanned<f64>>,
+    until: Option<Spanned<UntilText>>,
+    keep: Option<Spanned<Keep>>,
+    early_end: Option<Spanned<bool>>,
     tables: Option<Spanned<TablesText>>,
     recordings: Option<Spanned<PathBuf>>,
 }
@@ -316,6 +399,7 @@ impl Reader<'_> {
             .collect::<Result<_, _>>()?;
         Ok(Entry {
             work: self.work(&text)?,
+            sampling: self.sampling(&text)?,
             calibrated,
             conditions: conditions.clone(),
             id: text.id.into_inner(),
@@ -402,6 +486,9 @@ impl Reader<'_> {
         use evidence::Technique::{Experiment, ModelChecking, Operation, Simulation};
         match text.technique.get_ref() {
             ModelChecking => self.check(text),
+            technique @ (Simulation | Experiment) if text.command.is_some() => {
+                self.command(text, *technique)
+            }
             Simulation if text.tables.is_none() => self.simulate(text),
             Experiment if text.recordings.is_some() => self.judge(text, Experiment),
             technique @ (Simulation | Experiment) => self.read(text, *technique),
@@ -426,7 +513,8 @@ impl Reader<'_> {
         Ok(Work::Check { model, methods })
     }
 
-    fn simulate(&self, text: &EntryText) -> Result<Work, Problem> {
+    /// How many episodes are asked for.
+    fn episodes(&self, text: &EntryText) -> Result<u64, Problem> {
         let episodes = text.episodes.as_ref().ok_or_else(|| {
             self.problem(
                 "missing-entry",
@@ -446,13 +534,134 @@ impl Reader<'_> {
                 "choose 1 to 10000000",
             ));
         }
+        Ok(*episodes.get_ref())
+    }
+
+    fn command(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let others = [
+            text.scenario.as_ref().map(Spanned::span),
+            text.scene.as_ref().map(Spanned::span),
+            text.tables.as_ref().map(Spanned::span),
+            text.recordings.as_ref().map(Spanned::span),
+        ];
+        if let Some(span) = others.into_iter().flatten().next() {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` has a command and another source", text.id.get_ref()),
+                span,
+                "keep either `command` or this",
+            ));
+        }
+        let (words, span) = match &text.command {
+            Some(words) => (words.get_ref().clone(), words.span()),
+            None => (Vec::new(), text.id.span()),
+        };
+        let names = |place: &str| words.iter().any(|word| word.contains(place));
+        let is_usable = words.first().is_some_and(|word| !word.is_empty());
+        if !is_usable || !names("{recording}") || !names("{seed}") {
+            return Err(self.problem(
+                "bad-command",
+                "the command has to be told where to leave its recording, and its seed".into(),
+                span,
+                "for example `command = [\"python3\", \"simulate.py\", \"{stimulus}\", \"{seed}\", \"{recording}\"]`",
+            ));
+        }
+        let assets = text.assets.iter().flatten().map(|path| self.existing(path));
+        let command = CommandText {
+            command: words,
+            assets: assets.collect::<Result<_, _>>()?,
+            stimulus: text
+                .stimulus
+                .as_ref()
+                .map(|it| self.existing(it))
+                .transpose()?,
+            leaves: self.leaves(text)?,
+            limit_secs: self.limit_secs(text)?,
+        };
+        Ok(Work::Command {
+            technique,
+            command,
+            episodes: self.episodes(text)?,
+        })
+    }
+
+    fn leaves(&self, text: &EntryText) -> Result<String, Problem> {
+        let Some(leaves) = &text.leaves else {
+            return Ok("mcap".into());
+        };
+        let extension = leaves.get_ref().trim_start_matches('.');
+        if extension
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '.')
+        {
+            return Ok(extension.to_owned());
+        }
+        Err(self.problem(
+            "bad-command",
+            format!("`{extension}` is no extension of a file"),
+            leaves.span(),
+            "name for example `mcap`, `bag`, `db3`, `csv` or `jsonl`; leave it empty for a folder",
+        ))
+    }
+
+    fn limit_secs(&self, text: &EntryText) -> Result<f64, Problem> {
+        match &text.limit_secs {
+            None => Ok(3600.0),
+            Some(limit) if *limit.get_ref() > 0.0 && *limit.get_ref() <= 1e6 => {
+                Ok(*limit.get_ref())
+            }
+            Some(limit) => Err(self.problem(
+                "bad-command",
+                format!("{} s is no limit for an episode", limit.get_ref()),
+                limit.span(),
+                "choose seconds of real time above 0, at most 1000000",
+            )),
+        }
+    }
+
+    /// How episodes are run; only what has episodes may say so.
+    fn sampling(&self, text: &EntryText) -> Result<Sampling, Problem> {
+        let spans = [
+            text.until.as_ref().map(Spanned::span),
+            text.keep.as_ref().map(Spanned::span),
+            text.early_end.as_ref().map(Spanned::span),
+        ];
+        if let (None, Some(span)) = (&text.episodes, spans.into_iter().flatten().next()) {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` runs no episodes", text.id.get_ref()),
+                span,
+                "`until`, `keep` and `early_end` belong to entries with `episodes`",
+            ));
+        }
+        if let (Some(_), Some(early)) = (&text.command, &text.early_end) {
+            return Err(self.problem(
+                "bad-ledger",
+                "another simulator is judged by its recording, so it does not end early".into(),
+                early.span(),
+                "leave `early_end` out",
+            ));
+        }
+        Ok(Sampling {
+            until: text.until.as_ref().map(|it| it.get_ref().clone()),
+            keep: text
+                .keep
+                .as_ref()
+                .map(|it| *it.get_ref())
+                .unwrap_or_default(),
+            early_end: text.early_end.as_ref().is_some_and(|it| *it.get_ref()),
+        })
+    }
+
+    fn simulate(&self, text: &EntryText) -> Result<Work, Problem> {
+        let episodes = self.episodes(text)?;
         if let Some(scene) = &text.scene {
-            return self.simulate_scene(text, scene, *episodes.get_ref());
+            return self.simulate_scene(text, scene, episodes);
         }
         Ok(Work::Simulate {
             scenario: self.file(text, "scenario", text.scenario.as_ref())?,
             parameters: self.file(text, "parameters", text.parameters.as_ref())?,
-            episodes: *episodes.get_ref(),
+            episodes,
         })
     }
 

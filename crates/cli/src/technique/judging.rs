@@ -15,6 +15,7 @@ pub use shown::Shown;
 pub use valueless::valueless_of;
 
 use crate::problem::Problem;
+use crate::store::Inputs;
 use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
 use evidence::Subject;
 use std::collections::BTreeMap;
@@ -179,6 +180,11 @@ impl<'a> Judges<'a> {
         Ok(collector.judges)
     }
 
+    /// Whose monitors these are, in their order, each with its reading.
+    pub fn monitors(&self) -> impl Iterator<Item = (&'a Subject, Option<&'a str>)> + '_ {
+        self.judges.iter().map(|judge| (judge.subject, judge.reading))
+    }
+
     /// The signals that are read, `/topic.field`.
     pub fn signals(&self) -> std::collections::BTreeSet<String> {
         let of_predicates = self.predicates.iter().flat_map(Predicate::signals);
@@ -332,6 +338,33 @@ fn written_forms(form: &SubjectForm) -> impl Iterator<Item = (Option<&str>, &Jud
         .iter()
         .map(|reading| (Some(reading.name.as_str()), &reading.monitor));
     main.chain(others)
+}
+
+/// Everything that judging a trace of a study depends on, besides this program.
+pub fn inputs_of(study: &Study, inputs: &mut Inputs) {
+    for form in &study.forms.subjects {
+        inputs.add("subject", form.subject.id().as_bytes());
+        inputs.add_json("monitor", &form.monitor);
+        // The forms that are held against the monitor.
+        let sentence = form.sentence.as_ref();
+        inputs.add_json("sentence", &sentence.map(|sentence| &sentence.text));
+        let property = form.property.as_ref();
+        inputs.add_json("property", &property.map(|property| &property.text));
+        for reading in &form.readings {
+            inputs.add("reading", reading.name.as_bytes());
+            inputs.add("meaning", reading.meaning.as_bytes());
+            inputs.add_json("monitor", &reading.monitor);
+        }
+    }
+    inputs.add_json("step", &study.about.model.step_secs());
+    for (name, proposition) in &study.vocabulary.propositions {
+        if let Some(binding) = &proposition.trace {
+            inputs.add(name, binding.text.as_bytes());
+        }
+    }
+    for (name, parameter) in &study.parameters.declared {
+        inputs.add(name, parameter.text.as_bytes());
+    }
 }
 
 /// The name of a verdict in results.

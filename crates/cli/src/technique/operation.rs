@@ -123,7 +123,7 @@ impl Recordings {
                 version: env!("CARGO_PKG_VERSION").into(),
                 settings: settings(self.trials.len(), &mixtures),
             },
-            findings: simulation::findings(study, &all, &names)?,
+            findings: simulation::findings(study, &judges, &all, &names)?,
             form_differences: Vec::new(),
             clusters: None,
             influences: Vec::new(),
@@ -164,7 +164,7 @@ fn settings(count: usize, mixtures: &BTreeMap<String, u64>) -> String {
 }
 
 /// What a trial from which something is missing can still show.
-fn only_violations(mut judgements: Vec<Judgement<'_>>) -> Vec<Judgement<'_>> {
+pub fn only_violations(mut judgements: Vec<Judgement<'_>>) -> Vec<Judgement<'_>> {
     for judgement in &mut judgements {
         if judgement.findings.verdict != Verdict::Violated {
             judgement.findings.verdict = Verdict::Inconclusive;

@@ -1,29 +1,25 @@
-//! Simulation: seeded episodes on all cores, recorded, and judged by the
-//! study's monitors.
+//! Simulation: the bench that an entry of the ledger names, and its episodes.
 //!
 //! An episode is known by its number; its seed follows from the study's seed,
-//! the evidence's identifier and that number. Each episode is kept as one
-//! file, so that an interrupted campaign goes on where it stopped, and a
-//! changed monitor judges the same episodes again.
+//! the evidence's identifier and that number. Campaigns of many episodes are
+//! run by `technique::campaign`.
 
-use super::Produced;
 use super::bench::SceneCampaign;
+use super::campaign::{Intervals, Tally, monitors};
 use super::judging::{Judgement, Judges};
-use crate::forms::differences;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::Study;
 use crate::talk::{Interrupt, Stage};
-use evidence::{Asset, Cost, Finding, Measure, Reading, Subject, Tool};
+use evidence::{Asset, Finding, Tool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-use temporal::monitor::Verdict;
-use testbench::{Engine, Parameters, Scenario, ScenarioError, SimError, Unwatched, World};
+use stimulus::Stimulus;
+use testbench::{
+    Bench as _, Engine, HandoverBench, Parameters, Recorded, Scenario, ScenarioError, SimError,
+    Unwatched, Watch, World,
+};
 use trace::Trace;
-
-/// Runs that are named as witnesses of a violation, at most.
-const WITNESSES: usize = 5;
 
 /// A bench and the engine that runs it.
 pub struct Campaign {
@@ -42,23 +38,12 @@ enum Bench {
 /// A scenario with its parameters.
 struct Handover {
     scenario: Scenario,
-    parameters: Parameters,
+    world: World,
+    stimulus: Stimulus,
+    /// The topics of its recordings.
+    layout: Trace,
     scenario_text: String,
     parameters_text: String,
-}
-
-/// What one episode took.
-#[derive(Clone, Copy, Debug, Default)]
-struct Effort {
-    simulated_secs: f64,
-    /// Processor seconds of this thread; `None` if the recording was read.
-    cpu_secs: Option<f64>,
-}
-
-/// Processor seconds that this thread has used.
-fn thread_cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 impl Campaign {
@@ -72,12 +57,14 @@ impl Campaign {
         let (scenario, scenario_text) = read_scenario(&study.folder.join(scenario))?;
         let (parameters, parameters_text) = read_parameters(&study.folder.join(parameters))?;
         let engine = load_engine(library)?;
-        let handover = Handover {
+        let handover = Handover::new(
+            &engine,
             scenario,
-            parameters,
+            &parameters,
             scenario_text,
             parameters_text,
-        };
+        )
+        .map_err(|error| Problem::new("simulation-failed", error.to_string()))?;
         Ok(Self {
             engine,
             bench: Bench::Handover(Box::new(handover)),
@@ -144,9 +131,7 @@ impl Campaign {
 
     /// A world in which single episodes can be run.
     pub fn world(&self) -> Result<World, Problem> {
-        let handover = self.handover()?;
-        World::new(&self.engine, &handover.scenario, &handover.parameters)
-            .map_err(|error| Problem::new("simulation-failed", error.to_string()))
+        Ok(self.handover()?.world.clone())
     }
 
     /// How often the robot's code runs, per second.
@@ -167,77 +152,67 @@ impl Campaign {
         }
     }
 
-    /// Runs the episodes of `numbers` in parallel and hands each trace to
-    /// `use_trace`, which may run on any thread; the results come in the order
-    /// of the numbers. Episodes whose recording is in `folder` are read.
-    fn episodes<T: Send>(
-        &self,
-        seeds: &Seeds,
-        numbers: std::ops::Range<u64>,
-        folder: &Path,
-        interrupt: &Interrupt,
-        stage: &Stage,
-        use_trace: impl Fn(&Trace) -> Result<T, Problem> + Sync,
-    ) -> Result<Vec<(T, Effort)>, Problem> {
-        let numbers: Vec<u64> = numbers.collect();
-        numbers
-            .into_par_iter()
-            .map_init(
-                || None,
-                |world: &mut Option<World>, number| {
-                    if interrupt.is_set() {
-                        return Err(Problem::interrupted());
-                    }
-                    let path = folder.join(episode_name(number));
-                    let began = thread_cpu_secs();
-                    let recorded = recorded(&path, seeds.of(number));
-                    let is_new = recorded.is_none();
-                    let trace = match recorded {
-                        Some(trace) => trace,
-                        None => {
-                            let trace = self.simulate(world, seeds.of(number), interrupt)?;
-                            recording::write_mcap(&path, &trace).map_err(write_problem)?;
-                            trace
-                        }
-                    };
-                    let result = use_trace(&trace)?;
-                    stage.advance();
-                    let effort = Effort {
-                        simulated_secs: trace.end_secs().unwrap_or(0.0),
-                        cpu_secs: is_new.then(|| thread_cpu_secs() - began),
-                    };
-                    Ok((result, effort))
-                },
-            )
-            .collect()
+    /// The topics of its recordings, without rows.
+    pub fn layout(&self) -> Result<Trace, Problem> {
+        match &self.bench {
+            Bench::Handover(handover) => Ok(handover.layout.clone()),
+            Bench::Scene(scene) => scene
+                .layout()
+                .map_err(|error| Problem::new("simulation-failed", error.to_string())),
+        }
     }
 
-    fn simulate(
+    /// What is done in each episode.
+    pub fn stimulus(&self) -> Option<&Stimulus> {
+        Some(match &self.bench {
+            Bench::Handover(handover) => &handover.stimulus,
+            Bench::Scene(scene) => scene.stimulus(),
+        })
+    }
+
+    /// Runs one episode, which `watch` may end.
+    pub fn run(
         &self,
-        world: &mut Option<World>,
         seed: u64,
+        watch: &mut dyn Watch,
         interrupt: &Interrupt,
-    ) -> Result<Trace, Problem> {
-        let problem = |error: SimError| match error {
-            SimError::Cancelled => Problem::interrupted(),
-            other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
-        };
-        let handover = match &self.bench {
-            Bench::Handover(handover) => handover,
-            Bench::Scene(scene) => {
-                let run = scene.run(seed, &mut Unwatched, interrupt);
-                return Ok(run.map_err(problem)?.trace);
+    ) -> Result<Recorded, Problem> {
+        let run = match &self.bench {
+            Bench::Scene(scene) => scene.run(seed, watch, interrupt),
+            Bench::Handover(handover) => {
+                testbench::watch_episode(&handover.world, seed, watch, interrupt.cancel())
+                    .map(Recorded::from)
             }
         };
-        let world = match world {
-            Some(world) => world,
-            None => world.insert(
-                World::new(&self.engine, &handover.scenario, &handover.parameters)
-                    .map_err(problem)?,
-            ),
-        };
-        let episode = testbench::run_episode(world, seed, interrupt.cancel());
-        Ok(episode.map_err(problem)?.trace)
+        run.map_err(|error| match error {
+            SimError::Cancelled => Problem::interrupted(),
+            other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
+        })
+    }
+}
+
+impl Handover {
+    fn new(
+        engine: &Engine,
+        scenario: Scenario,
+        parameters: &Parameters,
+        scenario_text: String,
+        parameters_text: String,
+    ) -> Result<Self, SimError> {
+        let world = World::new(engine, &scenario, parameters)?;
+        let bench = HandoverBench::new(engine, &scenario_text, &parameters_text)?;
+        let test = scenario
+            .abstract_tests
+            .first()
+            .map(|test| test.name.as_str());
+        Ok(Self {
+            stimulus: bench.own_test(test.unwrap_or_default())?,
+            layout: bench.layout()?,
+            scenario,
+            world,
+            scenario_text,
+            parameters_text,
+        })
     }
 }
 
@@ -288,19 +263,6 @@ pub fn episode_name(number: u64) -> String {
     format!("episode-{number:05}.mcap")
 }
 
-/// Records episodes without judging them.
-pub fn record(
-    campaign: &Campaign,
-    seeds: &Seeds,
-    numbers: std::ops::Range<u64>,
-    folder: &Path,
-    interrupt: &Interrupt,
-    stage: &Stage,
-) -> Result<Vec<PathBuf>, Problem> {
-    campaign.episodes(seeds, numbers.clone(), folder, interrupt, stage, |_| Ok(()))?;
-    Ok(numbers.map(|n| folder.join(episode_name(n))).collect())
-}
-
 /// Simulates episodes and hands each trace, with its file's path, to `write`,
 /// which may run on any thread; the results come in the order of the numbers.
 pub fn record_with<T: Send>(
@@ -315,193 +277,31 @@ pub fn record_with<T: Send>(
     let numbers: Vec<u64> = numbers.collect();
     numbers
         .into_par_iter()
-        .map_init(
-            || None,
-            |world: &mut Option<World>, number| {
-                if interrupt.is_set() {
-                    return Err(Problem::interrupted());
-                }
-                let trace = campaign.simulate(world, seeds.of(number), interrupt)?;
-                let path = folder.join(episode_name(number));
-                let result = write(&trace, &path)?;
-                stage.advance();
-                Ok((path, result))
-            },
-        )
+        .map(|number| {
+            let trace = campaign
+                .run(seeds.of(number), &mut Unwatched, interrupt)?
+                .trace;
+            let path = folder.join(episode_name(number));
+            let result = write(&trace, &path)?;
+            stage.advance();
+            Ok((path, result))
+        })
         .collect()
-}
-
-/// Runs a campaign and judges it.
-pub fn produce(
-    study: &Study,
-    id: &str,
-    campaign: &Campaign,
-    episodes: u64,
-    folder: &Path,
-    interrupt: &Interrupt,
-    stage: &Stage,
-) -> Result<Produced, Problem> {
-    let began = Instant::now();
-    let judges = Judges::new(study, |_| true)?;
-    let forms = differences::forms_of(study);
-    let form_judges = differences::judges(study, &forms)?;
-    let seeds = Seeds::new(study.about.seed, id);
-    let judged = campaign.episodes(&seeds, 1..episodes + 1, folder, interrupt, stage, |trace| {
-        Ok((judges.judge(trace)?, form_judges.judge(trace)?))
-    })?;
-    let (judged, efforts): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
-    let (judgements, of_forms): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
-    let numbers: Vec<String> = (1..=episodes).map(episode_name).collect();
-    let cost = Cost {
-        evidence: id.to_owned(),
-        wall_secs: began.elapsed().as_secs_f64(),
-        ..cost_of(&efforts)
-    };
-    Ok(Produced {
-        tool: campaign.tool(),
-        findings: findings(study, &judgements, &numbers)?,
-        form_differences: differences::summary(&of_forms, &numbers, WITNESSES),
-        clusters: None,
-        influences: Vec::new(),
-        cost,
-    })
-}
-
-/// The cost of episodes; processor time and speed are of those that were not
-/// read from an earlier run.
-fn cost_of(efforts: &[Effort]) -> Cost {
-    let (mut simulated_secs, mut cpu_secs) = (0.0, 0.0);
-    for effort in efforts {
-        if let Some(used) = effort.cpu_secs {
-            simulated_secs += effort.simulated_secs;
-            cpu_secs += used;
-        }
-    }
-    Cost {
-        simulated_secs: Some(efforts.iter().map(|e| e.simulated_secs).sum()),
-        cpu_secs: Some(cpu_secs),
-        real_time_factor: (cpu_secs > 0.0).then(|| simulated_secs / cpu_secs),
-        ..Cost::default()
-    }
 }
 
 /// Sums up judgements of many traces, one finding for each subject.
 pub fn findings(
     study: &Study,
+    judges: &Judges<'_>,
     judgements: &[Vec<Judgement>],
     names: &[String],
 ) -> Result<Vec<Finding>, Problem> {
-    study
-        .forms
-        .subjects
-        .iter()
-        .map(|form| {
-            let main = Tally::of(judgements, names, &form.subject, None);
-            if form.monitor.is_none() {
-                return Ok(Finding {
-                    subject: form.subject.clone(),
-                    measure: Measure::NotExpressible {
-                        reason: match &form.no_monitor {
-                            Some(reason) => format!("It cannot be judged on traces: {reason}."),
-                            None => "It has no monitor.".into(),
-                        },
-                    },
-                    undecided: 0,
-                    witnesses: Vec::new(),
-                    readings: Vec::new(),
-                });
-            }
-            let readings = form.readings.iter().map(|reading| {
-                let other = Tally::of(judgements, names, &form.subject, Some(&reading.name));
-                let differing: Vec<&String> = (0..names.len())
-                    .filter(|i| main.verdicts[*i] != other.verdicts[*i])
-                    .map(|i| &names[i])
-                    .collect();
-                Reading {
-                    name: reading.name.clone(),
-                    meaning: reading.meaning.clone(),
-                    count: other.satisfied,
-                    trials: other.satisfied + other.violated,
-                    differing: differing.len() as u64,
-                    witnesses: differing.into_iter().take(WITNESSES).cloned().collect(),
-                }
-            });
-            Ok(Finding {
-                subject: form.subject.clone(),
-                measure: main.measure(study, &form.subject)?,
-                undecided: main.inconclusive,
-                readings: readings.collect(),
-                witnesses: main.witnesses,
-            })
-        })
-        .collect()
-}
-
-/// The verdicts of one monitor over many traces.
-#[derive(Debug, Default)]
-struct Tally {
-    satisfied: u64,
-    violated: u64,
-    inconclusive: u64,
-    verdicts: Vec<Option<Verdict>>,
-    witnesses: Vec<String>,
-}
-
-impl Tally {
-    fn of(
-        judgements: &[Vec<Judgement>],
-        names: &[String],
-        subject: &Subject,
-        reading: Option<&str>,
-    ) -> Self {
-        let mut tally = Self::default();
-        for (judgement, name) in judgements.iter().zip(names) {
-            let judged = judgement
-                .iter()
-                .find(|j| j.subject == subject && j.reading == reading);
-            let verdict = judged.map(|j| j.findings.verdict);
-            match verdict {
-                Some(Verdict::Satisfied) => tally.satisfied += 1,
-                Some(Verdict::Violated) => {
-                    tally.violated += 1;
-                    if tally.witnesses.len() < WITNESSES {
-                        tally.witnesses.push(name.clone());
-                    }
-                }
-                Some(Verdict::Inconclusive) => tally.inconclusive += 1,
-                Some(Verdict::NotCovered) | None => {}
-            }
-            tally.verdicts.push(verdict);
-        }
-        tally
+    let mut tally = Tally::new(&monitors(judges));
+    for (judgements, name) in judgements.iter().zip(names) {
+        let verdicts: Vec<_> = judgements.iter().map(|j| j.findings.verdict).collect();
+        tally.add(name, &verdicts);
     }
-
-    fn measure(&self, study: &Study, subject: &Subject) -> Result<Measure, Problem> {
-        let trials = self.satisfied + self.violated;
-        if trials == 0 {
-            return Ok(Measure::NotCovered {
-                reason: format!(
-                    "In none of {} runs was its precondition met{}.",
-                    self.verdicts.len(),
-                    if self.inconclusive > 0 {
-                        " and a verdict reached"
-                    } else {
-                        ""
-                    }
-                ),
-            });
-        }
-        let count = match subject {
-            Subject::Requirement(_) => self.satisfied,
-            Subject::FailureMode(_) => self.violated,
-        };
-        super::counts(
-            count,
-            trials,
-            None,
-            super::confidence(study.about.confidence)?,
-        )
-    }
+    tally.findings(study, Intervals::Fixed)
 }
 
 fn read_scenario(path: &Path) -> Result<(Scenario, String), Problem> {
@@ -518,23 +318,6 @@ fn read_parameters(path: &Path) -> Result<(Parameters, String), Problem> {
 
 fn scenario_problem(source: &Source, error: &ScenarioError) -> Problem {
     Problem::new("bad-scenario", format!("{}: {error}", source.name))
-}
-
-fn recorded(path: &Path, seed: u64) -> Option<Trace> {
-    // A recording that is missing, damaged, cut short or of another episode is
-    // made again.
-    let trace = path
-        .exists()
-        .then(|| recording::read_mcap(path))?
-        .ok()?
-        .trace;
-    let is_ours = trace.metadata.get("seed") == Some(&seed.to_string());
-    (trace.complete && is_ours).then_some(trace)
-}
-
-fn write_problem(error: recording::TraceWriteError) -> Problem {
-    Problem::data_lost("cannot-record", error.to_string())
-        .remedy("make room on the disk or choose another folder, and run the command again")
 }
 
 #[cfg(test)]

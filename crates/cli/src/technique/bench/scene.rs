@@ -109,6 +109,16 @@ impl SceneCampaign {
         settings
     }
 
+    /// The topics of its recordings, without rows.
+    pub fn layout(&self) -> Result<trace::Trace, SimError> {
+        self.bench.layout()
+    }
+
+    /// What is done in each episode.
+    pub fn stimulus(&self) -> &Stimulus {
+        &self.stimulus
+    }
+
     /// One episode.
     pub fn run(
         &self,

@@ -1,0 +1,92 @@
+//! Campaigns: many episodes of one bench, judged while they run, counted as they come.
+//!
+//! An episode is known by its number; its seed follows from the study's seed, the evidence's
+//! identifier and that number. Episodes run on all cores and are taken in the order of their
+//! numbers, so that counts, the journal, and the episode at which a stopping rule ends it are the
+//! same at any number of threads. What is judged stands in a journal, so that an interrupted
+//! campaign goes on where it stopped.
+
+mod driver;
+mod estimates;
+mod online;
+mod ordered;
+mod outside;
+mod record;
+mod table;
+mod tally;
+mod until;
+
+pub use driver::{Campaigning, Finished, Source};
+pub use estimates::estimates;
+pub use outside::OutsideCommand;
+pub use tally::{Intervals, Tally, monitors};
+pub use until::{Until, parse as parse_until};
+
+use crate::problem::Problem;
+use crate::store::Inputs;
+use crate::study::Study;
+use crate::technique::Produced;
+use crate::technique::judging::inputs_of;
+use crate::technique::simulation::episode_name;
+use evidence::Tool;
+
+impl Source<'_> {
+    /// What an episode depends on, besides its seed and this program.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        match self {
+            Source::Bench(campaign) => campaign.inputs(inputs),
+            Source::Command(command) => command.inputs(inputs),
+        }
+    }
+
+    /// The name of an episode's recording.
+    pub fn recording_name(&self, number: u64) -> String {
+        match self {
+            Source::Bench(_) => episode_name(number),
+            Source::Command(command) => command.recording_name(number),
+        }
+    }
+
+    /// The tool, and what can move a number.
+    pub fn tool(&self) -> Tool {
+        match self {
+            Source::Bench(campaign) => campaign.tool(),
+            Source::Command(command) => command.tool(),
+        }
+    }
+}
+
+/// The hash of all that judging the episodes of a source depends on.
+pub fn judged_by(study: &Study, source: Source<'_>, program: &str) -> String {
+    let mut inputs = Inputs::default();
+    inputs.add("program", program.as_bytes());
+    inputs_of(study, &mut inputs);
+    if let Source::Command(command) = source {
+        command.reading_inputs(&mut inputs);
+    }
+    inputs.hash()
+}
+
+impl Campaigning<'_> {
+    /// Runs it; gives what it shows.
+    pub fn produce(&self) -> Result<Produced, Problem> {
+        let finished = self.run()?;
+        let mut tool = self.source.tool();
+        if self.early_end {
+            tool.settings
+                .push_str("; an episode ends once all is decided");
+        }
+        if let Some(stopped) = &finished.stopped {
+            tool.settings.push_str("; ");
+            tool.settings.push_str(stopped);
+        }
+        Ok(Produced {
+            tool,
+            findings: finished.tally.findings(self.study, finished.intervals)?,
+            form_differences: finished.form_differences,
+            clusters: None,
+            influences: Vec::new(),
+            cost: finished.cost,
+        })
+    }
+}

@@ -1,0 +1,478 @@
+//! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
+
+use super::online::OnLine;
+use super::ordered::in_order;
+use super::outside::OutsideCommand;
+use super::record::{EpisodeRecord, Journal, Judged};
+use super::tally::{Intervals, Monitored, Tally, monitors};
+use super::until::Until;
+use super::{estimates, table};
+use crate::forms::differences::{DifferenceTally, forms_of, judges};
+use crate::problem::{Problem, write_whole};
+use crate::store::hash_of;
+use crate::study::{Keep, Study};
+use crate::talk::{Interrupt, Stage};
+use crate::technique::judging::{Judgement, Judges};
+use crate::technique::simulation::{Campaign, Seeds};
+use evidence::{Cost, FormDifference};
+use std::ops::{ControlFlow, Range};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use testbench::End;
+use trace::Trace;
+
+/// What gives episodes.
+#[derive(Clone, Copy)]
+pub enum Source<'a> {
+    /// A test bench of ours.
+    Bench(&'a Campaign),
+    /// Another simulator, or a rig.
+    Command(&'a OutsideCommand),
+}
+
+/// What is to be done.
+pub struct Campaigning<'a> {
+    /// The study whose monitors judge.
+    pub study: &'a Study,
+    /// The evidence's identifier.
+    pub id: &'a str,
+    /// What gives episodes.
+    pub source: Source<'a>,
+    /// Their seeds.
+    pub seeds: Seeds,
+    /// Their numbers; a stopping rule may end before the last.
+    pub numbers: Range<u64>,
+    /// Which recordings are kept.
+    pub keep: Keep,
+    /// Whether an episode ends once all is decided.
+    pub early_end: bool,
+    /// When the campaign ends before its last episode.
+    pub until: Option<&'a Until>,
+    /// Where recordings, journal and table go.
+    pub folder: &'a Path,
+    /// Hash of what judging depends on.
+    pub judged_by: String,
+    /// Whether the user wants to stop.
+    pub interrupt: &'a Interrupt,
+    /// Where progress is shown.
+    pub stage: &'a Stage,
+}
+
+/// A finished campaign.
+pub struct Finished {
+    /// Counts.
+    pub tally: Tally,
+    /// How intervals are to be formed.
+    pub intervals: Intervals,
+    /// Forms that do not agree.
+    pub form_differences: Vec<FormDifference>,
+    /// What it took.
+    pub cost: Cost,
+    /// What came of the stopping rule.
+    pub stopped: Option<String>,
+    /// The table of all episodes.
+    pub table: PathBuf,
+}
+
+/// What one episode took; `None`s of what was done before.
+#[derive(Clone, Copy, Debug, Default)]
+struct Effort {
+    cpu_secs: Option<f64>,
+}
+
+impl Campaigning<'_> {
+    /// Runs it.
+    pub fn run(&self) -> Result<Finished, Problem> {
+        let began = Instant::now();
+        let main = Judges::new(self.study, |_| true)?;
+        let forms = forms_of(self.study);
+        let of_forms = judges(self.study, &forms)?;
+        let bench = Bench {
+            plan: self,
+            layout: match self.source {
+                Source::Bench(campaign) => Some(campaign.layout()?),
+                Source::Command(_) => None,
+            },
+            monitors: monitors(&main),
+            main,
+            of_forms,
+        };
+        if let Source::Command(command) = self.source {
+            command.prepare(self.folder)?;
+        }
+        let mut journal = Journal::open(self.folder, self.numbers.start, &self.judged_by)?;
+        let mut count = Count::new(self, &bench);
+        self.go_on_from(&mut journal, &mut count)?;
+        self.run_the_rest(&bench, &mut journal, &mut count)?;
+        let table = self.folder.join(match self.numbers.start {
+            1 => "episodes.parquet".to_owned(),
+            first => format!("episodes-{first}.parquet"),
+        });
+        table::write(&table, self, &bench.monitors, &journal, count.tally.runs())?;
+        if let Source::Command(command) = self.source {
+            command.tidy(self.folder);
+        }
+        Ok(count.finish(began, table))
+    }
+
+    /// Takes what the journal holds, up to the first episode whose recording is not as it was.
+    fn go_on_from(&self, journal: &mut Journal, count: &mut Count<'_>) -> Result<(), Problem> {
+        let known = self.numbers.start..self.numbers.end.min(self.numbers.start + journal.count());
+        let mut taken = 0;
+        let work = |(): &mut (), number| {
+            self.go_on()?;
+            Ok(journal.read(number)?.filter(|record| self.is_kept(record)))
+        };
+        let take = |_, record: Option<EpisodeRecord>| {
+            let Some(record) = record else {
+                return Ok(ControlFlow::Break(()));
+            };
+            taken += 1;
+            Ok(count.take(&record, Effort::default()))
+        };
+        in_order(known, threads(), || (), work, take)?;
+        self.stage.skip(taken);
+        count.begin_new();
+        // A rule that ends earlier than an earlier call did leaves the rest in the journal.
+        if !count.is_decided()
+            && taken < journal.count()
+            && self.numbers.start + taken < self.numbers.end
+        {
+            journal.keep(taken)?;
+        }
+        Ok(())
+    }
+
+    fn run_the_rest(
+        &self,
+        bench: &Bench<'_>,
+        journal: &mut Journal,
+        count: &mut Count<'_>,
+    ) -> Result<(), Problem> {
+        let first = self.numbers.start + count.tally.runs();
+        if count.is_decided() || first >= self.numbers.end {
+            return Ok(());
+        }
+        let work = |(): &mut (), number| {
+            self.go_on()?;
+            bench.episode(number)
+        };
+        let take = |_, (record, effort): (EpisodeRecord, Effort)| {
+            journal.add(&record)?;
+            let flow = count.take(&record, effort);
+            self.stage.advance_with(|| count.in_words());
+            Ok(flow)
+        };
+        in_order(first..self.numbers.end, threads(), || (), work, take)
+    }
+
+    fn go_on(&self) -> Result<(), Problem> {
+        match self.interrupt.is_set() {
+            true => Err(Problem::interrupted()),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether a judged episode may be taken as it is: its recording is there if it has to be.
+    fn is_kept(&self, record: &EpisodeRecord) -> bool {
+        let path = self.recording(record.number);
+        let is_there = match (&record.recording, self.keep) {
+            (_, Keep::None) => true,
+            (Some(hash), _) => hash_of_recording(&path).is_ok_and(|found| &found == hash),
+            (None, Keep::Violations) => true,
+            (None, Keep::All) => false,
+        };
+        is_there && record.seed == self.seeds.of(record.number)
+    }
+
+    /// Where an episode's recording is.
+    pub fn recording(&self, number: u64) -> PathBuf {
+        self.folder.join(self.source.recording_name(number))
+    }
+}
+
+/// The threads that work in parallel, as the call says.
+fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
+/// What is needed to run and judge one episode, on any thread.
+struct Bench<'a> {
+    plan: &'a Campaigning<'a>,
+    /// The topics of a bench of ours.
+    layout: Option<Trace>,
+    monitors: Vec<Monitored>,
+    main: Judges<'a>,
+    of_forms: Judges<'a>,
+}
+
+/// What was found of an episode.
+struct Shown<'a> {
+    end: &'static str,
+    simulated_secs: Option<f64>,
+    main: Vec<Judgement<'a>>,
+    of_forms: Vec<Judgement<'a>>,
+}
+
+impl<'a> Bench<'a> {
+    fn episode(&self, number: u64) -> Result<(EpisodeRecord, Effort), Problem> {
+        let began = thread_cpu_secs();
+        let (record, is_new) = match (self.plan.source, &self.layout) {
+            (Source::Bench(campaign), Some(layout)) => self.simulated(campaign, layout, number)?,
+            (Source::Command(command), _) => (self.commanded(command, number)?, false),
+            (Source::Bench(_), None) => {
+                return Err(Problem::new(
+                    "simulation-failed",
+                    "the bench names no topics",
+                ));
+            }
+        };
+        let effort = Effort {
+            cpu_secs: is_new.then(|| thread_cpu_secs() - began),
+        };
+        Ok((record, effort))
+    }
+
+    /// An episode of a bench of ours: read, if it was recorded, or run. Whether it was run.
+    fn simulated(
+        &self,
+        campaign: &Campaign,
+        layout: &Trace,
+        number: u64,
+    ) -> Result<(EpisodeRecord, bool), Problem> {
+        let path = self.plan.recording(number);
+        let seed = self.plan.seeds.of(number);
+        if let Some(trace) = recorded(&path, seed) {
+            let shown = Shown {
+                end: "complete",
+                simulated_secs: Some(trace.end_secs().unwrap_or(0.0)),
+                main: self.main.judge(&trace)?,
+                of_forms: self.of_forms.judge(&trace)?,
+            };
+            let hash = hash_of_recording(&path)?;
+            return Ok((self.record(number, shown, Some(hash)), false));
+        }
+        let mut on_line = OnLine::new(&[&self.main, &self.of_forms], layout, self.plan.early_end)?;
+        let run = campaign.run(seed, &mut on_line, self.plan.interrupt)?;
+        let mut judged = on_line.finish(run.trace.complete)?.into_iter();
+        let shown = Shown {
+            end: match run.end {
+                End::Watched => "decided",
+                End::Over | End::Longest if run.trace.complete => "complete",
+                End::Over | End::Longest => "incomplete",
+            },
+            simulated_secs: Some(run.trace.end_secs().unwrap_or(0.0)),
+            main: judged.next().unwrap_or_default(),
+            of_forms: judged.next().unwrap_or_default(),
+        };
+        let mut record = self.record(number, shown, None);
+        if self.is_to_be_kept(&record) {
+            let bytes = recording::to_mcap(&run.trace)
+                .map_err(|error| Problem::data_lost("cannot-record", error.to_string()))?;
+            record.recording = Some(hash_of(&bytes));
+            write_whole(&path, &bytes)?;
+        }
+        Ok((record, true))
+    }
+
+    /// An episode of another simulator: read, if it was recorded, or run.
+    fn commanded(&self, command: &OutsideCommand, number: u64) -> Result<EpisodeRecord, Problem> {
+        let plan = self.plan;
+        let path = plan.recording(number);
+        let is_new = !path.exists();
+        let partial = match is_new {
+            true => command.run(number, plan.seeds.of(number), plan.folder, plan.interrupt)?,
+            false => path.clone(),
+        };
+        let judge = |judges| command.judge(judges, &partial, &|| plan.go_on());
+        let (main, of_forms) = (judge(&self.main)?, judge(&self.of_forms)?);
+        let shown = Shown {
+            end: if main.complete {
+                "complete"
+            } else {
+                "incomplete"
+            },
+            simulated_secs: None,
+            main: main.judgements,
+            of_forms: of_forms.judgements,
+        };
+        let mut record = self.record(number, shown, None);
+        if self.is_to_be_kept(&record) {
+            record.recording = Some(hash_of_recording(&partial)?);
+            if is_new {
+                std::fs::rename(&partial, &path)
+                    .map_err(|error| Problem::cannot_write(&path, &error))?;
+            }
+        } else if is_new {
+            OutsideCommand::remove(&partial);
+        }
+        Ok(record)
+    }
+
+    fn is_to_be_kept(&self, record: &EpisodeRecord) -> bool {
+        match self.plan.keep {
+            Keep::All => true,
+            Keep::None => false,
+            Keep::Violations => EpisodeRecord::shows_violation(&record.judged, &self.monitors),
+        }
+    }
+
+    fn record(&self, number: u64, shown: Shown<'_>, recording: Option<String>) -> EpisodeRecord {
+        EpisodeRecord {
+            number,
+            seed: self.plan.seeds.of(number),
+            end: shown.end.into(),
+            simulated_secs: shown.simulated_secs,
+            recording,
+            judged: shown.main.iter().map(Judged::of).collect(),
+            forms: shown
+                .of_forms
+                .iter()
+                .map(|it| it.findings.verdict)
+                .collect(),
+        }
+    }
+}
+
+/// Counts that grow with each episode.
+struct Count<'a> {
+    plan: &'a Campaigning<'a>,
+    tally: Tally,
+    differences: DifferenceTally,
+    cost: Cost,
+    /// Seconds simulated by this call, and with which processor time.
+    new_secs: f64,
+    new_cpu_secs: f64,
+    new_episodes: u64,
+    began: Instant,
+    decided: bool,
+}
+
+impl<'a> Count<'a> {
+    fn new(plan: &'a Campaigning<'a>, bench: &Bench<'_>) -> Self {
+        Self {
+            plan,
+            tally: Tally::new(&bench.monitors),
+            differences: DifferenceTally::new(bench.of_forms.monitors()),
+            cost: Cost {
+                evidence: plan.id.to_owned(),
+                ..Cost::default()
+            },
+            new_secs: 0.0,
+            new_cpu_secs: 0.0,
+            new_episodes: 0,
+            began: Instant::now(),
+            decided: false,
+        }
+    }
+
+    fn is_decided(&self) -> bool {
+        self.decided
+    }
+
+    /// What comes from here on is new.
+    fn begin_new(&mut self) {
+        self.new_episodes = 0;
+        self.began = Instant::now();
+    }
+
+    fn take(&mut self, record: &EpisodeRecord, effort: Effort) -> ControlFlow<()> {
+        let path = self.plan.recording(record.number);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
+        self.tally.add(&name, &verdicts);
+        self.differences.add(&name, &record.forms);
+        if let Some(secs) = record.simulated_secs {
+            *self.cost.simulated_secs.get_or_insert(0.0) += secs;
+            if let Some(cpu_secs) = effort.cpu_secs {
+                self.new_secs += secs;
+                self.new_cpu_secs += cpu_secs;
+            }
+        }
+        self.new_episodes += 1;
+        self.decided = self.plan.until.is_some_and(|until| {
+            until.decide(self.tally.sample(until.subject())) != stats::Decision::Open
+        });
+        match self.decided {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    /// Speed and estimates, for progress.
+    fn in_words(&self) -> String {
+        let secs = self.began.elapsed().as_secs_f64().max(1e-9);
+        let mut words = format!("{:.1} episodes/s", self.new_episodes as f64 / secs);
+        if self.new_secs > 0.0 {
+            words.push_str(&format!(", {:.0} times real time", self.new_secs / secs));
+        }
+        let estimates = estimates(self.plan.study, &self.tally);
+        if !estimates.is_empty() {
+            words.push_str(&format!("; {estimates}"));
+        }
+        words
+    }
+
+    fn finish(mut self, began: Instant, table: PathBuf) -> Finished {
+        let (episodes, numbers) = (self.tally.runs(), &self.plan.numbers);
+        let stopped = self.plan.until.map(|until| {
+            let sample = self.tally.sample(until.subject());
+            until.outcome_in_words(sample, episodes, numbers.end - numbers.start)
+        });
+        self.cost.wall_secs = began.elapsed().as_secs_f64();
+        if self.new_cpu_secs > 0.0 {
+            self.cost.real_time_factor = Some(self.new_secs / self.new_cpu_secs);
+        }
+        if matches!(self.plan.source, Source::Bench(_)) {
+            self.cost.cpu_secs = Some(self.new_cpu_secs);
+        }
+        Finished {
+            tally: self.tally,
+            intervals: match self.plan.until {
+                Some(_) => Intervals::Anytime,
+                None => Intervals::Fixed,
+            },
+            form_differences: self.differences.finish(),
+            cost: self.cost,
+            stopped,
+            table,
+        }
+    }
+}
+
+/// Processor seconds that this thread has used.
+fn thread_cpu_secs() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// The recording of an episode of ours. One that is missing, damaged, cut short or of another
+/// episode is made again.
+fn recorded(path: &Path, seed: u64) -> Option<Trace> {
+    let trace = path
+        .exists()
+        .then(|| recording::read_mcap(path))?
+        .ok()?
+        .trace;
+    let is_ours = trace.metadata.get("seed") == Some(&seed.to_string());
+    (trace.complete && is_ours).then_some(trace)
+}
+
+/// The hash of a recording, be it a file or a folder of files.
+fn hash_of_recording(path: &Path) -> Result<String, Problem> {
+    let fail = |error: std::io::Error| Problem::cannot_read(path, &error);
+    let mut hasher = blake3::Hasher::new();
+    if path.is_dir() {
+        let entries = std::fs::read_dir(path).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+        let mut inside: Vec<PathBuf> = entries.map_err(fail)?.iter().map(|e| e.path()).collect();
+        inside.sort();
+        for path in inside {
+            hasher.update(path.file_name().unwrap_or_default().as_encoded_bytes());
+            hasher.update(hash_of_recording(&path)?.as_bytes());
+        }
+    } else {
+        let file = std::fs::File::open(path).map_err(fail)?;
+        hasher.update_reader(file).map_err(fail)?;
+    }
+    Ok(hasher.finalize().to_hex().to_string())
+}
