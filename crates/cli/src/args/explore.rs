@@ -33,8 +33,8 @@ pub struct Explore {
     /// Only this source of tests (may be repeated).
     #[arg(long, value_enum, value_name = "SOURCE", conflicts_with = "plain")]
     pub source: Vec<SourceKind>,
-    /// Run the bench's first test as it is, with nothing varied but its own
-    /// random draws: what an exploration is to be compared with.
+    /// Run the bench's own tests as they are, in turn, with nothing varied but
+    /// their random draws: what an exploration is to be compared with.
     #[arg(long)]
     pub plain: bool,
     /// Seed instead of the study's.

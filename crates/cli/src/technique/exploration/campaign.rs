@@ -59,8 +59,8 @@ struct Seen<'a> {
     file: &'a str,
 }
 
-/// Explores. `vary` false runs the bench's first test as it is, by way of
-/// comparison.
+/// Explores. `vary` false runs the bench's own tests as they are, in turn, by
+/// way of comparison.
 pub fn explore(
     plan: &Plan,
     watching: &Watching<'_>,
@@ -174,9 +174,16 @@ impl<'a> Seen<'a> {
             });
         }
         let situations = std::slice::from_ref(&shown.situation);
-        let bins = self.coverage.record(situations);
-        let bins = bins.map_err(|e| Problem::new("bad-exploration", e.to_string()))?;
-        let mut things: Vec<String> = bins.iter().map(|bin| format!("{bin:?}")).collect();
+        let recorded = self.coverage.record(situations);
+        recorded.map_err(|e| Problem::new("bad-exploration", e.to_string()))?;
+        // Cells count in every episode that has them, as Good and Turing need it.
+        let mut things: Vec<String> = Vec::new();
+        for cross in &self.coverage.model().crosses {
+            let labels = cross.of.iter().map(|name| shown.situation.get(name));
+            if let Some(labels) = labels.collect::<Option<Vec<_>>>() {
+                things.push(format!("cell {} {labels:?}", cross.name));
+            }
+        }
         self.triggers.record(shown.triggered.iter().cloned());
         things.extend(shown.triggered.iter().map(|id| format!("trigger {id}")));
         let classes = &shown.abstracted.classes;
@@ -196,13 +203,6 @@ impl<'a> Seen<'a> {
             });
             found.count += 1;
         }
-        // Cells count again in every episode that has them, as Good and Turing need it.
-        things.extend(
-            shown
-                .situation
-                .iter()
-                .map(|(name, label)| format!("{name} {label}")),
-        );
         Ok(self.everything.record(things).new.len())
     }
 
