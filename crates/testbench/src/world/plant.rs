@@ -17,7 +17,7 @@ use crate::geometry::{Pose, Vector};
 use crate::model::{self, Part, PhysicalDraws};
 use crate::mujoco::{Engine, EngineError};
 use crate::robot::Commands;
-use crate::scenario::{Drive, JointAngles, Parameters, Scenario};
+use crate::scenario::{Drive, InertiaSource, JointAngles, Parameters, Scenario};
 
 use body::{Blueprint, Body, Configuration};
 use coasting::{Coasting, History, WINDOW_SECS};
@@ -84,15 +84,18 @@ impl Plant {
             parameters: parameters.clone(),
             draws: *draws,
         };
+        // With placeholder inertias the fast physics is not sound: the untuned handover lost its grip
+        // in 87 of 100 episodes instead of 18. The cause is not known yet.
+        let is_fast = scenario.simulation.fast && parameters.inertia == InertiaSource::Geometry;
         let part = Part {
-            is_lean: scenario.simulation.fast,
+            is_lean: is_fast,
             ..Part::default()
         };
         let whole = Body::new(&blueprint, &joints, &part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
         let settings = &scenario.simulation;
         let mut plant = Self {
-            is_fast: settings.fast,
+            is_fast,
             steps: 0,
             window_steps: (WINDOW_SECS / settings.time_step_secs).round().max(1.0) as u64,
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
