@@ -20,11 +20,13 @@ pub fn as_text(report: &ExplorationReport) -> String {
         "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
         report.episodes, report.bench.evidence, report.engine, report.simulated_secs
     );
-    findings(&mut text, report);
-    coverage(&mut text, report);
-    sources(&mut text, report);
-    if let Some(disagreement) = &report.disagreement {
-        disagreements(&mut text, disagreement);
+    match &report.disagreement {
+        Some(disagreement) => disagreements(&mut text, disagreement),
+        None => {
+            findings(&mut text, report);
+            coverage(&mut text, report);
+            sources(&mut text, report);
+        }
     }
     let _ = writeln!(text, "\n{}", report.statement);
     text
