@@ -85,7 +85,7 @@ fn the_arm_goes_its_way_and_outcomes_are_those_of_the_full_physics() {
         // has been seen 25 mm apart while held (seed 3), so only outcomes are compared after that.
         for axis in ["object.x", "object.y", "object.z"] {
             let metres = apart(&full, &fast, "/truth", axis, grasp);
-            assert!(metres < 1e-4, "seed {seed}: {axis} by {metres} m");
+            assert!(metres < 5e-4, "seed {seed}: {axis} by {metres} m");
         }
         assert_eq!(full_outcome.grip_failure, fast_outcome.grip_failure);
         assert_eq!(full_outcome.decision, fast_outcome.decision, "seed {seed}");
