@@ -1,8 +1,10 @@
 //! The command line, as plain data.
 
+mod explore;
 mod rare;
 mod watch;
 
+pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
 pub use watch::Watch;
 
@@ -47,6 +49,8 @@ pub enum Command {
     Check(Check),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
+    /// Look for what nobody has thought of: coverage-driven tests.
+    Explore(Explore),
     /// Estimate how rare an event is, by splitting.
     Rare(Rare),
     /// Fit simulator parameters to an evidence's counts.

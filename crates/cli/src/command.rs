@@ -3,6 +3,7 @@
 mod calibrate;
 mod check;
 mod compare;
+mod explore;
 mod init;
 mod inspect;
 mod library;
@@ -57,6 +58,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Run(arguments) => run::run(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
+        Command::Explore(arguments) => explore::explore(arguments, setting),
         Command::Rare(arguments) => rare::rare(arguments, setting),
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),

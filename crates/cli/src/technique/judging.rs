@@ -182,7 +182,9 @@ impl<'a> Judges<'a> {
 
     /// Whose monitors these are, in their order, each with its reading.
     pub fn monitors(&self) -> impl Iterator<Item = (&'a Subject, Option<&'a str>)> + '_ {
-        self.judges.iter().map(|judge| (judge.subject, judge.reading))
+        self.judges
+            .iter()
+            .map(|judge| (judge.subject, judge.reading))
     }
 
     /// The signals that are read, `/topic.field`.

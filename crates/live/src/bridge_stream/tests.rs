@@ -26,8 +26,11 @@ impl Source for Script {
     fn stop(&mut self) {}
 }
 
+/// Messages, each with the number of its topic.
+type Messages = Arc<Mutex<Vec<(usize, Vec<u8>)>>>;
+
 /// Keeps what is sent.
-struct Kept(Arc<Mutex<Vec<(usize, Vec<u8>)>>>, usize);
+struct Kept(Messages, usize);
 
 impl Publisher for Kept {
     fn advertise(&mut self, _: &Outgoing) -> Result<PublicationId, LiveError> {

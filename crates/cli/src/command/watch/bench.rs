@@ -227,7 +227,7 @@ fn layout(world: &World) -> Result<Trace, Problem> {
         }
     }
     let mut first = First(Trace::new());
-    match run_episode_with(&mut world.clone(), 0, &Cancel::default(), &mut first) {
+    match run_episode_with(world, 0, &Cancel::default(), &mut first) {
         Err(SimError::Cancelled) | Ok(_) => Ok(first.0),
         Err(error) => Err(Problem::new("simulation-failed", error.to_string())),
     }
@@ -285,7 +285,7 @@ impl Episode {
             message: Vec::new(),
             failed: None,
         };
-        let episode = run_episode_with(&mut self.world, self.seed, &Cancel::default(), &mut rest);
+        let episode = run_episode_with(&self.world, self.seed, &Cancel::default(), &mut rest);
         if let Some(error) = rest.failed {
             return Err(error);
         }

@@ -158,9 +158,11 @@ fn only_file(folder: &Path) -> std::path::PathBuf {
     files.next().expect("a file").expect("readable").path()
 }
 
-/// (subject, verdict) of the events of a kind, and those of the recording
-/// judged afterwards.
-fn said(lines: &[serde_json::Value]) -> (Vec<(String, String)>, Vec<(String, String)>) {
+/// A subject's name and its verdict.
+type Said = (String, String);
+
+/// What was told while it ran, and at the end.
+fn said(lines: &[serde_json::Value]) -> (Vec<Said>, Vec<Said>) {
     let pair = |it: &serde_json::Value| {
         let text = |key: &str| it[key].as_str().unwrap_or_default().to_owned();
         (text("subject"), text("verdict"))
@@ -171,7 +173,7 @@ fn said(lines: &[serde_json::Value]) -> (Vec<(String, String)>, Vec<(String, Str
     (told.map(pair).collect(), at_end.iter().map(pair).collect())
 }
 
-fn judged_again(folder: &Path) -> Vec<(String, String)> {
+fn judged_again(folder: &Path) -> Vec<Said> {
     let study = Study::load(folder).expect("a study");
     let judges = judges(&study, &[]).expect("judges");
     let rules = ReadingRules::of_study(folder, None).expect("rules");
@@ -181,7 +183,7 @@ fn judged_again(folder: &Path) -> Vec<(String, String)> {
     pairs.map(|it| (it.subject, it.verdict)).collect()
 }
 
-fn pairs(of: &[(&str, &str)]) -> Vec<(String, String)> {
+fn pairs(of: &[(&str, &str)]) -> Vec<Said> {
     let owned = of.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned()));
     owned.collect()
 }
