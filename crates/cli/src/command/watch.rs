@@ -265,7 +265,7 @@ impl Run<'_> {
         let mut session = judges.start(stream.layout())?;
         loop {
             match self.next(stream) {
-                Ok(Some(Polled::Instant(moment))) => self.take(&mut session, stream, moment)?,
+                Ok(Some(Polled::At(moment))) => self.take(&mut session, stream, moment)?,
                 Ok(Some(Polled::Nothing) | None) => self.look_at_clock(&session, stream)?,
                 Ok(Some(Polled::End)) => break,
                 Err(error) => {
@@ -294,7 +294,7 @@ impl Run<'_> {
     /// The next instant or message; `None` if none came for a moment.
     fn next(&self, stream: &mut SignalStream) -> Result<Option<Polled>, StreamError> {
         if let Some(moment) = stream.ready()? {
-            return Ok(Some(Polled::Instant(moment)));
+            return Ok(Some(Polled::At(moment)));
         }
         // The lock is let go before anything is read.
         let has_come = opened(self.inbox).wait();

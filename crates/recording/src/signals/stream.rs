@@ -45,7 +45,7 @@ pub struct Moment {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Polled {
     /// The next instant.
-    Instant(Moment),
+    At(Moment),
     /// A message that gives no instant yet.
     Nothing,
     /// The last instant was given.
@@ -224,7 +224,7 @@ impl SignalStream {
     pub fn next_instant(&mut self) -> Result<Option<Moment>, StreamError> {
         loop {
             match self.poll()? {
-                Polled::Instant(moment) => return Ok(Some(moment)),
+                Polled::At(moment) => return Ok(Some(moment)),
                 Polled::Nothing => {}
                 Polled::End => return Ok(None),
             }
@@ -238,7 +238,7 @@ impl SignalStream {
     /// As [`SignalStream::next_instant`].
     pub fn poll(&mut self) -> Result<Polled, StreamError> {
         if let Some(moment) = self.ready()? {
-            return Ok(Polled::Instant(moment));
+            return Ok(Polled::At(moment));
         }
         if self.finished {
             return self.failed.take().map_or(Ok(Polled::End), Err);

@@ -284,7 +284,7 @@ impl Lane {
         let once = rule.repeat == Repeat::Once;
         let mut variables = usize::from(once)..count;
         let lasting = |step: &Step| match *step {
-            Step::Assert(_) => Lasting::Instant,
+            Step::Assert(_) => Lasting::OneInstant,
             _ if step.within_secs() == f64::INFINITY => Lasting::Unbounded {
                 variable: variables.next().unwrap_or(0),
                 count,

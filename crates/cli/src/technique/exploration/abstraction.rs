@@ -87,7 +87,7 @@ impl Abstraction {
             let text = declared.trace.as_deref().unwrap_or(name);
             let predicate = study.vocabulary.signals.predicate(text);
             predicates.push(predicate.map_err(|error| {
-                plan.problem(text, error.to_string())
+                plan.mistake(text, error.to_string())
                     .remedy("give the proposition a meaning for recordings: `trace = \"...\"`")
             })?);
             names.push(name.clone());

@@ -94,7 +94,7 @@ pub fn disagreement(
 ) -> Result<DisagreementReport, Problem> {
     let Some(data) = &plan.data.disagreement else {
         return Err(plan
-            .problem("", "it says nothing of disagreement")
+            .mistake("", "it says nothing of disagreement")
             .remedy("add a [disagreement] table with the requirement and the contexts"));
     };
     let setup = Setup::new(study, plan, data, bench)?;
@@ -108,7 +108,7 @@ pub fn disagreement(
         margin: margin.unwrap_or(0.05),
         confidence: study.about.confidence,
     };
-    let bad = |e: campaign::CampaignError| plan.problem("[disagreement]", e.to_string());
+    let bad = |e: campaign::CampaignError| plan.mistake("[disagreement]", e.to_string());
     let seeds = Seeds::new(
         study.about.seed,
         &format!("disagree {}", plan.data.evidence),
@@ -214,15 +214,15 @@ impl<'a> Setup<'a> {
         };
         space
             .check()
-            .map_err(|e| plan.problem("[[disagreement.parameter]]", e.to_string()))?;
+            .map_err(|e| plan.mistake("[[disagreement.parameter]]", e.to_string()))?;
         let test = bench.own_tests().iter().find(|t| t.name == data.test);
         let test = test.cloned().ok_or_else(|| {
-            plan.problem(&data.test, format!("the bench has no test `{}`", data.test))
+            plan.mistake(&data.test, format!("the bench has no test `{}`", data.test))
         })?;
         let id = &data.requirement;
         if study.forms.by_id(id).is_none_or(|f| f.monitor.is_none()) {
             let message = format!("the study has no requirement `{id}` with a monitor");
-            return Err(plan.problem(id, message));
+            return Err(plan.mistake(id, message));
         }
         Ok(Self {
             bench,
@@ -276,23 +276,23 @@ impl<'a> Predictions<'a> {
         interrupt: &'a Interrupt,
     ) -> Result<Self, Problem> {
         let entry = plan.data.model.as_ref().ok_or_else(|| {
-            plan.problem(
+            plan.mistake(
                 "",
                 "it names no model, so there is nothing to disagree with",
             )
         })?;
         let Work::Check { model, .. } = &study.entry(entry)?.work else {
-            return Err(plan.problem(entry, format!("`{entry}` is no formal model")));
+            return Err(plan.mistake(entry, format!("`{entry}` is no formal model")));
         };
         let compiled = Compiled::new(study, model)?;
         for constant in &data.constant {
             if compiled.constant(&constant.name).is_none() {
                 let message = format!("the model has no constant `{}`", constant.name);
-                return Err(plan.problem(&constant.name, message));
+                return Err(plan.mistake(&constant.name, message));
             }
             if !data.parameter.iter().any(|p| p.name == constant.parameter) {
                 let message = format!("there is no parameter `{}`", constant.parameter);
-                return Err(plan.problem(&constant.parameter, message));
+                return Err(plan.mistake(&constant.parameter, message));
             }
         }
         Ok(Self {

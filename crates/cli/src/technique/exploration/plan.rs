@@ -302,7 +302,7 @@ impl Plan {
     }
 
     /// A problem at the first place of `word` in the file.
-    pub fn problem(&self, word: &str, message: impl Into<String>) -> Problem {
+    pub fn mistake(&self, word: &str, message: impl Into<String>) -> Problem {
         let problem = Problem::new("bad-exploration", message);
         match self.source.text.find(word) {
             Some(place) if !word.is_empty() => problem.at(&self.source, place..place + word.len()),
@@ -312,7 +312,7 @@ impl Plan {
 
     fn check(&self) -> Result<(), Problem> {
         let wrong =
-            |word: &str, error: &dyn std::fmt::Display| self.problem(word, error.to_string());
+            |word: &str, error: &dyn std::fmt::Display| self.mistake(word, error.to_string());
         self.space.check().map_err(|e| wrong("[[parameter]]", &e))?;
         self.mapping.check().map_err(|e| wrong("[[step]]", &e))?;
         if let Some(grammar) = &self.data.grammar {

@@ -43,7 +43,7 @@ impl<'a> ShowsJudge<'a> {
             Shows::Unknown(step) => {
                 let plan = Plan::load(&study.folder, Path::new(&step.exploration))?;
                 let model = plan.data.model.as_ref().ok_or_else(|| {
-                    plan.problem("", "it names no model, so no behaviour is unknown to it")
+                    plan.mistake("", "it names no model, so no behaviour is unknown to it")
                 })?;
                 let formal = Formal::of_entry(study, model, interrupt)?;
                 Abstraction::new(study, &plan, &formal)?

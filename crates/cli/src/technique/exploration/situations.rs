@@ -40,7 +40,7 @@ impl Situations {
             crosses: plan.data.cross.clone(),
         };
         let checked = model.check();
-        checked.map_err(|error| plan.problem("[[cross]]", error.to_string()))?;
+        checked.map_err(|error| plan.mistake("[[cross]]", error.to_string()))?;
         Ok(Self { model, kinds })
     }
 
@@ -87,7 +87,7 @@ fn kind_key(kind: &Kind) -> Option<&String> {
 fn kind_of(study: &Study, plan: &Plan, data: &SituationData) -> Result<(Variable, Kind), Problem> {
     let predicate = |text: &String| {
         let predicate = study.vocabulary.signals.predicate(text);
-        predicate.map_err(|error| plan.problem(text, error.to_string()))
+        predicate.map_err(|error| plan.mistake(text, error.to_string()))
     };
     match (&data.proposition, &data.parameter, &data.action) {
         (Some(proposition), None, None) => {
@@ -105,12 +105,12 @@ fn kind_of(study: &Study, plan: &Plan, data: &SituationData) -> Result<(Variable
             let place = plan
                 .space
                 .index_of(name)
-                .ok_or_else(|| plan.problem(name, format!("there is no [[parameter]] `{name}`")))?;
+                .ok_or_else(|| plan.mistake(name, format!("there is no [[parameter]] `{name}`")))?;
             let parameter = &plan.space.parameters[place];
             let ascending = data.edges.windows(2).all(|pair| pair[0] < pair[1]);
             if data.edges.len() < 2 || !ascending {
                 let message = "`edges` are two or more numbers, ascending";
-                return Err(plan.problem(&data.name, message));
+                return Err(plan.mistake(&data.name, message));
             }
             let unit = parameter.unit.as_ref();
             let suffix = unit.map_or(String::new(), |unit| format!(" {unit}"));
@@ -132,7 +132,7 @@ fn kind_of(study: &Study, plan: &Plan, data: &SituationData) -> Result<(Variable
             Variable::new(&data.name, &YES_NO),
             Kind::Action(action.clone()),
         )),
-        _ => Err(plan.problem(
+        _ => Err(plan.mistake(
             &data.name,
             format!(
                 "situation `{}` needs exactly one of proposition, parameter and action",

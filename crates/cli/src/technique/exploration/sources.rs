@@ -68,7 +68,7 @@ impl<'a> Sources<'a> {
             for (number, data) in plan.data.search.iter().enumerate() {
                 let test = own.iter().find(|test| test.name == data.test);
                 let test = test.cloned().ok_or_else(|| {
-                    plan.problem(&data.test, format!("the bench has no test `{}`", data.test))
+                    plan.mistake(&data.test, format!("the bench has no test `{}`", data.test))
                 })?;
                 let space = plan.space.with_delays_of(&test);
                 let searcher = Searcher::new(data.method, space.clone(), seed + number as u64);
@@ -76,7 +76,7 @@ impl<'a> Sources<'a> {
                     requirement: data.requirement.clone(),
                     method: data.method,
                     test,
-                    searcher: searcher.map_err(|e| plan.problem("[[search]]", e.to_string()))?,
+                    searcher: searcher.map_err(|e| plan.mistake("[[search]]", e.to_string()))?,
                     space,
                 });
             }
@@ -90,7 +90,7 @@ impl<'a> Sources<'a> {
         };
         let kinds: Vec<SourceKind> = kinds.iter().copied().filter(usable).collect();
         if kinds.is_empty() {
-            return Err(plan.problem("sources", "no source has any test to give"));
+            return Err(plan.mistake("sources", "no source has any test to give"));
         }
         Ok(Self {
             plan,
@@ -129,7 +129,7 @@ impl<'a> Sources<'a> {
                 self.next_given = 1 % self.given.len().max(1);
                 match self.given.first() {
                     Some(first) => first.clone(),
-                    None => return Err(self.plan.problem("", "the bench has no test of its own")),
+                    None => return Err(self.plan.mistake("", "the bench has no test of its own")),
                 }
             }
             None => {
@@ -197,7 +197,7 @@ impl<'a> Sources<'a> {
                 let of_kind: Vec<&AbstractTest> = of_kind.map(|(_, test)| test).collect();
                 match of_kind.get(random.index(of_kind.len())) {
                     Some(test) => Ok((*test).clone()),
-                    None => Err(self.plan.problem("", "a source has no test to give")),
+                    None => Err(self.plan.mistake("", "a source has no test to give")),
                 }
             }
         }
@@ -211,7 +211,7 @@ impl<'a> Sources<'a> {
             None => search.space.nominal(),
         };
         let stimulus = search.space.stimulus(&search.test, &point);
-        let stimulus = stimulus.map_err(|e| self.plan.problem("[[search]]", e.to_string()))?;
+        let stimulus = stimulus.map_err(|e| self.plan.mistake("[[search]]", e.to_string()))?;
         let method = match search.method {
             Method::CrossEntropy => "cross-entropy",
             Method::CmaEs => "CMA-ES",

@@ -475,7 +475,7 @@ fn steady_ms(text: &str, log_ms: i64) -> Vec<Option<f64>> {
     let mut steady = vec![stream.steady_until_secs(log_ms * MS)];
     loop {
         match stream.poll().unwrap() {
-            Polled::Instant(_) => steady.push(stream.steady_until_secs(log_ms * MS)),
+            Polled::At(_) => steady.push(stream.steady_until_secs(log_ms * MS)),
             Polled::Nothing => {}
             Polled::End => break,
         }

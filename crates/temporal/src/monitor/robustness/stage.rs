@@ -31,7 +31,7 @@ pub(super) struct Here {
 #[derive(Debug, Clone)]
 pub(super) enum Lasting {
     /// It is over where it begins.
-    Instant,
+    OneInstant,
     /// For ever; it has a variable, one of `count`.
     Unbounded { variable: usize, count: usize },
     /// Up to a deadline.
@@ -75,7 +75,7 @@ impl StageWork {
             };
             let ended = at_most(&next.row, here.end);
             match &mut self.lasting {
-                Lasting::Instant => out.push(Given {
+                Lasting::OneInstant => out.push(Given {
                     row: ended,
                     carry: next.carry.clone(),
                 }),

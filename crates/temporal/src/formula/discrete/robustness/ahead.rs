@@ -216,7 +216,9 @@ impl Ahead {
             return None;
         };
         let Link { all_left, reached } = first.fold;
-        if first.given {
+        // A window that is over may have no sample whose value is still missing.
+        let is_settled = |end: u64| first.begin.is_some_and(|it| it.max(self.heard) >= end);
+        if first.given || first.end.is_some_and(is_settled) {
             return Some(reached);
         }
         let value = greater(reached, smaller(all_left, after));
