@@ -6,7 +6,7 @@
 //! the posterior, `prior(theta) * product over fitted j of Binomial(k_j; n_j, p_j(theta))`.
 //!
 //! Each episode is run at another `theta`. All of them together give each way a response surface, a
-//! Bayesian logistic regression on `theta` ([`surface`]), and the likelihood is averaged over what
+//! Bayesian logistic regression on `theta` ([`Surface`]), and the likelihood is averaged over what
 //! the regression does not know. Rounds after the first draw `theta` where the posterior so far is,
 //! so that the surfaces are good where it matters.
 //!
