@@ -44,7 +44,7 @@ pub struct Explore {
     /// exploring.
     #[arg(long, conflicts_with_all = ["plain", "source"])]
     pub disagreement: bool,
-    /// Where results go instead of STUDY/exploration.
+    /// Where results go instead of STUDY/results/exploration.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// How many threads to use (results do not depend on it).

@@ -42,7 +42,7 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
     setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
-        None => study.folder.join("exploration"),
+        None => study.folder.join("results/exploration"),
     };
     keep(&study, &bench, &mut explored, &folder, setting)?;
     let report = &explored.report;
