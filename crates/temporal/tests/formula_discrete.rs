@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use temporal::formula::discrete::{DiscreteJudge, DiscreteMonitor};
 use temporal::formula::semantics::{self, Word};
 use temporal::formula::{
-    Bound, Ending, Formula, FormulaMonitor, Interval, Settings, TimeUnit, Verdict,
+    Bound, Ending, Formula, FormulaMonitor, Interval, Settings, TimeUnit, Verdict, parse,
 };
 
 const ENDINGS: [Ending; 4] = [
@@ -394,6 +394,20 @@ fn memory_does_not_grow_with_the_trace() {
         let long = most_stored(text, 20_000);
         assert!(short < 1_000 && long < 2 * short, "{text}: {short}, {long}");
     }
+}
+
+/// The outer window falls between two samples, while the inner one still waits for its third: what is
+/// missing is of no sample in the outer window.
+#[test]
+fn a_window_without_samples_is_settled_once_it_is_over() {
+    let text = "always[2.8 s, 2.8 s] always[0 samples, 3 samples] p";
+    let formula = parse(text, &|_| None).unwrap().formula;
+    let mut run = Run::new(&formula);
+    for time_secs in [0.1, 1.1, 2.4, 3.0] {
+        run.step_truth(time_secs, &[Some(false), None]);
+    }
+    let bounds = run.judges[0].robustness_bounds().unwrap();
+    assert_eq!((bounds.low, bounds.high), (f64::INFINITY, f64::INFINITY));
 }
 
 proptest! {
