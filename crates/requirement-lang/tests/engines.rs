@@ -5,9 +5,8 @@
 mod support;
 
 use requirement_lang::compile::monitor::monitor;
-use requirement_lang::compile::property::{Model, Property, property};
 use requirement_lang::sentence::{Amount, Sentence, Timing};
-use support::{bits, letters, single_stage_sentences, words};
+use support::{bits, letters, property_of, renumbered, single_stage_sentences, words};
 use temporal::formula::semantics::dense::TickWord;
 use temporal::formula::semantics::{self, Word, dense};
 use temporal::formula::{
@@ -142,26 +141,6 @@ fn with_every_ending_the_engine_for_discrete_time_judges_sentences_as_defined() 
 fn with_every_ending_the_engine_for_dense_time_judges_sentences_as_defined() {
     let given = compare_all(TimeModel::Dense, 3);
     assert!(given.iter().all(|count| *count > 20_000), "{given:?}");
-}
-
-fn property_of(sentence: &Sentence) -> Property {
-    let model = Model {
-        step_secs: None,
-        proposition: &|text| Some(text.to_owned()),
-    };
-    property(sentence, &model).unwrap()
-}
-
-/// The letters with the propositions numbered as in the property.
-fn renumbered(word: &[u64], property: &Property) -> Vec<u64> {
-    let bit = |text: &String| support::NAMES.iter().position(|name| name == text).unwrap();
-    let bits: Vec<usize> = property.propositions.iter().map(bit).collect();
-    let letter = |letter: &u64| {
-        (bits.iter().enumerate()).fold(0, |renumbered, (number, bit)| {
-            renumbered | (letter >> bit & 1) << number
-        })
-    };
-    word.iter().map(letter).collect()
 }
 
 /// What the monitor has decided after so many letters, the property says of every infinite word that

@@ -7,11 +7,10 @@ use requirement_lang::Sentence;
 use requirement_lang::compile::coverage::bins;
 use requirement_lang::compile::goal::trace_goal;
 use requirement_lang::compile::monitor::monitor;
-use requirement_lang::compile::property::{Model, Property, property};
 use requirement_lang::sentence::{ScopeKind, Timing};
 use support::{
-    CONDITIONS, bits, holds_finite, holds_lasso, letters, name, sentence, single_stage_sentences,
-    timings, triggers, truth, words,
+    CONDITIONS, bits, holds_finite, holds_lasso, letters, name, property_of, renumbered, sentence,
+    single_stage_sentences, timings, triggers, truth, words,
 };
 use temporal::formula::Ending;
 use temporal::formula::semantics::{Word, value};
@@ -98,26 +97,6 @@ fn the_reference_of_the_formulas_agrees_with_the_evaluator_of_these_tests() {
             );
         });
     }
-}
-
-fn property_of(sentence: &Sentence) -> Property {
-    let model = Model {
-        step_secs: None,
-        proposition: &|text| Some(text.to_owned()),
-    };
-    property(sentence, &model).unwrap()
-}
-
-/// The letters with the propositions numbered as in the property.
-fn renumbered(word: &[u64], property: &Property) -> Vec<u64> {
-    let bit = |text: &String| support::NAMES.iter().position(|name| name == text).unwrap();
-    let bits: Vec<usize> = property.propositions.iter().map(bit).collect();
-    let letter = |letter: &u64| {
-        (bits.iter().enumerate()).fold(0, |renumbered, (number, bit)| {
-            renumbered | (letter >> bit & 1) << number
-        })
-    };
-    word.iter().map(letter).collect()
 }
 
 #[test]

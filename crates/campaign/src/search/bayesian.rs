@@ -242,15 +242,11 @@ impl Search for Bayesian {
 
     fn tell(&mut self, results: &[(Point, f64)]) {
         for (point, value) in results {
-            let Some(elsewhere) = self.cube.unit_of(point) else {
+            let Some(unit) = self.cube.settled_unit(point) else {
                 continue;
             };
             let value = orderly(*value);
             self.best.tell(point, value);
-            let unit = self
-                .cube
-                .settle(point)
-                .map_or(elsewhere, |proposal| proposal.unit);
             self.rows.push(unit);
             self.values.push(value);
         }

@@ -103,6 +103,14 @@ impl Cube {
         let index = self.open.iter().position(|p| p.point == *point)?;
         Some(self.open.remove(index))
     }
+
+    /// The coordinates with which a point was proposed, which is settled by this, or those of a
+    /// point from elsewhere; `None` if it is none of the space.
+    pub(crate) fn settled_unit(&mut self, point: &Point) -> Option<Vec<f64>> {
+        let elsewhere = self.unit_of(point)?;
+        let proposal = self.settle(point);
+        Some(proposal.map_or(elsewhere, |proposal| proposal.unit))
+    }
 }
 
 fn within_tails(u: f64, parameter: &Parameter) -> f64 {

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test uses a part")]
 
 use requirement_lang::Span;
+use requirement_lang::compile::property::{Model, Property, property};
 use requirement_lang::expression::{Atom, Expression};
 use requirement_lang::semantics::{self, Word};
 use requirement_lang::sentence::{
@@ -245,4 +246,25 @@ fn window(interval: &Interval, position: usize, length: usize) -> std::ops::Rang
 pub fn bits(atoms: &[temporal::formula::AtomText]) -> Vec<usize> {
     let bit = |text: &str| NAMES.iter().position(|name| *name == text).unwrap();
     atoms.iter().map(|atom| bit(&atom.text)).collect()
+}
+
+/// The property of a sentence whose propositions keep their names.
+pub fn property_of(sentence: &Sentence) -> Property {
+    let model = Model {
+        step_secs: None,
+        proposition: &|text| Some(text.to_owned()),
+    };
+    property(sentence, &model).unwrap()
+}
+
+/// The letters with the propositions numbered as in the property.
+pub fn renumbered(word: &[u64], property: &Property) -> Vec<u64> {
+    let bit = |text: &String| NAMES.iter().position(|name| name == text).unwrap();
+    let bits: Vec<usize> = property.propositions.iter().map(bit).collect();
+    let letter = |letter: &u64| {
+        (bits.iter().enumerate()).fold(0, |renumbered, (number, bit)| {
+            renumbered | (letter >> bit & 1) << number
+        })
+    };
+    word.iter().map(letter).collect()
 }
