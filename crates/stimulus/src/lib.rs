@@ -9,7 +9,7 @@
 //! | what varies, and how | [`Space`] of [`Parameter`]s with [`Distribution`]s, in the unit cube |
 //! | one value for each parameter | [`Point`] |
 //! | a test with its values, for one episode | [`Stimulus`], as TOML, JSON, and a hash |
-//! | a bench's data that a stimulus changes | [`apply`] |
+//! | a bench's data that a stimulus changes | [`apply()`] |
 //!
 //! ```
 //! use stimulus::{AbstractTest, Space, apply};
