@@ -1,0 +1,491 @@
+//! Reads `requirements.toml` and holds it against the vocabulary and the declared parameters.
+
+use super::{FormText, Forms, ReadingForm, SubjectForm};
+use crate::problem::{Problem, Source, did_you_mean};
+use crate::study::judging_form::{JudgingForm, JudgingText, Rule};
+use crate::study::sentence_form::{SentenceForm, SentenceReader};
+use crate::study::{StudyParameters, Vocabulary};
+use evidence::{FailureMode, Requirement, Subject};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use temporal::formula::{Ending, TimeModel};
+use temporal::monitor::{MonitorSpec, Stage};
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    requirement: Vec<RequirementText>,
+    #[serde(default)]
+    failure_mode: Vec<FailureModeText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RequirementText {
+    id: Spanned<String>,
+    text: String,
+    threshold: Option<Spanned<String>>,
+    same_as: Option<Spanned<String>>,
+    margin: Option<Spanned<f64>>,
+    shall: Option<Spanned<String>>,
+    template: Option<Spanned<String>>,
+    #[serde(default)]
+    parameters: Vec<Spanned<String>>,
+    property: Option<Spanned<String>>,
+    monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
+    experiment: Option<Spanned<String>>,
+    #[serde(default)]
+    reading: BTreeMap<String, ReadingText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReadingText {
+    meaning: Spanned<String>,
+    monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FailureModeText {
+    id: Spanned<String>,
+    name: String,
+    meaning: String,
+    margin: Option<Spanned<f64>>,
+    experiment: Option<Spanned<String>>,
+    occurs: Option<Spanned<String>>,
+    opportunity: Option<Spanned<String>>,
+    monitor: Option<Spanned<MonitorSpec>>,
+    formula: Option<Spanned<String>>,
+    time: Option<Spanned<TimeModel>>,
+    ending: Option<Spanned<Ending>>,
+    clock: Option<Spanned<String>>,
+}
+
+/// Reads `requirements.toml` and checks it against the vocabulary.
+pub fn load(
+    folder: &Path,
+    vocabulary: &Vocabulary,
+    parameters: &StudyParameters,
+    step_secs: Option<f64>,
+) -> Result<(Vec<Requirement>, Vec<FailureMode>, Forms), Problem> {
+    let source = Source::read(&folder.join("requirements.toml"))?;
+    let file: File =
+        toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+    if file.requirement.is_empty() {
+        return Err(Problem::new(
+            "no-requirements",
+            format!(
+                "{} has no requirement, so there is nothing to verify",
+                source.name
+            ),
+        )
+        .remedy("add a [[requirement]] with `id`, `text`, and a sentence in `shall`, a `property` or a `monitor`"));
+    }
+    let reader = Reader {
+        source: &source,
+        vocabulary,
+        parameters,
+        sentences: SentenceReader {
+            source: &source,
+            vocabulary,
+            parameters,
+            step_secs,
+        },
+    };
+    let mut subjects: Vec<SubjectForm> = Vec::new();
+    let mut requirements = Vec::new();
+    for text in file.requirement {
+        let (requirement, form) = reader.requirement(text, &subjects, &requirements)?;
+        requirements.push(requirement);
+        subjects.push(form);
+    }
+    let mut failure_modes = Vec::new();
+    for text in file.failure_mode {
+        let (mode, form) = reader.failure_mode(text, &subjects)?;
+        failure_modes.push(mode);
+        subjects.push(form);
+    }
+    let forms = Forms { source, subjects };
+    Ok((requirements, failure_modes, forms))
+}
+
+pub(super) struct Reader<'a> {
+    pub(super) source: &'a Source,
+    vocabulary: &'a Vocabulary,
+    parameters: &'a StudyParameters,
+    sentences: SentenceReader<'a>,
+}
+
+impl Reader<'_> {
+    fn requirement(
+        &self,
+        text: RequirementText,
+        before: &[SubjectForm],
+        requirements: &[Requirement],
+    ) -> Result<(Requirement, SubjectForm), Problem> {
+        self.check_new(&text.id, before)?;
+        let id = text.id.get_ref().clone();
+        let same = self.same_as(&text, before, requirements)?;
+        let judging = JudgingText::new(
+            text.monitor,
+            text.formula,
+            text.time,
+            text.ending,
+            text.clock,
+        );
+        let sentence = match (text.shall, text.template) {
+            (Some(_), Some(template)) => {
+                return Err(Problem::new(
+                    "two-sentences",
+                    "a requirement has its own sentence or one of the library, not both",
+                )
+                .at(self.source, template.span())
+                .remedy("remove `shall` or `template`"));
+            }
+            (Some(shall), None) => Some(self.sentences.read(shall, &judging)?),
+            (None, Some(template)) => Some(self.sentences.of_library(&template, &judging)?),
+            (None, None) => None,
+        };
+        let written = judging.compile(self.source, self.vocabulary)?;
+        let threshold = self.required(text.threshold, sentence.as_ref())?;
+        let mut form = SubjectForm {
+            subject: Subject::Requirement(id.clone()),
+            span: text.id.span(),
+            property: text.property.map(form_text),
+            no_property: None,
+            opportunity: None,
+            monitor: written,
+            no_monitor: None,
+            parameters: self.declared(text.parameters, sentence.as_ref())?,
+            readings: self.readings(text.reading)?,
+            experiment: self.experiment(text.experiment)?,
+            sentence,
+        };
+        form.complete_from_sentence();
+        if let Some((_, other)) = &same {
+            form = SubjectForm {
+                subject: form.subject,
+                span: form.span,
+                ..(*other).clone()
+            };
+        }
+        self.check_property(&form)?;
+        let requirement = Requirement {
+            id,
+            text: text.text,
+            threshold,
+            // The other's sentence asks for the other's probability.
+            sentence: match same {
+                Some(_) => None,
+                None => form.sentence.as_ref().map(|s| s.text.clone()),
+            },
+            property: form.property.as_ref().map(|p| p.text.clone()),
+            monitor: form.monitor.as_ref().map(in_words),
+            margin: match (&same, text.margin) {
+                (Some((first, _)), None) => first.margin,
+                (_, margin) => self.margin(margin)?,
+            },
+            same_quantity_as: same.map(|(first, _)| first.id.clone()),
+        };
+        Ok((requirement, form))
+    }
+
+    fn same_as<'b>(
+        &self,
+        text: &RequirementText,
+        before: &'b [SubjectForm],
+        requirements: &'b [Requirement],
+    ) -> Result<Option<(&'b Requirement, &'b SubjectForm)>, Problem> {
+        let Some(same) = &text.same_as else {
+            return Ok(None);
+        };
+        if text.shall.is_some()
+            || text.template.is_some()
+            || text.property.is_some()
+            || text.monitor.is_some()
+            || text.formula.is_some()
+            || text.experiment.is_some()
+            || !text.reading.is_empty()
+        {
+            return Err(Problem::new(
+                "same-as-with-forms",
+                "a requirement that is the same as another cannot have forms of its own",
+            )
+            .at(self.source, same.span())
+            .remedy("remove `same_as`, or the property and the monitor"));
+        }
+        let found = requirements
+            .iter()
+            .zip(before)
+            .find(|(requirement, _)| &requirement.id == same.get_ref());
+        found.map(Some).ok_or_else(|| {
+            Problem::new(
+                "unknown-requirement",
+                format!("no requirement `{}` stands before this one", same.get_ref()),
+            )
+            .at(self.source, same.span())
+            .remedy("name a requirement that stands earlier in the file")
+        })
+    }
+
+    fn failure_mode(
+        &self,
+        text: FailureModeText,
+        before: &[SubjectForm],
+    ) -> Result<(FailureMode, SubjectForm), Problem> {
+        self.check_new(&text.id, before)?;
+        let id = text.id.get_ref().clone();
+        let judging = JudgingText::new(
+            text.monitor,
+            text.formula,
+            text.time,
+            text.ending,
+            text.clock,
+        );
+        let form = SubjectForm {
+            subject: Subject::FailureMode(id.clone()),
+            span: text.id.span(),
+            sentence: None,
+            property: text.occurs.map(form_text),
+            no_property: None,
+            opportunity: text.opportunity.map(form_text),
+            monitor: judging.compile(self.source, self.vocabulary)?,
+            no_monitor: None,
+            parameters: Vec::new(),
+            readings: Vec::new(),
+            experiment: self.experiment(text.experiment)?,
+        };
+        self.check_property(&form)?;
+        let mode = FailureMode {
+            id,
+            name: text.name,
+            meaning: text.meaning,
+            margin: self.margin(text.margin)?,
+        };
+        Ok((mode, form))
+    }
+
+    fn check_new(&self, id: &Spanned<String>, before: &[SubjectForm]) -> Result<(), Problem> {
+        match before.iter().find(|f| f.subject.id() == id.get_ref()) {
+            None => Ok(()),
+            Some(_) => Err(Problem::new(
+                "duplicate-id",
+                format!("`{}` is declared twice", id.get_ref()),
+            )
+            .at(self.source, id.span())
+            .remedy("give each requirement and failure mode its own identifier")),
+        }
+    }
+    /// The parameters that a requirement is held against: those named, and
+    /// those of its sentence.
+    fn declared(
+        &self,
+        named: Vec<Spanned<String>>,
+        sentence: Option<&SentenceForm>,
+    ) -> Result<Vec<String>, Problem> {
+        for name in &named {
+            if self.parameters.values.get(name.get_ref()).is_none() {
+                let known = self.parameters.declared.keys().map(String::as_str);
+                let similar = did_you_mean(name.get_ref(), known);
+                return Err(Problem::new(
+                    "unknown-parameter",
+                    format!("parameters.toml declares no `{}`", name.get_ref()),
+                )
+                .at(self.source, name.span())
+                .remedy(match similar {
+                    Some(similar) => format!("did you mean `{similar}`?"),
+                    None => "declare it with a value and a meaning".into(),
+                }));
+            }
+        }
+        let mut all: Vec<String> = named.into_iter().map(Spanned::into_inner).collect();
+        if let Some(sentence) = sentence {
+            all.extend(sentence.parameters(self.vocabulary, self.parameters));
+        }
+        all.sort();
+        all.dedup();
+        Ok(all)
+    }
+
+    fn experiment(&self, name: Option<Spanned<String>>) -> Result<Option<String>, Problem> {
+        let Some(name) = name else {
+            return Ok(None);
+        };
+        let span = name.span();
+        let proposition = self
+            .vocabulary
+            .proposition(name.get_ref(), self.source, span.clone())?;
+        if proposition.column.is_none() {
+            return Err(Problem::new(
+                "unbound-proposition",
+                format!(
+                    "`{}` is not bound to a column of the experiments",
+                    name.get_ref()
+                ),
+            )
+            .at(self.source, span)
+            .remedy(format!(
+                "give [{}] a `column = \"…\"` in {}",
+                name.get_ref(),
+                self.vocabulary.source.name
+            )));
+        }
+        Ok(Some(name.into_inner()))
+    }
+
+    fn readings(&self, texts: BTreeMap<String, ReadingText>) -> Result<Vec<ReadingForm>, Problem> {
+        let mut readings = Vec::new();
+        for (name, text) in texts {
+            let judging = JudgingText::new(
+                text.monitor,
+                text.formula,
+                text.time,
+                text.ending,
+                text.clock,
+            );
+            let Some(monitor) = judging.compile(self.source, self.vocabulary)? else {
+                return Err(Problem::new(
+                    "no-monitor",
+                    format!("the reading `{name}` does not say how it judges traces"),
+                )
+                .at(self.source, text.meaning.span())
+                .remedy("give it a `monitor` or a `formula`"));
+            };
+            readings.push(ReadingForm {
+                name,
+                meaning: text.meaning.into_inner(),
+                monitor,
+            });
+        }
+        Ok(readings)
+    }
+
+    /// Checks that the labels of the property are propositions with a binding
+    /// to the model. Its syntax is checked with the model, which gives types.
+    fn check_property(&self, form: &SubjectForm) -> Result<(), Problem> {
+        let written = form.property.iter().chain(&form.opportunity);
+        for text in written.filter(|text| !text.from_sentence) {
+            let parsed = prism_lang::parse_properties(&text.text);
+            if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
+                return Err(problem);
+            }
+            for (name, span) in quoted_names(&text.text) {
+                let place = text.span.start + span.start..text.span.start + span.end;
+                let proposition = self
+                    .vocabulary
+                    .proposition(&name, self.source, place.clone())?;
+                if proposition.model.is_none() {
+                    return Err(Problem::new(
+                        "unbound-proposition",
+                        format!("the property uses \"{name}\", which is not bound to the model"),
+                    )
+                    .at(self.source, place)
+                    .remedy(format!(
+                        "give [{name}] a `model = \"…\"` in {}",
+                        self.vocabulary.source.name
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Diagnostics of a property inside this file, at their place in the file.
+    fn shifted(&self, text: &FormText, diagnostics: &[prism_lang::Diagnostic]) -> Option<Problem> {
+        let shifted: Vec<_> = diagnostics
+            .iter()
+            .map(|d| {
+                let mut d = d.clone();
+                d.span = prism_lang::Span::new(
+                    d.span.start + text.span.start,
+                    d.span.end + text.span.start,
+                );
+                d.related.clear();
+                d
+            })
+            .collect();
+        Problem::from_diagnostics(self.source, &shifted)
+    }
+}
+
+fn form_text(text: Spanned<String>) -> FormText {
+    let span = text.span();
+    FormText {
+        text: text.into_inner(),
+        span: span.start + 1..span.end.saturating_sub(1).max(span.start + 1),
+        from_sentence: false,
+    }
+}
+
+/// The labels that a property names, `"like_this"`, with their places.
+pub fn quoted_names(text: &str) -> Vec<(String, Range<usize>)> {
+    let mut names = Vec::new();
+    let mut from = 0;
+    while let Some(open) = text[from..].find('"').map(|at| from + at) {
+        let Some(close) = text[open + 1..].find('"').map(|at| open + 1 + at) else {
+            break;
+        };
+        let name = &text[open + 1..close];
+        // PRISM's own labels are not propositions of the study.
+        if name != "init" && name != "deadlock" {
+            names.push((name.to_owned(), open + 1..close));
+        }
+        from = close + 1;
+    }
+    names
+}
+/// A monitor in words, for reports.
+fn in_words(form: &JudgingForm) -> String {
+    let spec = match &form.rule {
+        Rule::Staged(spec) => spec,
+        Rule::Formula(formula) => return formula.text.clone(),
+    };
+    let stages: Vec<String> = spec.then.iter().map(stage_in_words).collect();
+    format!("when {}: {}", spec.when, stages.join("; then "))
+}
+
+fn stage_in_words(stage: &Stage) -> String {
+    let within = |limit: &Option<f64>| match limit {
+        Some(secs) => format!(" within {secs} s"),
+        None => String::new(),
+    };
+    match stage {
+        Stage::Assert { proposition } => format!("{proposition} holds"),
+        Stage::WaitFor {
+            proposition,
+            within_secs,
+        } => format!("wait for {proposition}{}", within(within_secs)),
+        Stage::Hold {
+            proposition,
+            until,
+            within_secs,
+        } => format!("{proposition} holds until {until}{}", within(within_secs)),
+    }
+}
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_found_with_their_places() {
+        let text = r#"P=? [ F ("a" & "b") | "deadlock" ]"#;
+        let names = quoted_names(text);
+        assert_eq!(names.len(), 2);
+        for (name, span) in names {
+            assert_eq!(&text[span], name);
+        }
+    }
+}
