@@ -1,0 +1,250 @@
+//! What each entry of a ledger needs, read, compiled and checked before anything runs.
+
+use crate::command::Setting;
+use crate::corroboration::Piece;
+use crate::problem::{Problem, did_you_mean};
+use crate::study::{Entry, Study, Work};
+use crate::technique;
+use crate::technique::campaign::{OutsideCommand, Until};
+use crate::technique::experiment::Tables;
+use crate::technique::model_checking::{Compiled, CountedConstant};
+use crate::technique::operation::Recordings;
+use crate::technique::simulation::Campaign;
+use evidence::{AssetRole, Measure};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What an entry needs, read and checked before anything runs.
+pub(super) enum Prepared<'a> {
+    Check(Box<Compiled<'a>>),
+    Simulate(Box<Campaign>),
+    Command(Box<OutsideCommand>),
+    /// The physics library is missing; said when the entry's turn comes, so
+    /// that all else still runs.
+    CannotSimulate(Problem),
+    Read(Tables),
+    Judge(Recordings),
+}
+
+pub(super) fn prepare<'a>(
+    study: &'a Study,
+    setting: &Setting,
+) -> Result<Vec<Prepared<'a>>, Problem> {
+    let prepared = study
+        .ledger
+        .iter()
+        .map(|entry| match &entry.work {
+            Work::Check { model, .. } => {
+                let compiled = Compiled::new(study, model)?;
+                check_constants(study, entry, &compiled)?;
+                compiled.warn(&|line| setting.talk.say(line));
+                Ok(Prepared::Check(Box::new(compiled)))
+            }
+            Work::Simulate {
+                scenario,
+                parameters,
+                ..
+            } => {
+                let library = setting.physics_library.as_deref();
+                prepared_campaign(Campaign::new(study, scenario, parameters, library), setting)
+            }
+            Work::SimulateScene { scene, test, .. } => {
+                let library = setting.physics_library.as_deref();
+                let campaign = Campaign::of_scene(study, scene, test.as_deref(), library);
+                prepared_campaign(campaign, setting)
+            }
+            Work::Command { command, .. } => {
+                let command = OutsideCommand::new(study, command)?;
+                Ok(Prepared::Command(Box::new(command)))
+            }
+            Work::Read {
+                cohort,
+                requirements,
+                failure_modes,
+                ..
+            } => Ok(Prepared::Read(Tables::read(
+                study,
+                cohort.as_deref(),
+                requirements.as_deref(),
+                failure_modes.as_deref(),
+            )?)),
+            Work::Judge { recordings, .. } => {
+                Ok(Prepared::Judge(Recordings::find(study, recordings)?))
+            }
+        })
+        .collect::<Result<Vec<_>, Problem>>()?;
+    technique::judging::Judges::new(study, |_| true)?;
+    every_proposition_is_expressed_somewhere(study, &prepared)?;
+    Ok(prepared)
+}
+
+/// A campaign, or that simulations cannot run here; what of robots'
+/// descriptions is not simulated is said.
+fn prepared_campaign(
+    campaign: Result<Campaign, Problem>,
+    setting: &Setting,
+) -> Result<Prepared<'static>, Problem> {
+    match campaign {
+        Ok(campaign) => {
+            campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
+            Ok(Prepared::Simulate(Box::new(campaign)))
+        }
+        Err(problem) if problem.code == "no-physics-library" => {
+            Ok(Prepared::CannotSimulate(problem))
+        }
+        Err(problem) => Err(problem),
+    }
+}
+
+/// The stopping rules of the ledger, held against the requirements.
+pub(super) fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
+    let with_rule = study
+        .ledger
+        .iter()
+        .filter_map(|entry| Some((entry, entry.sampling.until.as_ref()?)));
+    with_rule
+        .map(|(entry, text)| {
+            let until = Until::new(study, text).map_err(|problem| problem.about(&entry.id))?;
+            Ok((entry.id.as_str(), until))
+        })
+        .collect()
+}
+
+/// What was set to a count must be a constant of the model.
+fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<(), Problem> {
+    for calibrated in &entry.calibrated {
+        let Some(name) = &calibrated.constant else {
+            continue;
+        };
+        if compiled.constant(name).is_none() {
+            let problem = Problem::new(
+                "unknown-constant",
+                format!(
+                    "the model of {} has no number `{name}` among its constants",
+                    entry.id
+                ),
+            )
+            .at(&study.ledger_source, calibrated.span.clone());
+            return Err(match did_you_mean(name, compiled.constants()) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem.remedy("name a constant that the model defines"),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A name that no model of the study knows is a mistake, not an abstraction.
+fn every_proposition_is_expressed_somewhere(
+    study: &Study,
+    prepared: &[Prepared],
+) -> Result<(), Problem> {
+    let models: Vec<&Compiled> = prepared
+        .iter()
+        .filter_map(|p| match p {
+            Prepared::Check(compiled) => Some(compiled.as_ref()),
+            _ => None,
+        })
+        .collect();
+    for (name, proposition) in &study.vocabulary.propositions {
+        let (Some(binding), Some(first)) = (&proposition.model, models.first()) else {
+            continue;
+        };
+        if models.iter().any(|m| m.expressed.contains(name.as_str())) {
+            continue;
+        }
+        let reason = first.not_expressed.get(name.as_str());
+        let reason = reason.map_or("it cannot be evaluated", String::as_str);
+        return Err(Problem::new(
+            "unknown-name",
+            format!("no model of the study expresses `{name}`: {reason}"),
+        )
+        .at(&study.vocabulary.source, binding.span.clone())
+        .remedy("correct the name, or remove the `model` binding"));
+    }
+    Ok(())
+}
+
+/// The constants whose counts are uncertain, with the counts.
+pub(super) fn counted_constants(
+    entry: &Entry,
+    before: &[Piece],
+) -> Result<Vec<CountedConstant>, Problem> {
+    let mut counted = Vec::new();
+    // A step on the way is not compared, so its uncertainty is not asked for.
+    if entry.intermediate {
+        return Ok(counted);
+    }
+    for calibrated in &entry.calibrated {
+        let Some(constant) = &calibrated.constant else {
+            continue;
+        };
+        let calibration = &calibrated.calibration;
+        // With --only, the evidence that supplies the counts may be left out;
+        // the result is then kept under other inputs.
+        let finding = before
+            .iter()
+            .find(|piece| piece.evidence.id == calibration.from)
+            .and_then(|piece| piece.evidence.finding(&calibration.subject));
+        let Some(finding) = finding else {
+            continue;
+        };
+        let Measure::Counts { count, trials, .. } = finding.measure else {
+            return Err(Problem::new(
+                "bad-calibration",
+                format!(
+                    "`{}` of {} was set to {}'s count of {}, which has none",
+                    calibration.parameter,
+                    entry.id,
+                    calibration.from,
+                    calibration.subject.id()
+                ),
+            )
+            .remedy("calibrate from evidence that counts"));
+        };
+        let sample = stats::Sample::new(count, trials)
+            .map_err(|error| Problem::new("bad-counts", error.to_string()))?;
+        counted.push(CountedConstant {
+            name: constant.clone(),
+            sample,
+            subject: calibration.subject.clone(),
+            held: calibrated.held,
+        });
+    }
+    Ok(counted)
+}
+
+pub(super) fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem> {
+    use AssetRole::{Data, RequirementModel, SystemModel};
+    let mut files: Vec<(AssetRole, &Path)> = Vec::new();
+    match &entry.work {
+        Work::Check { model, .. } => files.push((SystemModel, model)),
+        Work::Simulate {
+            scenario,
+            parameters,
+            ..
+        } => files.extend([(SystemModel, scenario.as_path()), (SystemModel, parameters)]),
+        Work::SimulateScene { scene, .. } => files.push((SystemModel, scene)),
+        Work::Read {
+            cohort,
+            requirements,
+            failure_modes,
+            ..
+        } => {
+            let tables = [cohort, requirements, failure_modes];
+            files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
+        }
+        Work::Judge { .. } | Work::Command { .. } => {
+            let map = Path::new("topics.toml");
+            if study.folder.join(map).exists() {
+                files.push((RequirementModel, map));
+            }
+        }
+    }
+    files.push((RequirementModel, Path::new("requirements.toml")));
+    files.push((RequirementModel, Path::new("vocabulary.toml")));
+    files
+        .into_iter()
+        .map(|(role, path)| technique::asset(&study.folder, role, path))
+        .collect()
+}

@@ -1,0 +1,262 @@
+//! Evidence for one entry of a ledger: kept where it is fresh, produced where it is not.
+
+use super::prepare::{Prepared, counted_constants};
+use super::{terminal_width, use_colour};
+use crate::args::Format;
+use crate::command::{Done, Setting, json};
+use crate::corroboration::{self, Piece};
+use crate::forms::differences;
+use crate::problem::Problem;
+use crate::store::{Inputs, Store};
+use crate::study::{Entry, Study, Work};
+use crate::technique::campaign::{self, Until};
+use crate::technique::model_checking::CountedConstant;
+use crate::technique::operation::Recordings;
+use crate::technique::simulation::Seeds;
+use crate::technique::{self, Produced};
+use evidence::StudyResult;
+use std::collections::BTreeMap;
+
+pub(super) struct Runner<'a> {
+    pub(super) study: &'a Study,
+    pub(super) store: &'a Store,
+    pub(super) setting: &'a Setting,
+    pub(super) program: String,
+    /// What each entry rests on.
+    pub(super) assets: BTreeMap<&'a str, Vec<evidence::Asset>>,
+    /// The stopping rules of entries that have one.
+    pub(super) untils: BTreeMap<&'a str, Until>,
+}
+
+impl Runner<'_> {
+    /// The evidence of one entry: kept, if it is fresh, or produced.
+    pub(super) fn piece(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        before: &[Piece],
+    ) -> Result<Piece, Problem> {
+        let counted = counted_constants(entry, before)?;
+        let inputs = self.inputs(entry, prepared, &counted)?;
+        let name = format!("evidence/{}.json", entry.id);
+        if let Some(produced) = self.store.fresh::<Produced>(&name, &inputs) {
+            return self.finished(entry, prepared, before, inputs, produced, false);
+        }
+        let produced = match (prepared, &entry.work) {
+            (Prepared::Check(compiled), Work::Check { methods, .. }) => compiled.produce(
+                &entry.id,
+                methods,
+                &counted,
+                &self.setting.interrupt,
+                &|title, total| self.setting.talk.begin(title, total),
+            )?,
+            (
+                Prepared::Simulate(campaign),
+                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
+            ) => self.simulate(entry, campaign::Source::Bench(campaign), *episodes)?,
+            (Prepared::Command(command), Work::Command { episodes, .. }) => {
+                self.simulate(entry, campaign::Source::Command(command), *episodes)?
+            }
+            (Prepared::Read(tables), Work::Read { technique, .. }) => {
+                tables.produce(self.study, &entry.id, *technique)?
+            }
+            (Prepared::Judge(recordings), Work::Judge { .. }) => self.judge(entry, recordings)?,
+            _ => {
+                return Err(Problem::new(
+                    "bad-ledger",
+                    format!("the entry `{}` was prepared for other work", entry.id),
+                ));
+            }
+        };
+        self.store.keep(&name, &inputs, &produced)?;
+        self.finished(entry, prepared, before, inputs, produced, true)
+    }
+
+    fn simulate(
+        &self,
+        entry: &Entry,
+        source: campaign::Source<'_>,
+        episodes: u64,
+    ) -> Result<Produced, Problem> {
+        let inputs = self.episode_inputs(entry, source);
+        let folder = self
+            .store
+            .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
+        let title = format!("{}: episodes", entry.id);
+        let stage = self.setting.talk.begin(&title, episodes);
+        let plan = campaign::Campaigning {
+            study: self.study,
+            id: &entry.id,
+            source,
+            seeds: Seeds::new(self.study.about.seed, &entry.id),
+            numbers: 1..episodes + 1,
+            keep: entry.sampling.keep,
+            early_end: entry.sampling.early_end,
+            until: self.untils.get(entry.id.as_str()),
+            folder: &folder,
+            judged_by: campaign::judged_by(self.study, source, &self.program),
+            interrupt: &self.setting.interrupt,
+            stage: &stage,
+        };
+        plan.produce()
+    }
+
+    /// What the recordings of episodes depend on. Another simulator runs the
+    /// same whichever build of this program calls it.
+    fn episode_inputs(&self, entry: &Entry, source: campaign::Source<'_>) -> Inputs {
+        let mut inputs = Inputs::default();
+        source.inputs(&mut inputs);
+        if matches!(source, campaign::Source::Bench(_)) {
+            inputs.add("program", self.program.as_bytes());
+        }
+        inputs
+            .add("seed", &self.study.about.seed.to_le_bytes())
+            .add("evidence", entry.id.as_bytes());
+        if entry.sampling.early_end {
+            inputs.add_json("early_end", &true);
+        }
+        inputs
+    }
+
+    fn judge(&self, entry: &Entry, recordings: &Recordings) -> Result<Produced, Problem> {
+        let talk = &self.setting.talk;
+        let stage = talk.begin(&format!("{}: recordings", entry.id), recordings.count());
+        let interrupt = &self.setting.interrupt;
+        recordings.produce(self.study, &entry.id, interrupt, &stage, &|line| {
+            talk.say(line);
+        })
+    }
+
+    /// The hash of everything that the entry's findings depend on.
+    fn inputs(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        counted: &[CountedConstant],
+    ) -> Result<String, Problem> {
+        let mut inputs = Inputs::default();
+        inputs
+            .add("program", self.program.as_bytes())
+            .add("evidence", entry.id.as_bytes())
+            .add_json("confidence", &self.study.about.confidence);
+        match (prepared, &entry.work) {
+            (Prepared::Check(compiled), Work::Check { methods, .. }) => {
+                compiled.inputs(&mut inputs);
+                inputs.add_json("methods", methods);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                for constant in counted {
+                    let sample = (
+                        constant.sample.successes,
+                        constant.sample.trials,
+                        constant.held,
+                    );
+                    inputs.add_json(&constant.name, &sample);
+                }
+            }
+            (
+                Prepared::Simulate(campaign),
+                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
+            ) => {
+                campaign.inputs(&mut inputs);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                inputs.add_json("episodes", episodes);
+                technique::judging::inputs_of(self.study, &mut inputs);
+                entry.sampling.inputs(&mut inputs);
+            }
+            (Prepared::Command(command), Work::Command { episodes, .. }) => {
+                command.inputs(&mut inputs);
+                command.reading_inputs(&mut inputs);
+                inputs.add("seed", &self.study.about.seed.to_le_bytes());
+                inputs.add_json("episodes", episodes);
+                technique::judging::inputs_of(self.study, &mut inputs);
+                entry.sampling.inputs(&mut inputs);
+            }
+            (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
+            (Prepared::Judge(recordings), Work::Judge { .. }) => {
+                recordings.inputs(self.study, &mut inputs)?;
+                technique::judging::inputs_of(self.study, &mut inputs);
+            }
+            _ => {}
+        }
+        Ok(inputs.hash())
+    }
+
+    fn finished(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        before: &[Piece],
+        inputs: String,
+        produced: Produced,
+        is_new: bool,
+    ) -> Result<Piece, Problem> {
+        let how = if is_new {
+            let speed = produced.cost.real_time_factor;
+            let speed = speed.map_or(String::new(), |f| {
+                format!(", {f:.0} times real time on a core")
+            });
+            format!("{:.1} s{speed}", produced.cost.wall_secs)
+        } else {
+            "kept".into()
+        };
+        let assets = self
+            .assets
+            .get(entry.id.as_str())
+            .cloned()
+            .unwrap_or_default();
+        let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
+        if let Prepared::Check(compiled) = prepared {
+            piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), before);
+        }
+        let (id, title, headline) = (&entry.id, &entry.title, &piece.headline);
+        self.setting
+            .talk
+            .say(&format!("{id:<13} {title}: {headline} ({how})"));
+        let differing = &piece.evidence.form_differences;
+        if !differing.is_empty() {
+            self.setting.talk.say(&differences::in_words(differing));
+        }
+        Ok(piece)
+    }
+
+    /// The hash of everything that comparing and concluding depend on.
+    pub(super) fn study_inputs(&self, pieces: &[Piece]) -> String {
+        let mut inputs = Inputs::default();
+        inputs.add("program", self.program.as_bytes());
+        for piece in pieces {
+            inputs.add(&piece.evidence.id, piece.evidence.inputs.as_bytes());
+            inputs.add_json("cost", &piece.cost);
+        }
+        // The texts that were loaded: the files may have been edited since.
+        let study = self.study;
+        for source in [
+            &study.about_source,
+            &study.forms.source,
+            &study.vocabulary.source,
+            &study.ledger_source,
+        ] {
+            inputs.add("file", source.text.as_bytes());
+        }
+        inputs.hash()
+    }
+
+    pub(super) fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {
+        let study_json = json(result)?;
+        self.store.write("study.json", study_json.as_bytes())?;
+        self.store
+            .write("report.html", report::html(result).as_bytes())?;
+        let report = self.store.folder().join("report.html");
+        let output = match format {
+            Format::Json => study_json,
+            Format::Text => format!(
+                "{}\nReport: {}\n",
+                report::text(result, terminal_width(), use_colour()),
+                report.display()
+            ),
+        };
+        Ok(Done {
+            output,
+            outcome: corroboration::outcome(result),
+        })
+    }
+}
