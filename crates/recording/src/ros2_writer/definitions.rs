@@ -1,8 +1,8 @@
 //! The message types that can be written: their fields in order, and the text of their schema.
 //!
 //! Names, types and order of the fields are those of the ROS 2 packages `builtin_interfaces`,
-//! `std_msgs`, `geometry_msgs`, `sensor_msgs`, `tf2_msgs`, `rosgraph_msgs` and `rcl_interfaces`, the same in all
-//! distributions since Foxy.
+//! `std_msgs`, `geometry_msgs`, `sensor_msgs`, `nav_msgs`, `tf2_msgs`, `rosgraph_msgs` and `rcl_interfaces`, the same in
+//! all distributions since Foxy.
 
 use std::collections::BTreeSet;
 
@@ -17,6 +17,18 @@ const DEFINITIONS: &[(&str, &str)] = &[
     ("std_msgs/String", "string data"),
     ("std_msgs/Float64", "float64 data"),
     ("std_msgs/Int32", "int32 data"),
+    (
+        "std_msgs/MultiArrayDimension",
+        "string label;uint32 size;uint32 stride",
+    ),
+    (
+        "std_msgs/MultiArrayLayout",
+        "std_msgs/MultiArrayDimension[] dim;uint32 data_offset",
+    ),
+    (
+        "std_msgs/Float64MultiArray",
+        "std_msgs/MultiArrayLayout layout;float64[] data",
+    ),
     ("geometry_msgs/Vector3", "float64 x;float64 y;float64 z"),
     ("geometry_msgs/Point", "float64 x;float64 y;float64 z"),
     (
@@ -64,6 +76,32 @@ const DEFINITIONS: &[(&str, &str)] = &[
         "std_msgs/Header header;string[] name;float64[] position;float64[] velocity;float64[] effort",
     ),
     (
+        "sensor_msgs/LaserScan",
+        "std_msgs/Header header;float32 angle_min;float32 angle_max;float32 angle_increment;\
+         float32 time_increment;float32 scan_time;float32 range_min;float32 range_max;\
+         float32[] ranges;float32[] intensities",
+    ),
+    (
+        "sensor_msgs/Imu",
+        "std_msgs/Header header;geometry_msgs/Quaternion orientation;\
+         float64[9] orientation_covariance;geometry_msgs/Vector3 angular_velocity;\
+         float64[9] angular_velocity_covariance;geometry_msgs/Vector3 linear_acceleration;\
+         float64[9] linear_acceleration_covariance",
+    ),
+    (
+        "geometry_msgs/PoseWithCovariance",
+        "geometry_msgs/Pose pose;float64[36] covariance",
+    ),
+    (
+        "geometry_msgs/TwistWithCovariance",
+        "geometry_msgs/Twist twist;float64[36] covariance",
+    ),
+    (
+        "nav_msgs/Odometry",
+        "std_msgs/Header header;string child_frame_id;\
+         geometry_msgs/PoseWithCovariance pose;geometry_msgs/TwistWithCovariance twist",
+    ),
+    (
         "tf2_msgs/TFMessage",
         "geometry_msgs/TransformStamped[] transforms",
     ),
@@ -82,6 +120,7 @@ pub(super) enum Primitive {
     Uint8,
     Int32,
     Uint32,
+    Float32,
     Float64,
     Text,
 }
@@ -98,8 +137,18 @@ pub(super) enum FieldType {
 pub(super) struct FieldDefinition {
     pub name: &'static str,
     pub field_type: FieldType,
-    /// Whether it is a sequence of any length.
-    pub is_sequence: bool,
+    /// How many of them there are.
+    pub count: Count,
+}
+
+/// How many values a field holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Count {
+    One,
+    /// A sequence of any length.
+    Any,
+    /// An array of this length.
+    Exactly(usize),
 }
 
 /// The full names of the types that can be written, as `sensor_msgs/msg/JointState`.
@@ -128,15 +177,20 @@ pub(super) fn fields_of(short_name: &str) -> Vec<FieldDefinition> {
 
 fn field_of_line(line: &'static str) -> Option<FieldDefinition> {
     let (type_text, name) = line.split_once(' ')?;
-    let (type_name, is_sequence) = match type_text.strip_suffix("[]") {
-        Some(element) => (element, true),
-        None => (type_text, false),
+    let (type_name, count) = match type_text.split_once('[') {
+        Some((element, "]")) => (element, Count::Any),
+        Some((element, length)) => {
+            let length = length.strip_suffix(']')?.parse().ok()?;
+            (element, Count::Exactly(length))
+        }
+        None => (type_text, Count::One),
     };
     let field_type = match type_name {
         "bool" => FieldType::Primitive(Primitive::Bool),
         "uint8" => FieldType::Primitive(Primitive::Uint8),
         "int32" => FieldType::Primitive(Primitive::Int32),
         "uint32" => FieldType::Primitive(Primitive::Uint32),
+        "float32" => FieldType::Primitive(Primitive::Float32),
         "float64" => FieldType::Primitive(Primitive::Float64),
         "string" => FieldType::Primitive(Primitive::Text),
         message => FieldType::Message(message),
@@ -144,7 +198,7 @@ fn field_of_line(line: &'static str) -> Option<FieldDefinition> {
     Some(FieldDefinition {
         name,
         field_type,
-        is_sequence,
+        count,
     })
 }
 

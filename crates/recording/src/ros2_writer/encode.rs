@@ -1,6 +1,6 @@
 //! Messages in CDR, by a plan that is made once for each set of fields.
 
-use super::definitions::{FieldDefinition, FieldType, Primitive, fields_of};
+use super::definitions::{Count, FieldDefinition, FieldType, Primitive, fields_of};
 use super::error::Ros2WriteError;
 
 /// The header of a message: little endian, plain CDR, no options.
@@ -72,26 +72,32 @@ impl Plan {
                 .filter(|one| one.name() == field.name)
                 .map(|one| one.behind(field.name.len()))
                 .collect();
-            if field.is_sequence {
-                self.sequence(field, &below)?;
-            } else {
+            if field.count == Count::One {
                 self.value(field.field_type, &below)?;
+            } else {
+                self.elements(field, &below)?;
             }
         }
         Ok(())
     }
 
-    fn sequence(&mut self, field: &FieldDefinition, given: &[Given]) -> Result<(), (usize, Fault)> {
+    /// A sequence, as long as the highest index that is given, or an array of fixed length.
+    fn elements(&mut self, field: &FieldDefinition, given: &[Given]) -> Result<(), (usize, Fault)> {
         let mut elements: Vec<(usize, Given)> = Vec::with_capacity(given.len());
         for one in given {
             elements.push(one.element().ok_or((one.index, Fault::Index))?);
         }
-        let length = elements
-            .iter()
-            .map(|(place, _)| place + 1)
-            .max()
-            .unwrap_or(0);
-        self.steps.push(Step::Length(length as u32));
+        let longest = elements.iter().map(|(place, _)| place + 1).max();
+        let length = match field.count {
+            Count::Exactly(length) => length,
+            Count::One | Count::Any => longest.unwrap_or(0),
+        };
+        if let Some((_, one)) = elements.iter().find(|(place, _)| *place >= length) {
+            return Err((one.index, Fault::UnknownField));
+        }
+        if field.count == Count::Any {
+            self.steps.push(Step::Length(length as u32));
+        }
         for place in 0..length {
             let here: Vec<Given> = elements
                 .iter()
@@ -273,9 +279,14 @@ fn push_value(
         (Primitive::Bool, None) => out.push(0),
         (Primitive::Bool, Some(Ros2Value::Bool(value))) => out.push(u8::from(value)),
         (Primitive::Bool, _) => return Err("true or false"),
+        (Primitive::Float32, None) => push(out, &0_f32.to_le_bytes()),
+        (Primitive::Float32, Some(Ros2Value::Number(value))) => {
+            // To the nearest number of 32 bits, as a driver would send it.
+            push(out, &(value as f32).to_le_bytes());
+        }
         (Primitive::Float64, None) => push(out, &0_f64.to_le_bytes()),
         (Primitive::Float64, Some(Ros2Value::Number(value))) => push(out, &value.to_le_bytes()),
-        (Primitive::Float64, _) => return Err("a number"),
+        (Primitive::Float32 | Primitive::Float64, _) => return Err("a number"),
         (Primitive::Uint8, _) => {
             let number = whole(value, 0.0, 255.0).ok_or("a whole number from 0 to 255")?;
             push(out, &[number as u8]);
@@ -360,6 +371,30 @@ mod tests {
         // Stamp 8, empty text 4 + 1 and 3 of padding, no names 4, two positions 4 + 16, 4, 4.
         assert_eq!(bytes.len(), 4 + 8 + 8 + 4 + 4 + 16 + 4 + 4);
         assert_eq!(bytes[4 + 16..4 + 24], [0, 0, 0, 0, 2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn numbers_of_32_bits_are_rounded_and_arrays_have_no_length() {
+        let bytes = encoded(
+            "sensor_msgs/LaserScan",
+            &[
+                ("ranges[1]", Ros2Value::Number(0.1)),
+                ("ranges[0]", Ros2Value::Number(f64::INFINITY)),
+            ],
+        );
+        // Stamp 8, empty text 5 and 3 of padding, seven numbers, then the sequence.
+        let ranges = 4 + 16 + 28;
+        assert_eq!(bytes[ranges..ranges + 4], [2, 0, 0, 0]);
+        assert_eq!(bytes[ranges + 4..ranges + 8], f32::INFINITY.to_le_bytes());
+        assert_eq!(bytes[ranges + 8..ranges + 12], 0.1_f32.to_le_bytes());
+        let bytes = encoded(
+            "geometry_msgs/PoseWithCovariance",
+            &[("covariance[35]", Ros2Value::Number(2.0))],
+        );
+        assert_eq!(bytes.len(), 4 + 8 * (7 + 36));
+        assert_eq!(bytes[bytes.len() - 8..], 2.0_f64.to_le_bytes());
+        let error = Plan::new("geometry_msgs/PoseWithCovariance", &["covariance[36]"]);
+        assert!(error.unwrap_err().to_string().contains("covariance[36]"));
     }
 
     #[test]

@@ -244,7 +244,9 @@ impl<'t> Ros2Encoder<'t> {
 
 fn value_of(kind: &FieldKind, value: f64, into: Option<Primitive>) -> Option<Ros2Value<'_>> {
     match kind {
-        FieldKind::Number if into == Some(Primitive::Float64) => Some(Ros2Value::Number(value)),
+        FieldKind::Number if matches!(into, Some(Primitive::Float32 | Primitive::Float64)) => {
+            Some(Ros2Value::Number(value))
+        }
         _ if value.is_nan() => None,
         FieldKind::Number => Some(Ros2Value::Number(value)),
         FieldKind::Bool => Some(Ros2Value::Bool(value != 0.0)),
