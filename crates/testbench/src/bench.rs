@@ -15,6 +15,7 @@ use trace::{Trace, TraceError};
 use crate::controller::ControllerError;
 use crate::mujoco::EngineError;
 use crate::scenario::ScenarioError;
+use crate::viewer::Viewer;
 
 /// A flag by which a caller ends an episode early, from any thread.
 #[derive(Debug, Default)]
@@ -122,6 +123,11 @@ pub trait Watch {
     /// A row was recorded in topic `topic_index` of [`Bench::layout`]. Times never go back; `values`
     /// are as recorded, in the order of the topic's fields.
     fn row(&mut self, topic_index: usize, time_secs: f64, values: &[f64]) -> Control;
+
+    /// What is to be told where bodies are, if anything is.
+    fn viewer(&mut self) -> Option<&mut dyn Viewer> {
+        None
+    }
 }
 
 /// Looks at nothing, so the run goes on to its own end.

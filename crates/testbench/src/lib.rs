@@ -138,6 +138,7 @@ mod random;
 pub mod robot;
 pub mod scenario;
 pub mod scene;
+mod viewer;
 mod world;
 
 pub use bench::{
@@ -151,6 +152,7 @@ pub use mujoco::{
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};
 pub use scenario::{Parameters, Scenario, ScenarioError};
+pub use viewer::{Geometry, Role, ViewKeeper, Viewer, VisibleShape};
 pub use world::{
     Episode, HandoverBench, Outcome, RunningHandover, SavedHandover, World, run_episode,
     run_episode_with, watch_episode,

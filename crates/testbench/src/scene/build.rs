@@ -12,6 +12,7 @@ use crate::physics::{
     BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, ShapePlan, Touches,
 };
 use crate::scenario::ScenarioError;
+use crate::viewer::{Geometry, Role, VisibleShape};
 
 /// The parsed descriptions of robots and objects, by file.
 pub(super) type Models = BTreeMap<String, robot_model::Model>;
@@ -26,6 +27,45 @@ pub(super) struct Built {
     pub(super) ground: Range<usize>,
     /// For each actuator its drives, left before right.
     pub(super) drives: Vec<Range<usize>>,
+}
+
+impl Built {
+    /// What can be seen of the scene.
+    pub(super) fn geometry(&self) -> Geometry {
+        let shapes = self.layout.shapes.iter().enumerate();
+        let shapes = shapes.map(|(index, shape)| VisibleShape {
+            name: shape.name.clone(),
+            body: shape.body,
+            role: self.role(index, shape),
+            pose: shape.pose,
+            form: shape.form.clone(),
+        });
+        Geometry {
+            bodies: self
+                .layout
+                .bodies
+                .iter()
+                .map(|it| it.name.clone())
+                .collect(),
+            shapes: shapes.collect(),
+        }
+    }
+
+    fn role(&self, index: usize, shape: &ShapePlan) -> Role {
+        if self
+            .robots
+            .iter()
+            .any(|it| it.added.shapes.contains(&index))
+        {
+            Role::Robot
+        } else if self.people.iter().any(|it| it.shapes.contains(&index)) {
+            Role::Person
+        } else if shape.body.is_none() {
+            Role::Surroundings
+        } else {
+            Role::Object
+        }
+    }
 }
 
 /// Where a robot is in the layout.

@@ -11,6 +11,7 @@ mod recorder;
 mod run;
 mod setup;
 mod tracking;
+mod view;
 
 pub use bench::{HandoverBench, RunningHandover, SavedHandover};
 pub use episode::{Episode, run_episode, run_episode_with, watch_episode};

@@ -363,6 +363,12 @@ impl Plant {
         }
     }
 
+    /// The angle of every joint, by name.
+    pub(crate) fn joints_rad(&self) -> impl Iterator<Item = (&str, f64)> {
+        let joints = self.joints.iter().enumerate();
+        joints.map(|(index, joint)| (joint.name.as_str(), self.position_rad(index)))
+    }
+
     /// Arm encoders, in the order of [`arm_joint_names`].
     pub(crate) fn arm_rad(&self, readings: &mut Vec<f64>) {
         readings.clear();

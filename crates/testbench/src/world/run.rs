@@ -15,6 +15,7 @@ use super::plant::Plant;
 use super::recorder::Recorder;
 use super::setup::{Setup, World};
 use super::tracking::{Reading, Tracker, TruePoses};
+use super::view;
 use crate::bench::{Cancel, End, SimError, Watch};
 use crate::model::PhysicalDraws;
 use crate::outside::OutsideReadings;
@@ -317,6 +318,11 @@ impl Run {
         recorder.robot(now_secs, &self.controller, &truth, watch)?;
         recorder.truth(now_secs, &truth, glitch, watch)?;
         recorder.human(now_secs, &self.human, watch)?;
+        if let Some(viewer) = watch.viewer() {
+            let (setup, human) = (self.world.setup(), &self.human);
+            let poses = view::poses(setup, &self.plant, (&human.head(), human.hand_m(now_secs)));
+            viewer.see(now_secs, &|| view::geometry(setup), &poses);
+        }
         self.truth = Some(truth);
         Ok(())
     }

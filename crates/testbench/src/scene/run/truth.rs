@@ -1,8 +1,10 @@
 //! What is true in an episode, as it is written down.
 
 use super::*;
+use crate::geometry::Pose;
 use crate::scene::build::{BuiltPerson, BuiltRobot};
 use crate::scene::person::hands_of;
+use crate::viewer::Viewer;
 
 impl Run {
     /// The largest forces of people and of other things on each robot since the last row.
@@ -53,7 +55,17 @@ impl Run {
         let topic = self.recorder.topics.test;
         self.recorder.row(topic, now_secs, &row, watch)?;
         self.forces.fill([0.0; 2]);
+        if let Some(viewer) = watch.viewer() {
+            self.show(now_secs, viewer);
+        }
         Ok(())
+    }
+
+    /// Tells a viewer where the bodies are.
+    fn show(&self, now_secs: f64, viewer: &mut dyn Viewer) {
+        let bodies = 0..self.built.layout.bodies.len();
+        let poses: Vec<Pose> = bodies.map(|body| self.physics.body_pose(body)).collect();
+        viewer.see(now_secs, &|| self.built.geometry(), &poses);
     }
 
     /// The distance between the surfaces of each robot and each person.
