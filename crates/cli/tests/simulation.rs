@@ -220,3 +220,48 @@ fn a_recording_cut_short_is_refused_unless_a_part_is_asked_for() {
     assert!(report["recordings"][0]["lost"].is_string(), "{}", said.out);
     assert!([1, 3].contains(&said.code), "{said:?}");
 }
+
+/// Both are determined as soon as the robot has decided, or not at all.
+const SOON_DETERMINED: &str = r#"
+[[requirement]]
+id = "decides"
+text = "The robot decides."
+formula = "eventually decided"
+
+[[requirement]]
+id = "decides-late"
+text = "The robot does not decide within its first ten seconds."
+formula = "always[0, 10 s] not decided"
+"#;
+
+#[test]
+fn an_episode_that_ends_once_all_is_determined_is_shorter_and_has_the_same_verdicts() {
+    let Some(library) = library() else {
+        return;
+    };
+    let folder = study();
+    std::fs::write(folder.path().join("requirements.toml"), SOON_DETERMINED).expect("written");
+    let run = |out: &str| {
+        let arguments = ["run", ".", "--only", "E4", "--out", out, "--format", "json"];
+        let said = simulating(&library, folder.path(), &arguments);
+        assert_eq!(said.code, 0, "{said:?}");
+        let findings = json(&said.out)[0]["findings"].clone();
+        assert!(findings.as_array().is_some_and(|it| it.len() == 2));
+        let episodes = folder.path().join(out).join("episodes/E4");
+        (findings, recordings(&episodes))
+    };
+    let (findings, whole) = run("whole");
+    let early = LEDGER.replace("episodes = 4", "episodes = 4\nearly_end = true");
+    std::fs::write(folder.path().join("ledger.toml"), early).expect("written");
+    let (same_findings, ended) = run("early");
+    assert_eq!(findings, same_findings);
+    assert_eq!(whole.len(), ended.len());
+    let shorter = whole
+        .iter()
+        .filter(|(name, bytes)| ended[*name].len() < bytes.len());
+    assert_eq!(
+        shorter.count(),
+        whole.len(),
+        "each of these robots decides before its end"
+    );
+}
