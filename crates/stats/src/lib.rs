@@ -13,11 +13,11 @@
 //! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
-//! | Are trials of one person alike? | [`clustering`], [`EffectiveSample`] |
+//! | Are trials of one person alike? | [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
-//! | How many trials does it take? | [`trials_per_arm`], [`further_trials`] |
-//! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`] |
+//! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
+//! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
 //!
 //! ```
 //! use stats::{Confidence, DifferenceVariance, Sample, fisher_exact, tost, wilson};
@@ -40,8 +40,10 @@
 //!
 //! Each module opens with its definitions, their source, and the guarantee they come with.
 
+pub mod beta_binomial;
 pub mod binomial;
 pub mod cluster;
+pub mod cluster_robust;
 pub mod counts;
 pub mod design;
 pub mod draws;
@@ -53,14 +55,18 @@ pub mod kruskal_wallis;
 pub mod multiple;
 pub mod posterior;
 pub mod power;
+pub mod predictive;
+pub mod propagation;
 mod quadrature;
 mod ranks;
 pub mod sequential;
 pub mod spearman;
 pub mod special;
 
+pub use beta_binomial::BetaBinomial;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use cluster::{Clustering, clustering};
+pub use cluster_robust::ClusterRobust;
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};
@@ -74,5 +80,9 @@ pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
 pub use posterior::{BetaPosterior, probability_greater, probability_within};
 pub use power::{Arm, FurtherTrials, Goal, further_trials, trials_per_arm};
+pub use predictive::Predictive;
+pub use propagation::{
+    Propagated, Shares, SharesDesign, credible_box, extremes_at_corners, paired_difference,
+};
 pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
 pub use spearman::{Spearman, spearman, spearman_exact};

@@ -55,6 +55,11 @@ pub fn deviance(x: f64, m: f64) -> f64 {
     deviance_from(x, m, x - m)
 }
 
+/// `deviance(m + k, m)`, to full precision however small `k` is beside `m`.
+pub(crate) fn deviance_of_sum(k: f64, m: f64) -> f64 {
+    deviance_from(m + k, m, k)
+}
+
 /// [`deviance`] for a caller that knows `x - m` better than a subtraction would.
 pub(super) fn deviance_from(x: f64, m: f64, difference: f64) -> f64 {
     if x <= 0.0 {

@@ -13,6 +13,7 @@ mod student;
 
 pub(crate) use beta::power_over_beta;
 pub use beta::{beta_cdf, beta_density, beta_quantile, beta_quantile_upper, beta_sf};
+pub(crate) use density::deviance_of_sum;
 pub use density::{binomial_pmf, deviance, hypergeometric_pmf, stirling_error};
 pub use gamma::{chi_squared_sf, gamma_p, gamma_q, ln_gamma};
 pub use normal::{normal_cdf, normal_density, normal_quantile, normal_sf};
