@@ -382,6 +382,24 @@ impl<'r, 's> Reader<'r, 's> {
         found
     }
 
+    /// As [`mesh`](Self::mesh), of a shape that is touched, in a language that means the surface and not its hull.
+    pub fn surface_mesh(&mut self, place: &Place, address: &str, scale: Vector) -> Option<usize> {
+        let known = self.meshes.len();
+        let index = self.mesh(place, address, scale, false)?;
+        if index >= known
+            && let Some(depth_m) = self.meshes[index].hollow_m()
+        {
+            let what = format!(
+                "{} has hollows of {depth_m:.3} m or more, which its convex hull fills",
+                shortened(address)
+            );
+            let consequence =
+                "nothing gets into them; make the shape of convex parts if that matters";
+            self.gap(place, "mesh", what, Effect::Contact, consequence);
+        }
+        Some(index)
+    }
+
     fn unread_mesh(&mut self, address: &str, scale: Vector) -> usize {
         self.meshes.push(Mesh {
             source: address.to_owned(),

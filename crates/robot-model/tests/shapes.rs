@@ -120,6 +120,82 @@ fn binary_and_text_stl_and_obj_are_one_mesh() {
     assert_eq!(from_obj.triangles, from_text.triangles);
 }
 
+/// The text of a prism over a polygon (counter-clockwise, cut into triangles by hand) of height 1, as OBJ.
+fn prism(corners: &[[f64; 2]], cut: &[[usize; 3]]) -> String {
+    let count = corners.len();
+    let mut text = String::new();
+    for z in [0.0, 1.0] {
+        for [x, y] in corners {
+            text.push_str(&format!("v {x} {y} {z}\n"));
+        }
+    }
+    for [a, b, c] in cut {
+        text.push_str(&format!("f {} {} {}\n", a + 1, c + 1, b + 1));
+        text.push_str(&format!(
+            "f {} {} {}\n",
+            a + 1 + count,
+            b + 1 + count,
+            c + 1 + count
+        ));
+    }
+    for a in 0..count {
+        let b = (a + 1) % count;
+        text.push_str(&format!("f {} {} {}\n", a + 1, b + 1, b + 1 + count));
+        text.push_str(&format!(
+            "f {} {} {}\n",
+            a + 1,
+            b + 1 + count,
+            a + 1 + count
+        ));
+    }
+    text
+}
+
+#[test]
+fn a_concave_mesh_is_a_gap_and_a_convex_one_is_none() {
+    let square = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+    let square = prism(&square, &[[0, 1, 2], [0, 2, 3]]);
+    // An L: the square without its upper right quarter.
+    let angle = [
+        [0.0, 0.0],
+        [2.0, 0.0],
+        [2.0, 1.0],
+        [1.0, 1.0],
+        [1.0, 2.0],
+        [0.0, 2.0],
+    ];
+    let angle = prism(&angle, &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
+    let urdf = |part: &str| {
+        format!(
+            "<robot name='r'><link name='a'><{part}><geometry><mesh filename='m.obj'/></geometry></{part}></link></robot>"
+        )
+    };
+    let sdf = "<sdf version='1.9'><model name='m'><link name='a'><collision name='c'><geometry><mesh><uri>m.obj</uri></mesh></geometry></collision></link></model></sdf>";
+    let mjcf = "<mujoco><asset><mesh name='m' file='m.obj'/></asset><worldbody><body><freejoint/><geom type='mesh' mesh='m'/></body></worldbody></mujoco>";
+    for (file, text, mesh, expected) in [
+        ("r.urdf", urdf("collision"), &square, 0),
+        ("r.urdf", urdf("collision"), &angle, 1),
+        ("r.urdf", urdf("visual"), &angle, 0),
+        ("r.sdf", sdf.to_owned(), &angle, 1),
+        // MuJoCo means the hull.
+        ("r.xml", mjcf.to_owned(), &angle, 0),
+    ] {
+        let loaded = robot_model::parse(file, &text, &mut |_: &str| Ok(mesh.clone().into_bytes()));
+        let gaps = loaded.unwrap_or_else(|problems| panic!("{problems}")).gaps;
+        let hollow: Vec<String> = gaps.iter().map(ToString::to_string).collect();
+        let hollow: Vec<&String> = hollow
+            .iter()
+            .filter(|gap| gap.contains("convex hull"))
+            .collect();
+        assert_eq!(hollow.len(), expected, "{file}: {gaps:?}");
+        // From the face of one arm of the L to the end of the other it is 1 m.
+        assert!(
+            hollow.iter().all(|gap| gap.contains("1.000 m")),
+            "{hollow:?}"
+        );
+    }
+}
+
 #[test]
 fn a_flat_mesh_has_no_hull() {
     let text = "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3 4\n";

@@ -1,5 +1,6 @@
 //! Triangle meshes: STL (binary and text) and Wavefront OBJ.
 
+mod hollow;
 mod obj;
 mod stl;
 mod volume;
@@ -33,6 +34,13 @@ impl Mesh {
     #[must_use]
     pub fn is_solid(&self) -> bool {
         volume::spans_a_volume(&self.vertices_m)
+    }
+
+    /// How deep its hollows are, at least, if they are deeper than a fiftieth of its extent: what a convex hull fills.
+    #[must_use]
+    pub fn hollow_m(&self) -> Option<f64> {
+        let (depth_m, extent_m) = hollow::depth_and_extent(self);
+        (depth_m > extent_m / 50.0).then_some(depth_m)
     }
 
     /// Mass, centre and inertia at a density of 1 kg/m³, so that the mass is the volume in m³; all zero if the

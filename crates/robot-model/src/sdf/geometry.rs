@@ -160,7 +160,10 @@ fn mesh(reader: &mut Reader<'_, '_>, form: &Element, role: Role) -> Option<Geome
         return None;
     }
     let address = joined(&form.place.file, uri);
-    let mesh = reader.mesh(&form.place, &address, scale, role == Role::Visual)?;
+    let mesh = match role {
+        Role::Visual => reader.mesh(&form.place, &address, scale, true)?,
+        Role::Collision => reader.surface_mesh(&form.place, &address, scale)?,
+    };
     Some(Geometry::Mesh { mesh })
 }
 
