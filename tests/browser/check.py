@@ -12,7 +12,7 @@ from devtools import Browser, Page
 
 SECTIONS = [
     "verdict", "matrix", "forest", "modes", "discrepancies", "comparisons",
-    "ledger", "coverage", "published", "cost", "provenance", "reading",
+    "argument", "ledger", "coverage", "published", "cost", "provenance", "reading",
 ]
 WIDTHS = [1280, 390]
 

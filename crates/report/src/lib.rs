@@ -24,6 +24,7 @@
 //! # Ok::<(), serde_json::Error>(())
 //! ```
 
+pub mod assurance;
 mod number;
 mod page;
 mod plot;

@@ -100,7 +100,8 @@ pub fn reading(requirement: &Requirement, measure: &Measure) -> Mark {
     }
 }
 
-fn has_no_bound(measure: &Measure) -> bool {
+/// Whether a computed number has an unknown error.
+pub fn has_no_bound(measure: &Measure) -> bool {
     matches!(
         measure,
         Measure::Probability { answer, credible: None, .. }

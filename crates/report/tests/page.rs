@@ -107,6 +107,7 @@ fn the_verdict_comes_before_everything_else() {
         "modes",
         "discrepancies",
         "comparisons",
+        "argument",
         "ledger",
         "coverage",
         "published",

@@ -1,0 +1,200 @@
+//! The safety argument: every requirement, supported by the evidence on which
+//! its conclusion rests, and challenged by the evidence that denies it.
+
+use super::node::{Argument, Builder, Kind};
+use super::words::{among, citation, cited, claim, claim_point, compared, quantity, rests_on};
+use crate::number;
+use crate::view::View;
+use crate::words;
+use evidence::{Conclusion, Evidence, Measure, Outcome, Requirement, Verdict};
+
+/// The argument.
+pub fn argument(view: View) -> Argument {
+    let study = view.study;
+    let mut builder = Builder::new();
+    let top = builder.add(
+        Kind::Goal,
+        "study",
+        format!("{}: every requirement holds", study.title),
+    );
+    surroundings(&mut builder, top, view);
+    if !study.requirements.is_empty() {
+        let text = "Argument over each requirement".to_owned();
+        let strategy = builder.support(top, Kind::Strategy, "requirements", text);
+        for requirement in &study.requirements {
+            let goal = builder.support(strategy, Kind::Goal, &requirement.id, claim(requirement));
+            develop(&mut builder, goal, view, requirement);
+        }
+    }
+    defeat(&mut builder, top, view);
+    let brief = format!("Whether the requirements of \"{}\" hold.", study.title);
+    builder.finish("Requirements", brief)
+}
+
+/// Under which conditions and at which level all of it is said.
+fn surroundings(builder: &mut Builder, top: usize, view: View) {
+    let study = view.study;
+    let level = format!("Intervals are at {}", number::level(study.confidence));
+    builder.context(top, Kind::Context, "level", level);
+    let mut conditions: Vec<&str> = Vec::new();
+    let current = |piece: &&Evidence| {
+        let mut conclusions = study.conclusions.iter();
+        conclusions.any(|c| c.rests_on.contains(&piece.id))
+    };
+    for piece in study.evidence.iter().filter(current) {
+        if !conditions.contains(&piece.conditions.as_str()) {
+            conditions.push(&piece.conditions);
+        }
+    }
+    for text in conditions {
+        builder.context(top, Kind::Context, "conditions", text);
+    }
+}
+
+/// What becomes of the whole claim where requirements are not shown.
+fn defeat(builder: &mut Builder, top: usize, view: View) {
+    let ids = |wanted: &[Verdict]| -> Vec<&str> {
+        let conclusions = view.study.conclusions.iter();
+        conclusions
+            .filter(|c| wanted.contains(&c.verdict))
+            .map(|c| c.requirement.as_str())
+            .collect()
+    };
+    let violated = ids(&[Verdict::Violated]);
+    if !violated.is_empty() {
+        let text = format!("Shown not to hold: requirement {}", violated.join(", "));
+        builder.challenge(top, "violated", text, true);
+    }
+    let open = ids(&[
+        Verdict::Conflicting,
+        Verdict::Undecided,
+        Verdict::NotCovered,
+    ]);
+    if !open.is_empty() {
+        let text = format!("Not shown to hold: requirement {}", open.join(", "));
+        builder.challenge(top, "not-shown", text, false);
+    }
+}
+
+/// What stands below a requirement's goal.
+fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Requirement) {
+    let mut conclusions = view.study.conclusions.iter();
+    let conclusion = conclusions.find(|c| c.requirement == requirement.id);
+    let name = &requirement.id;
+    if let Some(conclusion) = conclusion {
+        let text = format!("Concluded: {}", conclusion.statement);
+        builder.context(goal, Kind::Context, name, text);
+    }
+    let pieces = rests_on(view, requirement);
+    let verdict = conclusion.map_or(Verdict::NotCovered, |c| c.verdict);
+    let (against, supporting): (Vec<_>, Vec<_>) = pieces
+        .iter()
+        .copied()
+        .partition(|(_, measure)| speaks_against(requirement, verdict, measure));
+    let holes = holes(view, requirement, conclusion);
+    let is_bare = supporting.is_empty() && holes.is_empty();
+    if !is_bare {
+        let text = "Argument over the latest evidence of each technique";
+        let strategy = builder.support(goal, Kind::Strategy, name, text);
+        builder.claim_point(goal, strategy, claim_point(requirement));
+        for (piece, measure) in supporting {
+            solution(builder, strategy, Kind::Solution, name, (piece, measure));
+        }
+        for hole in holes {
+            builder.support(strategy, Kind::Goal, &format!("{name}-open"), hole);
+        }
+    }
+    if is_bare && !against.is_empty() {
+        // Nothing supports the claim, but what denies it is to be relied on, too.
+        builder.claim_point(goal, goal, claim_point(requirement));
+    }
+    deny(builder, goal, requirement, verdict, &against);
+    conflicts(builder, goal, view, requirement, &pieces);
+}
+
+/// Whether a finding is evidence against the requirement, as it is read in
+/// the forest plot. Where the conclusion is that it holds, none is.
+fn speaks_against(requirement: &Requirement, verdict: Verdict, measure: &Measure) -> bool {
+    let denied = matches!(
+        verdict,
+        Verdict::Violated | Verdict::Conflicting | Verdict::Undecided
+    );
+    denied && words::reading(requirement, measure).tone == "bad"
+}
+
+fn solution(
+    builder: &mut Builder,
+    parent: usize,
+    kind: Kind,
+    name: &str,
+    (piece, measure): (&Evidence, &Measure),
+) {
+    let name = format!("{name}-{}", piece.id);
+    let place = builder.support(parent, kind, &name, cited(piece, measure));
+    builder.cite(place, citation(piece));
+}
+
+/// The counter goal that the requirement does not hold.
+fn deny(
+    builder: &mut Builder,
+    goal: usize,
+    requirement: &Requirement,
+    verdict: Verdict,
+    against: &[(&Evidence, &Measure)],
+) {
+    if against.is_empty() && verdict != Verdict::Violated {
+        return;
+    }
+    let id = &requirement.id;
+    let text = format!("Requirement {id} does not hold");
+    let counter = builder.challenge(goal, id, text, verdict == Verdict::Violated);
+    for (piece, measure) in against {
+        solution(
+            builder,
+            counter,
+            Kind::CounterSolution,
+            id,
+            (piece, measure),
+        );
+    }
+}
+
+/// A counter goal for each conflict among the evidence that counts.
+fn conflicts(
+    builder: &mut Builder,
+    goal: usize,
+    view: View,
+    requirement: &Requirement,
+    pieces: &[(&Evidence, &Measure)],
+) {
+    let subject = quantity(view.study, requirement);
+    let ids: Vec<&str> = pieces.iter().map(|(piece, _)| piece.id.as_str()).collect();
+    for comparison in among(view.study, &subject, &ids) {
+        if comparison.outcome == Outcome::Conflicts {
+            let name = format!("{}-conflict", requirement.id);
+            let text = format!("The evidence conflicts. {}", compared(comparison));
+            builder.challenge(goal, &name, text, false);
+        }
+    }
+}
+
+/// What is missing: gaps of coverage, and a decision where there is none.
+fn holes(view: View, requirement: &Requirement, conclusion: Option<&Conclusion>) -> Vec<String> {
+    let study = view.study;
+    let subject = quantity(study, requirement);
+    let gaps = study.gaps.iter().filter(|gap| gap.subject == subject);
+    let mut holes: Vec<String> = gaps
+        .map(|gap| match gap.evidence.as_slice() {
+            [] => format!("Some evidence covers it. Now: {}", gap.reason),
+            ids => format!("{} covers it. Now: {}", ids.join(", "), gap.reason),
+        })
+        .collect();
+    match conclusion.map(|c| c.verdict) {
+        None => holes.push("A conclusion is drawn about it. Now: there is none.".to_owned()),
+        Some(Verdict::Undecided) => {
+            holes.push("The evidence decides. Now: it does not.".to_owned());
+        }
+        _ => {}
+    }
+    holes
+}
