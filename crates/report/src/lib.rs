@@ -28,6 +28,7 @@ pub mod assurance;
 mod number;
 mod page;
 mod plot;
+pub mod replay;
 mod section;
 mod text;
 mod view;
