@@ -17,6 +17,7 @@
 //! | frames | [`TransformBuffer`] |
 //! | traces as recordings in ROS 2 types | [`Ros2Recording`] |
 //! | raw messages as they come, kept | [`RawRecording`], [`TypeDefinitions`] |
+//! | moving shapes as a recording for Foxglove | [`SceneFile`] |
 //! | verdicts as a recording, beside the original | [`VerdictFile`] |
 //! | traces as MCAP files, lossless and reproducible to the byte | [`write_mcap`], [`read_mcap`] |
 //!
@@ -101,10 +102,12 @@ pub use transform::{FrameId, LookupError, Transform, TransformBuffer, TransformP
 
 mod parquet;
 mod raw_writer;
+mod scene_file;
 mod type_definitions;
 
 pub use parquet::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
 pub use raw_writer::{RawRecording, RawTopicId, RawWriteError};
+pub use scene_file::{SceneFile, SceneForm, ScenePose, SceneShape};
 pub use type_definitions::TypeDefinitions;
 
 mod clock;
