@@ -38,20 +38,26 @@
 //! at most `1 - g` (asymptotically between two counts, always against a known probability).
 
 mod belief;
+mod decide;
+mod further;
 mod lineage;
 mod pair;
+mod together;
 pub(crate) mod words;
 
 pub(crate) use belief::Belief;
+pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
 pub(crate) use lineage::Lineage;
+pub use together::{Spreading, Together, compare_together};
 
 use crate::{
     Comparison, Evidence, FailureMode, FurtherTrials, Interval, Outcome, Requirement, Subject,
 };
+use decide::{Plan, Planning};
 use pair::Pair;
 use stats::{Confidence, StatsError};
-use words::{p_value, points, probability, sentence};
+use words::{list, p_value, percent, points, probability, sentence};
 
 /// The levels that a study declares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -377,32 +383,46 @@ impl Draft {
             points(self.comparison.margin),
             self.test_in_words()
         );
-        let plan = pair.plan(levels, family);
-        for (evidence, trials) in [
-            (&self.comparison.left, plan.first),
-            (&self.comparison.right, plan.second),
-        ] {
-            if let Some(trials) = trials {
-                let evidence = evidence.clone();
-                self.comparison
-                    .further_trials
-                    .push(FurtherTrials { evidence, trials });
-            }
-        }
-        if let Some((left, right)) = plan.both {
-            words.push_str(&format!(
-                " {left} further trials in {} and {right} in {} would probably decide.",
-                self.comparison.left, self.comparison.right
-            ));
-        } else if self
-            .comparison
-            .further_trials
-            .iter()
-            .all(|further| further.trials.is_none())
-        {
-            words.push_str(" Further trials alone would not decide.");
-        }
+        let plans = Planning::new(pair, levels, family).plans((1.0, 1.0));
+        let sides = [
+            (
+                &self.comparison.left,
+                pair.first(),
+                plans.first.map(|plan| plan.trials.0),
+            ),
+            (
+                &self.comparison.right,
+                pair.second(),
+                plans.second.map(|plan| plan.trials.1),
+            ),
+        ];
+        self.comparison.further_trials = sides
+            .into_iter()
+            .filter(|(_, belief, _)| belief.design_effect().is_some())
+            .map(|(evidence, _, trials)| FurtherTrials {
+                evidence: evidence.clone(),
+                trials,
+            })
+            .collect();
+        words.push_str(&match plans.cheapest() {
+            Some(plan) => self.plan_in_words(plan),
+            None => " Further trials alone would not decide.".to_owned(),
+        });
         words
+    }
+
+    fn plan_in_words(&self, plan: Plan) -> String {
+        let sides = [
+            (plan.trials.0, &self.comparison.left),
+            (plan.trials.1, &self.comparison.right),
+        ];
+        let parts: Vec<String> = sides
+            .into_iter()
+            .filter(|(trials, _)| *trials > 0)
+            .map(|(trials, evidence)| format!("{trials} further trials in {evidence}"))
+            .collect();
+        let chance = percent(plan.chance.min(0.999));
+        format!(" {} would decide with a chance of {chance}.", list(&parts))
     }
 
     fn test_in_words(&self) -> String {

@@ -19,13 +19,15 @@
 //! pass, while one failure denies it; a computed probability within [`CERTAINTY`] of 1 supports it.
 //!
 //! The common bound is the smallest one-sided lower limit of all current pieces at the level
-//! `1 - alpha/k` with `k` their number, so that all limits hold together with confidence
-//! `1 - alpha` (Bonferroni), whatever the dependence.
+//! `1 - alpha/k` with `k` the number of those that can err by sampling, so that all limits hold
+//! together with confidence `1 - alpha` (Bonferroni), whatever the dependence; where all are
+//! independent, at `(1 - alpha)^(1/k)` (Sidak). A limit that is known for certain takes no share.
 //!
 //! # Guarantee
 //! A verdict *violated* or *satisfied* that rests on counts is wrong with probability at most
 //! `alpha`, over the sampling of the independent pieces. It speaks of the stated conditions.
 
+pub(crate) mod combined;
 pub(crate) mod coverage;
 mod stand;
 
@@ -81,7 +83,8 @@ fn conclusion(
         .collect();
     let among = among_current(comparisons, &quantity, &pieces);
     let verdict = verdict(&stands, &independent, &among);
-    let bound = common_lower_bound(&pieces, threshold, study.levels.confidence);
+    let all_independent = independent.len() == pieces.len();
+    let bound = common_lower_bound(&pieces, threshold, study.levels.confidence, all_independent);
     Conclusion {
         requirement: requirement.id.clone(),
         verdict,
@@ -229,11 +232,18 @@ fn common_lower_bound(
     pieces: &[Piece<'_>],
     threshold: Threshold,
     confidence: Confidence,
+    all_independent: bool,
 ) -> Option<f64> {
     if threshold.direction == Direction::AtMost {
         return None;
     }
-    let level = confidence.simultaneous(pieces.len());
+    let can_err = |piece: &&Piece<'_>| !matches!(piece.belief, Belief::Known { .. });
+    let count = pieces.iter().filter(can_err).count();
+    let level = if all_independent {
+        confidence.simultaneous_if_independent(count)
+    } else {
+        confidence.simultaneous(count)
+    };
     pieces
         .iter()
         .map(|piece| piece.belief.lower_limit(level))

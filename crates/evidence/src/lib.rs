@@ -23,7 +23,11 @@ mod requirement;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
-pub use compare::{Influences, Levels, Study, compare};
+pub use compare::{
+    DecisionPlan, Influences, Levels, PlannedTrials, Spreading, Study, Together, TrialCosts,
+    Undecided, compare, compare_together, undecided,
+};
+pub use conclude::combined::{Combined, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::diagnose;

@@ -193,6 +193,13 @@ impl Confidence {
     pub fn simultaneous(&self, count: usize) -> Self {
         Self(1.0 - self.alpha() / count.max(1) as f64)
     }
+
+    /// The same for statements that rest on independent samples (Z. Sidak, 1967):
+    /// `(1 - alpha)^(1/count)`, a little less than [`Confidence::simultaneous`] asks for.
+    #[must_use]
+    pub fn simultaneous_if_independent(&self, count: usize) -> Self {
+        Self(self.0.powf(1.0 / count.max(1) as f64))
+    }
 }
 
 /// Why a statistic cannot be given.
@@ -344,5 +351,9 @@ mod tests {
         }
         assert_eq!(Confidence::new(0.95).unwrap(), Confidence::P95);
         assert!((Confidence::P95.simultaneous(5).level() - 0.99).abs() < 1e-15);
+        let each = Confidence::P95.simultaneous_if_independent(3).level();
+        assert!(
+            (each.powi(3) - 0.95).abs() < 1e-15 && each < Confidence::P95.simultaneous(3).level()
+        );
     }
 }

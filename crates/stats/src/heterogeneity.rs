@@ -203,7 +203,7 @@ fn informative<S: Into<EffectiveSample> + Copy>(
 }
 
 /// Log-odds and their variances, with half a success and half a failure added.
-fn log_odds_and_variances(samples: &[EffectiveSample]) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn log_odds_and_variances(samples: &[EffectiveSample]) -> (Vec<f64>, Vec<f64>) {
     samples
         .iter()
         .map(|sample| {

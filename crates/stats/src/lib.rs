@@ -11,7 +11,7 @@
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
 //! | Do two rates differ, and by how much? | [`fisher_exact`], [`difference_interval`], [`Difference`] |
 //! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
-//! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`] |
+//! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`random_effects_interval`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
@@ -44,6 +44,7 @@ pub mod beta_binomial;
 pub mod binomial;
 pub mod cluster;
 pub mod cluster_robust;
+pub mod combination;
 pub mod counts;
 pub mod design;
 pub mod draws;
@@ -67,6 +68,7 @@ pub use beta_binomial::BetaBinomial;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use cluster::{Clustering, clustering};
 pub use cluster_robust::ClusterRobust;
+pub use combination::{power_prior, random_effects_interval};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};

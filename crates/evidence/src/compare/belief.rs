@@ -1,7 +1,6 @@
 //! What a finding says of its rate, in the three forms that comparison knows.
 
 use crate::{CredibleInterval, Guarantee, Measure, MethodAnswer};
-use stats::power::Arm;
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, IntervalMethod, Sample};
 
 /// What is known of a rate.
@@ -86,14 +85,19 @@ impl Belief {
         }
     }
 
-    /// The side as planning sees it.
-    pub fn arm(&self) -> Arm {
+    /// Counts that say as much: at the effective size, or those whose Jeffreys posterior is the
+    /// distribution. `None` for a probability that is known, or known less well than by one trial.
+    pub fn worth_in_counts(&self) -> Option<EffectiveSample> {
         match self {
-            Self::Counts { effective, .. } => Arm::of(*effective),
-            Self::Known { value, .. } => Arm::known(*value),
+            Self::Counts { effective, .. } => Some(*effective),
+            Self::Known { .. } => None,
             Self::Distribution { posterior, .. } => {
-                let rate = posterior.mean();
-                Arm::with_size(rate, rate * (1.0 - rate) / posterior.variance())
+                let (alpha, beta) = posterior.parameters();
+                let worth = EffectiveSample {
+                    successes: (alpha - 0.5).max(0.0),
+                    trials: (alpha - 0.5).max(0.0) + (beta - 0.5).max(0.0),
+                };
+                (worth.trials >= 1.0).then_some(worth)
             }
         }
     }

@@ -1,7 +1,6 @@
 //! The statistics of one pair of rates.
 
-use super::{Belief, Levels};
-use stats::power::{Arm, Goal, further_trials};
+use super::Belief;
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, Sample,
     binomial_test_above, binomial_test_below, binomial_test_two_sided, fisher_exact,
@@ -15,16 +14,6 @@ pub(super) struct Pair {
     margin: f64,
 }
 
-/// Further trials that would probably decide.
-pub(super) struct Plan {
-    /// In the first alone: `None` if it has no trials, `Some(None)` if no number would do.
-    pub first: Option<Option<u64>>,
-    /// In the second alone.
-    pub second: Option<Option<u64>>,
-    /// In the first and in the second together.
-    pub both: Option<(u64, u64)>,
-}
-
 impl Pair {
     pub fn new(first: Belief, second: Belief, margin: f64) -> Self {
         Self {
@@ -32,6 +21,23 @@ impl Pair {
             second,
             margin,
         }
+    }
+
+    /// The same margin for other beliefs.
+    pub fn with(&self, first: Belief, second: Belief) -> Self {
+        Self::new(first, second, self.margin)
+    }
+
+    pub fn first(&self) -> &Belief {
+        &self.first
+    }
+
+    pub fn second(&self) -> &Belief {
+        &self.second
+    }
+
+    pub fn margin(&self) -> f64 {
+        self.margin
     }
 
     /// Second minus first.
@@ -123,128 +129,6 @@ impl Pair {
             None => self.probability_within() >= level.level(),
         }
     }
-
-    /// Trials that would show agreement or a difference, whichever takes fewer, if the rates seen
-    /// are the true ones. Conflicts are planned at Bonferroni's level for the number of
-    /// comparisons, which is a little more than Holm's correction asks for. Plans by normal theory
-    /// are raised until the tests that decide would decide at the expected counts.
-    pub fn plan(&self, levels: &Levels, family: usize) -> Plan {
-        let arms = (self.first.arm(), self.second.arm());
-        let effects = (self.first.design_effect(), self.second.design_effect());
-        let agreement = (
-            Goal::Equivalence {
-                margin: self.margin,
-            },
-            levels.agreement,
-        );
-        let conflict = (Goal::Difference, levels.confidence.simultaneous(family));
-        let plans: Vec<Needed> = [agreement, conflict]
-            .into_iter()
-            .filter_map(|(goal, level)| {
-                let plan = needed(goal, arms, effects, level, levels.power)?;
-                Some(self.raised(plan, goal, level))
-            })
-            .collect();
-        let fewest = |pick: fn(&Needed) -> Option<u64>| plans.iter().filter_map(pick).min();
-        Plan {
-            first: effects.0.map(|_| fewest(|plan| plan.first)),
-            second: effects.1.map(|_| fewest(|plan| plan.second)),
-            both: plans
-                .iter()
-                .filter_map(|plan| plan.both)
-                .min_by_key(|both| both.0 + both.1),
-        }
-    }
-}
-
-impl Pair {
-    /// The plan with sizes at which the goal's own test decides, if the rates stay as they are.
-    fn raised(&self, plan: Needed, goal: Goal, level: Confidence) -> Needed {
-        let decides = |first: u64, second: u64| {
-            let extended = Self::new(
-                extended(&self.first, first),
-                extended(&self.second, second),
-                self.margin,
-            );
-            match goal {
-                Goal::Equivalence { .. } => extended.shows_agreement(level),
-                Goal::Difference => extended.p_difference() <= level.alpha(),
-            }
-        };
-        let both = plan.both.and_then(|(first, second)| {
-            let of = |factor: f64, trials: u64| (trials as f64 * factor).ceil() as u64;
-            let factors =
-                std::iter::successors(Some(1.0), |f| (*f < MOST_RAISED).then_some(f * STEP));
-            factors
-                .map(|f| (of(f, first), of(f, second)))
-                .find(|(first, second)| decides(*first, *second))
-        });
-        Needed {
-            first: plan.first.and_then(|n| raise(n, |n| decides(n, 0))),
-            second: plan.second.and_then(|n| raise(n, |n| decides(0, n))),
-            both,
-        }
-    }
-}
-
-/// By how much a plan is raised at a time, and at most.
-const STEP: f64 = 1.25;
-const MOST_RAISED: f64 = 1e4;
-
-/// The first size from `planned` on, in steps, for which the test decides.
-fn raise(planned: u64, decides: impl Fn(u64) -> bool) -> Option<u64> {
-    let most = (planned.max(100) as f64 * MOST_RAISED) as u64;
-    let next = |n: &u64| (*n < most).then_some((*n as f64 * STEP).ceil() as u64 + 1);
-    std::iter::successors(Some(planned), next).find(|n| decides(*n))
-}
-
-/// The belief after `extra` more trials at the same rate and with the same clustering.
-fn extended(belief: &Belief, extra: u64) -> Belief {
-    let Belief::Counts { sample, effective } = belief else {
-        return belief.clone();
-    };
-    let trials = sample.trials.saturating_add(extra);
-    let growth = trials as f64 / sample.trials as f64;
-    let successes = ((sample.successes as f64 * growth).round() as u64).min(trials);
-    let more = Sample { successes, trials };
-    match EffectiveSample::at_size(more, effective.trials * growth) {
-        Ok(effective) => Belief::Counts {
-            sample: more,
-            effective,
-        },
-        Err(_) => belief.clone(),
-    }
-}
-
-/// Trials that one goal needs, as trials (not independent ones).
-struct Needed {
-    first: Option<u64>,
-    second: Option<u64>,
-    both: Option<(u64, u64)>,
-}
-
-fn needed(
-    goal: Goal,
-    arms: (Arm, Arm),
-    effects: (Option<f64>, Option<f64>),
-    level: Confidence,
-    power: f64,
-) -> Option<Needed> {
-    let plan = further_trials(goal, arms.0, arms.1, level, power).ok()?;
-    let trials = |independent: u64, effect: f64| (independent as f64 * effect).ceil() as u64;
-    let alone = |independent: Option<u64>, effect: Option<f64>| Some(trials(independent?, effect?));
-    let both = || {
-        let independent = plan.both?;
-        Some((
-            trials(independent, effects.0?),
-            trials(independent, effects.1?),
-        ))
-    };
-    Some(Needed {
-        first: alone(plan.first, effects.0),
-        second: alone(plan.second, effects.1),
-        both: both(),
-    })
 }
 
 fn fisher_at_effective_size(
@@ -435,30 +319,5 @@ mod tests {
                 assert!(cautious.p_equivalence() > plain.p_equivalence());
             }
         }
-    }
-
-    #[test]
-    fn plans_speak_of_trials_and_only_of_sides_that_have_them() {
-        let levels = Levels::new(0.95, 0.95).unwrap();
-        let plan = Pair::new(counts(88, 100), counts(439, 500), 0.05).plan(&levels, 10);
-        assert_eq!(
-            plan.second,
-            Some(None),
-            "the experiment's own variance is too large"
-        );
-        let (first, second) = plan.both.unwrap();
-        assert_eq!(first, second);
-        let sample = Sample {
-            successes: 88,
-            trials: 100,
-        };
-        let effective = EffectiveSample::at_size(sample, 50.0).unwrap();
-        let clustered = Belief::Counts { sample, effective };
-        let doubled = Pair::new(clustered, known(0.88), 0.05).plan(&levels, 10);
-        assert_eq!(doubled.second, None);
-        assert_eq!(doubled.both, None);
-        // (z_.95 + z_.9)^2 p q / m^2 = 399.1 independent trials, with p = 45/52 for the variance,
-        // of which there are 50; two trials are worth one.
-        assert_eq!(doubled.first, Some(Some(700)));
     }
 }

@@ -59,6 +59,15 @@ fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
     }
 }
 
+/// How bounds stand to a threshold.
+pub(super) fn of_bounds(bounds: &Interval, threshold: Threshold) -> Standing {
+    match doubts_of_known(bounds, threshold) {
+        (_, missed) if missed <= 0.0 => Standing::Denies,
+        (met, _) if met <= 0.0 => Standing::Supports,
+        _ => Standing::Neither,
+    }
+}
+
 /// A computed probability meets a threshold, misses it, or its bounds straddle it.
 fn doubts_of_known(bounds: &Interval, threshold: Threshold) -> (f64, f64) {
     let Threshold { direction, value } = threshold;
