@@ -3,7 +3,7 @@
 //! This is where the engines of the lower floors meet evidence; nothing else
 //! knows both.
 
-mod bench;
+pub mod bench;
 pub mod campaign;
 pub mod experiment;
 pub mod exploration;

@@ -206,9 +206,9 @@ fn braking_takes_the_distance_that_the_deceleration_gives() {
             "controller.driver.settings.brake_secs",
             Setting::Number(3.0),
         ),
-        ("robot.carrier.x_m", Setting::Number(-2.5)),
+        ("robot.carrier.xm", Setting::Number(-2.5)),
     ];
-    // A setting needs a key that is there.
+    // A setting needs a key that the scene knows.
     let error = bench.run(
         &stimulus(&bench, &settings),
         1,

@@ -23,6 +23,8 @@ mod hub;
 mod keeper;
 mod link;
 mod reader;
+mod scene_rest;
+mod simulated;
 mod teller;
 
 use super::{Done, Setting};
@@ -37,10 +39,10 @@ use event::{LiveVerdict, WatchEvent};
 use evidence::Subject;
 use hub::{Hub, SharedHub, locked};
 use keeper::Keeper;
-use link::Link;
 use live::Source;
 use reader::{Inbox, LiveReader, SharedInbox, opened};
 use recording::{Moment, Polled, SignalStream, StreamError, TimeSource, TopicMap, TypeDefinitions};
+use simulated::AnyLink;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use teller::Teller;
@@ -103,11 +105,7 @@ fn attached(
         .map_err(|errors| unfit(errors.iter().map(ToString::to_string)))?;
     tell_beginning(&hub, &stream);
     let link = match bench {
-        Some(bench) => Some(Link::new(
-            &bench.inputs,
-            stream.layout(),
-            bench.readings.clone(),
-        )?),
+        Some(bench) => Some(bench.link(stream.layout())?),
         None => None,
     };
     if let Some(bench) = bench {
@@ -247,7 +245,7 @@ struct Run<'h> {
     until_nanos: Option<i64>,
     /// The simulated rest of the robot, if there is one, and what it reads.
     bench: Option<&'h Bench>,
-    link: Option<Link>,
+    link: Option<AnyLink>,
     /// For each monitor, its verdict and when that was told, by log time.
     told: Vec<Option<(i64, LiveVerdict)>>,
     instants: u64,

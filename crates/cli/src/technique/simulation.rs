@@ -129,6 +129,14 @@ impl Campaign {
         }
     }
 
+    /// The scene, if it is one.
+    pub fn scene(&self) -> Option<&SceneCampaign> {
+        match &self.bench {
+            Bench::Scene(scene) => Some(scene),
+            Bench::Handover(_) => None,
+        }
+    }
+
     /// A world in which single episodes can be run.
     pub fn world(&self) -> Result<World, Problem> {
         Ok(self.handover()?.world.clone())

@@ -2,9 +2,11 @@
 
 use super::raw::{RawAdapter, without_header};
 use super::{DdsOptions, join, names, quality, stamp};
+use crate::clock::instant;
 use crate::{Durability, LiveError, Outgoing, PublicationId, Publisher, Qos, Reliability};
 use rustdds::no_key::DataWriter;
 use rustdds::{DomainParticipant, QosPolicyBuilder, TopicKind};
+use std::time::Duration;
 
 /// How many messages of a topic are kept for readers that missed them.
 const SAMPLES_KEPT: i32 = 1024;
@@ -42,6 +44,34 @@ impl DdsPublisher {
             .iter()
             .filter(|reader| *reader.subscription_topic_data.topic_name() == dds_name)
             .count()
+    }
+
+    /// Waits until every reliable reader that is known has acknowledged all that was published, so that it has it
+    /// before anything that is published later, on whatever topic. Readers of best effort acknowledge nothing and are
+    /// not waited for.
+    ///
+    /// # Errors
+    /// With the name of the first topic that is not acknowledged within `longest`.
+    pub fn wait_acknowledged(&self, longest: Duration) -> Result<(), LiveError> {
+        let began = instant();
+        for (name, writer) in &self.writers {
+            let left = longest.saturating_sub(began.elapsed());
+            let failed = |reason: String| LiveError::Send {
+                topic: name.clone(),
+                reason,
+            };
+            match writer.wait_for_acknowledgments(left) {
+                Ok(true) => {}
+                Ok(false) => {
+                    return Err(failed(format!(
+                        "a reader has not acknowledged it within {} s",
+                        longest.as_secs_f64()
+                    )));
+                }
+                Err(error) => return Err(failed(error.to_string())),
+            }
+        }
+        Ok(())
     }
 }
 

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | Rust in this process | implement [`Controller`] |
 //! | a process in any language | [`RemoteController`] over a [`LockStep`] transport; see [`protocol`] |
+//! | a node of ROS 2 | joined by the caller, who publishes its sensors and `/clock` and implements [`Controller`] |
 //!
 //! ```
 //! use testbench::controller::{Controller, ControllerError, Description, Inputs, Outputs, Setup};
@@ -232,6 +233,11 @@ pub enum ControllerError {
         /// What the transport says.
         reason: String,
     },
+    /// It runs, but gives no answer.
+    Silent {
+        /// What was waited for, how long, and what to look at.
+        reason: String,
+    },
     /// It answered something that the protocol does not allow.
     Protocol {
         /// What was asked.
@@ -257,6 +263,7 @@ impl fmt::Display for ControllerError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Transport { reason } => write!(f, "the controller cannot be reached: {reason}"),
+            Self::Silent { reason } => write!(f, "the controller is silent: {reason}"),
             Self::Protocol { asked, problem } => write!(
                 f,
                 "the controller answered `{asked}` against the protocol: {problem}; see the description of the protocol in the crate testbench"

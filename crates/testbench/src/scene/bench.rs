@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use stimulus::{AbstractTest, Stimulus};
+use stimulus::{AbstractTest, Settings, Stimulus};
 use toml::Table;
 use trace::Trace;
 
 use super::build::{Models, build};
-use super::data::{ControllerData, SceneData};
+use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::recorder::Recorder;
-use super::run::{Run, unsuitable};
+use super::run::{Run, known, unsuitable};
 use crate::bench::{Bench, Cancel, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
 use crate::mujoco::Engine;
@@ -37,6 +37,8 @@ pub fn mujoco(engine: &Engine) -> BuildPhysics {
 /// A scene that is ready for episodes.
 pub(super) struct Prepared {
     pub(super) data: SceneData,
+    /// Whether plain numbers are to be drawn for each episode.
+    undrawn: bool,
     pub(super) models: Arc<Models>,
     pub(super) physics: BuildPhysics,
     pub(super) controllers: StartController,
@@ -87,14 +89,22 @@ impl SceneBench {
         }
         let built = build(&data, &models, Draws { seed: 0 })?;
         physics(&built.layout)?;
+        let known = known(&data, &descriptions);
+        for test in &data.abstract_tests {
+            known.check(test).map_err(|problem| {
+                let key = format!("abstract_test.{}", test.name);
+                ScenarioError::value(&key, &format!("cannot be enacted: {problem}"))
+            })?;
+        }
         let bench = Self {
-            table,
             prepared: Arc::new(Prepared {
                 data,
+                undrawn: is_undrawn(&table),
                 models: Arc::new(models),
                 physics,
                 controllers,
             }),
+            table,
             descriptions,
         };
         Ok((bench, gaps))
@@ -123,20 +133,23 @@ impl SceneBench {
     /// # Errors
     /// As [`SceneBench::new`].
     pub fn layout_of(&self, seed: u64) -> Result<Layout, SimError> {
-        let Prepared { data, models, .. } = self.prepared.as_ref();
-        Ok(build(data, models, Draws { seed })?.layout)
+        let prepared = self.with_settings(&Settings::default(), seed)?;
+        Ok(build(&prepared.data, &prepared.models, Draws { seed })?.layout)
     }
 
-    /// The scene with a stimulus's settings in it.
-    pub(super) fn with_settings(&self, stimulus: &Stimulus) -> Result<Arc<Prepared>, SimError> {
-        if stimulus.settings.is_empty() {
+    /// The scene with a stimulus's settings in it, and what the seed draws of its plain numbers.
+    pub(super) fn with_settings(
+        &self,
+        settings: &Settings,
+        seed: u64,
+    ) -> Result<Arc<Prepared>, SimError> {
+        if settings.is_empty() && !self.prepared.undrawn {
             return Ok(Arc::clone(&self.prepared));
         }
-        let mut table = self.table.clone();
-        stimulus::apply(&mut table, &stimulus.settings).map_err(|error| SimError::Stimulus {
-            reason: error.to_string(),
-        })?;
-        let data = SceneData::from_table(table).map_err(|error| unsuitable(&error))?;
+        let mut drawn = self.table_with(settings)?;
+        let draws = Draws { seed };
+        resolve(&mut drawn, &mut |key, d| draws.number(key, d));
+        let data = SceneData::read(drawn).map_err(|error| unsuitable(&error))?;
         let Prepared {
             models,
             physics,
@@ -145,11 +158,39 @@ impl SceneBench {
         } = self.prepared.as_ref();
         Ok(Arc::new(Prepared {
             data,
+            undrawn: false,
             models: Arc::clone(models),
             physics: Arc::clone(physics),
             controllers: Arc::clone(controllers),
         }))
     }
+
+    /// The scene's table with a stimulus's settings in it. A key may be absent if the scene knows
+    /// it and its default.
+    fn table_with(&self, settings: &Settings) -> Result<Table, SimError> {
+        let mut table = self.table.clone();
+        let Err(error) = stimulus::apply(&mut table, settings) else {
+            return Ok(table);
+        };
+        let refused = |error: &stimulus::StimulusError| SimError::Stimulus {
+            reason: error.to_string(),
+        };
+        let mut table = self.table.clone();
+        stimulus::apply_declared(&mut table, settings, &|_| true)
+            .map_err(|error| refused(&error))?;
+        match SceneData::from_table(table.clone()) {
+            Ok(_) => Ok(table),
+            // An unknown key: the first error names similar ones.
+            Err(ScenarioError::Syntax { .. }) => Err(refused(&error)),
+            Err(other) => Err(unsuitable(&other)),
+        }
+    }
+}
+
+/// Whether there are plain numbers in it that each episode draws.
+fn is_undrawn(table: &Table) -> bool {
+    let mut drawn = table.clone();
+    resolve(&mut drawn, &mut |_, distribution| distribution.support()[0])
 }
 
 impl Bench for SceneBench {
@@ -164,7 +205,11 @@ impl Bench for SceneBench {
         watch: &mut dyn Watch,
         cancel: &Cancel,
     ) -> Result<Recorded, SimError> {
-        let mut run = Run::new(self.with_settings(stimulus)?, stimulus, seed)?;
+        let mut run = Run::new(
+            self.with_settings(&stimulus.settings, seed)?,
+            stimulus,
+            seed,
+        )?;
         let mut steps: u64 = 0;
         loop {
             if let Some(end) = run.end() {

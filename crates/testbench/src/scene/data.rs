@@ -5,6 +5,7 @@
 //! one changes no other.
 
 mod body;
+mod drawn;
 mod person;
 mod sensor;
 
@@ -15,7 +16,10 @@ use stimulus::{AbstractTest, Distribution};
 use toml::Table;
 
 pub use body::{Actuator, ActuatorKind, Object, PlaceKeys, Robot};
-pub use person::{Activity, ArmPose, Person, PersonBody, Reaction, ReactionKind, Waypoint};
+pub(super) use drawn::resolve;
+pub use person::{
+    Activity, ArmAngles, ArmPose, Person, PersonBody, Reaction, ReactionKind, Waypoint,
+};
 pub(super) use sensor::key_with_unit;
 pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
 
@@ -99,6 +103,9 @@ pub struct ControllerData {
     /// The program and its arguments, for a controller that is a process; run by the caller.
     #[serde(default)]
     pub command: Vec<String>,
+    /// How it is joined over topics of ROS 2 instead; read by the caller, as this crate knows no
+    /// networks.
+    pub ros2: Option<Table>,
     /// Files that the program consists of, besides those that `command` names.
     #[serde(default)]
     pub files: Vec<String>,
@@ -194,11 +201,22 @@ pub(super) fn known<'a>(
 }
 
 impl SceneData {
-    /// Reads and checks a scene.
+    /// Reads and checks a scene. Distributions that stand for plain numbers are checked at both
+    /// ends; the data then has the lower one, and each episode its own.
     ///
     /// # Errors
     /// [`ScenarioError`] with the key and what to do about it.
     pub fn from_table(table: Table) -> Result<Self, ScenarioError> {
+        let [mut low, mut high] = [table.clone(), table];
+        resolve(&mut low, &mut |_, distribution| distribution.support()[0]);
+        if resolve(&mut high, &mut |_, distribution| distribution.support()[1]) {
+            Self::read(high)?;
+        }
+        Self::read(low)
+    }
+
+    /// Reads and checks a scene in which plain numbers are drawn already.
+    pub(super) fn read(table: Table) -> Result<Self, ScenarioError> {
         let data: Self =
             table
                 .try_into()

@@ -59,17 +59,25 @@
 //! `send_signal` sends a message to the controllers that receive it; `receive_signal` waits for a
 //! message of theirs or for `PERSON.arrived`; `set_param` sets `PERSON.activity` (`stand`, `walk`,
 //! `approach`, `follow`), `PERSON.speed_m_s`, `PERSON.distracted`, `PERSON.arms` (`swing`, `reach`,
-//! `carry`) and `SENSOR.fault` (`none`, `stuck`, `silent`).
+//! `carry`, `withdraw`) and `SENSOR.fault` (`none`, `stuck`, `silent`).
+//!
+//! # Parts that are not simulated
+//!
+//! [`RunningScene::measure_outside`] puts measurements from outside in the place of a sensor's own, so
+//! that hardware runs in the loop with a simulated rest.
 //!
 //! # What is modelled how
 //!
 //! * People go where their behaviour says and push what is in their way; nothing pushes them, and
-//!   they do not avoid walls. Feet do not bear on the floor.
+//!   they do not avoid walls. Feet do not bear on the floor. Between people and what is fixed to the
+//!   world no force is known, because neither can give way; their distance is.
 //! * A robot whose root is free rests on its own wheels or feet by contact and friction. Links of
 //!   one robot do not touch each other unless its description asks for it. Contact masks of MJCF are
 //!   carried over only where a shape touches nothing.
 //! * A lidar's rays are taken at one instant. Distances are between collision shapes; a mesh counts
 //!   as its convex hull.
+//! * Drives are those of the scene; those that a description names (transmissions, actuators) are not
+//!   used.
 //! * Lights, cameras, sound, soft bodies and slopes of the ground are absent.
 
 mod actuating;
@@ -91,8 +99,8 @@ mod walker;
 
 pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco};
 pub use data::{
-    Activity, Actuator, ActuatorKind, ArmPose, ControllerData, Fault, FaultKind, Ground, Object,
-    Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor, SensorKind,
-    Simulation, Waypoint,
+    Activity, Actuator, ActuatorKind, ArmAngles, ArmPose, ControllerData, Fault, FaultKind, Ground,
+    Object, Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor,
+    SensorKind, Simulation, Waypoint,
 };
 pub use saving::{RunningScene, SavedScene};

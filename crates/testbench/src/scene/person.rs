@@ -4,10 +4,11 @@
 //! segment parameters", 1966): shoulders at 0.818, hips at 0.530, upper arm 0.186, forearm with hand
 //! 0.254, half the breadth of shoulders 0.129 and of hips 0.0955, head centred at 0.935. Legs and
 //! arms swing as pendulums with the stride, opposite arms with opposite legs; knees do not bend and
-//! feet slide a little. That is enough for what sees or touches a person; it is no model of gait.
+//! feet slide a little. Arms that reach, carry or withdraw go to declared angles of shoulder and elbow at
+//! a limited rate. That is enough for what sees or touches a person; it is no model of gait.
 
 use super::build::BuiltPerson;
-use super::data::{ArmPose, Person, PersonBody};
+use super::data::{Person, PersonBody};
 use super::draws::Draws;
 use crate::geometry::{IDENTITY, Pose, Vector, about, add, compose, from_roll_pitch_yaw, rotate};
 use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Touches};
@@ -29,7 +30,53 @@ pub(super) struct Stance {
     pub(super) speed_m_s: f64,
     /// Distance walked.
     pub(super) walked_m: f64,
-    pub(super) arms: ArmPose,
+    pub(super) arms: Arms,
+}
+
+/// How both arms are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Arms {
+    /// How much they swing with the stride, 0 to 1.
+    pub(super) swing: f64,
+    /// Turns of upper arm and forearm about the person's y axis; negative is forwards, 0 hangs.
+    pub(super) upper_rad: f64,
+    pub(super) fore_rad: f64,
+}
+
+impl Arms {
+    /// Arms that swing; elbows are never quite straight.
+    pub(super) const SWINGING: Self = Self {
+        swing: 1.0,
+        upper_rad: 0.0,
+        fore_rad: -0.2,
+    };
+
+    /// Arms that are held at these angles of shoulder and elbow.
+    pub(super) fn held(shoulder_rad: f64, elbow_rad: f64) -> Self {
+        Self {
+            swing: 0.0,
+            upper_rad: -shoulder_rad,
+            fore_rad: -(shoulder_rad + elbow_rad),
+        }
+    }
+
+    /// Arms on their way to `goal`, each joint by at most `most_rad`.
+    pub(super) fn towards(self, goal: Self, most_rad: f64) -> Self {
+        if self == goal {
+            return self;
+        }
+        let step = |now: f64, then: f64| now + (then - now).clamp(-most_rad, most_rad);
+        let upper_rad = step(self.upper_rad, goal.upper_rad);
+        let elbow_rad = step(
+            self.fore_rad - self.upper_rad,
+            goal.fore_rad - goal.upper_rad,
+        );
+        Self {
+            swing: step(self.swing, goal.swing),
+            upper_rad,
+            fore_rad: upper_rad + elbow_rad,
+        }
+    }
 }
 
 /// A limb between two joints in the person's frame (x forwards, y left, z up from the floor).
@@ -162,17 +209,10 @@ fn limbs_of(body: PersonBody, height_m: f64, stance: &Stance) -> Vec<Limb> {
 }
 
 /// Upper arm and forearm of one side (1 left, -1 right).
-fn arm_of(side: f64, height_m: f64, swing: f64, pose: ArmPose) -> [Limb; 2] {
+fn arm_of(side: f64, height_m: f64, swing: f64, arms: Arms) -> [Limb; 2] {
     let shoulder_m = [0.0, side * 0.129 * height_m, 0.8 * height_m];
-    // A negative pitch swings forwards.
-    let (upper_rad, fore_rad) = match pose {
-        ArmPose::Swing => (
-            side * swing * ARM_SWING_RAD,
-            side * swing * ARM_SWING_RAD - 0.2,
-        ),
-        ArmPose::Reach => (-1.3, -1.5),
-        ArmPose::Carry => (-0.2, -1.6),
-    };
+    let swing_rad = arms.swing * (side * swing * ARM_SWING_RAD);
+    let (upper_rad, fore_rad) = (swing_rad + arms.upper_rad, swing_rad + arms.fore_rad);
     let (upper_m, fore_m) = (0.186 * height_m, 0.254 * height_m);
     let elbow_m = hang(shoulder_m, upper_m, upper_rad);
     [
@@ -199,7 +239,7 @@ fn hang(top: Vector, length_m: f64, pitch_rad: f64) -> Vector {
 mod tests {
     use super::*;
 
-    fn stance(arms: ArmPose) -> Stance {
+    fn stance(arms: Arms) -> Stance {
         Stance {
             x_m: 2.0,
             y_m: 1.0,
@@ -212,7 +252,7 @@ mod tests {
 
     #[test]
     fn hands_that_reach_are_ahead_at_shoulder_height() {
-        let hands = hands_of(PersonBody::Articulated, 1.75, &stance(ArmPose::Reach)).unwrap();
+        let hands = hands_of(PersonBody::Articulated, 1.75, &stance(Arms::held(1.3, 0.2))).unwrap();
         for (hand, side) in hands.iter().zip([-1.0, 1.0]) {
             // Heading along y, so left is -x; the arm is 0.44 of the height long.
             assert!((hand[0] - (2.0 + side * 0.129 * 1.75)).abs() < 1e-12);
@@ -220,14 +260,14 @@ mod tests {
             assert!((hand[2] - 0.8 * 1.75).abs() < 0.15);
         }
         assert_eq!(
-            hands_of(PersonBody::Capsule, 1.75, &stance(ArmPose::Reach)),
+            hands_of(PersonBody::Capsule, 1.75, &stance(Arms::held(1.3, 0.2))),
             None
         );
     }
 
     #[test]
     fn legs_swing_opposite_and_stay_on_the_hip() {
-        let limbs = limbs_of(PersonBody::Articulated, 1.75, &stance(ArmPose::Swing));
+        let limbs = limbs_of(PersonBody::Articulated, 1.75, &stance(Arms::SWINGING));
         assert_eq!(
             limbs.len(),
             parts_of(PersonBody::Articulated, 1.75, 0.22).len()

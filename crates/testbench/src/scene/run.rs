@@ -130,6 +130,11 @@ impl Run {
         Ok(run)
     }
 
+    /// The sensor of a name.
+    pub(super) fn sensor_mut(&mut self, name: &str) -> Option<&mut Sensing> {
+        self.sensors.iter_mut().find(|sensor| sensor.name == name)
+    }
+
     /// Facts for the recording's metadata.
     fn describe(&mut self, stimulus: &Stimulus) {
         let (engine, version) = self.physics.engine();
@@ -367,7 +372,10 @@ impl Run {
 }
 
 /// What tests may name in this scene.
-fn known(data: &super::data::SceneData, descriptions: &[crate::controller::Description]) -> Known {
+pub(super) fn known(
+    data: &super::data::SceneData,
+    descriptions: &[crate::controller::Description],
+) -> Known {
     let people: Vec<String> = data.people.iter().map(|p| p.name.clone()).collect();
     let events = people.iter().map(|name| format!("{name}.arrived"));
     let sends = descriptions.iter().flat_map(|d| d.sends.iter().cloned());

@@ -27,12 +27,45 @@ pub struct RunningScene(Run);
 #[derive(Clone)]
 pub struct SavedScene(Arc<Frozen>);
 
+impl RunningScene {
+    /// From now on what a sensor measures comes from outside, without the errors, latency and faults
+    /// that the scene gives it: at each of its times it measures `values` (a list for each of
+    /// [`Sensor::fields`](super::Sensor::fields)), or nothing while they are not known.
+    ///
+    /// An episode with an outside is as repeatable as the outside is.
+    ///
+    /// # Errors
+    /// [`SimError::Stimulus`] for a sensor that there is not, or values that do not fit its fields.
+    pub fn measure_outside(
+        &mut self,
+        sensor: &str,
+        values: Option<Vec<Vec<f64>>>,
+    ) -> Result<(), SimError> {
+        let refused = |reason: String| Err(SimError::Stimulus { reason });
+        let Some(found) = self.0.sensor_mut(sensor) else {
+            return refused(format!("there is no sensor `{sensor}`"));
+        };
+        if let Some(values) = &values {
+            let lengths = found.fields.iter().map(|field| field.length);
+            if !values.iter().map(Vec::len).eq(lengths) {
+                return refused(format!("the values do not fit the fields of `{sensor}`"));
+            }
+        }
+        found.outside = Some(values);
+        Ok(())
+    }
+}
+
 impl Savable for SceneBench {
     type Running = RunningScene;
     type Saved = SavedScene;
 
     fn start(&self, stimulus: &Stimulus, seed: u64) -> Result<RunningScene, SimError> {
-        let mut run = Run::new(self.with_settings(stimulus)?, stimulus, seed)?;
+        let mut run = Run::new(
+            self.with_settings(&stimulus.settings, seed)?,
+            stimulus,
+            seed,
+        )?;
         run.pilots.iter_mut().for_each(|pilot| pilot.keep_log());
         Ok(RunningScene(run))
     }

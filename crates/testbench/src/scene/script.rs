@@ -99,7 +99,7 @@ impl Known {
             (Some(person), _, "arms", Setting::Text(text)) => {
                 match of_name(&ArmPose::NAMES, text) {
                     Some(arms) => Ok(Change::Arms(person, arms)),
-                    None => wrong("swing, reach or carry"),
+                    None => wrong("swing, reach, carry or withdraw"),
                 }
             }
             (Some(person), _, "distracted", Setting::Bool(distracted)) => {

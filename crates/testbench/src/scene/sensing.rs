@@ -42,6 +42,8 @@ pub(super) struct Sensing {
     faults: Vec<DrawnFault>,
     /// What the test has made of it.
     pub(super) forced: Option<FaultKind>,
+    /// What is measured outside instead, if it is: a list for each field, none while not known.
+    pub(super) outside: Option<Option<Vec<Vec<f64>>>>,
     stream: Stream,
     last: Option<Vec<Vec<f64>>>,
     on_the_way: VecDeque<(f64, Arrived)>,
@@ -109,6 +111,7 @@ impl Sensing {
             dropout_probability: drawn("dropout_probability", &sensor.dropout_probability),
             faults: sensor.faults.iter().enumerate().filter_map(fault).collect(),
             forced: None,
+            outside: None,
             stream: draws.stream(&errors_of(&sensor.name)),
             last: None,
             on_the_way: VecDeque::new(),
@@ -128,6 +131,9 @@ impl Sensing {
 
     /// Whether a fault is on, given by the scene or by the test.
     pub(super) fn fault(&self, now_secs: f64) -> Option<FaultKind> {
+        if self.outside.is_some() {
+            return None;
+        }
         let given = self.faults.iter().find(|fault| is_on(fault, now_secs));
         self.forced.or(given.map(|fault| fault.kind))
     }
@@ -135,6 +141,17 @@ impl Sensing {
     /// Measures; the measurement sets out on its way.
     pub(super) fn measure(&mut self, scenery: &mut Scenery<'_>) {
         let now_secs = scenery.now_secs;
+        if let Some(outside) = &self.outside {
+            if let Some(values) = outside.clone() {
+                let measured_secs = now_secs;
+                let arrived = Arrived {
+                    measured_secs,
+                    values,
+                };
+                self.on_the_way.push_back((now_secs, arrived));
+            }
+            return;
+        }
         let mut values = self.instrument.measure(scenery, &mut self.stream);
         for (index, numbers) in values.iter_mut().enumerate() {
             if TRUTH_VALUES.contains(&self.fields[index].name.as_str()) {

@@ -6,9 +6,9 @@
 
 use stimulus::Distribution;
 
-use super::data::{Activity, ArmPose, Person, PersonBody, ReactionKind};
+use super::data::{Activity, ArmAngles, ArmPose, Person, PersonBody, ReactionKind};
 use super::draws::Draws;
-use super::person::Stance;
+use super::person::{Arms, Stance};
 
 /// Nearer than this a waypoint counts as reached.
 const REACHED_M: f64 = 0.15;
@@ -35,6 +35,22 @@ struct Drawn {
     radius_m: f64,
     waypoints: Vec<(f64, f64, f64)>,
     reaction: Option<(ReactionKind, f64, f64, f64)>,
+    /// How the arms are held while reacting.
+    reaction_arms: Option<ArmPose>,
+    arm_rate_rad_s: f64,
+    /// Arms that reach, carry, withdraw.
+    arms: [Arms; 3],
+}
+
+impl Drawn {
+    fn arms(&self, pose: ArmPose) -> Arms {
+        match pose {
+            ArmPose::Swing => Arms::SWINGING,
+            ArmPose::Reach => self.arms[0],
+            ArmPose::Carry => self.arms[1],
+            ArmPose::Withdraw => self.arms[2],
+        }
+    }
 }
 
 /// A person in an episode.
@@ -47,6 +63,8 @@ pub(super) struct Walker {
     /// The speed that the person walks at when nothing hinders.
     pub(super) walking_m_s: f64,
     pub(super) velocity_m_s: [f64; 2],
+    /// How the arms are held when nothing is reacted to.
+    arms: ArmPose,
     again: bool,
     drawn: Drawn,
     next: usize,
@@ -76,6 +94,27 @@ impl Walker {
                 drawn("reaction.aside_m", &reaction.aside_m),
             )
         });
+        let held = |name: &str, angles: &ArmAngles| {
+            let of = |field: &str, d: &Distribution| drawn(&format!("{name}.{field}"), d);
+            Arms::held(
+                of("shoulder_rad", &angles.shoulder_rad),
+                of("elbow_rad", &angles.elbow_rad),
+            )
+        };
+        let numbers = Drawn {
+            acceleration_m_s2: drawn("acceleration_m_s2", &person.acceleration_m_s2),
+            turn_rate_rad_s: drawn("turn_rate_rad_s", &person.turn_rate_rad_s),
+            radius_m,
+            waypoints: person.waypoints.iter().enumerate().map(waypoint).collect(),
+            reaction,
+            reaction_arms: person.reaction.as_ref().and_then(|reaction| reaction.arms),
+            arm_rate_rad_s: drawn("arm_rate_rad_s", &person.arm_rate_rad_s),
+            arms: [
+                held("reach", &person.reach),
+                held("carry", &person.carry),
+                held("withdraw", &person.withdraw),
+            ],
+        };
         let probability = drawn("distracted_probability", &person.distracted_probability);
         let name = format!("person.{}.is_distracted", person.name);
         Self {
@@ -86,20 +125,15 @@ impl Walker {
                 heading_rad: drawn("heading_rad", &person.heading_rad),
                 speed_m_s: 0.0,
                 walked_m: 0.0,
-                arms: person.arms,
+                arms: numbers.arms(person.arms),
             },
+            arms: person.arms,
             activity: person.activity,
             distracted: draws.stream(&name).chance(probability),
             walking_m_s: drawn("speed_m_s", &person.speed_m_s),
             velocity_m_s: [0.0; 2],
             again: person.again,
-            drawn: Drawn {
-                acceleration_m_s2: drawn("acceleration_m_s2", &person.acceleration_m_s2),
-                turn_rate_rad_s: drawn("turn_rate_rad_s", &person.turn_rate_rad_s),
-                radius_m,
-                waypoints: person.waypoints.iter().enumerate().map(waypoint).collect(),
-                reaction,
-            },
+            drawn: numbers,
             next: 0,
             pause_until_secs: 0.0,
             near_since_secs: None,
@@ -120,18 +154,27 @@ impl Walker {
 
     /// Changes how the arms are held.
     pub(super) fn hold_arms(&mut self, arms: ArmPose) {
-        self.stance.arms = arms;
+        self.arms = arms;
     }
 
     /// Moves on by `period_secs`.
     pub(super) fn update(&mut self, now_secs: f64, period_secs: f64, robots: &[RobotSeen]) {
         let nearest = self.nearest(robots);
         self.notice(now_secs, nearest);
+        self.move_arms(period_secs);
         let (goal, speed_m_s) = self.wish(now_secs, nearest);
         match (goal, self.aside_m.is_some() && self.reacting) {
             (Some(goal), true) => self.sidestep(goal, speed_m_s, period_secs),
             (goal, _) => self.walk(goal, speed_m_s, period_secs),
         }
+    }
+
+    /// Arms go where they are wanted, at their rate.
+    fn move_arms(&mut self, period_secs: f64) {
+        let reacting = self.drawn.reaction_arms.filter(|_| self.reacting);
+        let goal = self.drawn.arms(reacting.unwrap_or(self.arms));
+        let most_rad = self.drawn.arm_rate_rad_s * period_secs;
+        self.stance.arms = self.stance.arms.towards(goal, most_rad);
     }
 
     fn nearest(&self, robots: &[RobotSeen]) -> Option<(RobotSeen, f64)> {
@@ -192,7 +235,7 @@ impl Walker {
             Some(ReactionKind::Stops) => return stand,
             Some(ReactionKind::StepsAside) => return (self.aside_m, self.walking_m_s),
             Some(ReactionKind::Approaches) => Activity::Approach,
-            Some(ReactionKind::Yields) | None => self.activity,
+            Some(ReactionKind::Yields | ReactionKind::GoesOn) | None => self.activity,
         };
         let haste = if kind == Some(ReactionKind::Yields) {
             0.5
@@ -355,6 +398,35 @@ mod tests {
         );
         assert!((p.stance.y_m - 0.6).abs() < 1e-6, "{}", p.stance.y_m);
         assert!(p.stance.speed_m_s.abs() < 1e-6);
+    }
+
+    #[test]
+    fn arms_withdraw_from_a_robot_at_their_rate_and_swing_again_when_it_is_gone() {
+        let text = "activity = \"stand\"\nbody = \"articulated\"\narms = \"reach\"\narm_rate_rad_s = 2.0\nreaction = { kind = \"goes_on\", within_m = 1.0, delay_secs = 0.0, arms = \"withdraw\" }";
+        let robot = |x_m: f64| RobotSeen {
+            x_m,
+            y_m: 0.0,
+            yaw_rad: 0.0,
+        };
+        let mut p = walker(text);
+        run(&mut p, 1.0, Some(robot(3.0)));
+        assert_eq!(p.stance.arms, Arms::held(1.3, 0.2));
+        // From 1.3 to -0.6 rad at 2 rad/s: half a second is not enough, one is.
+        run(&mut p, 0.5, Some(robot(0.8)));
+        assert!(
+            (p.stance.arms.upper_rad - (-1.3 + 1.0)).abs() < 1e-9,
+            "{:?}",
+            p.stance.arms
+        );
+        run(&mut p, 0.6, Some(robot(0.8)));
+        assert!(p.is_reacting());
+        let (now, goal) = (p.stance.arms, Arms::held(-0.6, 2.2));
+        assert!((now.upper_rad - goal.upper_rad).abs() < 1e-9);
+        assert!((now.fore_rad - goal.fore_rad).abs() < 1e-9);
+        p.hold_arms(ArmPose::Swing);
+        run(&mut p, 2.0, Some(robot(3.0)));
+        assert!((p.stance.arms.swing - 1.0).abs() < 1e-9 && !p.is_reacting());
+        assert!((p.stance.arms.fore_rad + 0.2).abs() < 1e-9);
     }
 
     #[test]

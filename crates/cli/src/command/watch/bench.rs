@@ -8,7 +8,7 @@
 //! robot that reacted too late.
 
 use super::connection::{self, not_connected, topics_for};
-use super::link::{Input, SharedReadings};
+use super::simulated::{AnyLink, Pace, Simulated};
 use crate::args::Watch;
 use crate::command::Setting;
 use crate::command::simulate::ros2_table::{Ros2Table, bad};
@@ -26,7 +26,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use testbench::{Cancel, Outside, OutsideReadings, SimError, World, run_episode_with};
+use testbench::SimError;
 use trace::Trace;
 
 /// How long to listen at once before the episode begins.
@@ -34,14 +34,10 @@ const LISTEN: Duration = Duration::from_millis(20);
 
 /// An episode that is to be joined to what runs outside.
 pub struct Bench {
-    world: World,
+    simulated: Simulated,
     seed: u64,
     /// What it publishes.
     topics: Vec<Ros2Topic>,
-    /// What of it comes from outside.
-    pub inputs: Vec<Input>,
-    /// The values of that.
-    pub readings: SharedReadings,
     tolerance_nanos: i64,
     /// What a recording of the run says of it.
     pub about: BTreeMap<String, String>,
@@ -70,25 +66,31 @@ impl Bench {
             return Ok(None);
         };
         let entry = study.entry(id)?;
-        let Work::Simulate {
-            scenario,
-            parameters,
-            ..
-        } = &entry.work
-        else {
-            let message = format!("`{}` is no simulation of this study", entry.id);
-            return Err(Problem::new("not-a-simulation", message)
-                .remedy("name an entry of the ledger with a scenario"));
-        };
         let library = setting.physics_library.as_deref();
-        let campaign = Campaign::new(study, scenario, parameters, library)?;
-        let table = Ros2Table::beside(&study.folder.join(scenario))?;
-        let inputs = Input::from_outside(&arguments.outside, map);
-        check_outside(arguments, map, signals, &table, &inputs)?;
+        let (campaign, file, parameters) = match &entry.work {
+            Work::Simulate {
+                scenario,
+                parameters,
+                ..
+            } => {
+                let campaign = Campaign::new(study, scenario, parameters, library)?;
+                (campaign, scenario, Some(parameters))
+            }
+            Work::SimulateScene { scene, test, .. } => {
+                let campaign = Campaign::of_scene(study, scene, test.as_deref(), library)?;
+                (campaign, scene, None)
+            }
+            _ => {
+                let message = format!("`{}` is no simulation of this study", entry.id);
+                return Err(Problem::new("not-a-simulation", message)
+                    .remedy("name an entry of the ledger with a scenario or a scene"));
+            }
+        };
+        let table = Ros2Table::beside(&study.folder.join(file))?;
         let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
         let seed = seeds.of(arguments.episode);
         let tool = campaign.tool();
-        let about = [
+        let mut about = BTreeMap::from([
             (
                 "simulated",
                 format!("{}, episode {}", entry.id, arguments.episode),
@@ -98,19 +100,24 @@ impl Bench {
                 format!("{} {}, {}", tool.name, tool.version, tool.settings),
             ),
             ("simulated_seed", seed.to_string()),
-            ("simulated_scenario", shown(scenario)),
-            ("simulated_parameters", shown(parameters)),
             ("outside", arguments.outside.join(", ")),
-        ];
+        ]);
+        match parameters {
+            Some(parameters) => about.extend([
+                ("simulated_scenario", shown(file)),
+                ("simulated_parameters", shown(parameters)),
+            ]),
+            None => about.extend([("simulated_scene", shown(file))]),
+        }
+        let simulated = Simulated::new(campaign, &arguments.outside, map)?;
+        check_outside(arguments, map, signals, &table, &simulated.signals())?;
         let is_inside = |topic: &Ros2Topic| !arguments.outside.contains(&topic.name);
         Ok(Some(Self {
-            world: campaign.world()?,
             seed,
             topics: table.topics.into_iter().filter(is_inside).collect(),
-            readings: SharedReadings::new(&inputs),
-            inputs,
-            tolerance_nanos: 1_000_000_000 / i64::from(campaign.controller_hz()?.max(1)),
-            about: about.map(|(key, value)| (key.to_owned(), value)).into(),
+            tolerance_nanos: nanos(simulated.period_secs()),
+            simulated,
+            about: about.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
             begin: Arc::default(),
             kept: Arc::default(),
         }))
@@ -118,7 +125,12 @@ impl Bench {
 
     /// The signals that the robot reads from outside.
     pub fn signals(&self) -> Vec<String> {
-        self.inputs.iter().flat_map(|it| it.signals()).collect()
+        self.simulated.signals()
+    }
+
+    /// The way of these signals to the episode, from a stream with this layout.
+    pub fn link(&self, layout: &Trace) -> Result<AnyLink, Problem> {
+        self.simulated.link(layout)
     }
 
     /// Attaches, and makes everything ready; the episode waits for
@@ -132,16 +144,15 @@ impl Bench {
             // What is published must not come back from outside.
             filter.leave(&topic.name);
         }
-        let layout = layout(&self.world)?;
+        let layout = self.simulated.layout()?;
         let outgoing = outgoing(&self.topics, &layout)?;
         let source = connection::connect(arguments, filter)?;
         let bridge = Bridge::new(source, connection::publisher(arguments)?);
         let mut episode = Episode {
-            world: self.world.clone(),
+            simulated: self.simulated.clone(),
             seed: self.seed,
             topics: self.topics.clone(),
             layout,
-            readings: self.readings.clone(),
             tolerance_nanos: self.tolerance_nanos,
             begin: self.begin.clone(),
             kept: self.kept.clone(),
@@ -198,11 +209,10 @@ fn check_outside(
     map: &TopicMap,
     signals: &[String],
     table: &Ros2Table,
-    inputs: &[Input],
+    of_inputs: &[String],
 ) -> Result<(), Problem> {
-    let of_inputs: Vec<String> = inputs.iter().flat_map(|it| it.signals()).collect();
     let mut known = topics_for(map, signals);
-    known.extend(topics_for(map, &of_inputs));
+    known.extend(topics_for(map, of_inputs));
     known.extend(table.topics.iter().map(|topic| topic.name.clone()));
     match arguments.outside.iter().find(|it| !known.contains(*it)) {
         None => Ok(()),
@@ -211,25 +221,6 @@ fn check_outside(
             format!("nothing is read from {topic}: neither a requirement nor the simulated robot needs it"),
         )
         .remedy("name a topic of ros2.toml or of the topic map; to record others, use --topics")),
-    }
-}
-
-/// The channels of an episode's trace: what is there when its first step is.
-fn layout(world: &World) -> Result<Trace, Problem> {
-    struct First(Trace);
-    impl Outside for First {
-        fn step(&mut self, _: f64, recorded: &Trace) -> ControlFlow<()> {
-            self.0 = recorded.clone();
-            ControlFlow::Break(())
-        }
-        fn readings(&self) -> OutsideReadings {
-            OutsideReadings::default()
-        }
-    }
-    let mut first = First(Trace::new());
-    match run_episode_with(world, 0, &Cancel::default(), &mut first) {
-        Err(SimError::Cancelled) | Ok(_) => Ok(first.0),
-        Err(error) => Err(Problem::new("simulation-failed", error.to_string())),
     }
 }
 
@@ -250,11 +241,10 @@ fn outgoing(topics: &[Ros2Topic], layout: &Trace) -> Result<Vec<Outgoing>, Probl
 
 /// The episode as its thread has it.
 struct Episode {
-    world: World,
+    simulated: Simulated,
     seed: u64,
     topics: Vec<Ros2Topic>,
     layout: Trace,
-    readings: SharedReadings,
     tolerance_nanos: i64,
     begin: Arc<AtomicBool>,
     kept: Arc<Mutex<Kept>>,
@@ -280,22 +270,18 @@ impl Episode {
             encoders,
             feed,
             ids,
-            readings: &self.readings,
             kept: &self.kept,
             message: Vec::new(),
             failed: None,
         };
-        let episode = run_episode_with(&self.world, self.seed, &Cancel::default(), &mut rest);
+        let episode = self.simulated.run(self.seed, &mut rest);
         if let Some(error) = rest.failed {
             return Err(error);
         }
         match episode {
-            Ok(episode) => {
-                rest.publish(&episode.trace)?;
-                Ok(format!(
-                    "the episode is over after {:.2} s",
-                    episode.sim_secs
-                ))
+            Ok((trace, sim_secs)) => {
+                rest.publish(&trace)?;
+                Ok(format!("the episode is over after {sim_secs:.2} s"))
             }
             Err(SimError::Cancelled) => Ok("it was stopped".into()),
             Err(error) => Err(LiveError::Unsupported(format!(
@@ -312,7 +298,6 @@ struct Rest<'r> {
     encoders: Vec<Ros2Encoder<'r>>,
     /// For each topic, the rows that were sent.
     sent: Vec<usize>,
-    readings: &'r SharedReadings,
     kept: &'r Mutex<Kept>,
     message: Vec<u8>,
     failed: Option<LiveError>,
@@ -348,7 +333,7 @@ impl Rest<'_> {
     }
 }
 
-impl Outside for Rest<'_> {
+impl Pace for Rest<'_> {
     fn step(&mut self, now_secs: f64, recorded: &Trace) -> ControlFlow<()> {
         if self.feed.stopped() {
             return ControlFlow::Break(());
@@ -360,10 +345,6 @@ impl Outside for Rest<'_> {
                 ControlFlow::Break(())
             }
         }
-    }
-
-    fn readings(&self) -> OutsideReadings {
-        self.readings.now()
     }
 }
 

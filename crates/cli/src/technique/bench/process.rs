@@ -27,7 +27,7 @@ const GRACE: Duration = Duration::from_secs(2);
 const WORDS: Duration = Duration::from_millis(50);
 
 /// The last lines of a process's error output.
-type Said = Arc<Mutex<VecDeque<String>>>;
+pub type Said = Arc<Mutex<VecDeque<String>>>;
 
 /// A running controller.
 pub struct Process {
@@ -116,14 +116,7 @@ impl Process {
 
     /// The last lines of its error output, indented.
     fn last_lines(&self) -> String {
-        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        let skipped = said.len().saturating_sub(SHOWN_LINES);
-        let lines: Vec<String> = said
-            .iter()
-            .skip(skipped)
-            .map(|l| format!("    {l}"))
-            .collect();
-        lines.join("\n")
+        indented(&self.said)
     }
 
     /// Waits for its end for a while.
@@ -196,7 +189,16 @@ fn next_line(output: &mut impl BufRead) -> Option<Result<String, String>> {
     }
 }
 
-fn keep_lines(errors: impl Read, said: &Said) {
+/// The last lines that were said, indented.
+pub fn indented(said: &Said) -> String {
+    let said = said.lock().unwrap_or_else(PoisonError::into_inner);
+    let skipped = said.len().saturating_sub(SHOWN_LINES);
+    let lines = said.iter().skip(skipped).map(|line| format!("    {line}"));
+    lines.collect::<Vec<String>>().join("\n")
+}
+
+/// Keeps the last lines of what a process writes, until it writes no more.
+pub fn keep_lines(errors: impl Read, said: &Said) {
     let mut errors = BufReader::new(errors);
     let mut line = Vec::new();
     while let Ok(1..) = (&mut errors)
@@ -214,7 +216,7 @@ fn keep_lines(errors: impl Read, said: &Said) {
 }
 
 /// Where Python finds our client, before what the user's own path names.
-fn python_path() -> Option<std::ffi::OsString> {
+pub fn python_path() -> Option<std::ffi::OsString> {
     let clients = std::env::var_os("CORROBORATE_CLIENTS")?;
     let ours = Path::new(&clients).join("python");
     let theirs = std::env::var_os("PYTHONPATH").unwrap_or_default();

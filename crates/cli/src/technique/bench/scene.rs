@@ -1,6 +1,8 @@
 //! A scene as a campaign's bench: its files, its test, its controllers.
 
+use super::place::{problem_of, span_of};
 use super::process::Process;
+use super::ros2::{self, Domains, Join, Ros2Controller};
 use crate::problem::{Problem, Source, did_you_mean};
 use crate::store::{Inputs, hash_of};
 use crate::study::Study;
@@ -45,6 +47,13 @@ impl SceneCampaign {
             files.insert(address.to_owned(), hash_of(&bytes));
             Ok(bytes)
         };
+        ros2::check_text(&source.text).map_err(|(key, reason)| {
+            let problem = Problem::new("bad-scene", format!("{key}: {reason}"));
+            match span_of(&source.text, &key) {
+                Some(span) => problem.at(&source, span),
+                None => problem,
+            }
+        })?;
         let start = starter(&folder);
         let made = SceneBench::new(&source.text, &read, mujoco(engine), start);
         let (bench, gaps) = made.map_err(|error| scene_problem(&source, &error))?;
@@ -103,8 +112,13 @@ impl SceneCampaign {
             self.bench.data().simulation.time_step_secs,
             self.stimulus.test.name
         );
-        if !self.bench.data().controllers.is_empty() {
+        let is_node = |controller: &&ControllerData| controller.ros2.is_some();
+        let controllers = &self.bench.data().controllers;
+        if controllers.iter().any(|it| !is_node(&it)) {
             settings.push_str(", controllers as processes, their processor time not counted");
+        }
+        for controller in controllers.iter().filter(is_node) {
+            settings.push_str(&ros2::said_of(controller));
         }
         settings
     }
@@ -153,10 +167,17 @@ fn plain(path: &Path) -> String {
     parts.join("/")
 }
 
-/// Starts the scene's controllers as processes in the scene's folder.
+/// Starts the scene's controllers in the scene's folder: as processes, or as
+/// nodes of ROS 2.
 fn starter(folder: &Path) -> StartController {
     let folder = folder.to_owned();
+    let domains = Domains::default();
     Arc::new(move |data: &ControllerData| {
+        let join = Join::of(data).map_err(|message| ControllerError::Failed { message })?;
+        if let Some(join) = join {
+            let node = Ros2Controller::new(join, data, &folder, &domains);
+            return Ok(Box::new(node) as Box<dyn Controller>);
+        }
         let limit = Duration::from_secs_f64(data.answer_within_secs);
         let process = Process::start(&data.command, &folder, limit)
             .map_err(|reason| ControllerError::Transport { reason })?;
@@ -188,6 +209,7 @@ fn chosen(
 fn scene_problem(source: &Source, error: &SimError) -> Problem {
     let code = match error {
         SimError::Controller(_) => "controller-failed",
+        SimError::Scenario(error) => return problem_of(source, error),
         _ => "bad-scene",
     };
     Problem::new(code, format!("{}: {error}", source.name))

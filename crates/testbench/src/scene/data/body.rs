@@ -6,6 +6,7 @@ use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::{key_of, number_within, within, zero};
+use crate::controller::PortField;
 use crate::geometry::Vector;
 use crate::scenario::ScenarioError;
 
@@ -246,6 +247,12 @@ pub enum ActuatorKind {
 }
 
 impl Actuator {
+    /// The fields of its commands.
+    #[must_use]
+    pub fn fields(&self) -> Vec<PortField> {
+        crate::scene::actuating::fields_of(&self.kind)
+    }
+
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         let key = |field: &str| key_of("actuator", &self.name, field);
         for (field, value) in self.kind.positive() {

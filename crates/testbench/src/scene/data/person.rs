@@ -53,9 +53,52 @@ pub struct Person {
     /// Probability that the person is distracted, and reacts to nothing, from the start.
     #[serde(default = "zero")]
     pub distracted_probability: Distribution,
-    /// How the arms are held.
+    /// How the arms are held at first; a test can change it.
     #[serde(default)]
     pub arms: ArmPose,
+    /// How fast shoulders and elbows turn from one way of holding the arms to another.
+    #[serde(default = "nimble")]
+    pub arm_rate_rad_s: Distribution,
+    /// What the arms do when they reach.
+    #[serde(default = "ArmAngles::reach")]
+    pub reach: ArmAngles,
+    /// What they do when they carry.
+    #[serde(default = "ArmAngles::carry")]
+    pub carry: ArmAngles,
+    /// What they do when they withdraw.
+    #[serde(default = "ArmAngles::withdraw")]
+    pub withdraw: ArmAngles,
+}
+
+/// Where the joints of both arms go, with 0 for an arm that hangs straight down.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ArmAngles {
+    /// The upper arm, forwards.
+    pub shoulder_rad: Distribution,
+    /// The forearm against the upper arm, forwards.
+    pub elbow_rad: Distribution,
+}
+
+impl ArmAngles {
+    fn new(shoulder_rad: f64, elbow_rad: f64) -> Self {
+        Self {
+            shoulder_rad: Distribution::Constant(shoulder_rad),
+            elbow_rad: Distribution::Constant(elbow_rad),
+        }
+    }
+
+    fn reach() -> Self {
+        Self::new(1.3, 0.2)
+    }
+
+    fn carry() -> Self {
+        Self::new(0.2, 1.4)
+    }
+
+    fn withdraw() -> Self {
+        Self::new(-0.6, 2.2)
+    }
 }
 
 /// How a person's body is made.
@@ -105,14 +148,17 @@ pub enum ArmPose {
     Reach,
     /// They hold something before the chest.
     Carry,
+    /// They are drawn back to the trunk, elbows behind it.
+    Withdraw,
 }
 
 impl ArmPose {
     /// The names as tests have them.
-    pub const NAMES: [(Self, &'static str); 3] = [
+    pub const NAMES: [(Self, &'static str); 4] = [
         (Self::Swing, "swing"),
         (Self::Reach, "reach"),
         (Self::Carry, "carry"),
+        (Self::Withdraw, "withdraw"),
     ];
 }
 
@@ -139,6 +185,8 @@ pub struct Reaction {
     /// How long the person takes to notice.
     #[serde(default = "quick")]
     pub delay_secs: Distribution,
+    /// How the person holds the arms meanwhile; as before if left out.
+    pub arms: Option<ArmPose>,
     /// How far aside the person steps.
     #[serde(default = "a_step")]
     pub aside_m: Distribution,
@@ -148,6 +196,8 @@ pub struct Reaction {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ReactionKind {
+    /// Goes on with the activity; only the arms may react.
+    GoesOn,
     /// Stands until the robot is farther away.
     Stops,
     /// Walks at half the speed until it is.
@@ -182,7 +232,7 @@ fn a_step() -> Distribution {
 
 impl Person {
     /// The numbers that are drawn for an episode, with their keys and ranges.
-    pub(in crate::scene) fn numbers(&self) -> [(&'static str, &Distribution, f64, f64); 9] {
+    pub(in crate::scene) fn numbers(&self) -> [(&'static str, &Distribution, f64, f64); 16] {
         [
             ("height_m", &self.height_m, 0.5, 3.0),
             ("radius_m", &self.radius_m, 0.05, 1.0),
@@ -198,6 +248,18 @@ impl Person {
                 0.0,
                 1.0,
             ),
+            ("arm_rate_rad_s", &self.arm_rate_rad_s, 1e-2, 100.0),
+            ("reach.shoulder_rad", &self.reach.shoulder_rad, -1.6, 3.2),
+            ("reach.elbow_rad", &self.reach.elbow_rad, 0.0, 2.7),
+            ("carry.shoulder_rad", &self.carry.shoulder_rad, -1.6, 3.2),
+            ("carry.elbow_rad", &self.carry.elbow_rad, 0.0, 2.7),
+            (
+                "withdraw.shoulder_rad",
+                &self.withdraw.shoulder_rad,
+                -1.6,
+                3.2,
+            ),
+            ("withdraw.elbow_rad", &self.withdraw.elbow_rad, 0.0, 2.7),
         ]
     }
 

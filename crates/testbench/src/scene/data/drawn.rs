@@ -1,0 +1,129 @@
+//! Numbers that the scene's types hold as plain numbers, given as distributions.
+//!
+//! What is drawn once for an episode and then only used (sizes, gains, limits, angles) is drawn in
+//! the table, before it is read: a table `T` with distributions `D_k` at keys `k` becomes `T` with
+//! the number `q_k(u_k)` there, `q_k` the quantile function of `D_k` and `u_k` of the random stream
+//! that is named by `k`, as for all other numbers of a scene. Rates and periods are whole numbers of
+//! time steps and are not drawn.
+
+use stimulus::Distribution;
+use toml::{Table, Value};
+
+/// Keys of numbers that may be distributions, by list; of `box_m` each element.
+const DRAWN: [(&str, &[&str]); 3] = [
+    ("object", &["box_m", "radius_m", "length_m"]),
+    (
+        "actuator",
+        &[
+            "stiffness",
+            "damping",
+            "limit",
+            "gain",
+            "wheel_radius_m",
+            "wheel_separation_m",
+            "longest_speed_m_s",
+            "longest_turn_rate_rad_s",
+            "turn_acceleration_rad_s2",
+            "gain_nms_rad",
+            "torque_limit_nm",
+            "gain_ns_m",
+            "turn_gain_nms_rad",
+            "force_limit_newtons",
+        ],
+    ),
+    (
+        "sensor",
+        &[
+            "resolution",
+            "first_angle_rad",
+            "last_angle_rad",
+            "shortest_m",
+            "longest_m",
+            "field_of_view_rad",
+        ],
+    ),
+];
+
+/// Gives the number of a key.
+type Draw<'d> = &'d mut dyn FnMut(&str, &Distribution) -> f64;
+
+/// Puts what `draw` gives for a key in the place of each distribution that stands for a plain
+/// number; whether there was one.
+pub(in crate::scene) fn resolve(table: &mut Table, draw: Draw<'_>) -> bool {
+    let mut found = false;
+    if let Some(Value::Table(simulation)) = table.get_mut("simulation")
+        && let Some(gravity) = simulation.get_mut("gravity_m_s2")
+    {
+        found |= number(gravity, "simulation.gravity_m_s2", draw);
+    }
+    for (list, fields) in DRAWN {
+        let Some(Value::Array(entries)) = table.get_mut(list) else {
+            continue;
+        };
+        for entry in entries.iter_mut().filter_map(Value::as_table_mut) {
+            let name = entry
+                .get("name")
+                .and_then(Value::as_str)
+                .unwrap_or_default();
+            let name = name.to_owned();
+            for field in fields {
+                if let Some(value) = entry.get_mut(*field) {
+                    found |= number(value, &super::key_of(list, &name, field), draw);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// A value, or each element of it.
+fn number(value: &mut Value, key: &str, draw: Draw<'_>) -> bool {
+    if let Value::Array(elements) = value {
+        let elements = elements.iter_mut().enumerate();
+        return elements.fold(false, |found, (place, element)| {
+            number(element, &format!("{key}.{place}"), draw) | found
+        });
+    }
+    if !value.is_table() {
+        return false;
+    }
+    match value.clone().try_into::<Distribution>() {
+        Ok(distribution) if distribution.check().is_ok() => {
+            *value = Value::Float(draw(key, &distribution));
+            true
+        }
+        // What it is instead is said when it is read.
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_numbers_are_drawn_by_key_and_nothing_else_is() {
+        let text = "
+            simulation = { gravity_m_s2 = { uniform = [9.0, 10.0] } }
+            object = [{ name = 'a', box_m = [1.0, { uniform = [2.0, 3.0] }, 4.0], x_m = { uniform = [0.0, 1.0] } }]
+            sensor = [{ name = 's', longest_m = { uniform = [5.0, 6.0] }, latency_secs = { uniform = [0.0, 1.0] } }]
+        ";
+        let mut table: Table = toml::from_str(text).unwrap();
+        let mut keys = Vec::new();
+        let found = resolve(&mut table, &mut |key, distribution| {
+            keys.push(key.to_owned());
+            distribution.support()[0]
+        });
+        assert!(found);
+        let expected = [
+            "simulation.gravity_m_s2",
+            "object.a.box_m.1",
+            "sensor.s.longest_m",
+        ];
+        assert_eq!(keys, expected);
+        assert_eq!(table["object"][0]["box_m"][1], Value::Float(2.0));
+        assert!(table["object"][0]["x_m"].is_table());
+        assert!(table["sensor"][0]["latency_secs"].is_table());
+        assert!(!resolve(&mut table, &mut |_, _| 0.0), "all are drawn");
+    }
+}
