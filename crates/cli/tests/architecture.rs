@@ -49,8 +49,9 @@ const CRATES: [(&str, u8, &[&str]); 15] = [
 ];
 
 /// Things of the outside world, each with the one crate that may name it.
-const OUTSIDE: [(&str, &str); 11] = [
+const OUTSIDE: [(&str, &str); 12] = [
     ("libloading", "testbench"),
+    ("rapier3d-f64", "testbench"),
     ("mcap", "recording"),
     ("saphyr-parser", "recording"),
     ("rustdds", "live"),

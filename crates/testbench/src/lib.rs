@@ -129,6 +129,7 @@
 
 mod bench;
 pub mod controller;
+mod difference;
 pub mod geometry;
 mod model;
 mod mujoco;
@@ -144,6 +145,7 @@ mod world;
 pub use bench::{
     Bench, Cancel, Control, End, Recorded, Savable, SimError, Status, Unwatched, Watch,
 };
+pub use difference::{Difference, differences};
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
     BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,

@@ -10,6 +10,7 @@
 mod layout;
 mod mjcf;
 mod mujoco;
+mod rapier;
 
 pub use layout::{
     BodyPlan, CouplingPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan, Layout,
@@ -17,6 +18,10 @@ pub use layout::{
 };
 pub use mjcf::mjcf_of;
 pub use mujoco::MujocoPhysics;
+pub use rapier::{RapierPhysics, VERSION as RAPIER_VERSION};
+
+use std::any::Any;
+use std::sync::Arc;
 
 use crate::geometry::{Pose, Vector};
 
@@ -58,11 +63,23 @@ pub struct Hit {
     pub shape: usize,
 }
 
-/// Everything that determines how an engine goes on; its meaning is the engine's own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PhysicsState {
-    engine: crate::mujoco::SavedState,
-    touches: Vec<Touch>,
+/// Everything that determines how an engine goes on; its meaning is the engine's own. Clones share
+/// it.
+#[derive(Clone)]
+pub struct PhysicsState(Arc<dyn Any + Send + Sync>);
+
+impl PhysicsState {
+    /// What an engine keeps.
+    #[must_use]
+    pub fn new<T: Any + Send + Sync>(kept: T) -> Self {
+        Self(Arc::new(kept))
+    }
+
+    /// What was kept; `None` if it is another engine's.
+    #[must_use]
+    pub fn of<T: Any + Send + Sync>(&self) -> Option<&T> {
+        self.0.downcast_ref()
+    }
 }
 
 /// A physics engine with a scene in it. Indices are places in the [`Layout`]'s lists; one that does

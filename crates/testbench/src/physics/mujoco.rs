@@ -3,7 +3,7 @@
 use super::layout::{Layout, Motion};
 use super::{Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
 use crate::geometry::{Pose, Vector, add, scale};
-use crate::mujoco::{BodyId, Engine, EngineError, GeomId, JointId, Simulation};
+use crate::mujoco::{BodyId, Engine, EngineError, GeomId, JointId, SavedState, Simulation};
 
 /// How far behind the surface of a shape that is not seen a ray starts again, in metres.
 const BEYOND_M: f64 = 1e-6;
@@ -19,6 +19,12 @@ pub struct MujocoPhysics {
     geoms: Vec<GeomId>,
     /// For each body that is led its place among MuJoCo's.
     led: Vec<Option<usize>>,
+    touches: Vec<Touch>,
+}
+
+/// A saved state.
+struct Saved {
+    engine: SavedState,
     touches: Vec<Touch>,
 }
 
@@ -209,13 +215,16 @@ impl Physics for MujocoPhysics {
     }
 
     fn save(&self) -> PhysicsState {
-        PhysicsState {
+        PhysicsState::new(Saved {
             engine: self.simulation.save(),
             touches: self.touches.clone(),
-        }
+        })
     }
 
     fn restore(&mut self, saved: &PhysicsState) -> bool {
+        let Some(saved) = saved.of::<Saved>() else {
+            return false;
+        };
         let restored = self.simulation.restore(&saved.engine);
         if restored {
             self.touches.clone_from(&saved.touches);

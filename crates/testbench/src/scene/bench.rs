@@ -14,7 +14,7 @@ use super::run::{Run, known, unsuitable};
 use crate::bench::{Bench, Cancel, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
 use crate::mujoco::Engine;
-use crate::physics::{Layout, MujocoPhysics, Physics};
+use crate::physics::{Layout, MujocoPhysics, Physics, RapierPhysics};
 use crate::scenario::ScenarioError;
 
 /// How many steps pass between looks at the cancel flag.
@@ -32,6 +32,12 @@ pub type BuildPhysics = Arc<dyn Fn(&Layout) -> Result<Box<dyn Physics>, SimError
 pub fn mujoco(engine: &Engine) -> BuildPhysics {
     let engine = engine.clone();
     Arc::new(move |layout| Ok(Box::new(MujocoPhysics::new(&engine, layout)?)))
+}
+
+/// Rapier, which is built in, as an engine for scenes.
+#[must_use]
+pub fn rapier() -> BuildPhysics {
+    Arc::new(|layout| Ok(Box::new(RapierPhysics::new(layout)?)))
 }
 
 /// A scene that is ready for episodes.

@@ -97,7 +97,7 @@ mod sensing;
 mod translate;
 mod walker;
 
-pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco};
+pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco, rapier};
 pub use data::{
     Activity, Actuator, ActuatorKind, ArmAngles, ArmPose, ControllerData, Fault, FaultKind, Ground,
     Object, Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor,
