@@ -19,7 +19,7 @@
 //!
 //! | sides | "no difference" | agreement |
 //! |---|---|---|
-//! | counts, counts | Fisher's exact test | two one-sided tests, Agresti and Caffo's variance |
+//! | counts, counts | Boschloo's exact test | two one-sided tests, Agresti and Caffo's variance |
 //! | counts, known | exact binomial test | two one-sided exact binomial tests |
 //! | counts or distribution, distribution | posterior tails | posterior probability |
 //! | known, known | their bounds are apart | their bounds are within the margin |
@@ -336,7 +336,7 @@ impl Draft {
         };
         let reason = match self.comparison.outcome {
             Outcome::Corroborates => self.agreement_in_words(differ),
-            Outcome::Conflicts => self.conflict_in_words(corrected, family),
+            Outcome::Conflicts => self.conflict_in_words(pair, corrected, family),
             _ => self.doubt_in_words(pair, levels, family),
         };
         self.comparison.reason = reason + &self.fit_in_words();
@@ -367,19 +367,19 @@ impl Draft {
         words
     }
 
-    fn conflict_in_words(&self, corrected: f64, family: usize) -> String {
+    fn conflict_in_words(&self, pair: &Pair, corrected: f64, family: usize) -> String {
         let size = points(self.comparison.difference.unwrap_or(0.0).abs());
         format!(
-            "They differ by {size}, beyond chance (p {}; corrected for {family} comparisons p {}).",
-            p_value(self.comparison.p_difference.unwrap_or(1.0)),
+            "They differ by {size}, beyond chance ({}; corrected for {family} comparisons p {}).",
+            self.difference_in_words(pair),
             p_value(corrected)
         )
     }
 
     fn doubt_in_words(&mut self, pair: &Pair, levels: &Levels, family: usize) -> String {
         let mut words = format!(
-            "Neither a difference (p {}) nor agreement within {} ({}) is shown.",
-            p_value(self.comparison.p_difference.unwrap_or(1.0)),
+            "Neither a difference ({}) nor agreement within {} ({}) is shown.",
+            self.difference_in_words(pair),
             points(self.comparison.margin),
             self.test_in_words()
         );
@@ -409,6 +409,19 @@ impl Draft {
             None => " Further trials alone would not decide.".to_owned(),
         });
         words
+    }
+
+    /// The p-value of "no difference", with Fisher's where that is another one.
+    fn difference_in_words(&self, pair: &Pair) -> String {
+        let p = p_value(self.comparison.p_difference.unwrap_or(1.0));
+        let fishers = pair
+            .p_by_fisher()
+            .map(p_value)
+            .filter(|fishers| *fishers != p);
+        match fishers {
+            Some(fishers) => format!("p {p}, by Fisher's test {fishers}"),
+            None => format!("p {p}"),
+        }
     }
 
     fn plan_in_words(&self, plan: Plan) -> String {

@@ -40,12 +40,12 @@ pub fn fisher_exact(first: Sample, second: Sample) -> f64 {
 
 /// The margins of a two by two table: `marked` successes in all, of `total` trials, `drawn` of
 /// which belong to the first sample; its successes lie in `low..=high`.
-struct Table {
+pub(crate) struct Table {
     marked: u64,
     drawn: u64,
     total: u64,
-    low: u64,
-    high: u64,
+    pub(crate) low: u64,
+    pub(crate) high: u64,
 }
 
 impl Table {
@@ -55,18 +55,21 @@ impl Table {
         }
         let total = first.trials.checked_add(second.trials)?;
         let marked = first.successes + second.successes;
-        let drawn = first.trials;
-        let low = (marked + drawn).saturating_sub(total);
-        Some(Self {
+        Some(Self::with_margins(marked, first.trials, total))
+    }
+
+    /// `drawn` trials in the first sample, of `total`, of which `marked` succeeded.
+    pub(crate) fn with_margins(marked: u64, drawn: u64, total: u64) -> Self {
+        Self {
             marked,
             drawn,
             total,
-            low,
+            low: (marked + drawn).saturating_sub(total),
             high: marked.min(drawn),
-        })
+        }
     }
 
-    fn pmf(&self, hits: u64) -> f64 {
+    pub(crate) fn pmf(&self, hits: u64) -> f64 {
         hypergeometric_pmf(hits, self.marked, self.drawn, self.total)
     }
 
@@ -77,7 +80,7 @@ impl Table {
     }
 
     /// `pmf(hits + 1) / pmf(hits)`.
-    fn ratio(&self, hits: u64) -> f64 {
+    pub(crate) fn ratio(&self, hits: u64) -> f64 {
         let rest = self.total - self.marked;
         let numerator = (self.marked - hits) as f64 * (self.drawn - hits) as f64;
         let misses_left = (rest + hits + 1 - self.drawn) as f64;

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | What does `s` of `n` say of a rate? | [`IntervalMethod`], [`wilson`], [`BetaPosterior`] |
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
-//! | Do two rates differ, and by how much? | [`fisher_exact`], [`difference_interval`], [`Difference`] |
+//! | Do two rates differ, and by how much? | [`fisher_exact`], [`boschloo_exact`], [`difference_interval`], [`Difference`] |
 //! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`random_effects_interval`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
@@ -42,6 +42,7 @@
 
 pub mod beta_binomial;
 pub mod binomial;
+pub mod boschloo;
 pub mod cluster;
 pub mod cluster_robust;
 pub mod combination;
@@ -66,6 +67,7 @@ pub mod special;
 
 pub use beta_binomial::BetaBinomial;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
+pub use boschloo::boschloo_exact;
 pub use cluster::{Clustering, clustering};
 pub use cluster_robust::ClusterRobust;
 pub use combination::{power_prior, random_effects_interval};

@@ -16,7 +16,8 @@
 //! # Source
 //! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005), with
 //! the decisions of this project. Conflicts are planned at Bonferroni's level for the number of
-//! comparisons, a little more than Holm's correction asks for.
+//! comparisons, a little more than Holm's correction asks for, and by Fisher's test, which is never
+//! more powerful than Boschloo's and much quicker: a decision is a little likelier than planned.
 //!
 //! # Deviation
 //! For each outcome of one side, the undecided outcomes of the other are two runs about equality,
@@ -242,7 +243,10 @@ impl Planning<'_> {
             let pair = self.pair.with(first.clone(), second.clone());
             match kind {
                 Kind::Agreement => pair.shows_agreement(self.agreement),
-                Kind::Conflict => pair.p_difference() <= self.conflict.alpha(),
+                Kind::Conflict => {
+                    let p = pair.p_by_fisher().unwrap_or_else(|| pair.p_difference());
+                    p <= self.conflict.alpha()
+                }
             }
         };
         let mut guess = [1_u64; 4];
@@ -481,7 +485,10 @@ mod tests {
             for (z, other) in b.next.representatives(usize::MAX) {
                 let outcome = pair.with(a.after(y), b.after(z));
                 let decided = outcome.shows_agreement(planning.agreement)
-                    || outcome.p_difference() <= planning.conflict.alpha();
+                    || outcome
+                        .p_by_fisher()
+                        .unwrap_or_else(|| outcome.p_difference())
+                        <= planning.conflict.alpha();
                 chance += weight * other * f64::from(u8::from(decided));
             }
         }

@@ -3,8 +3,8 @@
 use super::Belief;
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, Sample,
-    binomial_test_above, binomial_test_below, binomial_test_two_sided, fisher_exact,
-    probability_greater, probability_within,
+    binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
+    fisher_exact, probability_greater, probability_within,
 };
 
 /// Two rates that are to be compared at a margin.
@@ -63,7 +63,7 @@ impl Pair {
                     sample: b,
                     effective: eb,
                 },
-            ) => fisher_at_effective_size((*a, *ea), (*b, *eb)),
+            ) => at_effective_size(boschloo_exact, (*a, *ea), (*b, *eb)),
             (Counts { sample, effective }, Known { bounds, .. })
             | (Known { bounds, .. }, Counts { sample, effective }) => {
                 binomial_at_effective_size(*sample, *effective, bounds)
@@ -81,6 +81,24 @@ impl Pair {
                 (None, Some(b)) => tails_beyond(&b, &first.interval(Confidence::P95)),
                 (None, None) => 1.0,
             },
+        }
+    }
+
+    /// Fisher's p-value of "no difference" between two counts: known everywhere, quickly found, and
+    /// never below the one that decides.
+    pub fn p_by_fisher(&self) -> Option<f64> {
+        match (&self.first, &self.second) {
+            (
+                Belief::Counts {
+                    sample: a,
+                    effective: ea,
+                },
+                Belief::Counts {
+                    sample: b,
+                    effective: eb,
+                },
+            ) => Some(at_effective_size(fisher_exact, (*a, *ea), (*b, *eb))),
+            _ => None,
         }
     }
 
@@ -131,14 +149,16 @@ impl Pair {
     }
 }
 
-fn fisher_at_effective_size(
+/// An exact test at the neighbouring whole numbers with the largest p-value.
+fn at_effective_size(
+    test: fn(Sample, Sample) -> f64,
     first: (Sample, EffectiveSample),
     second: (Sample, EffectiveSample),
 ) -> f64 {
     let second = Belief::whole_counts(second.0, second.1);
     Belief::whole_counts(first.0, first.1)
         .into_iter()
-        .flat_map(|a| second.iter().map(move |b| fisher_exact(a, *b)))
+        .flat_map(|a| second.iter().map(move |b| test(a, *b)))
         .fold(0.0, f64::max)
 }
 
