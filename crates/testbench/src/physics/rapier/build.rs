@@ -47,7 +47,8 @@ impl Bodies {
                 Motion::Led => Placed::new(
                     set.insert(r::RigidBodyBuilder::kinematic_position_based().pose(in_world)),
                 ),
-                Motion::Free | Motion::Jointed if moves(layout, index) => {
+                Motion::Free => floating(set, in_world, weight_of(layout, index)?),
+                Motion::Jointed if moves(layout, index) => {
                     let weight = weight_of(layout, index)?;
                     let rigid = r::RigidBodyBuilder::dynamic()
                         .pose(in_world)
@@ -68,6 +69,18 @@ impl Bodies {
     }
 }
 
+/// A loose body, whose frame in Rapier lies at its centre of mass: the root of a multibody turns
+/// about its frame's origin as if that were the centre.
+fn floating(set: &mut r::RigidBodySet, in_world: r::Pose, mut weight: r::MassProperties) -> Placed {
+    let centre = std::mem::replace(&mut weight.local_com, r::Vector::ZERO);
+    let pose = in_world * r::Pose::from_translation(centre);
+    let rigid = r::RigidBodyBuilder::dynamic().pose(pose).can_sleep(false);
+    Placed {
+        handle: set.insert(rigid.additional_mass_properties(weight)),
+        offset: r::Pose::from_translation(-centre),
+    }
+}
+
 impl Placed {
     fn new(handle: r::RigidBodyHandle) -> Self {
         Self {
@@ -84,6 +97,15 @@ pub(super) fn moves(layout: &Layout, index: usize) -> bool {
         Motion::Jointed => layout.joints.iter().any(|joint| joint.body == index),
         Motion::Fixed | Motion::Led => false,
     }
+}
+
+/// The body without a parent above a body, or itself.
+pub(super) fn root_of(layout: &Layout, mut index: usize) -> usize {
+    // Bodies come after their parents.
+    while let Some(parent) = layout.bodies[index].parent.filter(|parent| *parent < index) {
+        index = parent;
+    }
+    index
 }
 
 /// Mass of a body and of all that is fixed to it, in its frame.

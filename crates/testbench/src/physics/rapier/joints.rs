@@ -3,9 +3,11 @@
 //! A body with several joints gets a body for each of them but the last in between; those carry
 //! [`BETWEEN`] of its mass, since Rapier inverts each body's inertia.
 
+use std::collections::BTreeMap;
+
 use rapier3d_f64::prelude as r;
 
-use super::build::{Bodies, moves, refused};
+use super::build::{Bodies, moves, refused, root_of};
 use super::{World, to_pose, to_vector};
 use crate::bench::SimError;
 use crate::geometry::{norm, scale};
@@ -28,6 +30,8 @@ struct Link {
     child: r::RigidBodyHandle,
     kind: JointKind,
     reference: f64,
+    /// Whether the child is none of the layout's bodies.
+    is_between: bool,
 }
 
 /// The axis of Rapier's six along which a joint moves.
@@ -45,6 +49,7 @@ impl Joints {
         world: &mut World,
     ) -> Result<Self, SimError> {
         let mut links: Vec<Option<Link>> = vec![None; layout.joints.len()];
+        let mut roots: BTreeMap<usize, r::RigidBodyHandle> = BTreeMap::new();
         for (body, plan) in layout.bodies.iter().enumerate() {
             let own: Vec<usize> = (0..layout.joints.len())
                 .filter(|joint| layout.joints[*joint].body == body)
@@ -55,19 +60,24 @@ impl Joints {
             let parent = plan.parent.map(|parent| placed.of[parent]);
             let (mut handle, mut offset) = match parent {
                 Some(parent) if parent.handle != placed.world => (parent.handle, parent.offset),
-                // Each tree has a root of its own, so that none is a part of another.
+                // Each machine has a root of its own, so that none is a part of another.
                 fixed => (
-                    world.bodies.insert(r::RigidBodyBuilder::fixed()),
+                    *roots
+                        .entry(root_of(layout, body))
+                        .or_insert_with(|| world.bodies.insert(r::RigidBodyBuilder::fixed())),
                     fixed.map_or(r::Pose::IDENTITY, |fixed| fixed.offset),
                 ),
             };
             offset *= to_pose(&plan.pose);
             for (place, joint) in own.iter().enumerate() {
-                let child = match place + 1 == own.len() {
-                    true => placed.of[body].handle,
-                    false => between(placed.of[body].handle, world),
+                let is_between = place + 1 < own.len();
+                let child = match is_between {
+                    false => placed.of[body].handle,
+                    true => between(placed.of[body].handle, world),
                 };
-                links[*joint] = Some(link(&layout.joints[*joint], handle, offset, child, world)?);
+                let mut made = link(&layout.joints[*joint], handle, offset, child, world)?;
+                made.is_between = is_between;
+                links[*joint] = Some(made);
                 (handle, offset) = (child, r::Pose::IDENTITY);
             }
         }
@@ -202,6 +212,12 @@ impl Joints {
 
     /// Applies the efforts of drives: on the child, and against them on its parent.
     pub(super) fn push(&self, layout: &Layout, world: &mut World) {
+        for link in self.links.iter().filter(|link| link.is_between) {
+            if let Some(rigid) = world.bodies.get_mut(link.child) {
+                rigid.reset_forces(false);
+                rigid.reset_torques(false);
+            }
+        }
         for (drive, target) in layout.drives.iter().zip(&world.targets) {
             if !matches!(drive.kind, DriveKind::Effort) {
                 continue;
@@ -326,6 +342,7 @@ fn link(
         child,
         kind: plan.kind,
         reference: plan.reference,
+        is_between: false,
     })
 }
 
