@@ -174,3 +174,33 @@ fn intervals_carried_through_a_model_cover() {
         "{covered}"
     );
 }
+
+/// Quantiles of Jeffreys' posterior after 0 of n, by mpmath in 40 digits (findroot of betainc); those
+/// after n of n are their mirror images.
+#[test]
+fn posteriors_at_the_ends_from_five_trials_to_a_hundred_million() {
+    let cases = [
+        (5_u64, 9.3420600039544722e-5, 0.3793771422990394),
+        (1000, 4.9091169479444107e-7, 0.0025081643414222983),
+        (100_000_000, 4.9103455735883599e-12, 2.5119430558282966e-8),
+    ];
+    for (trials, low, high) in cases {
+        let none = BetaPosterior::jeffreys(Sample {
+            successes: 0,
+            trials,
+        });
+        let all = BetaPosterior::jeffreys(Sample {
+            successes: trials,
+            trials,
+        });
+        let found = none.credible_interval(Confidence::P95);
+        assert!((found.low / low - 1.0).abs() < 1e-11, "{trials}: {found:?}");
+        assert!(
+            (found.high / high - 1.0).abs() < 1e-11,
+            "{trials}: {found:?}"
+        );
+        let mirrored = all.credible_interval(Confidence::P95);
+        assert!((mirrored.low - (1.0 - high)).abs() < 1e-15, "{mirrored:?}");
+        assert!((mirrored.high - (1.0 - low)).abs() < 1e-15, "{mirrored:?}");
+    }
+}
