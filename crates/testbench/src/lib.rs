@@ -131,6 +131,7 @@ mod bench;
 pub mod controller;
 mod difference;
 pub mod geometry;
+mod hull;
 mod model;
 mod mujoco;
 mod outside;
@@ -146,6 +147,7 @@ pub use bench::{
     Bench, Cancel, Control, End, Recorded, Savable, SimError, Status, Unwatched, Watch,
 };
 pub use difference::{Difference, differences};
+pub use hull::hull_triangles;
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
     BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,
