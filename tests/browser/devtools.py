@@ -31,7 +31,7 @@ FLAGS = [
 class Browser:
     """Use as a context; the process and its profile are gone afterwards."""
 
-    def __init__(self, program):
+    def __init__(self, program, flags=()):
         self.profile = tempfile.mkdtemp(prefix="report-check-")
         to_browser, self.write_end = os.pipe()
         self.read_end, from_browser = os.pipe()
@@ -39,6 +39,7 @@ class Browser:
             # The shell puts the two ends where the browser expects them.
             ["/bin/sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", program]
             + FLAGS
+            + list(flags)
             + [f"--user-data-dir={self.profile}", "about:blank"],
             pass_fds=(to_browser, from_browser),
             stdin=subprocess.DEVNULL,

@@ -12,7 +12,7 @@ const SCRIPT: &str = concat!(include_str!("view3d.js"), include_str!("player.js"
 
 /// SHA-256 of the script, in base64: the only script that may run. A test says
 /// what it must be when the script changes.
-const SCRIPT_HASH: &str = "tg5rpWX5ez/XBHG0sETsk96PciChdiTwVS4/Z6tQBns=";
+const SCRIPT_HASH: &str = "oWBHYQ2Z4RdXbGcHfU8mh7456yzRRwz+RVECjSmemUU=";
 
 /// The whole page.
 pub(super) fn render(replay: &Replay) -> String {

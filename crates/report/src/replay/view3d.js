@@ -182,14 +182,16 @@ const replay = {};
     const step = Math.max(1, Math.floor(data.times.length / 60));
     for (const shape of data.shapes) {
       if (shape.body === null) continue;
-      for (let frame = 0; frame < data.times.length; frame += step)
+      // What rolls away would make all else small.
+      const last = shape.role === "object" ? 1 : data.times.length;
+      for (let frame = 0; frame < last; frame += step)
         take(motion.pose(shape.body, data.times[frame]), 0.1);
     }
     return low[0] <= high[0] ? { low, high } : { low: [-1, -1, 0], high: [1, 1, 1] };
   };
 
   replay.makeView = (canvas, data, motion, colours) => {
-    const gl = canvas.getContext("webgl", { antialias: true, stencil: true });
+    const gl = canvas.getContext("webgl", { antialias: true, stencil: true, alpha: false });
     const shader = gl && program(gl);
     if (!shader) return null;
     const uniform = {};
@@ -226,7 +228,7 @@ const replay = {};
       view.elevation = 0.38;
       view.target = around.slice();
       const narrow = Math.min(1, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
-      view.distance = (0.92 * size) / Math.sin(FIELD / 2) / Math.max(narrow, 0.3);
+      view.distance = (0.8 * size) / Math.sin(FIELD / 2) / Math.max(narrow, 0.3);
     };
     view.turn = (right, up) => {
       view.azimuth -= right;
