@@ -12,7 +12,7 @@ const SCRIPT: &str = concat!(include_str!("view3d.js"), include_str!("player.js"
 
 /// SHA-256 of the script, in base64: the only script that may run. A test says
 /// what it must be when the script changes.
-const SCRIPT_HASH: &str = "oWBHYQ2Z4RdXbGcHfU8mh7456yzRRwz+RVECjSmemUU=";
+const SCRIPT_HASH: &str = "L2/EVoR6lTqJhklJyMS996weQxYrCr3FzOCKutno/Sc=";
 
 /// The whole page.
 pub(super) fn render(replay: &Replay) -> String {

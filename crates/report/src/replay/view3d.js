@@ -289,6 +289,7 @@ const replay = {};
       gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
       gl.depthMask(false);
       parts.forEach((part, i) => {
+        if (part.shape.role === "surroundings" && part.shape.form.kind === "box") return;
         set(times(flat, places[i]), palette.shadow, 0);
         gl.drawArrays(gl.TRIANGLES, part.first, part.count);
       });
@@ -326,13 +327,22 @@ const replay = {};
         ground(palette);
         shadows(places, palette);
       }
-      parts.forEach((part, i) => {
+      const paint = (part, place, opacity) => {
         const colour = palette[part.shape.role];
         // Neighbouring links are told apart by a shade.
         const shade = part.shape.body !== null && part.shape.body % 2 ? 0.9 : 1;
-        set(places[i], [colour[0] * shade, colour[1] * shade, colour[2] * shade, 1], 1);
+        set(place, [colour[0] * shade, colour[1] * shade, colour[2] * shade, opacity], 1);
         gl.drawArrays(gl.TRIANGLES, part.first, part.count);
-      });
+      };
+      const isAround = (part) => part.shape.role === "surroundings";
+      parts.forEach((part, i) => isAround(part) || paint(part, places[i], 1));
+      // Walls must not hide what happens behind them.
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      gl.depthMask(false);
+      parts.forEach((part, i) => isAround(part) && paint(part, places[i], 0.4));
+      gl.depthMask(true);
+      gl.disable(gl.BLEND);
     };
     view.fit();
     return view;
