@@ -243,3 +243,28 @@ fn a_file_that_includes_itself_ends() {
         "{problems}"
     );
 }
+
+#[test]
+fn a_joint_of_old_files_may_have_the_name_of_a_link() {
+    let text = |version: &str| {
+        format!(
+            "<sdf version='{version}'><model name='m'>\
+             <joint name='wheel' type='revolute'><parent>base</parent><child>wheel</child><axis><xyz>0 0 1</xyz></axis></joint>\
+             <link name='base'/><link name='wheel'><inertial><mass>1</mass></inertial></link></model></sdf>"
+        )
+    };
+    let read = |version: &str| parse("m.sdf", &text(version), &mut |_: &str| Err(String::new()));
+    let loaded = read("1.4").unwrap_or_else(|problems| panic!("{problems}"));
+    assert!(
+        loaded
+            .model
+            .joints
+            .iter()
+            .any(|joint| joint.name == "wheel_joint")
+    );
+    let told = loaded.gaps.iter().map(ToString::to_string);
+    assert!(told.into_iter().any(|gap| gap.contains("wheel_joint")));
+    // Since 1.7 names have to differ.
+    let refused = read("1.7").map(|_| ()).expect_err("two of one name");
+    assert!(refused.to_string().contains("two things in one model"));
+}

@@ -1,7 +1,7 @@
 //! Worlds and models: what they hold, under which full names, in which frames.
 
 use super::frames::{Frame, Frames};
-use super::include::VERSION;
+use super::include::{VERSION, below};
 use super::pose;
 use crate::diagnostics::{Effect, Place};
 use crate::model::Model;
@@ -85,7 +85,20 @@ fn add_frame(
     default: &str,
     attached: &str,
 ) -> String {
-    let name = reader.required(element, "name");
+    let name = reader.required(element, "name").to_owned();
+    add_named(reader, collected, element, &name, scope, default, attached)
+}
+
+/// Adds the frame of an element under a name.
+fn add_named(
+    reader: &mut Reader<'_, '_>,
+    collected: &mut Collected<'_>,
+    element: &Element,
+    name: &str,
+    scope: &str,
+    default: &str,
+    attached: &str,
+) -> String {
     if matches!(name, "world" | "__model__" | "__root__") {
         reader.problem(
             &element.place,
@@ -224,6 +237,28 @@ fn canonical_link(element: &Element, full: &str) -> String {
         .map_or_else(String::new, |name| within(full, name))
 }
 
+/// The name of a joint. Before SDF 1.7 a joint and a link could have the same one; then the joint is called `NAME_joint`,
+/// as the reference implementation calls it.
+fn joint_name(reader: &mut Reader<'_, '_>, element: &Element, model: &Element) -> String {
+    let name = reader.required(element, "name").to_owned();
+    let is_old = below(model.get(VERSION).unwrap_or("1.6"), 7);
+    let mut links = model.all("link");
+    if !is_old || name.is_empty() || !links.any(|link| link.get("name") == Some(name.as_str())) {
+        return name;
+    }
+    let renamed = format!("{name}_joint");
+    let what = format!("{name} is also the name of a link, so it is called {renamed}");
+    let consequence = "nothing moves otherwise; drives and sensors name the joint by it";
+    reader.gap(
+        &element.place,
+        "joint@name",
+        what,
+        Effect::Nothing,
+        consequence,
+    );
+    renamed
+}
+
 fn joint<'e>(
     reader: &mut Reader<'_, '_>,
     element: &'e Element,
@@ -234,7 +269,8 @@ fn joint<'e>(
 ) {
     let child = element.text_of("child").unwrap_or("");
     let child = within(scope, child);
-    let name = add_frame(reader, collected, element, scope, &child, &child);
+    let name = joint_name(reader, element, model);
+    let name = add_named(reader, collected, element, &name, scope, &child, &child);
     collected.joints.push(FoundJoint {
         name,
         element,
