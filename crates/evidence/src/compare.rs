@@ -19,7 +19,7 @@
 //!
 //! | sides | "no difference" | agreement |
 //! |---|---|---|
-//! | counts, counts | Boschloo's exact test | two one-sided tests, Agresti and Caffo's variance |
+//! | counts, counts | Boschloo's exact test | two one-sided tests, the larger p-value of Agresti and Caffo's variance and the score |
 //! | counts, known | exact binomial test | two one-sided exact binomial tests |
 //! | counts or distribution, distribution | posterior tails | posterior probability |
 //! | known, known | their bounds are apart | their bounds are within the margin |
@@ -35,7 +35,8 @@
 //! # Guarantee
 //! With probability at least `c` none of the conflicts reported between independent counts is
 //! due to chance; a pair that truly differs by the margin is reported to agree with probability
-//! at most `1 - g` (asymptotically between two counts, always against a known probability).
+//! at most `1 - g` (between two counts asymptotically, see `stats::score` for how nearly; always
+//! against a known probability).
 
 mod belief;
 mod decide;

@@ -10,7 +10,7 @@
 //! | What does `s` of `n` say of a rate? | [`IntervalMethod`], [`wilson`], [`BetaPosterior`] |
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
 //! | Do two rates differ, and by how much? | [`fisher_exact`], [`boschloo_exact`], [`difference_interval`], [`Difference`] |
-//! | Do two rates agree within a margin? | [`tost`], [`probability_within`] |
+//! | Do two rates agree within a margin? | [`tost`], [`score_equivalence`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`random_effects_interval`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
@@ -61,6 +61,7 @@ pub mod predictive;
 pub mod propagation;
 mod quadrature;
 mod ranks;
+pub mod score;
 pub mod sequential;
 pub mod spearman;
 pub mod special;
@@ -88,5 +89,6 @@ pub use predictive::Predictive;
 pub use propagation::{
     Propagated, Shares, SharesDesign, credible_box, extremes_at_corners, paired_difference,
 };
+pub use score::score_equivalence;
 pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
 pub use spearman::{Spearman, spearman, spearman_exact};

@@ -108,8 +108,11 @@ impl Pair {
         use Belief::{Counts, Known};
         match (&self.first, &self.second) {
             (Counts { effective: a, .. }, Counts { effective: b, .. }) => {
-                stats::tost(*a, *b, self.margin, DifferenceVariance::AgrestiCaffo)
-                    .map(|tost| tost.p_value())
+                // Each alone errs too often somewhere: the one near the ends, the other for arms of
+                // very different size.
+                let tost = stats::tost(*a, *b, self.margin, DifferenceVariance::AgrestiCaffo)?;
+                let score = stats::score_equivalence(*a, *b, self.margin).unwrap_or(0.0);
+                Some(tost.p_value().max(score))
             }
             (Counts { effective, .. }, Known { bounds, .. })
             | (Known { bounds, .. }, Counts { effective, .. }) => {
