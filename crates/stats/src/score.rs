@@ -116,7 +116,7 @@ mod tests {
     /// root; the larger p-value. (statsmodels 0.14 has a slip in the linear term of its cubic.)
     #[test]
     fn reference_values() {
-        let cases: [((u64, u64, u64, u64, f64), f64); 6] = [
+        let cases = [
             ((88, 100, 439, 500, 0.05), 0.09566783472),
             ((88, 100, 439, 500, 0.1), 0.009067313077),
             ((20, 40, 33, 60, 0.3), 0.005117856197),

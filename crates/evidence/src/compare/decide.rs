@@ -30,9 +30,12 @@
 //! The chance is exact for up to [`REPRESENTATIVES`] trials of one side, and else within 0.01
 //! (tested against the full sum). Clustered sides count trials at their design effect of today.
 
+mod side;
+
 use super::{Belief, Levels, pair::Pair};
+use side::Side;
+use stats::Confidence;
 use stats::special::{normal_cdf, normal_quantile};
-use stats::{BetaPosterior, Confidence, EffectiveSample, Predictive, Sample};
 
 /// Outcomes of one side that stand for all.
 const REPRESENTATIVES: usize = 48;
@@ -123,23 +126,15 @@ impl<'a> Planning<'a> {
             .map(|(_, share)| share)
     }
 
-    /// The cheapest plan with this share of the cost in the first side.
+    /// The cheapest plan with this share of the cost in the first side: from the approximation in
+    /// steps to a bracket, which is then halved.
     fn along(&self, share: f64, costs: (f64, f64)) -> Option<Plan> {
         let mut cost = self.approximate_cost(share, costs)?;
-        let plan = |cost: f64| {
-            let trials = trials(cost, share, costs);
-            Plan {
-                trials,
-                cost: trials.0 as f64 * costs.0 + trials.1 as f64 * costs.1,
-                chance: self.chance(trials.0, trials.1),
-            }
-        };
         let most = most_cost(share, costs);
         let mut best = None;
         let mut too_little = 0.0;
-        // A bracket of 15 % around the approximation, then halved four times.
         loop {
-            let found = plan(cost);
+            let found = self.plan(cost, share, costs);
             if found.chance >= self.power {
                 best = Some(found);
                 if too_little > 0.0 || found.trials.0.max(found.trials.1) <= 1 {
@@ -154,19 +149,33 @@ impl<'a> Planning<'a> {
                 cost *= STEP;
             }
         }
-        let mut enough = best?;
+        Some(self.halved(too_little, best?, share, costs))
+    }
+
+    /// The cheapest plan found by halving between a cost that is too little and a plan.
+    fn halved(&self, mut too_little: f64, mut enough: Plan, share: f64, costs: (f64, f64)) -> Plan {
         for _ in 0..HALVINGS {
             if too_little <= 0.0 || enough.cost <= too_little {
                 break;
             }
-            let middle = plan(f64::midpoint(too_little, enough.cost));
-            if middle.chance >= self.power {
-                enough = middle;
+            let middle = f64::midpoint(too_little, enough.cost);
+            let found = self.plan(middle, share, costs);
+            if found.chance >= self.power {
+                enough = found;
             } else {
-                too_little = f64::midpoint(too_little, enough.cost);
+                too_little = middle;
             }
         }
-        Some(enough)
+        enough
+    }
+
+    fn plan(&self, cost: f64, share: f64, costs: (f64, f64)) -> Plan {
+        let trials = trials(cost, share, costs);
+        Plan {
+            trials,
+            cost: trials.0 as f64 * costs.0 + trials.1 as f64 * costs.1,
+            chance: self.chance(trials.0, trials.1),
+        }
     }
 
     /// The cost at which the approximate chance suffices.
@@ -302,156 +311,10 @@ enum Kind {
     Conflict,
 }
 
-/// One side with its further trials.
-struct Side<'a> {
-    belief: &'a Belief,
-    further: u64,
-    /// Further trials in independent ones.
-    worth: u64,
-    /// The distribution of further successes, in independent trials.
-    next: Predictive,
-}
-
-impl<'a> Side<'a> {
-    fn new(belief: &'a Belief, further: u64) -> Self {
-        let worth = belief
-            .design_effect()
-            .map_or(0, |effect| (further as f64 / effect).round() as u64);
-        let next = match belief {
-            Belief::Counts { effective, .. } => {
-                Predictive::new(&BetaPosterior::jeffreys(*effective), worth)
-            }
-            _ => Predictive::at_rate(0.0, 0),
-        };
-        Self {
-            belief,
-            further,
-            worth,
-            next,
-        }
-    }
-
-    fn representatives(&self) -> Vec<(u64, f64)> {
-        self.next.representatives(REPRESENTATIVES)
-    }
-
-    /// The belief once `y` of the further trials have succeeded.
-    fn after(&self, y: u64) -> Belief {
-        let (Belief::Counts { sample, effective }, true) = (self.belief, self.worth > 0) else {
-            return self.belief.clone();
-        };
-        let more = EffectiveSample {
-            successes: (effective.successes + y as f64).min(effective.trials + self.worth as f64),
-            trials: effective.trials + self.worth as f64,
-        };
-        let trials = sample.trials.saturating_add(self.further);
-        let successes = if effective.trials >= sample.trials as f64 {
-            sample.successes + y
-        } else {
-            (more.successes / more.trials * trials as f64).round() as u64
-        };
-        Belief::Counts {
-            sample: Sample {
-                successes: successes.min(trials),
-                trials,
-            },
-            effective: more,
-        }
-    }
-
-    /// The probability of outcomes that decide nothing, when the other side stands at `rate`.
-    ///
-    /// On either side of equality, outcomes near to it show agreement, those far from it a
-    /// difference, and what lies between neither.
-    fn undecided(&self, rate: f64, guess: &mut [u64; 4], test: impl Fn(u64, Kind) -> bool) -> f64 {
-        let Belief::Counts { effective, .. } = self.belief else {
-            return f64::from(u8::from(
-                !test(0, Kind::Agreement) && !test(0, Kind::Conflict),
-            ));
-        };
-        let total = effective.trials + self.worth as f64;
-        let equal = (rate * total - effective.successes)
-            .round()
-            .clamp(0.0, self.worth as f64) as u64;
-        let mut open = 0.0;
-        for (side, most) in [(0, equal), (1, self.worth - equal)] {
-            let at = |distance: u64| {
-                if side == 0 {
-                    equal - distance
-                } else {
-                    equal + distance
-                }
-            };
-            let agree = leading(most, guess[2 * side], |d| test(at(d), Kind::Agreement));
-            let same = leading(most, guess[2 * side + 1], |d| !test(at(d), Kind::Conflict));
-            (guess[2 * side], guess[2 * side + 1]) = (agree, same);
-            // Equality itself belongs to the upper side.
-            let from = if side == 0 { agree.max(1) } else { agree };
-            if from < same {
-                let (near, far) = (at(from), at(same - 1));
-                open += self.next.probability(near.min(far), near.max(far));
-            }
-        }
-        open
-    }
-}
-
-/// How many of `0..=most` come before the first for which `holds` does not, when it holds for none
-/// after that; by galloping from a guess.
-fn leading(most: u64, guess: u64, holds: impl Fn(u64) -> bool) -> u64 {
-    // Invariant: everything below `low` holds; `high` does not or is beyond the end.
-    let (mut low, mut high) = (0, most + 1);
-    let mut probe = guess.min(most);
-    let mut step = 1;
-    loop {
-        if holds(probe) {
-            low = probe + 1;
-            if low >= high || probe == most {
-                return low;
-            }
-            probe = (probe + step).min(high - 1);
-        } else {
-            high = probe;
-            if low >= high {
-                return low;
-            }
-            probe = probe.saturating_sub(step).max(low);
-        }
-        step *= 2;
-        if low > 0 && high <= most {
-            break;
-        }
-    }
-    while low < high {
-        let middle = low + (high - low) / 2;
-        if holds(middle) {
-            low = middle + 1
-        } else {
-            high = middle
-        }
-    }
-    low
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn galloping_finds_the_same_from_any_guess() {
-        for most in [0_u64, 1, 2, 10, 1000] {
-            for answer in [0, 1, 2, 5, 10, 11, 500, 1000, 1001] {
-                for guess in [0, 1, 3, 9, 400, 5000] {
-                    let expected = answer.min(most + 1);
-                    assert_eq!(
-                        leading(most, guess, |d| d < answer),
-                        expected,
-                        "{most} {answer} {guess}"
-                    );
-                }
-            }
-        }
-    }
+    use stats::{EffectiveSample, Sample};
 
     fn counts(successes: u64, trials: u64) -> Belief {
         let sample = Sample { successes, trials };
