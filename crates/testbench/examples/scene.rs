@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example scene -- LIBRARY SCENE.toml TEST EPISODES TOPIC`
 //!
+//! LIBRARY is MuJoCo's, or `rapier` for the engine that is built in.
+//!
 //! Controllers are run as processes, as their `command` says, from the scene's folder.
 
 use std::error::Error;
@@ -13,7 +15,7 @@ use std::time::Instant;
 
 use stimulus::Stimulus;
 use testbench::controller::{Controller, ControllerError, LockStep, RemoteController};
-use testbench::scene::{ControllerData, SceneBench, mujoco};
+use testbench::scene::{ControllerData, SceneBench, mujoco, rapier};
 use testbench::{Bench, Cancel, Engine, Unwatched};
 
 /// A process that answers line by line.
@@ -82,9 +84,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let process = Process::start(data, &folder)?;
         Ok(Box::new(RemoteController::connect(process)?) as Box<dyn Controller>)
     });
-    let engine = Engine::load(Path::new(library))?;
+    let physics = match library.as_str() {
+        "rapier" => rapier(),
+        library => mujoco(&Engine::load(Path::new(library))?),
+    };
     let text = std::fs::read_to_string(&scene)?;
-    let (bench, gaps) = SceneBench::new(&text, &read, mujoco(&engine), start)?;
+    let (bench, gaps) = SceneBench::new(&text, &read, physics, start)?;
     for gap in &gaps {
         eprintln!("{}: {}", gap.file, gap.text);
     }
