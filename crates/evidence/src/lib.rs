@@ -6,7 +6,9 @@
 //! [`Asset`]s (a system model and a requirement model); the result is
 //! [`Evidence`], a list of [`Finding`]s with their uncertainty. Pairs of
 //! evidence are [`Comparison`]s with one of four [`Outcome`]s, and a
-//! disagreement is explained by [`Discrepancy`]s. A [`StudyResult`] holds all
+//! disagreement is explained by [`Discrepancy`]s. [`compare_together`] looks at all pieces on a
+//! subject at once, [`undecided`] plans the trials that would decide, and [`combine`] gives the
+//! interval that independent pieces support together. A [`StudyResult`] holds all
 //! of it and is what a report shows; everything here serialises, and
 //! [`StudyResult::json_schema`] describes the form.
 //!
