@@ -1,9 +1,11 @@
 //! The command line, as plain data.
 
+mod assurance;
 mod explore;
 mod rare;
 mod watch;
 
+pub use assurance::{Assure, Verify};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
 pub use watch::Watch;
@@ -68,6 +70,10 @@ pub enum Command {
     Compare(Compare),
     /// Write the report of a study that has been run.
     Report(Report),
+    /// Write a study's assurance case, and its evidence as statements.
+    Assure(Assure),
+    /// Check that every figure of a result follows from its evidence.
+    Verify(Verify),
     /// Make a new study from a template.
     Init(Init),
     /// Explain a diagnostic, a verdict or a word of the report.

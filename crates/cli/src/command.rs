@@ -1,5 +1,6 @@
 //! The commands: from arguments to a printed result and an outcome.
 
+mod assure;
 mod calibrate;
 mod check;
 mod compare;
@@ -13,6 +14,7 @@ mod report;
 mod requirements;
 mod run;
 mod simulate;
+mod verify;
 mod watch;
 
 use crate::args::Command;
@@ -67,6 +69,8 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),
+        Command::Assure(arguments) => assure::assure(arguments),
+        Command::Verify(arguments) => verify::verify(arguments),
         Command::Init(arguments) => init::init(arguments),
         Command::Explain(arguments) => crate::explain::explain(arguments),
     }

@@ -28,6 +28,13 @@ pub struct Stored<T> {
     pub content: T,
 }
 
+impl<T: Serialize> Stored<T> {
+    /// Whether the content is as it was kept.
+    pub fn is_as_kept(&self) -> bool {
+        digest(&self.content).is_some_and(|digest| digest == self.digest)
+    }
+}
+
 impl Store {
     /// Opens or makes the folder.
     pub fn open(folder: &Path) -> Result<Self, Problem> {

@@ -12,7 +12,8 @@ use crate::problem::Problem;
 use crate::store::{Store, program_hash};
 use crate::study::Study;
 use evidence::StudyResult;
-use prepare::{Prepared, assets, prepare, untils};
+pub use prepare::assets;
+use prepare::{Prepared, prepare, untils};
 use runner::Runner;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -101,7 +102,7 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
 
 /// The file that keeps the result of comparing, with the hash of what it was
 /// compared from.
-const STUDY: &str = "comparison.json";
+pub const STUDY: &str = "comparison.json";
 
 /// Where a study's results are.
 pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {

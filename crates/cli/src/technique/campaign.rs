@@ -12,6 +12,7 @@ mod online;
 mod ordered;
 mod outside;
 mod record;
+mod recount;
 mod table;
 mod tally;
 mod until;
@@ -19,7 +20,8 @@ mod until;
 pub use driver::{Campaigning, Finished, Source};
 pub use estimates::estimates;
 pub use outside::OutsideCommand;
-pub use tally::{Intervals, Tally, monitors};
+pub use recount::recount;
+pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 
 use crate::problem::Problem;

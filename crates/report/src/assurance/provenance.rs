@@ -67,9 +67,12 @@ impl Document {
         }
     }
 
-    /// Adds a relation, under the next free blank name.
+    /// Adds a relation that is not there yet, under the next free blank name.
     fn relate(&mut self, table: &str, value: Value) {
         let known = self.0.get(table).and_then(Value::as_object);
+        if known.is_some_and(|known| known.values().any(|one| one == &value)) {
+            return;
+        }
         let name = format!("_:{table}{}", known.map_or(0, Map::len) + 1);
         self.put(table, name, value);
     }

@@ -214,7 +214,8 @@ pub(super) fn counted_constants(
     Ok(counted)
 }
 
-pub(super) fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem> {
+/// The files that an entry names, with their hashes.
+pub fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem> {
     use AssetRole::{Data, RequirementModel, SystemModel};
     let mut files: Vec<(AssetRole, &Path)> = Vec::new();
     match &entry.work {

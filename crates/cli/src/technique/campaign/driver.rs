@@ -459,7 +459,7 @@ fn recorded(path: &Path, seed: u64) -> Option<Trace> {
 }
 
 /// The hash of a recording, be it a file or a folder of files.
-fn hash_of_recording(path: &Path) -> Result<String, Problem> {
+pub(super) fn hash_of_recording(path: &Path) -> Result<String, Problem> {
     let fail = |error: std::io::Error| Problem::cannot_read(path, &error);
     let mut hasher = blake3::Hasher::new();
     if path.is_dir() {

@@ -217,6 +217,19 @@ impl Journal {
     }
 }
 
+/// The records of a journal, in order, without changing it; the number of lines that are damaged.
+pub fn records(path: &Path) -> Result<(Vec<EpisodeRecord>, u64), Problem> {
+    let bytes = std::fs::read(path).map_err(|error| Problem::cannot_read(path, &error))?;
+    let (mut records, mut damaged) = (Vec::new(), 0);
+    for line in bytes.split_inclusive(|byte| *byte == b'\n').skip(1) {
+        match record_of(line) {
+            Some(record) => records.push(record),
+            None => damaged += 1,
+        }
+    }
+    Ok((records, damaged))
+}
+
 /// The places of the whole lines behind the header; `None` if there is another header.
 fn whole_lines(file: &mut File, header: &str, first: u64) -> std::io::Result<Option<Vec<u64>>> {
     let mut reader = BufReader::new(file);

@@ -213,7 +213,7 @@ fn witness(witnesses: &mut Vec<String>, name: &str) {
 /// Counts with the interval of a confidence sequence, which holds although the number of trials was
 /// chosen by looking at them. Whatever else is computed from the counts uses the greatest effective
 /// size at which Wilson's interval is nowhere within that one, and so pays the same price.
-fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
+pub fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
     let sequence = stats::confidence_sequence(sample, level);
     let covers = |size: f64| {
         stats::EffectiveSample::at_size(sample, size).is_ok_and(|effective| {

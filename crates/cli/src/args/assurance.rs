@@ -1,0 +1,50 @@
+//! Arguments of the commands about assurance.
+
+use super::Format;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `assure`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Writes argument.gsn.yaml and confidence.gsn.yaml (Goal Structuring Notation, for gsn2x),
+provenance.json (W3C PROV), each evidence as JSON with an in-toto statement about it, and a
+statement about all of it. The arguments are drawn in the report, too.
+
+Examples:
+  corroborate assure case-studies/handover
+  corroborate assure case-studies/handover --to assurance
+  gsn2x assurance/argument.gsn.yaml            draws the argument")]
+pub struct Assure {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The folder to write to, instead of STUDY/results/assurance.
+    #[arg(long, value_name = "FOLDER")]
+    pub to: Option<PathBuf>,
+    /// Where the results are, if not in STUDY/results.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+}
+
+/// Arguments of `verify`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Computes everything again from the kept evidence and the study's files: counts from tables and
+journals of episodes, intervals, comparisons, conclusions, the report; and checks every hash.
+Nothing is run, solved or simulated again, and nothing is written.
+
+Examples:
+  corroborate verify case-studies/handover/results
+  corroborate verify results case-studies/handover
+
+Exit codes:
+  0 everything follows   1 something does not, and is named   2 error in the call or the input")]
+pub struct Verify {
+    /// The folder of results.
+    pub results: PathBuf,
+    /// The study's folder, if not the one in which the results lie.
+    pub study: Option<PathBuf>,
+    /// How what was found is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}

@@ -1,0 +1,170 @@
+//! `corroborate verify`: whether every figure of a result follows from its evidence, and every hash
+//! holds.
+//!
+//! # Definition
+//! From the kept evidence (`evidence/*.json`) and the study's own files the whole result is formed
+//! again: comparisons, conclusions, discrepancies, gaps, figures beside the publication's. The result
+//! must be `study.json`, value by value and byte by byte, and the report drawn from it `report.html`.
+//! The evidence itself is held against what it was counted from: tables are read again, journals of
+//! episodes counted again, intervals formed again from their counts. Assets and recordings must have
+//! the hashes that are stated.
+//!
+//! # Guarantee
+//! A figure that was changed anywhere between the evidence and the page is found, whatever else was
+//! changed to fit. So is a count of tables or of journals. What is not derived again, because it would
+//! have to be solved, judged or simulated, is listed as such. Nothing is written.
+
+mod audit;
+mod compare;
+mod counts;
+mod kept;
+
+use super::assure::{self, ASSURANCE};
+use super::report::read_result;
+use super::run::STUDY;
+use super::{Done, json};
+use crate::args::{Format, Verify};
+use crate::corroboration::{self, Piece};
+use crate::outcome::Outcome;
+use crate::problem::{Problem, Source};
+use crate::store::Stored;
+use crate::study::Study;
+use audit::{Audit, VerifyReport};
+use evidence::StudyResult;
+use std::path::{Path, PathBuf};
+
+/// Verifies the results of a study.
+pub fn verify(arguments: &Verify) -> Result<Done, Problem> {
+    let results = &arguments.results;
+    let folder = study_folder(arguments)?;
+    let study = Study::load(&folder)?;
+    let claimed = read_result(&folder, results)?;
+    let mut audit = Audit::default();
+    assets(&study, &claimed, results, &mut audit);
+    let pieces = kept::pieces(&study, results, &claimed, &mut audit)?;
+    match pieces {
+        Some(pieces) => figures(&study, pieces, &claimed, results, &mut audit)?,
+        None => audit.not_checked("comparisons and conclusions: not all evidence could be read"),
+    }
+    written(&claimed, results, &mut audit)?;
+    audit.not_checked(
+        "hashes of all inputs of evidence (`run` forms them, and finds what is stale)",
+    );
+    let report = VerifyReport::new(results, &folder, audit);
+    let outcome = match report.faults.is_empty() {
+        true => Outcome::Holds,
+        false => Outcome::Violated,
+    };
+    let output = match arguments.format {
+        Format::Json => json(&report)?,
+        Format::Text => report.text(),
+    };
+    Ok(Done { output, outcome })
+}
+
+/// The study whose results these are: as named, or the folder around them.
+fn study_folder(arguments: &Verify) -> Result<PathBuf, Problem> {
+    if let Some(study) = &arguments.study {
+        return Ok(study.clone());
+    }
+    let results = &arguments.results;
+    let whole = std::fs::canonicalize(results);
+    let whole = whole.map_err(|error| Problem::cannot_read(results, &error))?;
+    match whole
+        .parent()
+        .filter(|parent| parent.join("study.toml").exists())
+    {
+        Some(_) => Ok(results.join("..")),
+        None => Err(Problem::new(
+            "no-study",
+            format!("{} does not lie in a study's folder", results.display()),
+        )
+        .remedy("name the study, too: corroborate verify RESULTS STUDY")),
+    }
+}
+
+/// Every asset has the content of which the hash is stated.
+fn assets(study: &Study, claimed: &StudyResult, results: &Path, audit: &mut Audit) {
+    let file = results.join("study.json");
+    let mut held = std::collections::BTreeSet::new();
+    for (e, piece) in claimed.evidence.iter().enumerate() {
+        for (a, asset) in piece.assets.iter().enumerate() {
+            let place = format!("/evidence/{e}/assets/{a}/hash");
+            let path = study.folder.join(&asset.path);
+            match kept::hash_of_file(&path) {
+                Some(hash) if hash == asset.hash => {
+                    held.insert(asset.path.clone());
+                }
+                Some(_) => {
+                    let fault =
+                        format!("{} is not the file that {} rests on", asset.path, piece.id);
+                    audit.fault(&file, &place, fault);
+                }
+                None => {
+                    let fault = format!("{} cannot be read", path.display());
+                    audit.fault(&file, &place, fault);
+                }
+            }
+        }
+    }
+    audit.checked(held.len() as u64, "assets have the stated hash");
+}
+
+/// What is claimed is what follows from the evidence.
+fn figures(
+    study: &Study,
+    pieces: Vec<Piece>,
+    claimed: &StudyResult,
+    results: &Path,
+    audit: &mut Audit,
+) -> Result<(), Problem> {
+    let mut expected = corroboration::corroborate(study, pieces)?;
+    if expected.produced_by != claimed.produced_by {
+        audit.not_checked(&format!(
+            "the program: this is {}, the result is of {}",
+            expected.produced_by, claimed.produced_by
+        ));
+        expected.produced_by.clone_from(&claimed.produced_by);
+    }
+    let file = results.join("study.json");
+    let values = compare::values(&file, &expected, claimed, audit)?;
+    audit.checked(values, "values of study.json follow from the evidence");
+    let text = Source::read(&file)?.text;
+    compare::bytes(&file, &json(claimed)?, &text, audit);
+    let path = results.join(STUDY);
+    if let Some(kept) = kept::read::<Stored<StudyResult>>(&path, audit) {
+        if !kept.is_as_kept() {
+            audit.fault(&path, "/digest", "the hash of the content does not hold");
+        }
+        let values = compare::values_at(&path, "/content", &expected, &kept.content, audit)?;
+        audit.checked(values, "values of comparison.json follow from the evidence");
+    }
+    Ok(())
+}
+
+/// What was written of the claimed result is what this program writes of it.
+fn written(claimed: &StudyResult, results: &Path, audit: &mut Audit) -> Result<(), Problem> {
+    let path = results.join("report.html");
+    match std::fs::read_to_string(&path) {
+        Ok(found) => {
+            if compare::bytes(&path, &report::html(claimed), &found, audit) {
+                audit.checked(1, "report is drawn from study.json, byte by byte");
+            }
+        }
+        Err(error) => audit.fault(&path, "", format!("it cannot be read: {error}")),
+    }
+    let folder = results.join(ASSURANCE);
+    if !folder.exists() {
+        return Ok(());
+    }
+    let mut same = 0;
+    for (name, content) in assure::files(claimed)? {
+        let path = folder.join(&name);
+        match std::fs::read_to_string(&path) {
+            Ok(found) => same += u64::from(compare::bytes(&path, &content, &found, audit)),
+            Err(error) => audit.fault(&path, "", format!("it cannot be read: {error}")),
+        }
+    }
+    audit.checked(same, "files of the assurance case are as they were written");
+    Ok(())
+}
