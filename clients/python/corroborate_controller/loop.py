@@ -7,6 +7,7 @@ import sys
 import traceback
 from typing import Any, Dict, Mapping, TextIO
 
+from . import coverage
 from .controller import Controller, Inputs, Setup
 
 PROTOCOL = 1
@@ -29,11 +30,17 @@ def run(controller: Controller) -> None:
 
 def serve(controller: Controller, questions: TextIO, answers: TextIO) -> None:
     """Answers each line of `questions` with a line on `answers`."""
+    counting = coverage.of_environment(controller)
     for line in questions:
         if not line.strip():
             continue
         try:
-            answer = answer_to(controller, json.loads(line))
+            question = json.loads(line)
+            if counting and question["type"] == "setup":
+                counting.begin(question["seed"])
+            answer = answer_to(controller, question)
+            if counting and question["type"] == "end":
+                counting.end()
             text = json.dumps(answer, allow_nan=False, separators=(",", ":"))
         except Exception as error:  # whatever the controller raises is told to the bench
             traceback.print_exc(file=sys.stderr)

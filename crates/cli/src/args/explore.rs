@@ -16,10 +16,14 @@ Examples:
   corroborate explore my-study exploration.toml --disagreement
 
 Tests come from the formal model, from chance within rules, from agents, from
-mutation and from search; each episode is judged by the study's monitors and
+mutation, from search, and with the faults injected that the bench's own data
+declare; sources that show new things are drawn more often. Each episode is judged by the study's monitors and
 held against the formal model. What is found is a witness and no statistical
 evidence: the episodes are chosen, not drawn. FOLDER gets exploration.json and
-findings/NAME.toml, one for each thing that was found, with stimulus and seed.
+findings/NAME.toml, one for each thing that was found, with stimulus and seed,
+and a journal: a call that was interrupted goes on where it stopped. With
+CORROBORATE_COVERAGE=FOLDER in the environment, controllers that use the client
+for Python leave there which of their lines ran.
 Exits 1 if anything was found, 3 if an episode broke off or a finding was not
 shown again.")]
 pub struct Explore {

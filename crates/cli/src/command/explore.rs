@@ -4,18 +4,23 @@
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};
 use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::study::{Finding, Shows, Study};
+use crate::problem::{Problem, Source, write_whole};
+use crate::store::{Inputs, program_hash};
+use crate::study::{Finding, Shows, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::exploration::{
-    Abstraction, ExplorationReport, Explored, Formal, ModelTests, OpenBench, Plan, ShowsJudge,
-    Situations, SourceKind, Stopped, Watching, as_text, disagreement, explore as run_exploration,
+    Abstraction, ExplorationReport, Explored, Exploring, Formal, Journal, ModelTests, OpenBench,
+    Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, disagreement,
     tests_of_model,
 };
-use crate::technique::judging::Judges;
+use crate::technique::judging::{Judges, inputs_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// The environment's name for the folder in which controllers leave which of
+/// their lines ran.
+const COVERAGE: &str = "CORROBORATE_COVERAGE";
 
 /// Explores and writes what was found.
 pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> {
@@ -30,20 +35,20 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         }
     }
     let library = setting.physics_library.as_deref();
-    let entry = study.entry(&plan.data.evidence)?;
+    let entry = study.entry(plan.evidence(arguments.disagreement))?;
     let bench = OpenBench::of_entry(&study, entry, library)?;
-    let began = Instant::now();
-    let mut explored = if arguments.disagreement {
-        only_disagreement(&study, &plan, &bench, setting)?
-    } else {
-        exploration(&study, &plan, &bench, arguments, setting)?
-    };
-    let wall_secs = began.elapsed().as_secs_f64();
-    setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
         None => study.folder.join("results/exploration"),
     };
+    let began = Instant::now();
+    let mut explored = if arguments.disagreement {
+        only_disagreement(&study, &plan, &bench, setting)?
+    } else {
+        exploration(&study, &plan, &bench, arguments, &folder, setting)?
+    };
+    let wall_secs = began.elapsed().as_secs_f64();
+    setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
     keep(&study, &bench, &mut explored, &folder, setting)?;
     let report = &explored.report;
     Ok(Done {
@@ -74,6 +79,7 @@ fn exploration(
     plan: &Plan,
     bench: &OpenBench,
     arguments: &Explore,
+    folder: &Path,
     setting: &Setting,
 ) -> Result<Explored, Problem> {
     let interrupt = &setting.interrupt;
@@ -98,17 +104,56 @@ fn exploration(
     };
     let judges = Judges::new(study, |_| true)?;
     // A word that the bench's recordings do not know is told before anything runs.
-    judges.start(&bench.layout()?)?;
+    let layout = bench.layout()?;
+    judges.start(&layout)?;
+    let code = std::env::var_os(COVERAGE).map(PathBuf::from);
+    let journal = Journal::open(folder, &looked_at_by(study, plan, bench, &code)?)?;
     let watching = Watching {
         study,
         bench,
         judges,
+        layout,
+        early_end: plan.data.budget.early_end,
+        code,
         abstraction: abstraction.as_ref(),
         situations: Situations::new(study, plan)?,
     };
     let stage = setting.talk.begin("exploring", plan.data.budget.episodes);
-    let vary = !arguments.plain;
-    run_exploration(plan, &watching, &of_model, &kinds, vary, interrupt, &stage)
+    let exploring = Exploring {
+        plan,
+        watching: &watching,
+        of_model: &of_model,
+        kinds: &kinds,
+        vary: !arguments.plain,
+        journal: &journal,
+        interrupt,
+        stage: &stage,
+    };
+    exploring.run()
+}
+
+/// The hash of all that decides what an episode shows, beside its seed and
+/// its stimulus.
+fn looked_at_by(
+    study: &Study,
+    plan: &Plan,
+    bench: &OpenBench,
+    code: &Option<PathBuf>,
+) -> Result<String, Problem> {
+    let mut inputs = Inputs::default();
+    inputs.add("program", program_hash()?.as_bytes());
+    inputs.add("plan", plan.source.text.as_bytes());
+    inputs.add_json("files", &bench.files);
+    inputs.add("code", &[u8::from(code.is_some())]);
+    bench.inputs(&mut inputs);
+    inputs_of(study, &mut inputs);
+    if let Some(model) = &plan.data.model
+        && let Work::Check { model, .. } = &study.entry(model)?.work
+    {
+        let model = Source::read(&study.folder.join(model))?;
+        inputs.add("model", model.text.as_bytes());
+    }
+    Ok(inputs.hash())
 }
 
 fn only_disagreement(
@@ -120,7 +165,7 @@ fn only_disagreement(
     let begin = |title: &str, total: u64| setting.talk.begin(title, total);
     let found = disagreement(study, plan, bench, &setting.interrupt, &begin)?;
     Ok(Explored {
-        report: ExplorationReport::of_disagreement(plan, bench, found),
+        report: ExplorationReport::of_disagreement(bench, found),
         findings: Vec::new(),
     })
 }
@@ -200,6 +245,7 @@ fn name(shows: &Shows, taken: &mut BTreeMap<String, u64>) -> String {
         Shows::FailureMode(id) => format!("failure-{id}"),
         Shows::Unknown(step) => match &step.to {
             Some(to) => format!("unknown-{}", changes(&step.from, to)),
+            None if step.from.is_empty() => "unknown-end-nothing".to_owned(),
             None => format!("unknown-end-{}", step.from),
         },
     };

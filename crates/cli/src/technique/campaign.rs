@@ -19,6 +19,7 @@ mod until;
 
 pub use driver::{Campaigning, Finished, Source};
 pub use estimates::estimates;
+pub use online::OnLine;
 pub use outside::OutsideCommand;
 pub use recount::recount;
 pub use tally::{Intervals, Tally, anytime, monitors};

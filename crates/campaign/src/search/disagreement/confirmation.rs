@@ -74,7 +74,10 @@ struct Context {
     trials: u64,
     /// Episodes asked for and not told yet.
     open: u64,
-    /// Once decided, a context stays so: the sequence holds at all times at once.
+    /// Where the rate lies: within the intervals of all looks, which hold all at once.
+    low: f64,
+    high: f64,
+    /// Once decided, a context stays so.
     agreement: Agreement,
 }
 
@@ -112,6 +115,8 @@ impl Confirmation {
             successes: 0,
             trials: 0,
             open: 0,
+            low: 0.0,
+            high: 1.0,
             agreement: Agreement::Undecided,
         };
         Self {
@@ -145,8 +150,9 @@ impl Confirmation {
             context.trials += 1;
             context.successes += u64::from(success);
             context.open = context.open.saturating_sub(1);
+            context.narrow(level);
             if context.agreement == Agreement::Undecided {
-                context.agreement = context.decide(margin, level);
+                context.agreement = context.decide(margin);
             }
         }
     }
@@ -169,12 +175,7 @@ impl Confirmation {
     /// that is sure, then by the evidence.
     #[must_use]
     pub fn findings(&self) -> Vec<Finding> {
-        let level = self.simultaneous();
-        let mut findings: Vec<Finding> = self
-            .contexts
-            .iter()
-            .map(|context| context.finding(level))
-            .collect();
+        let mut findings: Vec<Finding> = self.contexts.iter().map(Context::finding).collect();
         findings.sort_by(|a, b| {
             let by_size = b.sure_difference.total_cmp(&a.sure_difference);
             let by_evidence = b.ln_evidence.total_cmp(&a.ln_evidence);
@@ -195,20 +196,32 @@ impl Context {
         }
     }
 
-    fn decide(&self, margin: f64, level: Confidence) -> Agreement {
+    /// Takes the interval of one more look. If no rate lies in all of them, which has at most the
+    /// probability that is allowed for, what was known before stays.
+    fn narrow(&mut self, level: Confidence) {
         let interval = confidence_sequence(self.sample(), level);
+        let (low, high) = (self.low.max(interval.low), self.high.min(interval.high));
+        if low <= high {
+            (self.low, self.high) = (low, high);
+        }
+    }
+
+    fn decide(&self, margin: f64) -> Agreement {
         let (low, high) = (self.predicted - margin, self.predicted + margin);
-        if interval.low > high || interval.high < low {
+        if self.low > high || self.high < low {
             Agreement::Disagrees
-        } else if interval.low >= low && interval.high <= high {
+        } else if self.low >= low && self.high <= high {
             Agreement::Agrees
         } else {
             Agreement::Undecided
         }
     }
 
-    fn finding(&self, level: Confidence) -> Finding {
-        let interval = confidence_sequence(self.sample(), level);
+    fn finding(&self) -> Finding {
+        let interval = Interval {
+            low: self.low,
+            high: self.high,
+        };
         let below = interval.low - self.predicted;
         let above = self.predicted - interval.high;
         Finding {

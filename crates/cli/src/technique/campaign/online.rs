@@ -8,7 +8,8 @@
 //!
 //! # Early end
 //! If that is asked for, the episode ends once every monitor is determined: whatever came later, no
-//! verdict would change. Counts of triggers and robustness are then those of the shorter trace.
+//! verdict would change. Counts of triggers and robustness are then those of the shorter trace. An
+//! episode that is run for the sake of one subject can be ended once that one's is determined.
 
 use crate::problem::Problem;
 use crate::technique::judging::{Judgement, Judges, Session};
@@ -24,6 +25,8 @@ pub struct OnLine<'s, 'a> {
     /// The time of that instant.
     open_secs: Option<f64>,
     early_end: bool,
+    /// The subject for whose sake alone the episode is run, if it is for one.
+    only: Option<String>,
     failed: Option<Problem>,
 }
 
@@ -41,8 +44,19 @@ impl<'s, 'a> OnLine<'s, 'a> {
             changed: vec![false; layout.channels.len()],
             open_secs: None,
             early_end,
+            only: None,
             failed: None,
         })
+    }
+
+    /// Ends the episode once one subject's main monitor is determined,
+    /// whatever others say.
+    pub fn until_decided(self, id: &str) -> Self {
+        Self {
+            early_end: true,
+            only: Some(id.to_owned()),
+            ..self
+        }
     }
 
     /// What each set of judges says; `complete` is false if the episode was cut short.
@@ -92,7 +106,12 @@ impl<'s, 'a> OnLine<'s, 'a> {
 
     fn is_determined(&self) -> bool {
         let mut all = self.sessions.iter().flat_map(Session::determined);
-        all.all(|(_, _, verdict)| verdict.is_some())
+        let Some(only) = &self.only else {
+            return all.all(|(_, _, verdict)| verdict.is_some());
+        };
+        all.any(|(subject, reading, verdict)| {
+            subject.id() == only && reading.is_none() && verdict.is_some()
+        })
     }
 }
 

@@ -27,6 +27,7 @@ use super::plan::Plan;
 use crate::problem::Problem;
 use crate::study::Study;
 use checker::graph::bottom_components;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use trace::{BoundPredicate, Cursor, Predicate, Sampling, Trace, ticks};
 
@@ -53,7 +54,7 @@ pub struct Abstraction {
 }
 
 /// What a recording does, in abstract states.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AbstractTrace {
     /// The abstract states, no two neighbours equal.
     pub classes: Vec<Class>,
@@ -166,7 +167,7 @@ impl Abstraction {
             }
         }
         Ok(AbstractTrace {
-            classes: lasting(&held, end_secs, self.shortest_secs),
+            classes: lasting(&held, end_secs, self.shortest_secs, trace.complete),
             complete: trace.complete,
         })
     }
@@ -193,12 +194,12 @@ impl Abstraction {
 }
 
 /// Leaves out what holds shorter than `shortest_secs`, except what holds at the
-/// end, and joins equal neighbours.
-fn lasting(held: &[(Class, f64)], end_secs: f64, shortest_secs: f64) -> Vec<Class> {
+/// end of a whole recording, and joins equal neighbours.
+fn lasting(held: &[(Class, f64)], end_secs: f64, shortest_secs: f64, is_whole: bool) -> Vec<Class> {
     let mut classes: Vec<Class> = Vec::new();
     for (place, (class, from_secs)) in held.iter().enumerate() {
         let until_secs = held.get(place + 1).map_or(end_secs, |(_, next)| *next);
-        let is_last = place + 1 == held.len();
+        let is_last = is_whole && place + 1 == held.len();
         // Times are sums of steps: a nanosecond is no part of them.
         let lasts = until_secs - from_secs + 1e-9 >= shortest_secs;
         if (lasts || is_last) && classes.last() != Some(class) {
@@ -215,10 +216,13 @@ mod tests {
     #[test]
     fn what_holds_shortly_is_passed_over_and_equal_neighbours_are_one() {
         let held = [(0, 0.0), (1, 1.0), (3, 1.1), (1, 1.15), (2, 5.0)];
-        assert_eq!(lasting(&held, 9.0, 0.0), [0, 1, 3, 1, 2]);
-        assert_eq!(lasting(&held, 9.0, 0.2), [0, 1, 2]);
-        assert_eq!(lasting(&held, 9.0, 0.1), [0, 1, 2]);
+        assert_eq!(lasting(&held, 9.0, 0.0, true), [0, 1, 3, 1, 2]);
+        assert_eq!(lasting(&held, 9.0, 0.2, true), [0, 1, 2]);
+        assert_eq!(lasting(&held, 9.0, 0.1, true), [0, 1, 2]);
         // What holds at the end is not passed over, however short.
-        assert_eq!(lasting(&held, 5.0, 0.2), [0, 1, 2]);
+        assert_eq!(lasting(&held, 5.0, 0.2, true), [0, 1, 2]);
+        // Of a recording that was cut short it may have lasted or not.
+        assert_eq!(lasting(&held, 5.0, 0.2, false), [0, 1]);
+        assert_eq!(lasting(&held, 9.0, 0.2, false), [0, 1, 2]);
     }
 }

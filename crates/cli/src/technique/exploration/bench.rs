@@ -1,13 +1,14 @@
 //! A bench of a study that takes any stimulus: the handover world or a scene.
 
 use crate::problem::{Problem, Source};
+use crate::store::Inputs;
 use crate::study::{BenchFiles, Entry, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::bench::SceneCampaign;
 use crate::technique::simulation::load_engine;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use testbench::{Bench, Engine, HandoverBench, Recorded, SimError, Unwatched};
+use testbench::{Bench, Engine, HandoverBench, Recorded, SimError, Unwatched, Watch};
 use trace::Trace;
 
 /// A bench that is ready to run, with the files that it is made of.
@@ -106,6 +107,24 @@ impl OpenBench {
         self.bench().layout().map_err(|error| failed(&error))
     }
 
+    /// The bench's data, on which settings act.
+    pub fn data(&self) -> &toml::Table {
+        match &self.world {
+            World::Handover { bench, .. } => bench.data(),
+            World::Scene(scene) => scene.bench().table(),
+        }
+    }
+
+    /// Adds all that an episode depends on beside its seed, its stimulus and
+    /// this program.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs.add("engine", self.engine.as_bytes());
+        inputs.add("bench", self.data().to_string().as_bytes());
+        if let World::Scene(scene) = &self.world {
+            scene.inputs(inputs);
+        }
+    }
+
     /// Runs an episode to its end.
     pub fn run(
         &self,
@@ -113,9 +132,18 @@ impl OpenBench {
         seed: u64,
         interrupt: &Interrupt,
     ) -> Result<Recorded, SimError> {
-        let run = self
-            .bench()
-            .run(stimulus, seed, &mut Unwatched, interrupt.cancel());
+        self.watched(stimulus, seed, &mut Unwatched, interrupt)
+    }
+
+    /// Runs an episode, which `watch` may end.
+    pub fn watched(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        watch: &mut dyn Watch,
+        interrupt: &Interrupt,
+    ) -> Result<Recorded, SimError> {
+        let run = self.bench().run(stimulus, seed, watch, interrupt.cancel());
         match run {
             // A controller that ended with us did not fail.
             Err(SimError::Controller(_)) if interrupt.is_set() => Err(SimError::Cancelled),

@@ -1,6 +1,8 @@
 //! The search for disagreement: contexts in which the formal model predicts
 //! one thing and the bench shows another.
 //!
+//! An episode ends as soon as the requirement is decided in it.
+//!
 //! A context is a point of declared parameters, which set the bench's data and,
 //! through declared constants, the model. For each context that is looked at
 //! the model is checked anew, once: declare choices rather than continuous
@@ -11,6 +13,7 @@ use super::plan::{DisagreementData, Plan};
 use crate::problem::Problem;
 use crate::study::{Study, Work};
 use crate::talk::{Interrupt, Stage};
+use crate::technique::campaign::OnLine;
 use crate::technique::judging::Judges;
 use crate::technique::model_checking::Compiled;
 use crate::technique::simulation::Seeds;
@@ -22,12 +25,15 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use stimulus::{Point, Space, Stimulus};
 use temporal::monitor::Verdict;
+use trace::Trace;
 
 /// What was found of contexts.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct DisagreementReport {
     /// The requirement whose probability is compared.
     pub requirement: String,
+    /// The ledger's entry whose formal model predicts.
+    pub model: String,
     /// Differences up to this one do not matter.
     pub margin: f64,
     /// Probability with which no context is wrongly decided.
@@ -48,7 +54,9 @@ pub struct DisagreementReport {
 pub struct ContextReport {
     /// Its parameters.
     pub parameters: BTreeMap<String, f64>,
-    /// The model's probability.
+    /// The model's constants that follow the context.
+    pub constants: BTreeMap<String, f64>,
+    /// The model's probability with these constants, by the sound method.
     pub predicted: f64,
     /// Fresh episodes in which the requirement held.
     pub successes: u64,
@@ -111,7 +119,7 @@ pub fn disagreement(
     let bad = |e: campaign::CampaignError| plan.mistake("[disagreement]", e.to_string());
     let seeds = Seeds::new(
         study.about.seed,
-        &format!("disagree {}", plan.data.evidence),
+        &format!("disagree {}", plan.evidence(true)),
     );
     let search = DisagreementSearch::new(setup.space.clone(), seeds.of(0), options);
     let mut search = search.map_err(bad)?;
@@ -147,6 +155,7 @@ pub fn disagreement(
     let named = |point: &Point| named(&setup.space, point);
     Ok(DisagreementReport {
         requirement: data.requirement.clone(),
+        model: formal.entry.clone(),
         margin: options.margin,
         confidence: options.confidence,
         episodes,
@@ -154,7 +163,7 @@ pub fn disagreement(
         contexts: search
             .findings()
             .iter()
-            .map(|f| context(f, &named))
+            .map(|f| context(f, &named, formal.constants(&setup.space, &f.context)))
             .collect(),
         map: map
             .into_iter()
@@ -171,9 +180,11 @@ pub fn disagreement(
 fn context(
     finding: &campaign::Finding,
     named: &dyn Fn(&Point) -> BTreeMap<String, f64>,
+    constants: Vec<(String, f64)>,
 ) -> ContextReport {
     ContextReport {
         parameters: named(&finding.context),
+        constants: constants.into_iter().collect(),
         predicted: finding.predicted,
         successes: finding.sample.successes,
         trials: finding.sample.trials,
@@ -197,8 +208,11 @@ fn named(space: &Space, point: &Point) -> BTreeMap<String, f64> {
 struct Setup<'a> {
     bench: &'a OpenBench,
     judges: Judges<'a>,
+    layout: Trace,
     space: Space,
     test: stimulus::AbstractTest,
+    requirement: String,
+    early_end: bool,
 }
 
 impl<'a> Setup<'a> {
@@ -225,8 +239,11 @@ impl<'a> Setup<'a> {
             return Err(plan.mistake(id, message));
         }
         Ok(Self {
+            requirement: data.requirement.clone(),
+            early_end: plan.data.budget.early_end,
             bench,
             judges: Judges::new(study, |subject| subject.id() == data.requirement)?,
+            layout: bench.layout()?,
             space,
             test,
         })
@@ -246,10 +263,16 @@ impl<'a> Setup<'a> {
             .space
             .stimulus(&self.test, context)
             .map_err(|e| Problem::new("bad-exploration", e.to_string()))?;
-        let recorded = self.bench.run(&stimulus, seed, interrupt);
+        let judges = [&self.judges];
+        let mut on_line = OnLine::new(&judges, &self.layout, false)?;
+        if self.early_end {
+            on_line = on_line.until_decided(&self.requirement);
+        }
+        let recorded = self.bench.watched(&stimulus, seed, &mut on_line, interrupt);
         let recorded = recorded.map_err(|error| failed(&error))?;
-        let judgements = self.judges.judge(&recorded.trace)?;
-        let main = judgements.iter().find(|j| j.reading.is_none());
+        let judgements = on_line.finish(recorded.trace.complete)?;
+        let mut judgements = judgements.iter().flatten();
+        let main = judgements.find(|j| j.reading.is_none());
         let outcome = main.and_then(|judgement| match judgement.findings.verdict {
             Verdict::Satisfied => Some(true),
             Verdict::Violated => Some(false),
@@ -261,6 +284,8 @@ impl<'a> Setup<'a> {
 
 /// The model's probabilities, each context's computed once.
 struct Predictions<'a> {
+    /// The ledger's entry.
+    entry: String,
     compiled: Compiled<'a>,
     data: &'a DisagreementData,
     interrupt: &'a Interrupt,
@@ -275,7 +300,8 @@ impl<'a> Predictions<'a> {
         data: &'a DisagreementData,
         interrupt: &'a Interrupt,
     ) -> Result<Self, Problem> {
-        let entry = plan.data.model.as_ref().ok_or_else(|| {
+        let entry = data.model.as_ref().or(plan.data.model.as_ref());
+        let entry = entry.ok_or_else(|| {
             plan.mistake(
                 "",
                 "it names no model, so there is nothing to disagree with",
@@ -296,6 +322,7 @@ impl<'a> Predictions<'a> {
             }
         }
         Ok(Self {
+            entry: entry.clone(),
             compiled,
             data,
             interrupt,
@@ -306,13 +333,8 @@ impl<'a> Predictions<'a> {
 
     /// The model's probability in a context; 0.5 once something has failed.
     fn at(&self, space: &Space, context: &Point) -> f64 {
-        let values = self.data.constant.iter().map(|constant| {
-            let place = space.index_of(&constant.parameter);
-            let value = place.and_then(|p| context.0.get(p)).copied();
-            (constant.offset + constant.factor * value.unwrap_or(0.0)).clamp(0.0, 1.0)
-        });
-        let values: Vec<f64> = values.collect();
-        let key: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
+        let values = self.constants(space, context);
+        let key: Vec<u64> = values.iter().map(|(_, value)| value.to_bits()).collect();
         if let Some(known) = self.known.borrow().get(&key) {
             return *known;
         }
@@ -331,18 +353,27 @@ impl<'a> Predictions<'a> {
         }
     }
 
-    fn compute(&self, values: &[f64]) -> Result<f64, Problem> {
+    /// The constants that follow a context.
+    fn constants(&self, space: &Space, context: &Point) -> Vec<(String, f64)> {
+        let values = self.data.constant.iter().map(|constant| {
+            let place = space.index_of(&constant.parameter);
+            let value = place.and_then(|p| context.0.get(p)).copied();
+            let value = constant.offset + constant.factor * value.unwrap_or(0.0);
+            (constant.name.clone(), value.clamp(0.0, 1.0))
+        });
+        values.collect()
+    }
+
+    fn compute(&self, constants: &[(String, f64)]) -> Result<f64, Problem> {
         if self.known.borrow().len() >= MOST_CHECKS {
             let message =
                 format!("the model would be checked for more than {MOST_CHECKS} contexts");
             return Err(Problem::new("bad-exploration", message)
                 .remedy("declare the parameters that constants follow as a `choice` of values"));
         }
-        let names = self.data.constant.iter().map(|c| c.name.clone());
-        let constants: Vec<(String, f64)> = names.zip(values.iter().copied()).collect();
         let cancel = || self.interrupt.is_set();
         let id = &self.data.requirement;
-        let found = self.compiled.probability_at(id, &constants, &cancel)?;
+        let found = self.compiled.probability_at(id, constants, &cancel)?;
         found.ok_or_else(|| {
             let message = format!("the model does not express requirement `{id}`");
             Problem::new("bad-exploration", message)

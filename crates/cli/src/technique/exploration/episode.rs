@@ -1,18 +1,31 @@
 //! One episode of an exploration: what it showed.
+//!
+//! It is judged while it runs, and ended as soon as all monitors are
+//! determined; if it is run for the sake of one requirement, as soon as that
+//! one's is.
 
 use super::abstraction::{AbstractTrace, Abstraction, Class};
 use super::bench::{OpenBench, failed};
+use super::code::matching;
 use super::situations::Situations;
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::talk::Interrupt;
+use crate::technique::campaign::OnLine;
 use crate::technique::judging::Judges;
 use campaign::Situation;
 use evidence::Subject;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use stimulus::Stimulus;
 use temporal::monitor::Verdict;
 use testbench::SimError;
+use trace::Trace;
+
+/// The part of an episode's seed that controllers are told: what every
+/// language reads without rounding.
+const CONTROLLERS_SEED: u64 = (1 << 53) - 1;
 
 /// What watches episodes.
 pub struct Watching<'a> {
@@ -22,14 +35,21 @@ pub struct Watching<'a> {
     pub bench: &'a OpenBench,
     /// All monitors of the study.
     pub judges: Judges<'a>,
+    /// The channels of the bench's recordings.
+    pub layout: Trace,
+    /// Whether episodes end once all is decided.
+    pub early_end: bool,
     /// How recordings are held against the model, if they are.
     pub abstraction: Option<&'a Abstraction>,
     /// What situations are told.
     pub situations: Situations,
+    /// Where controllers leave which of their lines ran: `SEED.NAME.info` for
+    /// each episode, in the format of lcov.
+    pub code: Option<PathBuf>,
 }
 
 /// What an episode showed.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shown {
     /// Requirements that it violates.
     pub violated: Vec<String>,
@@ -44,25 +64,39 @@ pub struct Shown {
     /// Steps that the model does not have.
     pub unknown: Vec<(Class, Option<Class>)>,
     /// The least robustness of each requirement, if it has one.
+    #[serde(with = "as_text")]
     pub robustness: BTreeMap<String, f64>,
     /// Simulated time.
     pub simulated_secs: f64,
+    /// Which lines of the controller's code ran, in the format of lcov.
+    pub lcov: Option<String>,
     /// Why the episode could not be run to its end.
     pub broken: Option<String>,
 }
 
 impl Watching<'_> {
-    /// Runs an episode and looks at it.
+    /// Runs an episode and looks at it; `for_the_sake_of` a requirement, only
+    /// until that is decided.
     pub fn run(
         &self,
         stimulus: &Stimulus,
         seed: u64,
+        for_the_sake_of: Option<&str>,
         interrupt: &Interrupt,
     ) -> Result<Shown, Problem> {
-        let recorded = match self.bench.run(stimulus, seed, interrupt) {
+        let judges = [&self.judges];
+        // Whether the model has behaviour that is still to come, no monitor decides.
+        let early_end = self.early_end && self.abstraction.is_none();
+        let mut on_line = OnLine::new(&judges, &self.layout, early_end)?;
+        if let Some(id) = for_the_sake_of.filter(|_| self.early_end) {
+            on_line = on_line.until_decided(id);
+        }
+        let recorded = match self.bench.watched(stimulus, seed, &mut on_line, interrupt) {
             Ok(recorded) => recorded,
             // What the stimulus brought about is a result; what it cannot be is a mistake.
-            Err(error @ (SimError::Unstable { .. } | SimError::Trace(_))) => {
+            Err(
+                error @ (SimError::Unstable { .. } | SimError::Trace(_) | SimError::Controller(_)),
+            ) => {
                 return Ok(Shown {
                     broken: Some(error.to_string()),
                     ..Shown::default()
@@ -78,10 +112,12 @@ impl Watching<'_> {
         };
         let mut shown = Shown {
             simulated_secs: recorded.sim_secs,
+            lcov: self.lcov(seed),
             situation: self.situations.of(stimulus, &recorded.trace)?,
             ..Shown::default()
         };
-        for judgement in self.judges.judge(&recorded.trace)? {
+        let judged = on_line.finish(recorded.trace.complete)?;
+        for judgement in judged.into_iter().flatten() {
             if judgement.reading.is_some() {
                 continue;
             }
@@ -104,5 +140,39 @@ impl Watching<'_> {
             shown.unknown = abstraction.unknown(&shown.abstracted);
         }
         Ok(shown)
+    }
+
+    /// What controllers left of an episode.
+    fn lcov(&self, seed: u64) -> Option<String> {
+        let told = seed & CONTROLLERS_SEED;
+        let files = matching(&self.code.as_ref()?.join(format!("{told}.*info")));
+        let texts = files
+            .iter()
+            .filter_map(|file| std::fs::read_to_string(file).ok());
+        let text: String = texts.collect();
+        (!text.is_empty()).then_some(text)
+    }
+}
+
+/// Numbers as texts: JSON has no infinity.
+mod as_text {
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+    use std::collections::BTreeMap;
+
+    pub fn serialize<S: Serializer>(
+        values: &BTreeMap<String, f64>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(values.iter().map(|(id, value)| (id, value.to_string())))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<BTreeMap<String, f64>, D::Error> {
+        let texts = BTreeMap::<String, String>::deserialize(deserializer)?;
+        let parsed = texts
+            .into_iter()
+            .map(|(id, text)| Ok((id, text.parse().map_err(Error::custom)?)));
+        parsed.collect()
     }
 }

@@ -2,7 +2,6 @@
 
 use super::bench::OpenBench;
 use super::disagreement::DisagreementReport;
-use super::plan::Plan;
 use crate::study::{BenchFiles, Shows};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -50,7 +49,7 @@ pub struct ExplorationReport {
 
 impl ExplorationReport {
     /// The result of a search for disagreement alone.
-    pub fn of_disagreement(plan: &Plan, bench: &OpenBench, found: DisagreementReport) -> Self {
+    pub fn of_disagreement(bench: &OpenBench, found: DisagreementReport) -> Self {
         let nothing = SetReport {
             covered: 0,
             total: 0,
@@ -62,7 +61,7 @@ impl ExplorationReport {
             statement: CHOSEN_CONTEXTS.into(),
             bench: bench.files.clone(),
             engine: bench.engine.clone(),
-            model: plan.data.model.clone(),
+            model: Some(found.model.clone()),
             episodes: found.episodes,
             simulated_secs: found.simulated_secs,
             stopped: Stopped::Budget,
@@ -193,6 +192,8 @@ pub struct CodeReport {
     pub functions: [u64; 2],
     /// Branches that were taken, and all branches.
     pub branches: [u64; 2],
+    /// Lines that never ran, of each file.
+    pub never_run: Vec<String>,
 }
 
 /// How much is still unseen.
@@ -207,6 +208,8 @@ pub struct SaturationReport {
     pub unseen: f64,
     /// Expected number of new things in the next episode (Good and Turing).
     pub news_in_next: f64,
+    /// Expected number of new things in 100 more episodes (Chao and others).
+    pub news_in_100_more: f64,
     /// With the study's confidence, the chance that the next episode shows
     /// anything new is at most this. It holds as far as episodes are
     /// generated alike.
@@ -229,8 +232,8 @@ pub struct ModelTestsReport {
 pub struct ModelTestReport {
     /// The source.
     pub source: String,
-    /// Where its path leads.
-    pub goal: String,
+    /// Where its path leads; several goals can have the same test.
+    pub goals: Vec<String>,
     /// Transitions of the path.
     pub transitions: usize,
     /// The path's probability.

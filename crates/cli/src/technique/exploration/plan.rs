@@ -17,9 +17,15 @@
 //! name = "in_hand"
 //! model = "!handEmpty"        # instead of the vocabulary's meaning
 //! trace = "object_in_hand"
+//!
+//! [[trigger]]                 # where the vocabulary has no meaning for the model
+//! when = "sensing_says_ready"
+//! model = "robotState=GPLOk"
 //! ```
 
+use super::faults::FaultData;
 use crate::problem::{Problem, Source};
+use crate::study::Study;
 use campaign::{Agent, Cross, Design, Grammar, Method, PathMapping, StepRule};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -62,6 +68,13 @@ pub struct Data {
     /// Model states to which tests are to lead.
     #[serde(default)]
     pub goal: Vec<Goal>,
+    /// What words of the study mean to this model, where the vocabulary does
+    /// not say or says something else.
+    #[serde(default)]
+    trigger: Vec<TriggerData>,
+    /// Values that are injected beside the faults that the bench declares.
+    #[serde(default)]
+    pub fault: Vec<FaultData>,
     /// Which steps of the model are which actions of a test.
     #[serde(default)]
     step: Vec<StepRule>,
@@ -83,7 +96,8 @@ pub struct Data {
     /// Searches for violations.
     #[serde(default)]
     pub search: Vec<SearchData>,
-    /// Code coverage of the controller, relative to the study.
+    /// Code coverage of the controller in the format of lcov: files relative
+    /// to the study; a `*` in a file's name stands for anything.
     #[serde(default)]
     pub lcov: Vec<PathBuf>,
     /// The search for contexts in which model and bench differ.
@@ -100,6 +114,8 @@ pub struct Budget {
     pub batch: u64,
     /// Stop once so many more episodes would show at most so much new.
     pub stop: Option<StopRule>,
+    /// End episodes once all that they are run for is decided.
+    pub early_end: bool,
 }
 
 impl Default for Budget {
@@ -108,6 +124,7 @@ impl Default for Budget {
             episodes: 200,
             batch: 20,
             stop: None,
+            early_end: true,
         }
     }
 }
@@ -135,6 +152,8 @@ pub enum SourceKind {
     /// Paths that take every abstract transition and every step that is an
     /// action of a test.
     Transitions,
+    /// Faults that the bench's data declare, made certain or likely.
+    Faults,
     /// Random tests within rules.
     Random,
     /// What agents do.
@@ -153,6 +172,7 @@ impl SourceKind {
             Self::Goals => "model: goals",
             Self::Triggers => "model: triggers",
             Self::Transitions => "model: transitions",
+            Self::Faults => "fault injection",
             Self::Random => "random tests",
             Self::Agents => "agents",
             Self::Mutation => "mutation",
@@ -185,6 +205,16 @@ pub struct PropositionData {
     pub model: Option<String>,
     /// What it means to recordings; as the vocabulary says, if absent.
     pub trace: Option<String>,
+}
+
+/// What a word of the study means to the model.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TriggerData {
+    /// The word, by which a requirement is triggered.
+    when: String,
+    /// An expression over the model's variables.
+    model: String,
 }
 
 /// Model states to which a test is to lead.
@@ -236,6 +266,11 @@ pub struct DisagreementData {
     pub requirement: String,
     /// The bench's own test that is run.
     pub test: String,
+    /// The ledger's entry whose bench is run, if not that of the file.
+    pub evidence: Option<String>,
+    /// The ledger's entry whose formal model predicts, if not that of the
+    /// file.
+    pub model: Option<String>,
     /// Episodes, at most.
     pub episodes: u64,
     /// Difference that still counts as agreement; the requirement's margin
@@ -345,6 +380,27 @@ impl Plan {
         Ok(())
     }
 
+    /// What a word means to the model: as this file says, or else the study's
+    /// vocabulary.
+    pub fn meaning_in_model(&self, study: &Study, word: &str) -> Option<String> {
+        let own = self.data.trigger.iter().find(|t| t.when == word);
+        let mut propositions = self.data.abstraction.iter().flat_map(|a| &a.proposition);
+        let abstracted = || propositions.find(|p| p.name == word)?.model.clone();
+        let word = study.vocabulary.propositions.get(word);
+        own.map(|trigger| trigger.model.clone())
+            .or_else(abstracted)
+            .or_else(|| Some(word?.model.as_ref()?.text.clone()))
+    }
+
+    /// The ledger's entry whose bench is run, of the search for disagreement
+    /// or else of the exploration.
+    pub fn evidence(&self, disagreement: bool) -> &str {
+        let other = self.data.disagreement.as_ref().filter(|_| disagreement);
+        other
+            .and_then(|data| data.evidence.as_ref())
+            .unwrap_or(&self.data.evidence)
+    }
+
     /// The sources that the file has data for, or those that it names.
     pub fn sources(&self) -> Vec<SourceKind> {
         if let Some(named) = &self.data.sources {
@@ -360,6 +416,7 @@ impl Plan {
                 SourceKind::Transitions,
                 model && self.data.abstraction.is_some(),
             ),
+            (SourceKind::Faults, true),
             (SourceKind::Random, grammar),
             (SourceKind::Agents, !self.data.agent.is_empty()),
             (SourceKind::Mutation, grammar),

@@ -3,7 +3,7 @@
 use super::plan::{Plan, SituationData};
 use crate::problem::Problem;
 use crate::study::Study;
-use campaign::{ActionPattern, CoverageModel, Situation, Variable};
+use campaign::{ActionPattern, Coverage, CoverageModel, Situation, Variable};
 use stimulus::{Setting, Stimulus};
 use trace::{Cursor, Predicate, Sampling, Trace, ticks};
 
@@ -61,6 +61,28 @@ impl Situations {
             }
         }
         Ok(situation)
+    }
+
+    /// Actions by which situations are told apart, each with the weight that
+    /// the holes of the crosses give it.
+    pub fn wanted_actions(
+        &self,
+        coverage: &Coverage,
+    ) -> Result<Vec<(ActionPattern, f64)>, Problem> {
+        let mut wanted = Vec::new();
+        for cross in &coverage.model().crosses {
+            let weights = coverage.label_weights(&cross.name);
+            let weights = weights.map_err(|e| Problem::new("bad-exploration", e.to_string()))?;
+            for (name, labels) in weights {
+                let mut kinds = self.kinds.iter();
+                let Some((_, Kind::Action(pattern))) = kinds.find(|(v, _)| v.name == name) else {
+                    continue;
+                };
+                let yes = labels.iter().find(|(label, _)| label == YES_NO[0]);
+                wanted.extend(yes.map(|(_, weight)| (pattern.clone(), *weight)));
+            }
+        }
+        Ok(wanted)
     }
 
     /// The label that a stimulus's settings give a variable, if it is one of

@@ -1,13 +1,23 @@
 //! What is run next: sources of tests, weighed by what they brought.
+//!
+//! # Schedule
+//! First each test that is there from the beginning is run once: the bench's
+//! own, one with each fault alone, those of the formal model. Then a source is
+//! drawn for each episode with a probability in proportion to
+//! (episodes with something new + 1) / (episodes + 2) of that source: the rule
+//! of succession for the chance of news, by which each source is tried for
+//! ever and the one that pays most often is tried most. Its values are chosen
+//! by the plan's designs in turn.
 
 use super::concretise::{Concretiser, design_name};
-use super::plan::{Plan, SourceKind};
+use super::faults::{self, Fault};
+use super::plan::{Plan, SearchData, SourceKind};
 use super::situations::Situations;
 use super::tests_of_model::ModelTests;
 use crate::problem::Problem;
-use campaign::{Coverage, Method, Random, Search, Searcher};
+use campaign::{ActionPattern, Coverage, Method, Random, Search, Searcher};
 use std::collections::BTreeMap;
-use stimulus::{AbstractTest, Point, Space, Stimulus};
+use stimulus::{AbstractTest, Point, Settings, Space, Stimulus};
 
 /// Tests that showed something new and are kept for mutation, at most.
 const POOL: usize = 64;
@@ -21,6 +31,8 @@ pub struct Planned {
     pub found_by: String,
     /// What is done.
     pub stimulus: Stimulus,
+    /// The requirement for whose sake alone it is run, if it is for one.
+    pub for_the_sake_of: Option<String>,
     /// The search that asked for it, with its point.
     search: Option<(usize, Point)>,
 }
@@ -30,7 +42,8 @@ pub struct Sources<'a> {
     plan: &'a Plan,
     kinds: Vec<SourceKind>,
     /// Tests that are there from the beginning, each first run once.
-    given: Vec<(SourceKind, AbstractTest)>,
+    given: Vec<Given>,
+    faults: Vec<Fault>,
     next_given: usize,
     pool: Vec<AbstractTest>,
     searches: Vec<Falsifier>,
@@ -38,6 +51,52 @@ pub struct Sources<'a> {
     random: Random,
     /// Episodes of each source, and how many of them showed something new.
     pub yields: BTreeMap<SourceKind, (u64, u64)>,
+}
+
+/// A test that is there from the beginning.
+#[derive(Clone)]
+struct Given {
+    kind: SourceKind,
+    test: AbstractTest,
+    /// Faults that are injected, all else as declared.
+    faults: Settings,
+}
+
+/// What sources are made of.
+pub struct Material<'a> {
+    /// The bench's own tests.
+    pub own: &'a [AbstractTest],
+    /// The formal model's.
+    pub of_model: &'a ModelTests,
+    /// Faults that can be injected.
+    pub faults: Vec<Fault>,
+}
+
+impl Material<'_> {
+    /// Tests that are there from the beginning, in the order in which they are
+    /// run.
+    fn given(&self, kinds: &[SourceKind]) -> Vec<Given> {
+        let of = |kind: SourceKind, test: &AbstractTest, faults: Settings| Given {
+            kind,
+            test: test.clone(),
+            faults,
+        };
+        let own = self.own.iter();
+        let own = own.map(|test| of(SourceKind::Own, test, Settings::new()));
+        let faulty = self.own.first().into_iter().flat_map(|test| {
+            self.faults.iter().flat_map(move |fault| {
+                let values = fault.first().into_iter();
+                values.map(move |value| {
+                    let settings = Settings::from([(fault.key.clone(), value)]);
+                    of(SourceKind::Faults, test, settings)
+                })
+            })
+        });
+        let of_model = self.of_model.tests.iter();
+        let of_model = of_model.map(|t| of(t.kind, &t.test, Settings::new()));
+        let given = own.chain(faulty).chain(of_model);
+        given.filter(|given| kinds.contains(&given.kind)).collect()
+    }
 }
 
 struct Falsifier {
@@ -54,39 +113,21 @@ impl<'a> Sources<'a> {
     pub fn new(
         plan: &'a Plan,
         kinds: &[SourceKind],
-        own: &[AbstractTest],
-        of_model: &ModelTests,
+        material: Material<'_>,
         vary: bool,
         seed: u64,
     ) -> Result<Self, Problem> {
-        let own_tests = own.iter().map(|test| (SourceKind::Own, test.clone()));
-        let of_model = of_model.tests.iter().map(|t| (t.kind, t.test.clone()));
-        let given = own_tests.chain(of_model);
-        let given: Vec<_> = given.filter(|(kind, _)| kinds.contains(kind)).collect();
-        let mut searches = Vec::new();
-        if kinds.contains(&SourceKind::Search) {
-            for (number, data) in plan.data.search.iter().enumerate() {
-                let test = own.iter().find(|test| test.name == data.test);
-                let test = test.cloned().ok_or_else(|| {
-                    plan.mistake(&data.test, format!("the bench has no test `{}`", data.test))
-                })?;
-                let space = plan.space.with_delays_of(&test);
-                let searcher = Searcher::new(data.method, space.clone(), seed + number as u64);
-                searches.push(Falsifier {
-                    requirement: data.requirement.clone(),
-                    method: data.method,
-                    test,
-                    searcher: searcher.map_err(|e| plan.mistake("[[search]]", e.to_string()))?,
-                    space,
-                });
-            }
-        }
+        let given = material.given(kinds);
+        let searches = match kinds.contains(&SourceKind::Search) {
+            true => searches(plan, material.own, seed)?,
+            false => Vec::new(),
+        };
         let usable = |kind: &SourceKind| match kind {
             SourceKind::Random => plan.data.grammar.is_some(),
             SourceKind::Mutation => plan.data.grammar.is_some(),
             SourceKind::Agents => !plan.data.agent.is_empty(),
             SourceKind::Search => !searches.is_empty(),
-            given_kind => given.iter().any(|(kind, _)| kind == given_kind),
+            given_kind => given.iter().any(|given| given.kind == *given_kind),
         };
         let kinds: Vec<SourceKind> = kinds.iter().copied().filter(usable).collect();
         if kinds.is_empty() {
@@ -96,6 +137,7 @@ impl<'a> Sources<'a> {
             plan,
             kinds,
             given,
+            faults: material.faults,
             next_given: 0,
             pool: Vec::new(),
             searches,
@@ -120,40 +162,42 @@ impl<'a> Sources<'a> {
     }
 
     fn one(&mut self, situations: &Situations, coverage: &Coverage) -> Result<Planned, Problem> {
-        let (kind, test) = match self.given.get(self.next_given) {
+        let (kind, test) = match self.given.get(self.next_given).cloned() {
             Some(given) => {
                 self.next_given += 1;
-                given.clone()
+                if !given.faults.is_empty() {
+                    return Ok(injected(given.test, given.faults, ""));
+                }
+                (given.kind, given.test)
             }
             None if self.concretiser.is_none() => {
                 self.next_given = 1 % self.given.len().max(1);
                 match self.given.first() {
-                    Some(first) => first.clone(),
+                    Some(first) => (first.kind, first.test.clone()),
                     None => return Err(self.plan.mistake("", "the bench has no test of its own")),
                 }
             }
-            None => {
-                let kind = self.draw_kind();
-                if kind == SourceKind::Search {
-                    return self.searched();
-                }
-                (kind, self.test_of(kind)?)
-            }
+            None => match self.draw_kind() {
+                SourceKind::Search => return self.searched(),
+                kind => (kind, self.test_of(kind, situations, coverage)?),
+            },
         };
-        let (stimulus, found_by) = match &mut self.concretiser {
-            Some(concretiser) => {
-                let (stimulus, design) = concretiser.stimulus(&test, situations, coverage)?;
-                let how = design_name(design);
-                (stimulus, format!("{}, {how}", kind.name()))
-            }
-            None => (Stimulus::of(test), "own tests as they are".to_owned()),
+        let Some(concretiser) = &mut self.concretiser else {
+            return Ok(planned(
+                kind,
+                "own tests as they are".to_owned(),
+                Stimulus::of(test),
+            ));
         };
-        Ok(Planned {
-            kind,
-            found_by,
-            stimulus,
-            search: None,
-        })
+        let (stimulus, design) = concretiser.stimulus(&test, situations, coverage)?;
+        let how = design_name(design);
+        if kind == SourceKind::Faults {
+            let mut settings = stimulus.settings;
+            settings.extend(faults::draw(&self.faults, &mut self.random));
+            return Ok(injected(stimulus.test, settings, how));
+        }
+        let found_by = format!("{}, {how}", kind.name());
+        Ok(planned(kind, found_by, stimulus))
     }
 
     /// A source, in proportion to how often it showed something new.
@@ -173,13 +217,23 @@ impl<'a> Sources<'a> {
         self.kinds[drawn]
     }
 
-    fn test_of(&mut self, kind: SourceKind) -> Result<AbstractTest, Problem> {
+    fn test_of(
+        &mut self,
+        kind: SourceKind,
+        situations: &Situations,
+        coverage: &Coverage,
+    ) -> Result<AbstractTest, Problem> {
         let (data, random) = (&self.plan.data, &mut self.random);
         let bad = |error: campaign::CampaignError| {
             Problem::new("bad-exploration", format!("{}: {error}", kind.name()))
         };
         match (kind, &data.grammar) {
-            (SourceKind::Random, Some(grammar)) => grammar.generate(random).map_err(bad),
+            (SourceKind::Random, Some(grammar)) => {
+                let goals = towards_holes(situations, coverage, random)?;
+                // What only agents do, the grammar need not be able to.
+                let made = grammar.generate_for(&goals, random);
+                made.or_else(|_| grammar.generate(random)).map_err(bad)
+            }
             (SourceKind::Mutation, Some(grammar)) => {
                 let test = self.pool[random.index(self.pool.len())].clone();
                 // A test that keeps no rule of the grammar cannot be changed within them.
@@ -193,8 +247,10 @@ impl<'a> Sources<'a> {
                 agent.generate(random).map_err(bad)
             }
             _ => {
-                let of_kind = self.given.iter().filter(|(given, _)| *given == kind);
-                let of_kind: Vec<&AbstractTest> = of_kind.map(|(_, test)| test).collect();
+                // A fault may fall into any test.
+                let is_any = kind == SourceKind::Faults;
+                let of_kind = self.given.iter().filter(|g| is_any || g.kind == kind);
+                let of_kind: Vec<&AbstractTest> = of_kind.map(|given| &given.test).collect();
                 match of_kind.get(random.index(of_kind.len())) {
                     Some(test) => Ok((*test).clone()),
                     None => Err(self.plan.mistake("", "a source has no test to give")),
@@ -218,10 +274,13 @@ impl<'a> Sources<'a> {
             Method::Bayesian => "Bayesian optimisation",
         };
         Ok(Planned {
-            kind: SourceKind::Search,
-            found_by: format!("{method} against requirement {}", search.requirement),
-            stimulus,
             search: Some((place, point)),
+            for_the_sake_of: Some(search.requirement.clone()),
+            ..planned(
+                SourceKind::Search,
+                format!("{method} against requirement {}", search.requirement),
+                stimulus,
+            )
         })
     }
 
@@ -245,4 +304,61 @@ impl<'a> Sources<'a> {
                 .tell(&[(point.clone(), value.unwrap_or(f64::NAN))]);
         }
     }
+}
+
+fn planned(kind: SourceKind, found_by: String, stimulus: Stimulus) -> Planned {
+    Planned {
+        kind,
+        found_by,
+        stimulus,
+        for_the_sake_of: None,
+        search: None,
+    }
+}
+
+/// In half of the cases an action that situations are told apart by, drawn by
+/// how much the holes ask for it.
+fn towards_holes(
+    situations: &Situations,
+    coverage: &Coverage,
+    random: &mut Random,
+) -> Result<Vec<ActionPattern>, Problem> {
+    let wanted = situations.wanted_actions(coverage)?;
+    let weights: Vec<f64> = wanted.iter().map(|(_, weight)| *weight).collect();
+    let goal = random.chance(0.5).then(|| random.weighted(&weights));
+    let goal = goal.flatten().and_then(|place| wanted.get(place));
+    Ok(goal
+        .map(|(pattern, _)| pattern.clone())
+        .into_iter()
+        .collect())
+}
+
+/// A test with faults; `how` says how its other values were chosen, if they
+/// are not as declared.
+fn injected(test: AbstractTest, settings: Settings, how: &str) -> Planned {
+    let found_by = match how {
+        "" => format!("fault injection: {}", faults::in_words(&settings)),
+        how => format!("fault injection, {how}"),
+    };
+    planned(SourceKind::Faults, found_by, Stimulus { test, settings })
+}
+
+/// The searches of a plan, ready to be asked.
+fn searches(plan: &Plan, own: &[AbstractTest], seed: u64) -> Result<Vec<Falsifier>, Problem> {
+    let of = |(number, data): (usize, &SearchData)| {
+        let test = own.iter().find(|test| test.name == data.test);
+        let test = test.cloned().ok_or_else(|| {
+            plan.mistake(&data.test, format!("the bench has no test `{}`", data.test))
+        })?;
+        let space = plan.space.with_delays_of(&test);
+        let searcher = Searcher::new(data.method, space.clone(), seed.wrapping_add(number as u64));
+        Ok(Falsifier {
+            requirement: data.requirement.clone(),
+            method: data.method,
+            test,
+            searcher: searcher.map_err(|e| plan.mistake("[[search]]", e.to_string()))?,
+            space,
+        })
+    };
+    plan.data.search.iter().enumerate().map(of).collect()
 }

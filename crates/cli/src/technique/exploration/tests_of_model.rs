@@ -3,10 +3,11 @@
 use super::abstraction::Abstraction;
 use super::formal::{Formal, Meaning};
 use super::plan::{Plan, SourceKind};
+use super::triggers::triggers;
 use crate::problem::Problem;
-use crate::study::{Rule, Study};
+use crate::study::Study;
 use crate::talk::Interrupt;
-use campaign::{Known, PathStep};
+use campaign::PathStep;
 use checker::paths::{Path, PathSteps, most_probable_path, transition_cover};
 use prism_lang::resolved::VariableKind;
 use std::collections::BTreeMap;
@@ -20,8 +21,8 @@ const LONGEST_TOUR: usize = 500;
 pub struct ModelTest {
     /// What led to it.
     pub kind: SourceKind,
-    /// The goal, in words.
-    pub goal: String,
+    /// The goals that it is to reach, in words.
+    pub goals: Vec<String>,
     /// The test.
     pub test: AbstractTest,
     /// How many transitions the path has.
@@ -56,7 +57,6 @@ pub fn tests_of_model(
         plan,
         formal,
         made: ModelTests::default(),
-        known: Known::default(),
     };
     if kinds.contains(&SourceKind::Goals) {
         for goal in &plan.data.goal {
@@ -64,15 +64,10 @@ pub fn tests_of_model(
         }
     }
     if kinds.contains(&SourceKind::Triggers) {
-        for form in &study.forms.subjects {
-            let Some(Rule::Staged(spec)) = form.monitor.as_ref().map(|m| &m.rule) else {
-                continue;
-            };
-            let name = format!("trigger of {}: {}", form.subject.id(), spec.when);
-            let word = study.vocabulary.propositions.get(&spec.when);
-            match word.and_then(|w| w.model.as_ref()) {
-                Some(binding) => maker.goal(SourceKind::Triggers, &name, &binding.text)?,
-                None => maker.none(name, "it has no meaning for the model".into()),
+        for trigger in triggers(study, plan) {
+            match &trigger.model {
+                Ok(text) => maker.goal(SourceKind::Triggers, &trigger.name(), text)?,
+                Err(reason) => maker.none(trigger.name(), reason.clone()),
             }
         }
     }
@@ -86,7 +81,6 @@ struct Maker<'a> {
     plan: &'a Plan,
     formal: &'a Formal,
     made: ModelTests,
-    known: Known,
 }
 
 impl Maker<'_> {
@@ -159,19 +153,24 @@ impl Maker<'_> {
         let steps: Vec<PathStep> = steps.steps.iter().map(|s| self.path_step(s)).collect();
         let made = self.plan.mapping.test(goal, &steps);
         if made.test.actions.is_empty() {
-            let reason = "no step of its path is an action of a test";
+            let reason = match steps.is_empty() {
+                true => "the model begins there, so every test reaches it",
+                false => "no step of its path is an action of a test",
+            };
             self.none(goal.into(), reason.into());
-        } else if self.known.is_new(&made.test) {
-            self.made.tests.push(ModelTest {
+            return Ok(());
+        }
+        let mut known = self.made.tests.iter_mut();
+        match known.find(|known| known.test.actions == made.test.actions) {
+            Some(same) => same.goals.push(goal.into()),
+            None => self.made.tests.push(ModelTest {
                 kind,
-                goal: goal.into(),
+                goals: vec![goal.into()],
                 test: made.test,
                 transitions: steps.len(),
                 probability: path.probability,
                 unmapped: made.unmapped.len(),
-            });
-        } else {
-            self.none(goal.into(), "its test is the same as one before".into());
+            }),
         }
         Ok(())
     }

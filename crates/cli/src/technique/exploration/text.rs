@@ -2,6 +2,7 @@
 
 use super::disagreement::DisagreementReport;
 use super::form::{ExplorationReport, SetReport, Stopped};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Members of a list that are written out, at most.
@@ -100,13 +101,19 @@ fn coverage(text: &mut String, report: &ExplorationReport) {
             code.branches[0],
             code.branches[1]
         );
+        list(text, "lines that never ran", &code.never_run);
     }
     let saturation = &coverage.saturation;
     let _ = writeln!(
         text,
-        "  {} different things seen, {} of them in one episode only; about {:.0} more can be seen; \
-         the next episode shows something new with a chance of at most {:.3}",
-        saturation.seen, saturation.seen_once, saturation.unseen, saturation.chance_of_news_at_most
+        "  {} different things seen, {} of them in one episode only; about {:.0} more can be seen, \
+         {:.1} of them in 100 more episodes;\n  the next episode shows something new with a chance of \
+         at most {:.3}",
+        saturation.seen,
+        saturation.seen_once,
+        saturation.unseen,
+        saturation.news_in_100_more,
+        saturation.chance_of_news_at_most
     );
 }
 
@@ -117,14 +124,18 @@ fn set(text: &mut String, name: &str, set: &SetReport) {
 }
 
 fn list(text: &mut String, title: &str, members: &[String]) {
-    for member in members.iter().take(LISTED) {
+    list_of(text, title, members, LISTED);
+}
+
+fn list_of(text: &mut String, title: &str, members: &[String], listed: usize) {
+    for member in members.iter().take(listed) {
         let _ = writeln!(text, "      {title}: {member}");
     }
-    if members.len() > LISTED {
+    if members.len() > listed {
         let _ = writeln!(
             text,
             "      and {} more in the JSON",
-            members.len() - LISTED
+            members.len() - listed
         );
     }
 }
@@ -146,36 +157,54 @@ fn sources(text: &mut String, report: &ExplorationReport) {
             cover.classes, cover.paths, cover.transitions
         );
     }
+    for test in &tests.tests {
+        let _ = writeln!(
+            text,
+            "      test: {}\n          leads to: {}",
+            test.test,
+            test.goals.join("; ")
+        );
+    }
     let without: Vec<String> = tests
         .without
         .iter()
         .map(|(g, r)| format!("{g}: {r}"))
         .collect();
-    list(text, "no test from the model", &without);
+    list_of(text, "no test from the model", &without, without.len());
 }
 
 fn disagreements(text: &mut String, report: &DisagreementReport) {
     let _ = writeln!(
         text,
-        "\nContexts for requirement {}, {} episodes; margin {}",
-        report.requirement, report.episodes, report.margin
+        "\nContexts in which {} and the bench may part on requirement {}; differences up to {} do not matter",
+        report.model, report.requirement, report.margin
     );
-    for context in &report.contexts {
-        let values: Vec<String> = context
-            .parameters
+    let joined = |values: &BTreeMap<String, f64>| {
+        let values = values
             .iter()
-            .map(|(name, value)| format!("{name}={value}"))
-            .collect();
+            .map(|(name, value)| format!("{name} = {value:.4}"));
+        values.collect::<Vec<_>>().join(", ")
+    };
+    for context in &report.contexts {
+        let constants = match context.constants.is_empty() {
+            true => "its own constants".to_owned(),
+            false => joined(&context.constants),
+        };
         let _ = writeln!(
             text,
-            "  {}: model {:.4}, bench {} of {} in [{:.3}, {:.3}] - {}",
-            values.join(", "),
+            "  {}: {}\n      model {:.4} with {constants}\n      bench {} of {}, in [{:.3}, {:.3}]",
+            context.agreement.to_uppercase(),
+            joined(&context.parameters),
             context.predicted,
             context.successes,
             context.trials,
             context.low,
             context.high,
-            context.agreement
         );
     }
+    let _ = writeln!(
+        text,
+        "  With a probability of at least {} none of these contexts is wrongly decided.",
+        report.confidence
+    );
 }
