@@ -27,7 +27,7 @@
 //! identifier is unique, every reference exists, and the support of a goal is a
 //! tree. Cost: linear in the study's comparisons times its requirements.
 //!
-//! Where every piece came from is exported by [`provenance`] in the terms of
+//! Where every piece came from is exported by [`provenance()`] in the terms of
 //! W3C PROV.
 
 mod confidence;
