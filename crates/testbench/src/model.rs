@@ -9,9 +9,7 @@
 use std::fmt::Write;
 
 use crate::geometry::{IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw};
-use crate::scenario::{
-    Body, Drive, InertiaSource, Joint, JointAngles, Parameters, Scenario, Shape,
-};
+use crate::scenario::{Body, Drive, InertiaSource, Parameters, Scenario, Shape};
 
 /// Masks of who touches whom, as MJCF's `contype` and `conaffinity`.
 const HAND_MASK: &str = r#"contype="1" conaffinity="2""#;
@@ -46,28 +44,48 @@ pub struct PhysicalDraws {
     pub object_pose: Pose,
 }
 
-/// A part of the model: some joints fixed.
-#[derive(Debug, Clone, Default)]
+/// A part of the model.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Part {
     /// Whether the model is written for speed: the pairs that can touch are listed, so that nothing
     /// is searched for, and where the arm carries its own weight there is no gravity, but for a
     /// force on the object that the caller applies. The equations are the same.
     pub(crate) is_lean: bool,
-    /// The drive whose joints are fixed, and the angle of each joint.
-    pub(crate) fixed: Option<(Drive, JointAngles)>,
+    /// Whether only the hand, with what hangs on it, and the object are there: the model's world is
+    /// then the hand's frame, without supports, and the caller applies what follows from the frame's
+    /// motion.
+    pub(crate) is_hand_alone: bool,
 }
 
 impl Part {
     /// Whether the object's weight is a force that the caller applies.
-    pub(crate) fn is_weightless(&self, scenario: &Scenario) -> bool {
+    pub(crate) fn is_weightless(self, scenario: &Scenario) -> bool {
         self.is_lean && scenario.robot.gravity_compensation == 1.0
     }
+}
 
-    /// The angle at which a joint is fixed; `None` if it moves.
-    fn fixed_rad(&self, name: &str, joint: &Joint) -> Option<f64> {
-        let (drive, angles) = self.fixed.as_ref()?;
-        (joint.drive == *drive).then(|| angles.get(name).copied().unwrap_or(0.0))
-    }
+/// Whether the robot is an arm that carries its own weight, with a hand at its end: every joint of
+/// the hand's drive and every shape that touches the object are on the hand, the arm's joints are on
+/// the way to it.
+pub(crate) fn hand_is_separable(scenario: &Scenario) -> bool {
+    let hand = &scenario.robot.hand;
+    let way = ancestors(scenario, hand);
+    scenario.robot.gravity_compensation == 1.0
+        && scenario.bodies.iter().all(|body| {
+            let beyond = body.name != *hand && ancestors(scenario, &body.name).contains(&hand);
+            let touches = body.contact_shape.is_some() && !beyond && body.name != *hand;
+            !touches
+                && body.joint.as_ref().is_none_or(|joint| match joint.drive {
+                    Drive::Hand => beyond,
+                    Drive::Arm => way.contains(&&body.name),
+                })
+        })
+}
+
+/// A body with those that it hangs on.
+fn ancestors<'a>(scenario: &'a Scenario, name: &'a String) -> Vec<&'a String> {
+    let parent = |name: &String| scenario.bodies.iter().find(|body| body.name == *name);
+    std::iter::successors(Some(name), |name| Some(&parent(name)?.parent)).collect()
 }
 
 /// What the model is written from.
@@ -107,13 +125,18 @@ pub(crate) fn mjcf_of_part(
     let mut text = String::with_capacity(16 * 1024);
     header(&mut text, &source);
     text.push_str("<worldbody>\n");
-    supports(&mut text, &source);
-    let roots = scenario.bodies.iter().filter(|body| body.parent == "world");
-    for body in roots {
+    if !part.is_hand_alone {
+        supports(&mut text, &source);
+    }
+    let is_root = |body: &&Body| match part.is_hand_alone {
+        true => body.name == scenario.robot.hand,
+        false => body.parent == "world",
+    };
+    for body in scenario.bodies.iter().filter(is_root) {
         body_tree(&mut text, &source, body);
     }
     object(&mut text, &source);
-    if part.fixed.is_none() {
+    if !part.is_hand_alone {
         human(&mut text, scenario);
     }
     text.push_str("</worldbody>\n");
@@ -192,20 +215,21 @@ fn body_tree(text: &mut String, source: &Source<'_>, body: &Body) {
         part,
         ..
     } = *source;
-    let mut turned = compose(
-        from_roll_pitch_yaw(body.rotation_rpy_rad),
-        about(body.fixed_axis, body.fixed_angle_rad),
-    );
-    let joint = body.joint.as_ref();
-    let fixed = joint.and_then(|joint| Some((joint, part.fixed_rad(&body.name, joint)?)));
-    if let Some((joint, angle_rad)) = fixed {
-        turned = compose(turned, about(joint.axis, angle_rad));
-    }
+    let is_frame = part.is_hand_alone && body.name == scenario.robot.hand;
+    let (position_m, turned) = if is_frame {
+        ([0.0; 3], IDENTITY)
+    } else {
+        let turned = compose(
+            from_roll_pitch_yaw(body.rotation_rpy_rad),
+            about(body.fixed_axis, body.fixed_angle_rad),
+        );
+        (body.position_m, turned)
+    };
     put!(
         text,
         r#"<body name="{}" pos="{}" quat="{}" gravcomp="{}">"#,
         body.name,
-        list(body.position_m),
+        list(position_m),
         list(turned),
         if part.is_weightless(scenario) {
             0.0
@@ -214,7 +238,7 @@ fn body_tree(text: &mut String, source: &Source<'_>, body: &Body) {
         }
     );
     inertial(text, parameters, body);
-    if fixed.is_none() {
+    if !is_frame {
         hinge(text, scenario, parameters, body);
     }
     if let Some(shape) = &body.contact_shape {
@@ -245,6 +269,21 @@ pub(crate) fn link_inertia_kg_m2(parameters: &Parameters, body: &Body) -> Vector
     match parameters.inertia {
         InertiaSource::Geometry => body.shape.inertia_kg_m2(body.mass_kg),
         InertiaSource::Placeholder => body.placeholder_inertia_kg_m2,
+    }
+}
+
+/// The object's principal moments of inertia about its centre.
+pub(crate) fn object_inertia_kg_m2(
+    scenario: &Scenario,
+    parameters: &Parameters,
+    mass_kg: f64,
+) -> Vector {
+    let object = &scenario.object;
+    match parameters.inertia {
+        InertiaSource::Geometry => {
+            crate::geometry::cylinder_inertia(mass_kg, object.length_m, object.radius_m)
+        }
+        InertiaSource::Placeholder => object.placeholder_inertia_kg_m2,
     }
 }
 
@@ -319,14 +358,8 @@ fn object(text: &mut String, source: &Source<'_>) {
         draws,
         ..
     } = *source;
-    let object = &scenario.object;
     let mass = draws.object_mass_kg;
-    let moments = match parameters.inertia {
-        InertiaSource::Geometry => {
-            crate::geometry::cylinder_inertia(mass, object.length_m, object.radius_m)
-        }
-        InertiaSource::Placeholder => object.placeholder_inertia_kg_m2,
-    };
+    let moments = object_inertia_kg_m2(scenario, parameters, mass);
     put!(
         text,
         r#"<body name="{OBJECT_BODY}" pos="{}" quat="{}"><freejoint/>"#,
@@ -413,6 +446,10 @@ fn pairs(text: &mut String, source: &Source<'_>) {
             mu = draws.friction
         );
     }
+    if source.part.is_hand_alone {
+        put!(text, "</contact>");
+        return;
+    }
     let ends = ["bottom", "top", "foot0", "foot1", "foot2", "foot3"];
     for (end, support) in ends
         .iter()
@@ -435,7 +472,7 @@ fn actuators(text: &mut String, source: &Source<'_>) {
         let Some(joint) = body.and_then(|body| body.joint.as_ref()) else {
             continue;
         };
-        if source.part.fixed_rad(&name, joint).is_some() {
+        if source.part.is_hand_alone && joint.drive == Drive::Arm {
             continue;
         }
         let hand = &source.parameters.hand;

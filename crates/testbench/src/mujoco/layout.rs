@@ -17,8 +17,12 @@ pub(super) const TIME: usize = 160_648;
 pub(super) const QPOS: usize = 160_688;
 /// `mjData.qvel`: pointer, `nv` doubles.
 pub(super) const QVEL: usize = 160_696;
+/// `mjData.qacc_warmstart`: pointer, `nv` doubles.
+pub(super) const WARM_START: usize = 160_720;
 /// `mjData.ctrl`: pointer, `nu` doubles.
 pub(super) const CTRL: usize = 160_736;
+/// `mjData.qfrc_applied`: pointer, `nv` doubles.
+pub(super) const QFRC_APPLIED: usize = 160_744;
 /// `mjData.xfrc_applied`: pointer, 6 doubles (force, torque) for each body, at its centre of mass.
 pub(super) const XFRC_APPLIED: usize = 160_752;
 /// `mjData.mocap_pos`: pointer, 3 doubles for each mocap body.
@@ -39,6 +43,10 @@ pub(super) const CONTACT_DISTANCE: usize = 0;
 /// `mjContact.geom`: two `int`.
 pub(super) const CONTACT_GEOMS: usize = 540;
 
+/// `mjModel.body_invweight0`: pointer, 2 doubles (force, torque) for each body.
+pub(super) const MODEL_BODY_WEIGHTS: usize = 1_968;
+/// `mjModel.dof_invweight0`: pointer, `nv` doubles.
+pub(super) const MODEL_JOINT_WEIGHTS: usize = 2_352;
 /// `mjModel.jnt_qposadr`: pointer, an `int` for each joint.
 pub(super) const MODEL_JOINT_POSITION: usize = 2_112;
 /// `mjModel.jnt_dofadr`: pointer, an `int` for each joint.

@@ -52,6 +52,13 @@ fn check_inputs(simulation: &mut Simulation) -> Result<(), EngineError> {
     )?;
     simulation.controls_mut()[0] = 0.125;
     require(simulation.state(state::CTRL) == [0.125], "ctrl")?;
+    // The ball's six velocities come first, then the pendulum's.
+    simulation.joint_forces_mut()[6] = 0.25;
+    simulation.warm_start_mut()[6] = 0.5;
+    let seventh = |bits| simulation.state(bits).get(6).copied();
+    require(seventh(state::QFRC_APPLIED) == Some(0.25), "qfrc_applied")?;
+    require(seventh(state::WARMSTART) == Some(0.5), "qacc_warmstart")?;
+    simulation.joint_forces_mut()[6] = 0.0;
     simulation.set_mocap(0, [1.5, 2.5, 3.5], [0.0, 1.0, 0.0, 0.0]);
     require(
         simulation.state(state::MOCAP_POS) == [1.5, 2.5, 3.5],
@@ -123,6 +130,14 @@ fn check_queries(simulation: &mut Simulation) -> Result<(), EngineError> {
     let (Some(ball), Some(shell), Some(ground)) = (ball, shell, simulation.geom("ground")) else {
         return Err(missing);
     };
+    // The ball of 2 kg is free: half a unit of acceleration for each of force.
+    let weights = simulation.body_inverse_weights(ball);
+    require((weights[0] - 0.5).abs() < 1e-9, "body_invweight0")?;
+    let weights = simulation.joint_inverse_weights();
+    require(
+        weights.len() == 7 && (weights[0] - 0.5).abs() < 1e-9,
+        "dof_invweight0",
+    )?;
     let [x, y, z] = simulation.body_position(ball);
     let down = [0.0, 0.0, -1.0];
     let hit = simulation.ray([x, y, z + 1.0], down, None);

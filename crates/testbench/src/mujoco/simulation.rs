@@ -1,6 +1,7 @@
 //! A compiled model with its data: the safe face of `mjModel` and `mjData`.
 
 mod queries;
+mod weights;
 
 use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::NonNull;
@@ -181,6 +182,18 @@ impl Simulation {
     /// Actuator commands, in the order of the actuators in the model.
     pub fn controls_mut(&mut self) -> &mut [f64] {
         self.array_mut(layout::CTRL, self.sizes.controls)
+    }
+
+    /// Generalised forces applied until changed, in the order of the velocities.
+    pub fn joint_forces_mut(&mut self) -> &mut [f64] {
+        self.array_mut(layout::QFRC_APPLIED, self.sizes.velocities)
+    }
+
+    /// The accelerations from which the solver starts the next step, in the order of the velocities:
+    /// those of the last step, unless they are changed. Where the solver converges they decide only
+    /// how soon.
+    pub fn warm_start_mut(&mut self) -> &mut [f64] {
+        self.array_mut(layout::WARM_START, self.sizes.velocities)
     }
 
     /// Applies a force and a torque at a body's centre of mass, world frame, until changed.

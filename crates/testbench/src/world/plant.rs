@@ -1,14 +1,18 @@
 //! The robot's body and the object in the physics engine.
 //!
 //! The whole model is the reference. With `simulation.fast` a part of it stands in for the whole
-//! where the rest cannot matter: [`coasting`] while hand and object hardly move against each other
-//! or are apart, and the hand alone (`anchored`) while the arm rests.
+//! where the rest cannot matter: the arm alone while hand and object are [`apart`], and the hand with
+//! the object, in the hand's frame, while it [`carry`]s it.
 
+mod apart;
 mod arm;
 mod body;
+mod carry;
+mod chain;
 mod clearance;
-mod coasting;
+mod inertia;
 mod joints;
+mod moving_frame;
 
 use std::sync::Arc;
 
@@ -17,10 +21,11 @@ use crate::geometry::{Pose, Vector};
 use crate::model::{self, Part, PhysicalDraws};
 use crate::mujoco::{Engine, EngineError};
 use crate::robot::Commands;
-use crate::scenario::{Drive, InertiaSource, JointAngles, Parameters, Scenario};
+use crate::scenario::{Drive, Parameters, Scenario};
 
+use apart::Apart;
 use body::{Blueprint, Body, Configuration};
-use coasting::{Coasting, History, WINDOW_SECS};
+use carry::Carry;
 use joints::{DrivenJoint, driven_joints};
 
 pub(crate) use joints::arm_joint_names;
@@ -46,25 +51,27 @@ pub(crate) struct ObjectState {
 enum Regime {
     /// The whole model.
     Whole,
-    /// Fingers and object, while the arm rests: [`Plant::anchored`].
-    Anchored,
-    /// At most the arm.
-    Coasting(Box<Coasting>),
+    /// The empty hand on its way, the object at rest.
+    Apart(Box<Apart>),
+    /// The hand with the object aloft.
+    Carry(Box<Carry>),
 }
+
+/// How often it is asked whether less than the whole model will do.
+const LOOK_SECS: f64 = 0.04;
 
 /// The physics of one episode.
 pub(crate) struct Plant {
     blueprint: Arc<Blueprint>,
     is_fast: bool,
     steps: u64,
-    window_steps: u64,
+    look_steps: u64,
     joints: Vec<DrivenJoint>,
     finger_joints: Vec<usize>,
     regime: Regime,
     whole: Body,
-    /// The hand's part of the model, and the configuration in which the arm rests in it.
-    anchored: Option<(Body, Configuration)>,
-    history: History,
+    /// The hand's part of the model, once it was needed, while it is not in use.
+    hand_alone: Option<Body>,
     in_regime_steps: u64,
     fingers_are_read: bool,
 }
@@ -84,25 +91,23 @@ impl Plant {
             parameters: parameters.clone(),
             draws: *draws,
         };
-        // With placeholder inertias the fast physics is not sound: the untuned handover lost its grip
-        // in 87 of 100 episodes instead of 18. The cause is not known yet.
-        let is_fast = scenario.simulation.fast && parameters.inertia == InertiaSource::Geometry;
+        let is_fast = scenario.simulation.fast && model::hand_is_separable(scenario);
         let part = Part {
             is_lean: is_fast,
-            ..Part::default()
+            is_hand_alone: false,
         };
-        let whole = Body::new(&blueprint, &joints, &part)?;
+        let mut whole = Body::new(&blueprint, &joints, part)?;
+        whole.set_looks_ahead(is_fast);
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
         let settings = &scenario.simulation;
         let mut plant = Self {
             is_fast,
             steps: 0,
-            window_steps: (WINDOW_SECS / settings.time_step_secs).round().max(1.0) as u64,
+            look_steps: (LOOK_SECS / settings.time_step_secs).round().max(1.0) as u64,
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
             regime: Regime::Whole,
             whole,
-            anchored: None,
-            history: History::default(),
+            hand_alone: None,
             in_regime_steps: 0,
             fingers_are_read: false,
             joints,
@@ -114,20 +119,18 @@ impl Plant {
 
     /// The same plant once more, in exactly the same state.
     pub(crate) fn duplicate(&self) -> Result<Self, EngineError> {
-        let anchored = self.anchored.as_ref();
-        let anchored = anchored.map(|(body, rest)| Ok((body.duplicate()?, rest.clone())));
+        let hand_alone = self.hand_alone.as_ref().map(Body::duplicate);
         Ok(Self {
             blueprint: Arc::clone(&self.blueprint),
             joints: self.joints.clone(),
             finger_joints: self.finger_joints.clone(),
             regime: match &self.regime {
                 Regime::Whole => Regime::Whole,
-                Regime::Anchored => Regime::Anchored,
-                Regime::Coasting(coasting) => Regime::Coasting(coasting.clone()),
+                Regime::Apart(apart) => Regime::Apart(apart.clone()),
+                Regime::Carry(carry) => Regime::Carry(Box::new(carry.duplicate()?)),
             },
             whole: self.whole.duplicate()?,
-            anchored: anchored.transpose()?,
-            history: self.history.clone(),
+            hand_alone: hand_alone.transpose()?,
             ..*self
         })
     }
@@ -167,71 +170,62 @@ impl Plant {
 
     /// Advances drives and physics by one time step under the human's force, if there is one.
     pub(crate) fn step(&mut self, wrench: Option<&Wrench>) -> Result<(), EngineError> {
-        let time_step_secs = self.blueprint.scenario.simulation.time_step_secs;
-        let wrench = wrench.filter(|wrench| **wrench != Wrench::default());
-        if self.is_fast {
-            self.choose(wrench.is_some())?;
+        let step_secs = self.blueprint.scenario.simulation.time_step_secs;
+        let wrench = wrench.copied().unwrap_or_default();
+        if self.is_fast && matches!(self.regime, Regime::Whole) {
+            self.choose(wrench != Wrench::default())?;
         }
         let mut arm_accelerates = false;
         for joint in &mut self.joints {
-            let accelerates = joint.advance(time_step_secs);
+            let accelerates = joint.advance(step_secs);
             arm_accelerates |= accelerates && joint.drive == Drive::Arm;
         }
-        if let Regime::Coasting(coasting) = &self.regime
-            && (wrench.is_some()
-                || self.fingers_are_read
-                || !coasting.may_go_on(&self.joints, arm_accelerates))
-        {
-            self.wake()?;
-        }
-        let Wrench {
-            force_newtons,
-            torque_nm,
-        } = wrench.copied().unwrap_or_default();
-        match (&mut self.regime, &mut self.anchored) {
-            (Regime::Coasting(coasting), _) => coasting.step(&self.joints, time_step_secs),
-            (Regime::Anchored, Some((body, _))) => {
-                body.step(&self.joints, force_newtons, torque_nm);
+        let may_go_on = match &self.regime {
+            Regime::Whole => true,
+            Regime::Apart(apart) => {
+                wrench == Wrench::default() && apart.may_go_on(&self.joints, arm_accelerates)
             }
-            _ => self.whole.step(&self.joints, force_newtons, torque_nm),
+            Regime::Carry(carry) => carry.may_go_on(&self.blueprint),
+        };
+        if !may_go_on {
+            self.wake();
+        }
+        match &mut self.regime {
+            Regime::Apart(apart) => apart.step(&self.joints, step_secs),
+            Regime::Carry(carry) => {
+                carry.step(&self.joints, &wrench, self.fingers_are_read, step_secs);
+            }
+            Regime::Whole => {
+                let Wrench {
+                    force_newtons,
+                    torque_nm,
+                } = wrench;
+                self.whole.step(&self.joints, force_newtons, torque_nm);
+            }
         }
         self.steps += 1;
         self.in_regime_steps += 1;
         Ok(())
     }
 
-    /// Chooses, at the ends of windows, what is integrated from here on.
+    /// Chooses, now and then, whether less than the whole model is integrated from here on.
     fn choose(&mut self, is_pulled: bool) -> Result<(), EngineError> {
-        if self.in_regime_steps == 0 || !self.in_regime_steps.is_multiple_of(self.window_steps) {
-            if matches!(self.regime, Regime::Anchored) && !self.arm_is_commanded_to_rest() {
-                self.wake()?;
-            }
+        if self.in_regime_steps == 0 || !self.in_regime_steps.is_multiple_of(self.look_steps) {
             return Ok(());
         }
-        if matches!(self.regime, Regime::Coasting(_)) {
-            return Ok(());
-        }
-        let mut history = std::mem::take(&mut self.history);
-        let body = self.active();
-        let arm_rests = self.arm_rests(|joint| body.velocity_rad_s(joint).unwrap_or(0.0));
-        history.take(body, &self.joints);
-        let fingers_rest = coasting::fingers(&self.joints).all(|i| self.joints[i].is_at_rest());
-        let begun = if fingers_rest && !is_pulled && !self.fingers_are_read {
-            let (blueprint, now) = (&self.blueprint, self.configuration());
-            let secs = self.now_secs();
-            Coasting::begin(blueprint, &self.joints, body, now, &mut history, secs)
-        } else {
-            None
-        };
-        self.history = history;
-        if let Some(coasting) = begun {
-            self.enter(Regime::Coasting(Box::new(coasting)));
-            return Ok(());
-        }
-        if arm_rests && matches!(self.regime, Regime::Whole) {
-            self.anchor(self.configuration())?;
-        } else if !arm_rests && matches!(self.regime, Regime::Anchored) {
-            self.wake()?;
+        let (blueprint, joints) = (&self.blueprint, &self.joints);
+        let now = self.whole_now();
+        if Carry::can_begin(blueprint, &now.object) {
+            let body = match self.hand_alone.take() {
+                Some(body) => body,
+                None => Body::hand_alone(blueprint, joints, &self.whole)?,
+            };
+            let is_held = self.whole.grip().contacts > 0;
+            let carry = Carry::begin(blueprint, joints, body, &now, is_held);
+            self.enter(Regime::Carry(Box::new(carry)));
+        } else if !is_pulled && let Some(apart) = Apart::begin(blueprint, joints, &self.whole, &now)
+        {
+            self.enter(Regime::Apart(Box::new(apart)));
         }
         Ok(())
     }
@@ -241,90 +235,29 @@ impl Plant {
         self.in_regime_steps = 0;
     }
 
-    /// Goes on with the hand alone.
-    fn anchor(&mut self, now: Configuration) -> Result<(), EngineError> {
-        let same_rest = |rest: &Configuration| {
-            coasting::arm(&self.joints).all(|i| rest.positions_rad[i] == now.positions_rad[i])
-        };
-        let body = match self.anchored.take() {
-            Some((body, rest)) if same_rest(&rest) => body,
-            _ => {
-                let part = Part {
-                    is_lean: true,
-                    fixed: Some((Drive::Arm, self.angles(&now, Drive::Arm))),
-                };
-                Body::new(&self.blueprint, &self.joints, &part)?
-            }
-        };
-        let (body, _) = self.anchored.insert((body, now.clone()));
-        body.set(&now);
-        self.enter(Regime::Anchored);
-        Ok(())
-    }
-
-    /// Goes on with the full physics: of the whole model, or of the hand where the arm rests.
-    fn wake(&mut self) -> Result<(), EngineError> {
-        let regime = std::mem::replace(&mut self.regime, Regime::Whole);
-        let ran_out = matches!(&regime, Regime::Coasting(coasting) if coasting.has_run_out());
-        let now = match regime {
-            Regime::Coasting(coasting) => coasting.end(&self.joints),
-            other => {
-                self.regime = other;
-                self.configuration()
-            }
-        };
-        self.history.clear(ran_out);
-        if self.arm_rests(|joint| now.velocities_rad_s[joint]) {
-            return self.anchor(now);
-        }
-        self.whole.set(&now);
-        self.enter(Regime::Whole);
-        Ok(())
-    }
-
-    fn angles(&self, now: &Configuration, drive: Drive) -> JointAngles {
-        let joints = self.joints.iter().zip(&now.positions_rad);
-        let chosen = joints.filter(|(joint, _)| joint.drive == drive);
-        chosen
-            .map(|(joint, angle)| (joint.name.clone(), *angle))
-            .collect()
-    }
-
-    fn arm_is_commanded_to_rest(&self) -> bool {
-        coasting::arm(&self.joints).all(|index| self.joints[index].is_at_target())
-    }
-
-    /// Whether the arm rests, given its joints' speeds.
-    fn arm_rests(&self, speed_rad_s: impl Fn(usize) -> f64) -> bool {
-        let is_slow = |joint| speed_rad_s(joint).abs() < coasting::ARM_RESTS_RAD_S;
-        self.arm_is_commanded_to_rest() && coasting::arm(&self.joints).all(is_slow)
-    }
-
-    /// The body that is integrated, while nothing is coasting.
-    fn active(&self) -> &Body {
-        match (&self.regime, &self.anchored) {
-            (Regime::Anchored, Some((body, _))) => body,
-            _ => &self.whole,
-        }
-    }
-
-    /// Where everything is, while nothing is coasting.
-    fn configuration(&self) -> Configuration {
-        let mut now = match (&self.regime, &self.anchored) {
-            (Regime::Anchored, Some((_, rest))) => {
-                let mut now = rest.clone();
-                for index in coasting::arm(&self.joints) {
-                    now.velocities_rad_s[index] = 0.0;
-                }
+    /// Goes on with the whole model.
+    fn wake(&mut self) {
+        let now = match std::mem::replace(&mut self.regime, Regime::Whole) {
+            Regime::Whole => return,
+            Regime::Apart(apart) => apart.configuration(),
+            Regime::Carry(carry) => {
+                let (now, body) = carry.end(self.joints.len());
+                self.hand_alone = Some(body);
                 now
             }
-            _ => Configuration {
-                positions_rad: vec![0.0; self.joints.len()],
-                velocities_rad_s: vec![0.0; self.joints.len()],
-                object: self.object(),
-            },
         };
-        self.active().get(&mut now);
+        self.whole.set(&now);
+        self.enter(Regime::Whole);
+    }
+
+    /// The configuration of the whole model.
+    fn whole_now(&self) -> Configuration {
+        let mut now = Configuration {
+            positions_rad: vec![0.0; self.joints.len()],
+            velocities_rad_s: vec![0.0; self.joints.len()],
+            object: self.whole.object_now(),
+        };
+        self.whole.get(&mut now);
         now
     }
 
@@ -350,17 +283,12 @@ impl Plant {
 
     /// The angle of a joint, by its place among the joints.
     fn position_rad(&self, joint: usize) -> f64 {
-        match (&self.regime, &self.anchored) {
-            (Regime::Coasting(coasting), _) => {
-                let mut fingers = coasting::fingers(&self.joints);
-                coasting.position_rad(joint, fingers.position(|index| index == joint))
-            }
-            (Regime::Anchored, Some((body, rest))) => {
-                let fixed = || rest.positions_rad[joint];
-                body.position_rad(joint).unwrap_or_else(fixed)
-            }
-            _ => self.whole.position_rad(joint).unwrap_or(0.0),
-        }
+        let angle_rad = match &self.regime {
+            Regime::Whole => self.whole.position_rad(joint),
+            Regime::Apart(apart) => Some(apart.position_rad(joint)),
+            Regime::Carry(carry) => carry.position_rad(joint),
+        };
+        angle_rad.unwrap_or(0.0)
     }
 
     /// The angle of every joint, by name.
@@ -372,7 +300,7 @@ impl Plant {
     /// Arm encoders, in the order of [`arm_joint_names`].
     pub(crate) fn arm_rad(&self, readings: &mut Vec<f64>) {
         readings.clear();
-        readings.extend(coasting::arm(&self.joints).map(|index| self.position_rad(index)));
+        readings.extend(joints::arm(&self.joints).map(|index| self.position_rad(index)));
     }
 
     /// Finger encoders in counts, in the scenario's order.
@@ -387,8 +315,9 @@ impl Plant {
     /// Position (m) and speed vector (m/s) of the hand's frame.
     pub(crate) fn hand(&self) -> (Vector, Vector) {
         let hand = match &self.regime {
-            Regime::Coasting(coasting) => coasting.hand(),
-            _ => self.active().hand(),
+            Regime::Whole => self.whole.hand(),
+            Regime::Apart(apart) => apart.hand(),
+            Regime::Carry(carry) => carry.hand(),
         };
         (hand.pose.position_m, hand.velocity_m_s)
     }
@@ -396,23 +325,27 @@ impl Plant {
     /// The object.
     pub(crate) fn object(&self) -> ObjectState {
         match &self.regime {
-            Regime::Coasting(coasting) => coasting.object(),
-            _ => self.active().object(),
+            Regime::Whole => self.whole.object(),
+            Regime::Apart(apart) => apart.object(),
+            Regime::Carry(carry) => carry.object(),
         }
     }
 
     /// How the hand holds the object.
     pub(crate) fn grip(&self) -> Grip {
         match &self.regime {
-            Regime::Coasting(coasting) => coasting.grip(),
-            _ => self.active().grip(),
+            Regime::Whole => self.whole.grip(),
+            Regime::Apart(_) => Grip::default(),
+            Regime::Carry(carry) => carry.body().grip(),
         }
     }
 
     /// Warnings of the physics engine: 0 in a sound run.
     pub(crate) fn warning_count(&self) -> u64 {
-        let anchored = self.anchored.as_ref();
-        let anchored = anchored.map_or(0, |(body, _)| body.warning_count());
-        self.whole.warning_count() + anchored
+        let carrying = match &self.regime {
+            Regime::Carry(carry) => Some(carry.body()),
+            _ => self.hand_alone.as_ref(),
+        };
+        self.whole.warning_count() + carrying.map_or(0, Body::warning_count)
     }
 }

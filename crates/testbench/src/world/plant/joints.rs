@@ -125,3 +125,20 @@ pub(crate) fn arm_joint_names(scenario: &Scenario) -> Vec<String> {
     let order = model::joint_order(scenario).into_iter();
     order.filter(is_arm).collect()
 }
+
+/// Places of the hand's joints among the joints.
+pub(super) fn fingers(joints: &[DrivenJoint]) -> impl Iterator<Item = usize> {
+    places(joints, Drive::Hand)
+}
+
+/// Places of the arm's joints among the joints.
+pub(super) fn arm(joints: &[DrivenJoint]) -> impl Iterator<Item = usize> {
+    places(joints, Drive::Arm)
+}
+
+fn places(joints: &[DrivenJoint], drive: Drive) -> impl Iterator<Item = usize> {
+    let joints = joints.iter().enumerate();
+    joints
+        .filter(move |(_, joint)| joint.drive == drive)
+        .map(|(index, _)| index)
+}

@@ -1,0 +1,102 @@
+//! The empty hand on its way, while the object rests elsewhere.
+//!
+//! Where hand and object are apart and the object rests, nothing acts between them: the object stays
+//! where it is, the fingers stay where they are told to be, and the arm follows its servos
+//! ([`super::arm`]), until hand and object come within reach of each other ([`super::clearance`]) or
+//! the fingers are told to move.
+//!
+//! Cost: a step costs some hundred operations, nothing at all when the arm rests. Deviation from the
+//! full physics: that of the arm, and what is left of the settling of object and fingers when it
+//! begins (slower than the limits below).
+
+use super::arm::Arm;
+use super::body::{Blueprint, Body, Configuration};
+use super::clearance::Clearance;
+use super::joints::{DrivenJoint, fingers};
+use super::{Grip, ObjectState};
+use crate::geometry::norm;
+
+/// Nearer than this the fingers of an empty hand are where they are told to be: speed times their
+/// servos' time constant. Dry friction alone leaves more.
+const FINGERS_REST_RAD: f64 = 0.004;
+/// Slower than this an object that nothing holds rests.
+const RESTS_M_S: f64 = 1e-4;
+const RESTS_RAD_S: f64 = 1e-3;
+
+/// The empty hand on its way.
+#[derive(Debug, Clone)]
+pub(super) struct Apart {
+    arm: Arm,
+    began: Configuration,
+    clearance: Clearance,
+}
+
+impl Apart {
+    /// Begins from the state `now` of `body`, if the hand is empty, all but the arm rests, and they
+    /// are apart.
+    pub(super) fn begin(
+        blueprint: &Blueprint,
+        joints: &[DrivenJoint],
+        body: &Body,
+        now: &Configuration,
+    ) -> Option<Self> {
+        let object = &now.object;
+        let servo = &blueprint.parameters.hand;
+        let constant_secs = servo.damping_nms_rad / servo.stiffness_nm_rad;
+        let fingers_rest = fingers(joints).all(|index| {
+            let left_rad = now.velocities_rad_s[index].abs() * constant_secs;
+            joints[index].is_at_rest() && left_rad < FINGERS_REST_RAD
+        });
+        let rests = fingers_rest
+            && norm(object.velocity_m_s) < RESTS_M_S
+            && norm(object.spin_rad_s) < RESTS_RAD_S
+            && body.grip() == Grip::default();
+        if !rests {
+            return None;
+        }
+        let arm = Arm::new(blueprint, joints, now, None);
+        let clearance = Clearance::of(blueprint, body, &body.hand().pose, &object.pose);
+        let begun = Self {
+            arm,
+            began: now.clone(),
+            clearance,
+        };
+        begun.may_go_on(joints, false).then_some(begun)
+    }
+
+    /// Whether the next step may be taken, given whether the drives are about to change their speed.
+    pub(super) fn may_go_on(&self, joints: &[DrivenJoint], arm_accelerates: bool) -> bool {
+        fingers(joints).all(|index| joints[index].is_at_rest())
+            && (self.arm.rests() && !arm_accelerates
+                || self.clearance.is_clear(&self.arm.hand().pose))
+    }
+
+    /// One time step.
+    pub(super) fn step(&mut self, joints: &[DrivenJoint], time_step_secs: f64) {
+        self.arm.step(joints, None, time_step_secs);
+    }
+
+    /// The angle of a joint.
+    pub(super) fn position_rad(&self, joint: usize) -> f64 {
+        let fixed = || self.began.positions_rad[joint];
+        self.arm.position_rad(joint).unwrap_or_else(fixed)
+    }
+
+    /// The hand's frame, as it was before the last step.
+    pub(super) fn hand(&self) -> ObjectState {
+        self.arm.hand_before()
+    }
+
+    /// The object.
+    pub(super) fn object(&self) -> ObjectState {
+        self.began.object
+    }
+
+    /// The whole configuration as it is now.
+    pub(super) fn configuration(&self) -> Configuration {
+        let mut now = self.began.clone();
+        now.velocities_rad_s.fill(0.0);
+        self.arm.get(&mut now);
+        now
+    }
+}

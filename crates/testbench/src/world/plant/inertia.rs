@@ -1,0 +1,179 @@
+//! The inertia of links that move as one.
+//!
+//! A composite is held as mass `m`, first moment `m c` and the inertia about the frame's origin, so
+//! that composites add up (Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 2.13).
+
+use super::body::{Blueprint, Configuration};
+use super::chain::{frame_in_parent, identity};
+use super::joints::DrivenJoint;
+use crate::geometry::{
+    IDENTITY, Pose, Vector, about, add, compose, cross, dot, inverse, rotate, scale, subtract,
+};
+use crate::scenario::{Body as Link, Drive};
+
+/// Mass, first moment and inertia about a frame's origin, by rows.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Composite {
+    mass_kg: f64,
+    first_kg_m: Vector,
+    about_origin_kg_m2: [Vector; 3],
+}
+
+impl Composite {
+    /// Takes in another composite of the same frame.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.mass_kg += other.mass_kg;
+        self.first_kg_m = add(self.first_kg_m, other.first_kg_m);
+        for row in 0..3 {
+            let sum = add(self.about_origin_kg_m2[row], other.about_origin_kg_m2[row]);
+            self.about_origin_kg_m2[row] = sum;
+        }
+    }
+
+    /// Takes in a point mass.
+    pub(super) fn add_point(&mut self, mass_kg: f64, at_m: Vector) {
+        self.add(&Self::body(
+            mass_kg,
+            [0.0; 3],
+            &Pose {
+                position_m: at_m,
+                orientation: IDENTITY,
+            },
+        ));
+    }
+
+    /// A body with its principal moments about its centre, which is at `pose`.
+    fn body(mass_kg: f64, moments_kg_m2: Vector, pose: &Pose) -> Self {
+        let centre = pose.position_m;
+        let row = |axis: usize| {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            let inner = rotate(inverse(pose.orientation), unit);
+            let inner = [0, 1, 2].map(|i| moments_kg_m2[i] * inner[i]);
+            let steiner = subtract(
+                scale(dot(centre, centre), unit),
+                scale(centre[axis], centre),
+            );
+            add(rotate(pose.orientation, inner), scale(mass_kg, steiner))
+        };
+        Self {
+            mass_kg,
+            first_kg_m: scale(mass_kg, centre),
+            about_origin_kg_m2: [row(0), row(1), row(2)],
+        }
+    }
+
+    /// The same composite in the outer frame in which its own stands at `pose`.
+    pub(super) fn placed(&self, pose: &Pose) -> Self {
+        let (turn, shift) = (|v| rotate(pose.orientation, v), pose.position_m);
+        let first = turn(self.first_kg_m);
+        let row = |axis: usize| {
+            let mut unit = [0.0; 3];
+            unit[axis] = 1.0;
+            let turned = turn(self.times(rotate(inverse(pose.orientation), unit)));
+            // Parallel axes for a shift by s of a body with first moment f: the inertia gains
+            // (2 f.s + m s.s) 1 - (f s' + s f' + m s s').
+            let trace = 2.0 * dot(first, shift) + self.mass_kg * dot(shift, shift);
+            let along = add(
+                scale(first[axis] + self.mass_kg * shift[axis], shift),
+                scale(shift[axis], first),
+            );
+            add(turned, subtract(scale(trace, unit), along))
+        };
+        Self {
+            mass_kg: self.mass_kg,
+            first_kg_m: add(first, scale(self.mass_kg, shift)),
+            about_origin_kg_m2: [row(0), row(1), row(2)],
+        }
+    }
+
+    fn times(&self, vector: Vector) -> Vector {
+        self.about_origin_kg_m2.map(|row| dot(row, vector))
+    }
+
+    /// Momentum, and angular momentum about the origin, when it turns at unit speed about an axis.
+    pub(super) fn momenta(&self, at_m: Vector, axis: Vector) -> (Vector, Vector) {
+        let origin_m_s = cross(at_m, axis);
+        (
+            add(
+                scale(self.mass_kg, origin_m_s),
+                cross(axis, self.first_kg_m),
+            ),
+            add(self.times(axis), cross(self.first_kg_m, origin_m_s)),
+        )
+    }
+}
+
+/// For each joint of the arm what turns with it and not with the next, in the frame behind it; the
+/// fingers stand as they do `now`.
+pub(super) fn segments(
+    blueprint: &Blueprint,
+    joints: &[DrivenJoint],
+    now: &Configuration,
+) -> Vec<Composite> {
+    let links = &blueprint.scenario.bodies;
+    let arm = joints.iter().filter(|joint| joint.drive == Drive::Arm);
+    let segment = |joint: &DrivenJoint| {
+        let mut sum = Composite::default();
+        let mut open: Vec<(&Link, Pose)> = (links.iter())
+            .filter(|link| link.name == joint.name)
+            .map(|link| (link, identity()))
+            .collect();
+        while let Some((link, frame)) = open.pop() {
+            let centre = frame.then(&Pose {
+                position_m: link.shape_position_m,
+                orientation: IDENTITY,
+            });
+            let moments = crate::model::link_inertia_kg_m2(&blueprint.parameters, link);
+            sum.add(&Composite::body(link.mass_kg, moments, &centre));
+            for child in links.iter().filter(|it| it.parent == link.name) {
+                let place = joints.iter().position(|joint| joint.name == child.name);
+                if place.is_some_and(|place| joints[place].drive == Drive::Arm) {
+                    continue;
+                }
+                let mut pose = frame.then(&frame_in_parent(child));
+                if let (Some(place), Some(joint)) = (place, &child.joint) {
+                    let turn = about(joint.axis, now.positions_rad[place]);
+                    pose.orientation = compose(pose.orientation, turn);
+                }
+                open.push((child, pose));
+            }
+        }
+        sum
+    };
+    arm.map(segment).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_composite_moved_on_is_the_body_moved_on() {
+        let place = |position_m, axis, angle| Pose {
+            position_m,
+            orientation: about(axis, angle),
+        };
+        let inner = place([0.3, -0.2, 0.5], [1.0, 0.4, -0.3], 0.8);
+        let outer = place([-1.0, 0.7, 0.2], [0.2, -1.0, 0.6], 1.9);
+        let moments = [0.02, 0.05, 0.04];
+        let moved = Composite::body(1.5, moments, &inner).placed(&outer);
+        let there = Composite::body(1.5, moments, &outer.then(&inner));
+        for row in 0..3 {
+            assert!((moved.first_kg_m[row] - there.first_kg_m[row]).abs() < 1e-12);
+            let apart = subtract(moved.about_origin_kg_m2[row], there.about_origin_kg_m2[row]);
+            assert!(dot(apart, apart) < 1e-24, "{moved:?} {there:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_on_a_lever_has_the_textbook_momenta() {
+        // 2 kg at x = 3, turning about the z axis through x = 1: 2 * 2 = 4 kg m/s along y, and about
+        // the origin 3 * 4 = 12.
+        let mut point = Composite::default();
+        point.add_point(2.0, [3.0, 0.0, 0.0]);
+        let (momentum, about_origin) = point.momenta([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        assert_eq!(momentum, [0.0, 4.0, 0.0]);
+        assert_eq!(about_origin, [0.0, 0.0, 12.0]);
+    }
+}
