@@ -401,3 +401,46 @@ fn weights_are_declared_and_left_out_pieces_are_named() {
         assert!(Weights::default().declare("E", 1.5).is_err());
     });
 }
+
+#[test]
+fn costs_are_measured_or_declared_and_the_cheapest_plan_comes_first() {
+    let ledger = ledger(&[vec![(45, 50)], vec![(170, 200)]]);
+    let took = |evidence: &str, wall_secs: f64| Cost {
+        evidence: evidence.into(),
+        wall_secs,
+        ..Cost::default()
+    };
+    let measured =
+        TrialCosts::measured(&ledger, &[took("S", 100.0), took("E", 0.0), took("X", 5.0)]);
+    assert_eq!(
+        (measured.unit.as_str(), measured.per_trial["S"]),
+        ("s", 2.0)
+    );
+    assert_eq!(measured.per_trial.len(), 1, "nothing was measured of E");
+    let ignored = measured.clone().declare("S", 0.0).declare("E", f64::NAN);
+    assert_eq!(ignored, measured);
+    let asked = requirements(1, 0.1, 0.9);
+    let plans = |costs: &TrialCosts| {
+        with_study(&ledger, &asked, |study| {
+            undecided(study, &compare(study), costs)
+                .swap_remove(0)
+                .plans
+        })
+    };
+    let dear = plans(&measured.declare("E", 1000.0));
+    assert!(dear.windows(2).all(|pair| pair[0].cost <= pair[1].cost));
+    let of = |plan: &DecisionPlan| {
+        let cost =
+            |t: &PlannedTrials| t.trials as f64 * if t.evidence == "S" { 2.0 } else { 1000.0 };
+        plan.trials.iter().map(cost).sum::<f64>()
+    };
+    assert!(dear.iter().all(|plan| (plan.cost - of(plan)).abs() < 1e-9));
+    let experiments = |plans: &[DecisionPlan]| {
+        let first = &plans[0].trials;
+        first
+            .iter()
+            .find(|t| t.evidence == "E")
+            .map_or(0, |t| t.trials)
+    };
+    assert!(experiments(&dear) <= experiments(&plans(&TrialCosts::equal())));
+}
