@@ -265,3 +265,28 @@ fn provenance_refers_to_what_it_declares() {
         }
     }
 }
+
+/// Hostile texts, too: what stands in a text stays in it.
+#[test]
+#[ignore = "needs gsn2x (version 4) in PATH"]
+fn gsn2x_finds_no_fault_in_any_study() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target");
+    for (place, study) in studies().iter().enumerate() {
+        let case = case(study);
+        for argument in [&case.safety, &case.confidence] {
+            let file = folder.join(format!("{}-{place}.gsn.yaml", argument.name));
+            std::fs::create_dir_all(&folder).expect("target folder");
+            std::fs::write(&file, yaml(argument)).expect("written");
+            let output = std::process::Command::new("gsn2x")
+                .arg("-c")
+                .arg(&file)
+                .output();
+            let output = output.expect("gsn2x runs");
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                output.status.success() && said.is_empty(),
+                "{place}: {said}"
+            );
+        }
+    }
+}
