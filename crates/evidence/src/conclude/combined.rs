@@ -118,21 +118,7 @@ fn combined(
     let quantity = quantity(study.requirements, requirement);
     let pieces = current(study.evidence, requirement, &quantity);
     let among = among_current(comparisons, &quantity, &pieces);
-    let mut result = Combined {
-        requirement: requirement.id.clone(),
-        pieces: BTreeMap::new(),
-        left_out: BTreeMap::new(),
-        corroborated: false,
-        model: None,
-        rate: None,
-        interval: None,
-        p_heterogeneity: None,
-        verdict: if pieces.is_empty() {
-            Verdict::NotCovered
-        } else {
-            Verdict::Undecided
-        },
-    };
+    let mut result = blank(requirement, pieces.is_empty());
     let counts = chosen(&pieces, lineage, &quantity, weights, &mut result);
     let both = |c: &&&Comparison| {
         result.pieces.contains_key(&c.left) && result.pieces.contains_key(&c.right)
@@ -149,6 +135,25 @@ fn combined(
         result.verdict = verdict(interval, requirement.threshold);
     }
     result
+}
+
+/// Nothing combined yet.
+fn blank(requirement: &Requirement, nothing: bool) -> Combined {
+    Combined {
+        requirement: requirement.id.clone(),
+        pieces: BTreeMap::new(),
+        left_out: BTreeMap::new(),
+        corroborated: false,
+        model: None,
+        rate: None,
+        interval: None,
+        p_heterogeneity: None,
+        verdict: if nothing {
+            Verdict::NotCovered
+        } else {
+            Verdict::Undecided
+        },
+    }
 }
 
 /// The pieces that are combined; the others are noted with the reason.
