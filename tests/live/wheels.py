@@ -29,7 +29,9 @@ def main():
     seen = []
     while "arrived" not in seen:
         wheels.write(Numbers(Layout([], 0), [options.x, 0.0, 0.0, 0.0, 0.0]))
-        seen += [s.data for s in states.take(N=1000) if s.sample_info.valid_data and s.data not in seen]
+        for sample in states.take(N=1000):
+            if sample.sample_info.valid_data and sample.data not in seen:
+                seen.append(sample.data)
         time.sleep(0.02)
     print("saw " + " ".join(seen), flush=True)
 

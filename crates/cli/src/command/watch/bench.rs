@@ -258,7 +258,6 @@ impl Episode {
             }
             feed.listen(LISTEN)?;
         }
-        feed.start(0, self.tolerance_nanos);
         let encoders = self
             .topics
             .iter()
@@ -271,6 +270,7 @@ impl Episode {
             feed,
             ids,
             kept: &self.kept,
+            tolerance_nanos: self.tolerance_nanos,
             message: Vec::new(),
             failed: None,
         };
@@ -299,6 +299,7 @@ struct Rest<'r> {
     /// For each topic, the rows that were sent.
     sent: Vec<usize>,
     kept: &'r Mutex<Kept>,
+    tolerance_nanos: i64,
     message: Vec<u8>,
     failed: Option<LiveError>,
 }
@@ -334,6 +335,10 @@ impl Rest<'_> {
 }
 
 impl Pace for Rest<'_> {
+    fn start(&mut self) {
+        self.feed.start(0, self.tolerance_nanos);
+    }
+
     fn step(&mut self, now_secs: f64, recorded: &Trace) -> ControlFlow<()> {
         if self.feed.stopped() {
             return ControlFlow::Break(());

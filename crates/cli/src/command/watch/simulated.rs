@@ -16,6 +16,9 @@ use trace::{SignalValues, Trace};
 
 /// Who keeps an episode in step.
 pub trait Pace {
+    /// Everything is ready, the robot's code too; time begins.
+    fn start(&mut self);
+
     /// The episode has come to `now_secs`; `recorded` is everything that was
     /// recorded so far. It goes on when this returns; `Break` ends it.
     fn step(&mut self, now_secs: f64, recorded: &Trace) -> ControlFlow<()>;
@@ -117,6 +120,7 @@ impl Simulated {
                 },
                 _,
             ) => {
+                pace.start();
                 let mut outside = Paced { readings, pace };
                 let episode = run_episode_with(world, seed, &Cancel::default(), &mut outside)?;
                 Ok((episode.trace, episode.sim_secs))
@@ -147,6 +151,7 @@ fn run_scene(
     let bench = scene.bench();
     let period_secs = period_of(scene);
     let mut running = bench.start(scene.stimulus(), seed)?;
+    pace.start();
     let mut steps: u64 = 0;
     loop {
         for (sensor, values) in measurements.now() {

@@ -363,7 +363,10 @@ mod tests {
         topic = "/state"
         type = "std_msgs/msg/String"
         reports.state = { field = "data", names = ["a", "b"] }
-        reports.level = { field = "length(data)", unit = "1" }
+        [[controller.ros2.subscribe]]
+        topic = "/level"
+        type = "std_msgs/msg/Float64"
+        reports.level = { field = "data", unit = "1" }
     "#;
 
     #[test]
