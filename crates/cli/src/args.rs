@@ -1,11 +1,13 @@
 //! The command line, as plain data.
 
 mod assurance;
+mod engines;
 mod explore;
 mod rare;
 mod watch;
 
 pub use assurance::{Assure, Verify};
+pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
 pub use watch::Watch;
@@ -53,6 +55,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Look for what nobody has thought of: coverage-driven tests.
     Explore(Explore),
+    /// Run a scene in both physics engines, and say how far they differ.
+    Engines(Engines),
     /// Estimate how rare an event is, by splitting.
     Rare(Rare),
     /// Fit simulator parameters to an evidence's counts.
@@ -201,6 +205,9 @@ pub struct Simulate {
     /// Where the recordings go.
     #[arg(long, value_name = "FOLDER")]
     pub out: PathBuf,
+    /// The physics engine; the handover runs in MuJoCo only.
+    #[arg(long, value_enum, default_value_t, value_name = "ENGINE")]
+    pub engine: EngineChoice,
     /// What the recordings hold.
     #[arg(long = "as", value_enum, default_value_t, value_name = "FORM")]
     pub form: RecordingForm,

@@ -4,6 +4,7 @@ mod assure;
 mod calibrate;
 mod check;
 mod compare;
+mod engines;
 mod explore;
 mod init;
 mod inspect;
@@ -61,6 +62,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Explore(arguments) => explore::explore(arguments, setting),
+        Command::Engines(arguments) => engines::engines(arguments, setting),
         Command::Rare(arguments) => rare::rare(arguments, setting),
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),

@@ -61,7 +61,8 @@ fn the_handover_s_machine_falls_the_same_in_both_engines() {
             .filter(|it| it.signal.ends_with(".position"));
         of_joints.map(|it| it.largest).fold(0.0, f64::max)
     });
-    // Measured over 0.24 s, in which the elbow falls by 0.81 rad: 3.8 and 1.9 mrad. What is between the engines shrinks with the step.
+    // Measured over 0.24 s, in which the elbow falls by 0.81 rad: 3.8 and 1.9 mrad. What is between
+    // the engines shrinks with the step.
     assert!(
         apart[0] < 0.02 && apart[1] < 0.7 * apart[0],
         "{apart:?} rad"

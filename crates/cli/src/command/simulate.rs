@@ -4,7 +4,7 @@
 pub mod ros2_table;
 
 use super::{Done, Setting, json, use_threads};
-use crate::args::{Format, RecordingForm, Simulate};
+use crate::args::{EngineChoice, Format, RecordingForm, Simulate};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::store::{Inputs, program_hash};
@@ -75,9 +75,24 @@ enum Simulator {
 
 impl Simulator {
     /// The simulator of an entry, and how many episodes the ledger asks for.
-    fn of(study: &Study, entry: &Entry, setting: &Setting) -> Result<(Self, u64), Problem> {
+    fn of(
+        study: &Study,
+        entry: &Entry,
+        engine: EngineChoice,
+        setting: &Setting,
+    ) -> Result<(Self, u64), Problem> {
         let library = setting.physics_library.as_deref();
+        let in_rapier = engine == EngineChoice::Rapier;
         let (campaign, episodes) = match &entry.work {
+            Work::SimulateScene {
+                scene,
+                test,
+                episodes,
+            } if in_rapier => (
+                Campaign::of_scene_in_rapier(study, scene, test.as_deref())?,
+                *episodes,
+            ),
+            _ if in_rapier => return Err(super::engines::one_engine(entry)),
             Work::Simulate {
                 scenario,
                 parameters,
@@ -125,7 +140,7 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
-    let (simulator, episodes) = Simulator::of(&study, entry, setting)?;
+    let (simulator, episodes) = Simulator::of(&study, entry, arguments.engine, setting)?;
     let called = Called {
         study: &study,
         entry,

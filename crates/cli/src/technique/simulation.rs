@@ -16,14 +16,15 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use stimulus::Stimulus;
 use testbench::{
-    Bench as _, Engine, HandoverBench, Parameters, Recorded, Scenario, ScenarioError, SimError,
-    Unwatched, Watch, World,
+    Bench as _, Engine, HandoverBench, Parameters, Recorded, Savable, Scenario, ScenarioError,
+    SimError, Unwatched, Watch, World,
 };
 use trace::Trace;
 
 /// A bench and the engine that runs it.
 pub struct Campaign {
-    engine: Engine,
+    /// The engine's name and version.
+    engine: (String, String),
     bench: Bench,
 }
 
@@ -38,6 +39,8 @@ enum Bench {
 /// A scenario with its parameters.
 struct Handover {
     scenario: Scenario,
+    /// The same world as a bench whose runs can be saved.
+    bench: HandoverBench,
     world: World,
     stimulus: Stimulus,
     /// The topics of its recordings.
@@ -66,7 +69,7 @@ impl Campaign {
         )
         .map_err(|error| Problem::new("simulation-failed", error.to_string()))?;
         Ok(Self {
-            engine,
+            engine: ("MuJoCo".to_owned(), engine.version()),
             bench: Bench::Handover(Box::new(handover)),
         })
     }
@@ -81,7 +84,21 @@ impl Campaign {
         let engine = load_engine(library)?;
         let scene = SceneCampaign::new(study, scene, test, &engine)?;
         Ok(Self {
-            engine,
+            engine: ("MuJoCo".to_owned(), engine.version()),
+            bench: Bench::Scene(Box::new(scene)),
+        })
+    }
+
+    /// Reads a scene and everything that it names, to be run in Rapier.
+    pub fn of_scene_in_rapier(
+        study: &Study,
+        scene: &Path,
+        test: Option<&str>,
+    ) -> Result<Self, Problem> {
+        let scene = SceneCampaign::with_physics(study, scene, test, testbench::scene::rapier())?;
+        let version = testbench::physics::RAPIER_VERSION.to_owned();
+        Ok(Self {
+            engine: ("Rapier".to_owned(), version),
             bench: Bench::Scene(Box::new(scene)),
         })
     }
@@ -105,8 +122,8 @@ impl Campaign {
     /// The engine and the settings that can move a number.
     pub fn tool(&self) -> Tool {
         Tool {
-            name: "MuJoCo".into(),
-            version: self.engine.version().to_owned(),
+            name: self.engine.0.clone(),
+            version: self.engine.1.clone(),
             settings: match &self.bench {
                 Bench::Handover(handover) => {
                     let step_secs = handover.scenario.simulation.time_step_secs;
@@ -149,7 +166,11 @@ impl Campaign {
 
     /// What an episode's trace depends on, besides its seed and this program.
     pub fn inputs(&self, inputs: &mut Inputs) {
-        inputs.add("engine", self.engine.version().as_bytes());
+        let (name, version) = &self.engine;
+        inputs.add("engine", version.as_bytes());
+        if name != "MuJoCo" {
+            inputs.add("engine_name", name.as_bytes());
+        }
         match &self.bench {
             Bench::Handover(handover) => {
                 inputs
@@ -199,6 +220,44 @@ impl Campaign {
     }
 }
 
+impl Campaign {
+    /// Runs one episode that is saved in the middle of its recording and
+    /// continued from there in a new run.
+    pub fn run_in_two_parts(&self, seed: u64, interrupt: &Interrupt) -> Result<Recorded, Problem> {
+        let run = match &self.bench {
+            Bench::Scene(scene) => in_two_parts(scene.bench(), scene.stimulus(), seed, interrupt),
+            Bench::Handover(handover) => {
+                in_two_parts(&handover.bench, &handover.stimulus, seed, interrupt)
+            }
+        };
+        run.map_err(|error| match error {
+            SimError::Cancelled => Problem::interrupted(),
+            other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
+        })
+    }
+}
+
+/// Measures how long the run is, then runs it to its middle, and on from what was saved there.
+fn in_two_parts<B: Savable>(
+    bench: &B,
+    stimulus: &Stimulus,
+    seed: u64,
+    interrupt: &Interrupt,
+) -> Result<Recorded, SimError> {
+    let cancel = interrupt.cancel();
+    let mut whole = bench.start(stimulus, seed)?;
+    bench.advance(&mut whole, f64::INFINITY, &mut Unwatched, cancel)?;
+    let middle_secs = bench.now_secs(&whole) / 2.0;
+    drop(whole);
+    let mut first = bench.start(stimulus, seed)?;
+    bench.advance(&mut first, middle_secs, &mut Unwatched, cancel)?;
+    let saved = bench.save(&first)?;
+    drop(first);
+    let mut second = bench.resume(&saved, None)?;
+    bench.advance(&mut second, f64::INFINITY, &mut Unwatched, cancel)?;
+    bench.finish(second)
+}
+
 impl Handover {
     fn new(
         engine: &Engine,
@@ -216,6 +275,7 @@ impl Handover {
         Ok(Self {
             stimulus: bench.own_test(test.unwrap_or_default())?,
             layout: bench.layout()?,
+            bench,
             scenario,
             world,
             scenario_text,

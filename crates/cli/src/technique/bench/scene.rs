@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use stimulus::{AbstractTest, Stimulus};
 use testbench::controller::{Controller, ControllerError, RemoteController};
-use testbench::scene::{ControllerData, SceneBench, StartController, mujoco};
+use testbench::scene::{BuildPhysics, ControllerData, SceneBench, StartController, mujoco};
 use testbench::{Bench, Engine, Recorded, SimError, Watch};
 
 /// A scene and the test that is enacted in it.
@@ -36,6 +36,16 @@ impl SceneCampaign {
         test: Option<&str>,
         engine: &Engine,
     ) -> Result<Self, Problem> {
+        Self::with_physics(study, scene, test, mujoco(engine))
+    }
+
+    /// The same with any physics engine.
+    pub fn with_physics(
+        study: &Study,
+        scene: &Path,
+        test: Option<&str>,
+        physics: BuildPhysics,
+    ) -> Result<Self, Problem> {
         let path = study.folder.join(scene);
         let source = Source::read(&path)?;
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
@@ -55,7 +65,7 @@ impl SceneCampaign {
             }
         })?;
         let start = starter(&folder);
-        let made = SceneBench::new(&source.text, &read, mujoco(engine), start);
+        let made = SceneBench::new(&source.text, &read, physics, start);
         let (bench, gaps) = made.map_err(|error| scene_problem(&source, &error))?;
         let stimulus = Stimulus::of(chosen(&bench, test, &source)?);
         for controller in &bench.data().controllers {

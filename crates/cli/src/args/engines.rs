@@ -1,0 +1,51 @@
+//! Arguments of `engines`, and the choice of an engine.
+
+use super::Format;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// A physics engine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum EngineChoice {
+    /// The library that `tools/mujoco` fetches.
+    #[default]
+    Mujoco,
+    /// Built in; the same bits on every machine.
+    Rapier,
+}
+
+/// Arguments of `engines`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate engines case-studies/corridor S1
+  corroborate engines case-studies/corridor S1 -n 50 --format json
+  corroborate engines case-studies/corridor S1 -n 2 --determinism
+
+Runs the same episodes (test, seeds, controllers) of a scene in MuJoCo and in
+Rapier and prints, for each signal, how far the recordings lie apart, then the
+verdicts. Exits 1 if a verdict on an episode differs. With --determinism each
+episode is run again, and saved in its middle and continued, and the hashes of
+all its recordings are compared; exits 1 if two differ. An entry that is no
+scene (the handover) is run in MuJoCo alone, with --determinism.")]
+pub struct Engines {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The ledger's entry whose scene is simulated.
+    pub evidence: String,
+    /// How many episodes.
+    #[arg(long, short = 'n', value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub episodes: u64,
+    /// Seed instead of the study's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Compare hashes of repeated and of continued episodes instead.
+    #[arg(long)]
+    pub determinism: bool,
+    /// How many threads to use (results do not depend on it).
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
