@@ -4,12 +4,14 @@ mod assurance;
 mod engines;
 mod explore;
 mod rare;
+mod replay;
 mod watch;
 
 pub use assurance::{Assure, Verify};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
+pub use replay::{Replay, Shrink};
 pub use watch::Watch;
 
 use crate::study::{Keep, Method};
@@ -57,6 +59,10 @@ pub enum Command {
     Explore(Explore),
     /// Run a scene in both physics engines, and say how far they differ.
     Engines(Engines),
+    /// Make a finding as small as it goes, and keep it as a regression.
+    Shrink(Shrink),
+    /// Run an episode again: recording, verdicts, 3D page; or all regressions.
+    Replay(Replay),
     /// Estimate how rare an event is, by splitting.
     Rare(Rare),
     /// Fit simulator parameters to an evidence's counts.

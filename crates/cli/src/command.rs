@@ -11,9 +11,11 @@ mod inspect;
 mod library;
 mod monitor;
 mod rare;
+mod replay;
 mod report;
 mod requirements;
 mod run;
+mod shrink;
 mod simulate;
 mod verify;
 mod watch;
@@ -63,6 +65,8 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Explore(arguments) => explore::explore(arguments, setting),
         Command::Engines(arguments) => engines::engines(arguments, setting),
+        Command::Shrink(arguments) => shrink::shrink(arguments, setting),
+        Command::Replay(arguments) => replay::replay(arguments, setting),
         Command::Rare(arguments) => rare::rare(arguments, setting),
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),

@@ -74,6 +74,10 @@ pub struct BenchFiles {
     /// The file of a scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
+    /// When the episode is ended, in whole seconds, since what it shows is
+    /// decided by then; it runs to its own end if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until_secs: Option<u32>,
 }
 
 /// What an episode shows.
@@ -238,6 +242,7 @@ mod tests {
             bench: BenchFiles {
                 evidence: "E2".into(),
                 scenario: Some("s.toml".into()),
+                until_secs: Some(12),
                 ..BenchFiles::default()
             },
             shows,

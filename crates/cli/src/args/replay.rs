@@ -1,0 +1,115 @@
+//! Arguments of `shrink` and `replay`.
+
+use super::Format;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Arguments of `shrink`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate shrink case-studies/handover results/exploration/findings/violated-8.toml
+  corroborate shrink my-study found.toml --budget 500 --name dropped
+  corroborate shrink my-study found.toml --seeds 3/5
+
+Makes the episode of a finding smaller while it still shows the same: fewer
+actions, fewer settings, rounder numbers, shorter delays, an earlier end. The
+finding's own seed is kept; with --seeds K/N it must show in at least K of N
+seeds, the finding's own among them, so that what is left does not hang on one
+draw. The result goes to STUDY/regressions/NAME.toml; `corroborate replay STUDY
+--check` runs all of them again. Interrupted, it keeps the smallest so far.
+Exits 3 if the finding is not shown when it is run again.")]
+pub struct Shrink {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The finding's file, as it is or relative to the study.
+    pub finding: PathBuf,
+    /// How many scenarios may be tried; with --seeds each takes up to N episodes.
+    #[arg(long, value_name = "N", default_value = "300", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub budget: u64,
+    /// In how many of how many seeds it must show.
+    #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = seeds)]
+    pub seeds: (u32, u32),
+    /// The exploration whose parameters say what is possible, and what needs
+    /// no explanation. Without it that of the finding, or exploration.toml if
+    /// it is of the same evidence.
+    #[arg(long, value_name = "FILE")]
+    pub exploration: Option<PathBuf>,
+    /// Name of the regression; the finding's without it.
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `replay`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate replay case-studies/handover regressions/dropped.toml
+  corroborate replay case-studies/handover E4:17 --only 1a --out /tmp/seventeen
+  corroborate replay case-studies/handover --check
+
+Runs one episode again, bit for bit: that of a finding or regression, or an
+episode of an evidence by its number. The folder gets replay.html (a 3D view
+with signals and verdicts; opens offline), recording.mcap (everything recorded),
+verdicts.mcap and scene.mcap (for Foxglove's 3D panel). With --check all
+regressions are run again and nothing is written.
+Exits 1 if a finding or regression no longer shows what it did, 3 if it does
+but the recording is not the same bytes as before (another machine or another
+version of the program; --check only says so).")]
+pub struct Replay {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// A finding's file, as it is or relative to the study; or
+    /// EVIDENCE:EPISODE. With --check, regressions; all if none is named.
+    #[arg(
+        value_name = "FINDING|EVIDENCE:EPISODE",
+        required_unless_present = "check"
+    )]
+    pub what: Vec<String>,
+    /// Run regressions again and say which no longer show what they did.
+    #[arg(long, conflicts_with_all = ["only", "out"])]
+    pub check: bool,
+    /// Show this requirement or failure mode (may be repeated). Without it, what
+    /// the finding is of, or all that is violated.
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// Where the files go instead of STUDY/results/replays/NAME.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// How many threads to use (results do not depend on it).
+    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// `K/N` with 1 <= K <= N <= 1000.
+fn seeds(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "write for example 3/5: in at least 3 of 5 seeds, at most 1000".to_owned();
+    let (least, all) = text.split_once('/').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
+    let (least, all) = (number(least)?, number(all)?);
+    if (1..=all).contains(&least) && all <= 1000 {
+        Ok((least, all))
+    } else {
+        Err(wrong())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seeds;
+
+    #[test]
+    fn seeds_are_some_of_many() {
+        assert_eq!(seeds("3/5"), Ok((3, 5)));
+        assert_eq!(seeds("1/1"), Ok((1, 1)));
+        for wrong in ["0/5", "6/5", "3", "3/1001", "a/b", "3/", "-1/4"] {
+            assert!(seeds(wrong).is_err(), "{wrong}");
+        }
+    }
+}
