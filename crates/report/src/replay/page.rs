@@ -173,7 +173,7 @@ fn followed(replay: &Replay) -> Vec<(usize, &str)> {
         // Parts of one thing are named `thing/part`.
         let group = (shape.role, name.split('/').next().unwrap_or(name));
         let is_known = chosen.iter().any(|(known, _)| *known == body) || groups.contains(&group);
-        if !is_known && chosen.len() < 24 {
+        if !is_known && chosen.len() < 60 {
             groups.push(group);
             chosen.push((body, name));
         }
