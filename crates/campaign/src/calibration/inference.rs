@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stats::design;
 
+use super::likelihood::Likelihood;
 use super::posterior::Posterior;
 use super::predictive::Predictive;
 use super::surface::{Surface, SurfaceFit, features, rate_with};
@@ -11,6 +12,21 @@ use crate::random::Random;
 
 /// Draws of the surfaces' weights over which a likelihood is averaged.
 const WEIGHT_DRAWS: usize = 48;
+
+/// More opportunities than this are refused: predictions are sums over all counts.
+const MOST_OPPORTUNITIES: u64 = 100_000;
+
+/// With clusters the sums are nested.
+const MOST_IN_CLUSTERS: u64 = 2_000;
+
+/// Occurrences in opportunities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counted {
+    /// How often it occurred.
+    pub occurrences: u64,
+    /// How often it could have.
+    pub opportunities: u64,
+}
 
 /// What was counted in reality of one way to fail.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,6 +39,60 @@ pub struct Observed {
     pub opportunities: u64,
     /// Whether it is kept out of the fit, to be predicted.
     pub held_out: bool,
+    /// The same counts by person or session, whose trials may be alike; none if all are independent.
+    pub clusters: Vec<Counted>,
+    /// Further runs that are kept out of the fit, to be predicted; by person or session.
+    pub held_out_runs: Vec<Counted>,
+}
+
+impl Observed {
+    /// Independent trials, to be fitted.
+    #[must_use]
+    pub fn new(mode: &str, occurrences: u64, opportunities: u64) -> Self {
+        Self {
+            mode: mode.to_owned(),
+            occurrences,
+            opportunities,
+            held_out: false,
+            clusters: Vec::new(),
+            held_out_runs: Vec::new(),
+        }
+    }
+
+    /// The same, but only to be predicted.
+    #[must_use]
+    pub fn held_out(mut self) -> Self {
+        self.held_out = true;
+        self
+    }
+
+    fn check(&self) -> Result<(), CampaignError> {
+        let sum = |count: fn(&Counted) -> u64| {
+            let mut all = self.clusters.iter().map(count);
+            all.try_fold(0_u64, u64::checked_add)
+        };
+        let whole = (Some(self.occurrences), Some(self.opportunities));
+        let parts = (sum(|it| it.occurrences), sum(|it| it.opportunities));
+        let all = self.clusters.iter().chain(&self.held_out_runs);
+        let impossible = self.occurrences > self.opportunities
+            || all.clone().any(|it| it.occurrences > it.opportunities);
+        let most = match self.clusters.is_empty() {
+            true => MOST_OPPORTUNITIES,
+            false => MOST_IN_CLUSTERS,
+        };
+        let largest = all.map(|it| it.opportunities).chain([self.opportunities]);
+        let problem = if impossible {
+            let (k, n) = (self.occurrences, self.opportunities);
+            format!("{k} of {n} in all, or those of a cluster, cannot be; check the counts")
+        } else if !self.clusters.is_empty() && whole != parts {
+            "the clusters' counts do not add up to the whole's; check them".to_owned()
+        } else if largest.max().is_some_and(|n| n > most) {
+            format!("more than {most} opportunities cannot be summed over; take a part of them")
+        } else {
+            return Ok(());
+        };
+        Err(CampaignError::setting(&self.mode, problem))
+    }
 }
 
 /// How the posterior is found.
@@ -51,9 +121,7 @@ pub struct Episode {
 /// use campaign::calibration::{Calibration, CalibrationOptions, Episode, Observed};
 /// // A simulator fails at a rate of theta / 2; in reality 12 of 100 failed: theta is near 0.24.
 /// let mut random = campaign::Random::new(1, "simulator");
-/// let observed = vec![Observed {
-///     mode: "slip".into(), occurrences: 12, opportunities: 100, held_out: false,
-/// }];
+/// let observed = vec![Observed::new("slip", 12, 100)];
 /// let options = CalibrationOptions { dimensions: 1, points: 2000, seed: 7 };
 /// let mut calibration = Calibration::new(observed, options)?;
 /// for _round in 0..3 {
@@ -79,21 +147,13 @@ impl Calibration {
     /// Before the first episode.
     ///
     /// # Errors
-    /// [`CampaignError::Setting`] for counts that contradict each other, for nothing to fit, and
-    /// for a calibration without parameters or points.
+    /// [`CampaignError::Setting`] for counts that contradict each other or are too many, for nothing
+    /// to fit, and for a calibration without parameters or points.
     pub fn new(
         observed: Vec<Observed>,
         options: CalibrationOptions,
     ) -> Result<Self, CampaignError> {
-        for mode in &observed {
-            if mode.occurrences > mode.opportunities {
-                let problem = format!(
-                    "{} of {} cannot be; check the two counts",
-                    mode.occurrences, mode.opportunities
-                );
-                return Err(CampaignError::setting(&mode.mode, problem));
-            }
-        }
+        observed.iter().try_for_each(Observed::check)?;
         if !observed.iter().any(|m| !m.held_out && m.opportunities > 0) {
             let problem = "none of the modes is fitted and has opportunities";
             return Err(CampaignError::setting("observed", problem));
@@ -199,9 +259,7 @@ impl Calibration {
         let draws: Vec<Vec<Vec<f64>>> = (0..WEIGHT_DRAWS)
             .map(|_| surfaces.iter().map(|s| s.draw(&mut random)).collect())
             .collect();
-        let fitted: Vec<usize> = (0..self.observed.len())
-            .filter(|mode| !self.observed[*mode].held_out)
-            .collect();
+        let fitted = self.likelihoods();
         let mut rates = Vec::with_capacity(points);
         let mut ln_weights = Vec::with_capacity(points);
         for unit in &units {
@@ -210,30 +268,38 @@ impl Calibration {
                 .map(|draw| draw.iter().map(|w| rate_with(w, &row)).collect())
                 .collect();
             let ln: Vec<f64> = (of_draws.iter())
-                .map(|rates| self.ln_likelihood(&fitted, rates))
+                .map(|rates| ln_likelihood(&fitted, rates))
                 .collect();
             ln_weights.push(ln_mean(&ln));
-            rates.push(likeliest_mean(&of_draws, &ln));
+            rates.push(one_of(of_draws, &ln, &mut random));
         }
         Posterior::new(units, &ln_weights, rates)
     }
 
-    fn ln_likelihood(&self, fitted: &[usize], rates: &[f64]) -> f64 {
-        if self.episodes.is_empty() {
-            return 0.0;
+    /// Of each fitted way to fail, with its place; of none before the first episode.
+    fn likelihoods(&self) -> Vec<(usize, Likelihood)> {
+        let modes = self.observed.iter().enumerate();
+        modes
+            .filter(|(_, mode)| !mode.held_out && !self.episodes.is_empty())
+            .map(|(place, mode)| (place, Likelihood::of(mode)))
+            .collect()
+    }
+
+    /// The same episodes with other counts of the same ways to fail: what would have been inferred
+    /// from them. The episodes' parameters are those that were drawn for the first counts, which
+    /// decides where the surfaces are well known, not what they say.
+    ///
+    /// # Errors
+    /// As [`Calibration::new`], and for another number of ways to fail.
+    pub fn with_observed(&self, observed: Vec<Observed>) -> Result<Self, CampaignError> {
+        if observed.len() != self.observed.len() {
+            let problem = "counts of the same ways to fail are needed, in the same order";
+            return Err(CampaignError::setting("observed", problem));
         }
-        (fitted.iter())
-            .map(|mode| {
-                let Observed {
-                    occurrences,
-                    opportunities,
-                    ..
-                } = self.observed[*mode];
-                let (k, n) = (occurrences as f64, opportunities as f64);
-                let rate = rates[*mode].clamp(1e-12, 1.0 - 1e-12);
-                k * rate.ln() + (n - k) * (-rate).ln_1p()
-            })
-            .sum()
+        let mut other = Self::new(observed, self.options)?;
+        other.episodes.clone_from(&self.episodes);
+        other.asked = self.asked;
+        Ok(other)
     }
 
     /// What the posterior predicts for each way to fail, beside what was counted.
@@ -246,23 +312,22 @@ impl Calibration {
     }
 }
 
+fn ln_likelihood(fitted: &[(usize, Likelihood)], rates: &[f64]) -> f64 {
+    let of = |(mode, likelihood): &(usize, Likelihood)| likelihood.ln(rates[*mode]);
+    fitted.iter().map(of).sum()
+}
+
 /// The logarithm of the mean of exponentials.
-fn ln_mean(ln: &[f64]) -> f64 {
+pub(super) fn ln_mean(ln: &[f64]) -> f64 {
     let most = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let sum: f64 = ln.iter().map(|x| (x - most).exp()).sum();
     most + (sum / ln.len() as f64).ln()
 }
 
-/// The mean of the rates over the draws, each weighed by its likelihood.
-fn likeliest_mean(of_draws: &[Vec<f64>], ln: &[f64]) -> Vec<f64> {
+/// The rates of one draw of the surfaces, taken in proportion to its likelihood: a sample, so that
+/// predictions have all the spread that the surfaces leave.
+fn one_of(mut of_draws: Vec<Vec<f64>>, ln: &[f64], random: &mut Random) -> Vec<f64> {
     let most = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weights: Vec<f64> = ln.iter().map(|x| (x - most).exp()).collect();
-    let total: f64 = weights.iter().sum();
-    let modes = of_draws.first().map_or(0, Vec::len);
-    (0..modes)
-        .map(|mode| {
-            let parts = of_draws.iter().zip(&weights);
-            parts.map(|(rates, w)| rates[mode] * w).sum::<f64>() / total
-        })
-        .collect()
+    of_draws.swap_remove(random.weighted(&weights).unwrap_or(0))
 }

@@ -3,7 +3,9 @@
 //! Definition. Parameters `theta` have a prior. In episode `i` of a campaign each way to fail `j`
 //! occurs, does not occur, or had no opportunity; its rate `p_j(theta)` is unknown, but episodes can
 //! be run at any `theta`. In reality way `j` occurred `k_j` times in `n_j` opportunities. Wanted is
-//! the posterior, `prior(theta) * product over fitted j of Binomial(k_j; n_j, p_j(theta))`.
+//! the posterior, `prior(theta) * product over fitted j of Binomial(k_j; n_j, p_j(theta))`. Where
+//! trials come by person or session, which may differ, the counts are beta binomial instead, with an
+//! unknown correlation. Ways to fail, and persons, can be held out and predicted.
 //!
 //! Each episode is run at another `theta`. All of them together give each way a response surface, a
 //! Bayesian logistic regression on `theta` ([`Surface`]), and the likelihood is averaged over what
@@ -30,13 +32,14 @@
 //! that the data contradict is said.
 
 mod inference;
+mod likelihood;
 mod posterior;
 mod predictive;
 mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use inference::{Calibration, CalibrationOptions, Episode, Observed};
+pub use inference::{Calibration, CalibrationOptions, Counted, Episode, Observed};
 pub use posterior::{Direction, Marginal, Posterior};
-pub use predictive::Predictive;
+pub use predictive::{Prediction, Predictive};
 pub use surface::{Surface, SurfaceFit};

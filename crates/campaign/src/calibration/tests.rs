@@ -30,12 +30,10 @@ fn reality(truth: &[f64], held_out: bool, random: &mut Random) -> Vec<Observed> 
         .map(|(mode, name)| {
             let outcomes = runs.iter().filter_map(|run| run.outcomes[mode]);
             let outcomes: Vec<bool> = outcomes.collect();
-            Observed {
-                mode: (*name).to_owned(),
-                occurrences: outcomes.iter().filter(|o| **o).count() as u64,
-                opportunities: outcomes.len() as u64,
-                held_out: held_out && mode == 2,
-            }
+            let occurrences = outcomes.iter().filter(|o| **o).count() as u64;
+            let mut observed = Observed::new(name, occurrences, outcomes.len() as u64);
+            observed.held_out = held_out && mode == 2;
+            observed
         })
         .collect()
 }
@@ -74,7 +72,7 @@ fn planted_parameters_are_recovered() {
         .iter()
         .zip(calibration.fits())
     {
-        assert!(predicted.p_value.unwrap() > 0.01, "{predicted:?}");
+        assert!(predicted.counted.p_value.unwrap() > 0.01, "{predicted:?}");
         assert!(fit.p_value.is_none_or(|p| p > 0.001), "{fit:?}");
     }
 }
@@ -111,12 +109,7 @@ fn posterior_ranks_of_the_truth_are_uniform() {
 #[test]
 fn a_parameter_without_influence_is_named() {
     let mut random = Random::new(5, "idle");
-    let observed = vec![Observed {
-        mode: "slip".into(),
-        occurrences: 10,
-        opportunities: 100,
-        held_out: false,
-    }];
+    let observed = vec![Observed::new("slip", 10, 100)];
     let options = CalibrationOptions {
         dimensions: 2,
         points: 1000,
@@ -137,13 +130,10 @@ fn a_parameter_without_influence_is_named() {
 #[test]
 fn a_mode_that_the_simulator_cannot_show_fails_its_prediction() {
     let mut random = Random::new(8, "blind");
-    let mode = |name: &str, occurrences, held_out| Observed {
-        mode: name.into(),
-        occurrences,
-        opportunities: 100,
-        held_out,
-    };
-    let observed = vec![mode("slip", 10, false), mode("unknown", 12, true)];
+    let observed = vec![
+        Observed::new("slip", 10, 100),
+        Observed::new("unknown", 12, 100).held_out(),
+    ];
     let options = CalibrationOptions {
         dimensions: 1,
         points: 500,
@@ -155,8 +145,14 @@ fn a_mode_that_the_simulator_cannot_show_fails_its_prediction() {
         calibration.tell(Episode { unit, outcomes }).unwrap();
     }
     let predictive = calibration.predictive(&calibration.posterior());
-    assert!(predictive[0].p_value.unwrap() > 0.05, "{predictive:?}");
-    assert!(predictive[1].p_value.unwrap() < 1e-4, "{predictive:?}");
+    assert!(
+        predictive[0].counted.p_value.unwrap() > 0.05,
+        "{predictive:?}"
+    );
+    assert!(
+        predictive[1].counted.p_value.unwrap() < 1e-3,
+        "{predictive:?}"
+    );
 }
 
 #[test]
@@ -197,18 +193,17 @@ fn contradictory_or_empty_counts_are_refused() {
         points: 500,
         seed: 2,
     };
-    let counts = |occurrences, opportunities, held_out| {
-        vec![Observed {
-            mode: "slip".into(),
-            occurrences,
-            opportunities,
-            held_out,
-        }]
-    };
-    assert!(Calibration::new(counts(3, 2, false), options).is_err());
-    assert!(Calibration::new(counts(1, 2, true), options).is_err());
-    assert!(Calibration::new(counts(0, 0, false), options).is_err());
-    let mut good = Calibration::new(counts(1, 2, false), options).unwrap();
+    let refused = |observed: Observed| Calibration::new(vec![observed], options).is_err();
+    let counts = |occurrences, opportunities| Observed::new("slip", occurrences, opportunities);
+    assert!(refused(counts(3, 2)));
+    assert!(refused(counts(1, 2).held_out()));
+    assert!(refused(counts(0, 0)));
+    assert!(refused(counts(1, u64::MAX)));
+    let mut parts = counts(1, 4);
+    parts.clusters = vec![counted(1, 2), counted(1, 2)];
+    assert!(refused(parts), "parts that do not add up");
+    let mut good = Calibration::new(vec![counts(1, 2)], options).unwrap();
+    assert!(good.with_observed(Vec::new()).is_err());
     let outcomes = vec![None, None];
     assert!(
         good.tell(Episode {
@@ -217,4 +212,108 @@ fn contradictory_or_empty_counts_are_refused() {
         })
         .is_err()
     );
+}
+
+fn counted(occurrences: u64, opportunities: u64) -> Counted {
+    Counted {
+        occurrences,
+        opportunities,
+    }
+}
+
+/// Persons of ten trials each, whose own rates are beta distributed around `rate`: each outcome
+/// repeats an earlier one of the same person in proportion (Polya's urn).
+fn persons(count: usize, rate: f64, correlation: f64, random: &mut Random) -> Vec<Counted> {
+    let person = |random: &mut Random| {
+        let mut occurred = 0;
+        for trial in 0..10 {
+            let (trial, before) = (f64::from(trial), occurred as f64);
+            let own = rate * (1.0 - correlation) + before * correlation;
+            let chance = own / (1.0 + (trial - 1.0) * correlation);
+            occurred += u64::from(random.chance(chance));
+        }
+        counted(occurred, 10)
+    };
+    (0..count).map(|_| person(random)).collect()
+}
+
+fn observed_persons(persons: Vec<Counted>, held_out: Vec<Counted>) -> Observed {
+    let sum = |count: fn(&Counted) -> u64| persons.iter().map(count).sum();
+    let mut observed = Observed::new("slip", sum(|it| it.occurrences), sum(|it| it.opportunities));
+    observed.clusters = persons;
+    observed.held_out_runs = held_out;
+    observed
+}
+
+/// One parameter; episodes fail at half of it.
+fn halved(observed: Observed, seed: u64, random: &mut Random) -> Calibration {
+    let options = CalibrationOptions {
+        dimensions: 1,
+        points: 400,
+        seed,
+    };
+    let mut calibration = Calibration::new(vec![observed], options).unwrap();
+    for unit in calibration.ask(1500) {
+        let outcomes = vec![Some(random.chance(unit[0] / 2.0))];
+        calibration.tell(Episode { unit, outcomes }).unwrap();
+    }
+    calibration
+}
+
+#[test]
+fn ninety_per_cent_intervals_and_held_out_persons_hold_with_persons_that_differ() {
+    // Simulation-based calibration with everything drawn from its prior, correlations as well.
+    // Eight persons are fitted, four are held out.
+    let mut random = Random::new(21, "persons");
+    let (mut covered, mut naive, mut low_p, mut ranks) = (0_u32, 0_u32, 0_u32, Vec::new());
+    const REPEATS: u32 = 100;
+    for seed in 0..u64::from(REPEATS) {
+        let truth = random.unit();
+        let correlation = 1.0 - (1.0 - random.unit()).powf(1.0 / 9.0);
+        let fitted = persons(8, truth / 2.0, correlation, &mut random);
+        let held_out = persons(4, truth / 2.0, correlation, &mut random);
+        let calibration = halved(observed_persons(fitted, held_out), seed, &mut random);
+        let posterior = calibration.posterior();
+        let rank = posterior.cdf(0, truth);
+        covered += u32::from((0.05..=0.95).contains(&rank));
+        ranks.push(rank);
+        let predictive = calibration.predictive(&posterior).remove(0);
+        let p = predictive.held_out_runs.unwrap().p_value.unwrap();
+        low_p += u32::from(p < 0.1);
+        // The same counts as if all trials were independent.
+        let mut independent = calibration.observed()[0].clone();
+        independent.clusters.clear();
+        let other = calibration.with_observed(vec![independent]).unwrap();
+        naive += u32::from((0.05..=0.95).contains(&other.posterior().cdf(0, truth)));
+    }
+    // Binomial(100, 0.9): 81 or fewer has probability 5e-3, 98 or more 2e-3.
+    assert!((82..=97).contains(&covered), "{covered}, naive {naive}");
+    // Binomial(100, 0.1), 20 or more: 2e-3.
+    assert!(low_p < 20, "{low_p}");
+    assert!(naive < covered, "{naive} {covered}");
+    ranks.sort_by(f64::total_cmp);
+    let count = ranks.len() as f64;
+    let distance = (ranks.iter().enumerate()).map(|(i, rank)| {
+        let (low, high) = (i as f64 / count, (i as f64 + 1.0) / count);
+        (rank - low).abs().max((rank - high).abs())
+    });
+    let distance = distance.fold(0.0, f64::max);
+    assert!(distance < 1.95 / count.sqrt(), "{distance}");
+}
+
+#[test]
+fn persons_unlike_the_others_contradict_their_prediction() {
+    let mut random = Random::new(6, "others");
+    let fitted = vec![counted(1, 10); 8];
+    let calibration = halved(
+        observed_persons(fitted, vec![counted(9, 10); 2]),
+        1,
+        &mut random,
+    );
+    let predictive = calibration.predictive(&calibration.posterior()).remove(0);
+    assert!(predictive.counted.p_value.unwrap() > 0.1, "{predictive:?}");
+    let held_out = predictive.held_out_runs.unwrap();
+    assert_eq!((held_out.occurrences, held_out.opportunities), (18, 20));
+    assert!(held_out.p_value.unwrap() < 1e-3, "{held_out:?}");
+    assert!(held_out.high < 12, "{held_out:?}");
 }

@@ -1,7 +1,8 @@
 //! `corroborate rare`: how rare an event is, by splitting.
 
 pub mod bench;
-mod file;
+pub mod file;
+mod report;
 mod runs;
 mod score;
 
@@ -13,85 +14,22 @@ use crate::store::{Inputs, Store};
 use crate::study::Study;
 use crate::technique::confidence;
 use crate::technique::simulation::Seeds;
-use bench::TestBench;
+use bench::{World, stimulus_at};
 use campaign::splitting::{
     Descent, RareEstimate, SplittingOptions, SubsetOptions, combine, split, subset,
 };
-use file::{EventText, RareText};
+use file::{EventText, RareText, quoted};
 use rayon::prelude::*;
+use report::{CONTRADICTION, EventReport, PlainReport, RareReport, text_of};
 use runs::Runs;
-use schemars::JsonSchema;
 use score::Score;
-use serde::Serialize;
 use stats::special::normal_sf;
 use stats::{Confidence, Sample, clopper_pearson};
-use std::fmt::Write;
-use stimulus::Space;
-use testbench::Bench;
+use stimulus::{Space, Stimulus};
+use testbench::{Savable, SimError};
 
 /// Plain episodes that are kept together.
 const CHUNK: u64 = 64;
-
-/// Below this, counting and splitting contradict each other.
-const CONTRADICTION: f64 = 0.01;
-
-/// What `rare --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct RareReport {
-    /// Version of this form.
-    pub format: String,
-    /// The physics engine with its version.
-    pub engine: String,
-    /// The level of the intervals.
-    pub confidence: f64,
-    /// The events, in the order of the file.
-    pub events: Vec<EventReport>,
-}
-
-/// One event.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct EventReport {
-    /// Its name.
-    pub name: String,
-    /// What it means.
-    pub meaning: String,
-    /// What the estimate rests on.
-    pub guarantee: String,
-    /// The score that is the event.
-    pub limit: f64,
-    /// The probability that it happens in an episode.
-    pub probability: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-    /// Standard error over estimate; none if it was never reached.
-    pub relative_error: Option<f64>,
-    /// The estimate of each replication.
-    pub replications: Vec<f64>,
-    /// What it cost, in episodes until the time looked at.
-    pub episode_equivalents: f64,
-    /// Plain episodes that would give the same relative error.
-    pub plain_episodes_for_the_same_error: Option<f64>,
-    /// Plain episodes counted beside it.
-    pub plain: Option<PlainReport>,
-}
-
-/// Plain episodes, for comparison.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct PlainReport {
-    /// Episodes in which the event happened.
-    pub count: u64,
-    /// Episodes.
-    pub episodes: u64,
-    /// Lower end of the rate's interval (Clopper and Pearson).
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
-    /// Probability of a difference as great as that between counting and
-    /// splitting if both are right.
-    pub p_value: f64,
-}
 
 /// Estimates all events of the file.
 pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
@@ -100,52 +38,27 @@ pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
     let source = Source::read(&arguments.file)?;
     let text = RareText::read(&source)?;
     check_only(&arguments.only, &text)?;
-    let level = confidence(text.confidence)?;
-    let bench = TestBench::new(
-        &Source::read(&study.folder.join(&text.scenario))?,
-        &Source::read(&study.folder.join(&text.parameters))?,
-        &text.test,
-        setting.physics_library.as_deref(),
-    )?;
     let wanted =
         |event: &&EventText| arguments.only.is_empty() || arguments.only.contains(&event.name);
-    let mut scored = Vec::new();
-    for event in text.events.iter().filter(wanted) {
-        let layout = bench
-            .bench
-            .layout()
-            .map_err(|error| bench::simulation_problem(error, 0))?;
-        scored.push((event, Score::new(&study, event, layout)?));
-    }
+    let level = confidence(text.confidence)?;
+    let world = World::open(&study, &source, &text, setting.physics_library.as_deref())?;
     let folder = arguments.out.clone();
-    let store = Store::open(&folder.unwrap_or_else(|| study.folder.join("results/rare")))?;
-    let mut events = Vec::new();
-    for (event, score) in &scored {
-        let runs = Runs {
-            bench: &bench,
-            score,
-            event,
-            setting,
-        };
-        let mut inputs = Inputs::default();
-        bench.inputs(&mut inputs)?;
-        inputs.add("event", format!("{event:?}").as_bytes());
-        inputs.add("vocabulary", study.vocabulary.source.text.as_bytes());
-        let work = Work {
-            runs,
-            store: &store,
-            inputs,
-            seeds: Seeds::new(study.about.seed, &format!("rare: {}", event.name)),
-            space: Space {
-                parameters: event.parameters.clone(),
-                constraints: Vec::new(),
-            },
-        };
-        events.push(work.report(level)?);
-    }
+    let asked = Asked {
+        store: Store::open(&folder.unwrap_or_else(|| study.folder.join("results/rare")))?,
+        wanted: text.events.iter().filter(wanted).collect(),
+        study: &study,
+        source: &source,
+        world: &world,
+        level,
+        setting,
+    };
+    let events = match &world {
+        World::Handover(handover) => asked.reports(&handover.bench, &handover.test)?,
+        World::Scene(scene, _) => asked.reports(scene.bench(), scene.stimulus())?,
+    };
     let report = RareReport {
         format: "1.0".into(),
-        engine: bench.engine.clone(),
+        engine: world.engine().to_owned(),
         confidence: level.level(),
         events,
     };
@@ -156,6 +69,60 @@ pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
             Format::Text => text_of(&report),
         },
     })
+}
+
+/// What is to be estimated.
+struct Asked<'a> {
+    study: &'a Study,
+    source: &'a Source,
+    world: &'a World,
+    wanted: Vec<&'a EventText>,
+    store: Store,
+    level: Confidence,
+    setting: &'a Setting,
+}
+
+impl Asked<'_> {
+    /// One report for each event that is wanted; all scores and inputs are tried before anything runs.
+    fn reports<B: Savable>(&self, bench: &B, test: &Stimulus) -> Result<Vec<EventReport>, Problem> {
+        let scored: Vec<(&EventText, Score)> = (self.wanted.iter())
+            .map(|event| {
+                let layout = bench.layout();
+                let layout = layout.map_err(|error| bench::simulation_problem(error, 0))?;
+                Ok((*event, Score::new(self.study, self.source, event, layout)?))
+            })
+            .collect::<Result<_, Problem>>()?;
+        let mut works = Vec::new();
+        for (event, score) in &scored {
+            let work = Work {
+                runs: Runs {
+                    bench,
+                    test,
+                    score,
+                    event,
+                    setting: self.setting,
+                },
+                store: &self.store,
+                inputs: self.inputs(event)?,
+                seeds: Seeds::new(self.study.about.seed, &format!("rare: {}", event.name)),
+                space: Space {
+                    parameters: event.parameters.clone(),
+                    constraints: Vec::new(),
+                },
+            };
+            work.accepts(self.source)?;
+            works.push(work);
+        }
+        works.iter().map(|work| work.report(self.level)).collect()
+    }
+
+    fn inputs(&self, event: &EventText) -> Result<Inputs, Problem> {
+        let mut inputs = Inputs::default();
+        self.world.inputs(&mut inputs)?;
+        inputs.add("event", format!("{event:?}").as_bytes());
+        inputs.add("vocabulary", self.study.vocabulary.source.text.as_bytes());
+        Ok(inputs)
+    }
 }
 
 fn check_only(only: &[String], text: &RareText) -> Result<(), Problem> {
@@ -174,15 +141,36 @@ fn check_only(only: &[String], text: &RareText) -> Result<(), Problem> {
 }
 
 /// The estimate of one event, part by part.
-struct Work<'a> {
-    runs: Runs<'a>,
+struct Work<'a, B> {
+    runs: Runs<'a, B>,
     store: &'a Store,
     inputs: Inputs,
     seeds: Seeds,
     space: Space,
 }
 
-impl Work<'_> {
+impl<B: Savable> Work<'_, B> {
+    /// Fails unless the middle of the inputs can be simulated, and both ends of each.
+    fn accepts(&self, source: &Source) -> Result<(), Problem> {
+        let middle = vec![0.5; self.space.dimensions()];
+        for (place, parameter) in self.space.parameters.iter().enumerate() {
+            for end in bench::tried(&parameter.distribution) {
+                let mut unit = middle.clone();
+                unit[place] = end;
+                let stimulus = stimulus_at(self.runs.test, &self.space, &unit)?;
+                let Err(SimError::Stimulus { reason }) = self.runs.bench.start(&stimulus, 0) else {
+                    continue;
+                };
+                let value = parameter.distribution.quantile(end);
+                let message = format!("`{}` cannot be {value}: {reason}", parameter.name);
+                return Err(Problem::new("bad-settings", message)
+                    .at(source, quoted(source, &parameter.name))
+                    .remedy("correct the keys that it sets, or its range"));
+            }
+        }
+        Ok(())
+    }
+
     fn report(&self, level: Confidence) -> Result<EventReport, Problem> {
         let event = self.runs.event;
         let stage = self
@@ -365,50 +353,6 @@ fn outcome(report: &RareReport) -> Outcome {
     } else {
         Outcome::Holds
     }
-}
-
-fn text_of(report: &RareReport) -> String {
-    let mut text = String::new();
-    for event in &report.events {
-        // Writing to a string cannot fail.
-        let _ = write_event(&mut text, event);
-    }
-    text
-}
-
-fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
-    writeln!(text, "{}\n  {}", event.name, event.meaning)?;
-    writeln!(
-        text,
-        "  probability  {:.3e}  [{:.3e}, {:.3e}]",
-        event.probability, event.low, event.high
-    )?;
-    writeln!(text, "  guarantee    {}", event.guarantee)?;
-    write!(
-        text,
-        "  cost         {:.0} episodes",
-        event.episode_equivalents
-    )?;
-    match event.plain_episodes_for_the_same_error {
-        Some(plain) => writeln!(text, "; as exact a count would take {plain:.2e}")?,
-        None => writeln!(text, "; the event was never reached")?,
-    }
-    if let Some(plain) = &event.plain {
-        writeln!(
-            text,
-            "  counted      {} of {} plain episodes  [{:.3e}, {:.3e}], {} (p = {:.3})",
-            plain.count,
-            plain.episodes,
-            plain.low,
-            plain.high,
-            match plain.p_value < CONTRADICTION {
-                true => "which contradicts it",
-                false => "which agrees",
-            },
-            plain.p_value
-        )?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -9,6 +9,10 @@
 //!
 //! Where two tables speak of the same count, they must agree.
 
+mod by_subject;
+
+pub use by_subject::SubjectCount;
+
 use super::{Produced, confidence, counts};
 use crate::problem::Problem;
 use crate::store::Inputs;

@@ -56,6 +56,13 @@ impl Validator<'_> {
                 fail(format!("at most {wanted}"));
             }
             "maximum" => {}
+            "minItems" if value.is_array() && (items(value).len() as u64) < count(wanted) => {
+                fail(format!("at least {wanted} items"));
+            }
+            "maxItems" if value.is_array() && (items(value).len() as u64) > count(wanted) => {
+                fail(format!("at most {wanted} items"));
+            }
+            "minItems" | "maxItems" => {}
             "anyOf" | "oneOf" => {
                 let fitting = items(wanted)
                     .iter()
@@ -130,6 +137,10 @@ impl Validator<'_> {
     }
 }
 
+fn count(value: &Value) -> u64 {
+    value.as_u64().expect("a number of items")
+}
+
 fn items(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
@@ -165,4 +176,7 @@ fn what_does_not_conform_is_found() {
     assert_eq!(count(r#"{"a": -1}"#), 1);
     assert_eq!(count(r#"{"a": 1.5}"#), 1);
     assert_eq!(count(r#"{"a": 1, "b": 2}"#), 1);
+    let pair: Value = serde_json::from_str(r#"{"minItems": 2, "maxItems": 2}"#).expect("a schema");
+    let of = |length: usize| violations(&pair, &Value::Array(vec![Value::Null; length])).len();
+    assert_eq!((of(1), of(2), of(3)), (1, 0, 1));
 }

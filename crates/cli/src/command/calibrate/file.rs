@@ -1,10 +1,15 @@
 //! The file of a calibration.
 
+pub use crate::command::rare::file::quoted;
 use crate::problem::{Problem, Source};
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use stimulus::{Parameter, Space};
 use toml::{Table, Value};
+
+/// What is wrong with such a file.
+pub const CODE: &str = "bad-calibration-file";
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -38,12 +43,38 @@ pub struct CalibrationText {
     /// Level of the intervals.
     #[serde(default = "ninety_five")]
     pub confidence: f64,
+    /// Whether trials are counted by subject where the evidence's tables do.
+    #[serde(default = "yes")]
+    pub by_subject: bool,
+    /// For a requirement or failure mode, the failure modes after which a trial was no opportunity
+    /// for it; without them its counts cannot be told apart by subject.
+    #[serde(default)]
+    pub no_opportunity_after: BTreeMap<String, Vec<String>>,
+    /// Runs that are kept out of the fit.
+    pub hold_out_runs: Option<HeldOutRuns>,
     /// What is known otherwise and replaces values of the parameters.
     #[serde(default)]
     pub known: Table,
     /// What is fitted, with its prior.
     #[serde(rename = "parameter")]
     pub parameters_fitted: Vec<Parameter>,
+}
+
+/// Runs that are predicted from the others.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "snake_case")]
+pub enum HeldOutRuns {
+    /// Those of these subjects.
+    Subjects(Vec<String>),
+    /// Those of this share of the subjects, drawn by the study's seed.
+    Share(f64),
+    /// All, in so many groups of subjects drawn by the study's seed: each group is predicted from
+    /// the others, and the fitted set rests on all.
+    Folds(usize),
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn three() -> u64 {
@@ -61,30 +92,108 @@ fn ninety_five() -> f64 {
 impl CalibrationText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
-        let text: Self =
-            toml::from_str(&source.text).map_err(|error| Problem::from_toml(source, &error))?;
-        let bad = |message: String, remedy: &str| {
-            let message = format!("{}: {message}", source.name);
-            Err(Problem::new("bad-calibration-file", message).remedy(remedy))
-        };
-        if let Err(error) = text.space().check() {
-            return bad(error.to_string(), "correct the parameter");
-        }
-        if text.parameters_fitted.is_empty() {
-            return bad("no parameter is fitted".into(), "add a [[parameter]]");
-        }
-        if text.episodes_per_round == 0 || text.rounds == 0 || text.check_episodes == 0 {
-            return bad("it has no episodes".into(), "give numbers of at least 1");
-        }
-        let stray = text.parameters_fitted.iter().flat_map(|p| &p.sets);
-        if let Some(key) = stray.into_iter().find(|k| !k.starts_with("parameters.")) {
-            let message = format!("`{key}` is not a value of the parameter set");
-            return bad(message, "fit keys that begin with `parameters.`");
-        }
-        if let Some(both) = text.fit.iter().find(|id| text.hold_out.contains(id)) {
-            return bad(format!("`{both}` is fitted and held out"), "choose one");
+        let text: Self = toml::from_str(&source.text).map_err(|error| {
+            let mut problem = Problem::from_toml(source, &error);
+            problem.code = CODE;
+            problem.remedy(
+                "`corroborate help calibrate` and `explain bad-calibration-file` say what it holds",
+            )
+        })?;
+        if let Some((word, message, remedy)) = text.wrong() {
+            let span = quoted(source, &word);
+            return Err(Problem::new(CODE, message).at(source, span).remedy(remedy));
         }
         Ok(text)
+    }
+
+    /// What is wrong with it: the word where it is, the message, and the remedy.
+    fn wrong(&self) -> Option<(String, String, &'static str)> {
+        for parameter in &self.parameters_fitted {
+            let alone = Space {
+                parameters: vec![parameter.clone()],
+                constraints: Vec::new(),
+            };
+            if let Err(error) = alone.check() {
+                return Some((
+                    parameter.name.clone(),
+                    error.to_string(),
+                    "correct the parameter",
+                ));
+            }
+            let stray = parameter
+                .sets
+                .iter()
+                .find(|key| !key.starts_with("parameters."));
+            if let Some(key) = stray {
+                let message = format!("`{key}` is not a value of the parameter set");
+                return Some((
+                    key.clone(),
+                    message,
+                    "fit keys that begin with `parameters.`",
+                ));
+            }
+        }
+        let says = |word: &str, message: &str, remedy| Some((word.into(), message.into(), remedy));
+        if let Err(error) = self.space().check() {
+            return says(
+                "",
+                &error.to_string(),
+                "give each parameter a name and keys of its own",
+            );
+        }
+        if self.parameters_fitted.is_empty() {
+            return says("", "no parameter is fitted", "add a [[parameter]]");
+        }
+        if self.fit.is_empty() {
+            return says(
+                "",
+                "nothing is fitted",
+                "name requirements or failure modes in `fit`",
+            );
+        }
+        if self.episodes_per_round == 0 || self.rounds == 0 || self.check_episodes == 0 {
+            return says("", "it has no episodes", "give numbers of at least 1");
+        }
+        if self.name.trim().is_empty() {
+            return says("", "the fitted set has no name", "give a `name`");
+        }
+        self.wrong_ids()
+    }
+
+    fn wrong_ids(&self) -> Option<(String, String, &'static str)> {
+        let all: Vec<&String> = self.fit.iter().chain(&self.hold_out).collect();
+        let twice = |place: usize| all[..place].contains(&all[place]);
+        if let Some(place) = (0..all.len()).find(|place| twice(*place)) {
+            let message = format!("`{}` is named twice in `fit` and `hold_out`", all[place]);
+            return Some((all[place].clone(), message, "name it once, in one of them"));
+        }
+        if let Some(id) = self
+            .no_opportunity_after
+            .keys()
+            .find(|id| !all.contains(id))
+        {
+            let message = format!("`{id}` is neither fitted nor held out");
+            return Some((
+                id.clone(),
+                message,
+                "correct the name in [no_opportunity_after]",
+            ));
+        }
+        let problem = match &self.hold_out_runs {
+            _ if self.hold_out_runs.is_some() && !self.by_subject => {
+                "runs are held out by subject, but `by_subject` is false"
+            }
+            Some(HeldOutRuns::Share(share)) if !(*share > 0.0 && *share < 1.0) => {
+                "the share of runs held out is not between 0 and 1"
+            }
+            Some(HeldOutRuns::Folds(0 | 1)) => "fewer than two folds leave nothing to fit",
+            Some(HeldOutRuns::Subjects(subjects)) if subjects.is_empty() => {
+                "no subject is held out"
+            }
+            _ => return None,
+        };
+        let remedy = "correct `hold_out_runs`";
+        Some(("hold_out_runs".into(), problem.into(), remedy))
     }
 
     /// What is fitted.
@@ -96,19 +205,22 @@ impl CalibrationText {
     }
 }
 
-/// Replaces values of `into` by those of `known`, table by table.
-pub fn merge(into: &mut Table, known: &Table) {
+/// Replaces values of `into` by those of `known`, table by table; the key that
+/// `into` does not have is the error.
+pub fn merge(into: &mut Table, known: &Table) -> Result<(), String> {
     for (key, value) in known {
-        match (into.get_mut(key), value) {
+        let Some(old) = into.get_mut(key) else {
+            return Err(key.clone());
+        };
+        match (old, value) {
             // A distribution replaces another whole.
-            (Some(Value::Table(old)), Value::Table(new)) if old.keys().any(|k| !is_kind(k)) => {
-                merge(old, new);
+            (Value::Table(old), Value::Table(new)) if !old.keys().any(|k| is_kind(k)) => {
+                merge(old, new).map_err(|inner| format!("{key}.{inner}"))?;
             }
-            _ => {
-                into.insert(key.clone(), value.clone());
-            }
+            (old, new) => *old = new.clone(),
         }
     }
+    Ok(())
 }
 
 fn is_kind(key: &str) -> bool {
@@ -129,11 +241,13 @@ mod tests {
             "[hand]\nfriction = { normal = [0.5, 0.1] }\nmass = { uniform = [1.0, 2.0] }",
         )
         .unwrap();
-        merge(&mut base, &known);
+        merge(&mut base, &known).unwrap();
         let wanted: Table = toml::from_str(
             "a = 1\n[hand]\nfriction = { normal = [0.5, 0.1] }\nstiffness = 2.0\nmass = { uniform = [1.0, 2.0] }",
         )
         .unwrap();
         assert_eq!(base, wanted);
+        let unknown: Table = toml::from_str("hand.frictoin = 1.0").unwrap();
+        assert_eq!(merge(&mut base, &unknown).unwrap_err(), "hand.frictoin");
     }
 }

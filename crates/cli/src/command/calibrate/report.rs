@@ -1,8 +1,7 @@
-//! What a calibration found, as JSON and as text.
+//! What a calibration found, as JSON.
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt::Write;
 
 /// What `calibrate --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -29,6 +28,8 @@ pub struct CalibrationReport {
     pub directions: Vec<DirectionReport>,
     /// Ways to fail, fitted ones first.
     pub modes: Vec<ModeReport>,
+    /// Groups of subjects, each predicted from the others.
+    pub held_out_runs: Vec<HeldOutRunsReport>,
     /// Whether the fitted set reproduces what was counted.
     pub reproduces: bool,
     /// The fitted parameter set, as TOML.
@@ -56,6 +57,8 @@ pub struct ParameterReport {
     pub high: f64,
     /// How much of the prior's variance is gone, on the prior's scale.
     pub contraction: f64,
+    /// The posterior's standard deviation over the prior's, on the prior's scale.
+    pub deviation_ratio: f64,
 }
 
 /// A direction of the parameters.
@@ -80,9 +83,17 @@ pub struct ModeReport {
     pub occurrences: u64,
     /// How often it could have.
     pub opportunities: u64,
+    /// Occurrences that were fitted; of a held-out mode, those that were predicted.
+    pub fitted_occurrences: u64,
+    /// Their opportunities.
+    pub fitted_opportunities: u64,
+    /// Whether trials of one subject were allowed to be alike.
+    pub by_subject: bool,
+    /// The posterior mean of the correlation between trials of one subject.
+    pub intraclass_correlation: Option<f64>,
     /// The predicted rate.
     pub predicted_rate: f64,
-    /// Counts between which 95 % of the predictions lie.
+    /// Counts between which 95 % of the predictions of the fitted opportunities lie.
     pub predicted_low: u64,
     /// Upper end.
     pub predicted_high: u64,
@@ -94,109 +105,35 @@ pub struct ModeReport {
     pub check_occurrences: u64,
     /// Opportunities there.
     pub check_opportunities: u64,
-    /// Fisher's exact p-value of fitted set against evidence.
+    /// Fisher's exact p-value of fitted set against evidence, held-out runs included.
     pub check_p: f64,
 }
 
-impl CalibrationReport {
-    /// For people.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write(&mut text);
-        text
-    }
-
-    fn write(&self, text: &mut String) -> std::fmt::Result {
-        writeln!(
-            text,
-            "Fitted to {}, from {} episodes",
-            self.evidence, self.episodes
-        )?;
-        writeln!(text, "  {}\n", self.guarantee)?;
-        writeln!(text, "Parameters (prior -> median [interval], learnt)")?;
-        for it in &self.parameters {
-            let unit = it.unit.as_deref().unwrap_or("");
-            writeln!(
-                text,
-                "  {:<24} [{:.4}, {:.4}] -> {:.4} [{:.4}, {:.4}] {unit}  {:.0} %; fitted {:.4}",
-                it.name,
-                it.prior[0],
-                it.prior[1],
-                it.median,
-                it.low,
-                it.high,
-                100.0 * it.contraction.max(0.0),
-                it.fitted
-            )?;
-        }
-        self.write_directions(text)?;
-        writeln!(text, "\nWays to fail (counted; predicted; fitted set)")?;
-        for mode in &self.modes {
-            write_mode(text, mode)?;
-        }
-        writeln!(
-            text,
-            "\nThe fitted set {} what was counted.",
-            if self.reproduces {
-                "reproduces"
-            } else {
-                "does not reproduce"
-            }
-        )
-    }
-
-    fn write_directions(&self, text: &mut String) -> std::fmt::Result {
-        let unidentified = self.directions.iter().filter(|d| d.unidentified);
-        for direction in unidentified {
-            let parts = self.parameters.iter().zip(&direction.loadings);
-            let parts = parts
-                .filter(|(_, loading)| loading.abs() > 0.2)
-                .map(|(parameter, loading)| format!("{loading:+.2} {}", parameter.name));
-            writeln!(
-                text,
-                "  not identified: {} ({:.0} % of the prior's variance is left)",
-                parts.collect::<Vec<_>>().join(" "),
-                100.0 * direction.variance_share
-            )?;
-        }
-        for (i, row) in self.correlations.iter().enumerate() {
-            for (j, correlation) in row.iter().enumerate().take(i) {
-                if correlation.abs() >= 0.4 {
-                    writeln!(
-                        text,
-                        "  hang together: {} and {} (correlation {correlation:+.2})",
-                        self.parameters[j].name, self.parameters[i].name
-                    )?;
-                }
-            }
-        }
-        Ok(())
-    }
+/// Runs that were predicted from those of the other subjects.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct HeldOutRunsReport {
+    /// Whose runs.
+    pub subjects: Vec<String>,
+    /// Whether they were kept out of the fitted set, too; else each group is predicted in turn and
+    /// the fitted set rests on all.
+    pub fitted_set_without_them: bool,
+    /// Their counts beside their predictions.
+    pub predictions: Vec<PredictionReport>,
 }
 
-fn write_mode(text: &mut String, mode: &ModeReport) -> std::fmt::Result {
-    writeln!(
-        text,
-        "  {:<26} {:>3}/{:<4} {:>3} to {:<3} (p = {})  {:>3}/{:<4} (p = {:.3})  {}",
-        mode.id,
-        mode.occurrences,
-        mode.opportunities,
-        mode.predicted_low,
-        mode.predicted_high,
-        mode.predictive_p.map_or("-".into(), |p| format!("{p:.3}")),
-        mode.check_occurrences,
-        mode.check_opportunities,
-        mode.check_p,
-        if mode.held_out { "held out" } else { "fitted" }
-    )?;
-    match mode.surface_p {
-        Some(p) if p < 0.01 => {
-            writeln!(
-                text,
-                "    its response surface does not fit its episodes (p = {p:.4})"
-            )
-        }
-        _ => Ok(()),
-    }
+/// A way to fail in held-out runs.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PredictionReport {
+    /// The requirement or failure mode.
+    pub id: String,
+    /// How often it occurred there.
+    pub occurrences: u64,
+    /// How often it could have.
+    pub opportunities: u64,
+    /// Counts between which 95 % of the predictions lie.
+    pub predicted_low: u64,
+    /// Upper end.
+    pub predicted_high: u64,
+    /// Two-sided predictive p-value of what was counted.
+    pub predictive_p: Option<f64>,
 }

@@ -1,10 +1,92 @@
-//! The handover world of a study, ready for campaigns over its stimuli.
+//! The worlds of a study, ready for campaigns over their stimuli.
 
+use super::file::{CODE, RareText};
 use crate::problem::{Problem, Source};
 use crate::store::{Inputs, program_hash};
+use crate::study::Study;
+use crate::technique::bench::SceneCampaign;
+use crate::technique::simulation::load_engine;
 use std::path::Path;
-use stimulus::{Space, Stimulus};
-use testbench::{Engine, HandoverBench, SimError};
+use stimulus::{Distribution, Space, Stimulus};
+use testbench::{HandoverBench, SimError};
+
+/// The bench of a file of rare events.
+pub enum World {
+    /// The handover.
+    Handover(Box<TestBench>),
+    /// A scene with any robot, and the engine's name and version.
+    Scene(Box<SceneCampaign>, String),
+}
+
+impl World {
+    /// Opens what the file names.
+    pub fn open(
+        study: &Study,
+        source: &Source,
+        text: &RareText,
+        library: Option<&Path>,
+    ) -> Result<Self, Problem> {
+        match (&text.scenario, &text.parameters, &text.scene) {
+            (Some(scenario), Some(parameters), None) => {
+                let scenario = Source::read(&study.folder.join(scenario))?;
+                let parameters = Source::read(&study.folder.join(parameters))?;
+                let bench = TestBench::new(&scenario, &parameters, &text.test, library)?;
+                Ok(Self::Handover(Box::new(bench)))
+            }
+            (None, None, Some(scene)) => {
+                let engine = load_engine(library)?;
+                let scene = SceneCampaign::new(study, scene, Some(&text.test), &engine)?;
+                let engine = format!("MuJoCo {}", engine.version());
+                Ok(Self::Scene(Box::new(scene), engine))
+            }
+            _ => Err(Problem::new(
+                CODE,
+                "the file names neither a scene alone nor a scenario with its parameters",
+            )
+            .at(source, 0..source.text.lines().next().map_or(0, str::len))
+            .remedy("give `scene`, or `scenario` and `parameters`")),
+        }
+    }
+
+    /// The engine's name and version.
+    pub fn engine(&self) -> &str {
+        match self {
+            Self::Handover(bench) => &bench.engine,
+            Self::Scene(_, engine) => engine,
+        }
+    }
+
+    /// What every episode depends on, besides its seed and its settings.
+    pub fn inputs(&self, inputs: &mut Inputs) -> Result<(), Problem> {
+        match self {
+            Self::Handover(bench) => bench.inputs(inputs),
+            Self::Scene(scene, engine) => {
+                scene.inputs(inputs);
+                inputs
+                    .add("engine", engine.as_bytes())
+                    .add("program", program_hash()?.as_bytes());
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Ends and middle of a distribution, in its distribution function; ends that are infinite are
+/// taken a thousandth inside.
+pub fn tried(distribution: &Distribution) -> [f64; 3] {
+    let end = |at: f64, inside: f64| match distribution.quantile(at).is_finite() {
+        true => at,
+        false => inside,
+    };
+    [end(0.0, 0.001), 0.5, end(1.0, 0.999)]
+}
+
+/// A test with the settings of a point of `space`.
+pub fn stimulus_at(test: &Stimulus, space: &Space, unit: &[f64]) -> Result<Stimulus, Problem> {
+    space
+        .stimulus(&test.test, &space.at(unit))
+        .map_err(|error| Problem::new("bad-settings", error.to_string()))
+}
 
 /// A bench with the test that its episodes enact.
 pub struct TestBench {
@@ -25,16 +107,7 @@ impl TestBench {
         test: &str,
         library: Option<&Path>,
     ) -> Result<Self, Problem> {
-        let Some(library) = library else {
-            let message = "simulations need the MuJoCo library, whose place is not known";
-            return Err(Problem::new("no-physics-library", message).remedy(
-                "start the program as `./corroborate`, which fetches it, or set CORROBORATE_MUJOCO to its path",
-            ));
-        };
-        let engine = Engine::load(library).map_err(|error| {
-            Problem::new("no-physics-library", error.to_string())
-                .remedy("run `tools/mujoco`, which fetches the version that is needed")
-        })?;
+        let engine = load_engine(library)?;
         let bench =
             HandoverBench::new(&engine, &scenario.text, &parameters.text).map_err(|error| {
                 let names = format!("{}, {}", scenario.name, parameters.name);
@@ -65,9 +138,7 @@ impl TestBench {
 
     /// The test with the settings of a point of `space`.
     pub fn stimulus(&self, space: &Space, unit: &[f64]) -> Result<Stimulus, Problem> {
-        space
-            .stimulus(&self.test.test, &space.at(unit))
-            .map_err(|error| Problem::new("bad-settings", error.to_string()))
+        stimulus_at(&self.test, space, unit)
     }
 }
 

@@ -2,16 +2,22 @@
 
 use crate::problem::{Problem, Source};
 use serde::Deserialize;
+use std::ops::Range;
 use std::path::PathBuf;
 use stimulus::{Parameter, Space};
+
+/// What is wrong with such a file.
+pub const CODE: &str = "bad-rare-event";
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RareText {
-    /// Scenario and parameters, relative to the study.
-    pub scenario: PathBuf,
-    pub parameters: PathBuf,
+    /// Scenario and parameters, relative to the study; or
+    pub scenario: Option<PathBuf>,
+    pub parameters: Option<PathBuf>,
+    /// a scene.
+    pub scene: Option<PathBuf>,
     /// The abstract test that episodes enact.
     pub test: String,
     /// Level of the intervals.
@@ -71,67 +77,106 @@ fn ten() -> u64 {
 impl RareText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
-        let text: Self =
-            toml::from_str(&source.text).map_err(|error| Problem::from_toml(source, &error))?;
+        let text: Self = toml::from_str(&source.text).map_err(|error| {
+            let mut problem = Problem::from_toml(source, &error);
+            problem.code = CODE;
+            problem.remedy("`corroborate explain bad-rare-event` says what the file holds")
+        })?;
         for (index, event) in text.events.iter().enumerate() {
-            event.check(source)?;
-            if text.events[..index].iter().any(|e| e.name == event.name) {
-                let message = format!("{}: two events are called `{}`", source.name, event.name);
-                return Err(Problem::new("bad-rare-event", message).remedy("rename one of them"));
+            let twice = text.events[..index].iter().any(|e| e.name == event.name);
+            let wrong = match twice {
+                true => Some(("two events have this name".into(), "rename one of them")),
+                false => event.wrong(),
+            };
+            if let Some((message, remedy)) = wrong {
+                let message = format!("event `{}`: {message}", event.name);
+                return Err(Problem::new(CODE, message)
+                    .at(source, quoted(source, &event.name))
+                    .remedy(remedy));
             }
+        }
+        if text.events.is_empty() {
+            let problem = Problem::new(CODE, "the file has no event");
+            return Err(problem.at(source, 0..0).remedy("add an [[event]]"));
         }
         Ok(text)
     }
 }
 
 impl EventText {
-    fn check(&self, source: &Source) -> Result<(), Problem> {
-        let problem = |text: &str, remedy: &str| {
-            let message = format!("{}: `{}`: {text}", source.name, self.name);
-            Err(Problem::new("bad-rare-event", message).remedy(remedy))
-        };
+    /// What is wrong with it, and the remedy.
+    fn wrong(&self) -> Option<(String, &'static str)> {
+        let says = |text: &str, remedy| Some((text.to_owned(), remedy));
         if !(self.until_secs.is_finite() && self.until_secs > 0.0) {
-            return problem(
+            return says(
                 "`until_secs` is no duration",
                 "give a positive number of seconds",
             );
         }
+        if self.greatest.is_some() == self.longest.is_some() {
+            return says(
+                "it has no score, or two",
+                "give either `greatest = \"a quantity\"` or `longest = \"a proposition\"`",
+            );
+        }
         if self.replications < 2 {
-            return problem(
+            return says(
                 "one replication says nothing of its own error",
                 "take 10 or more",
             );
         }
         if !self.parameters.is_empty() && !self.levels.is_empty() {
-            return problem(
+            return says(
                 "levels are found, not given, where inputs vary",
                 "leave out `levels`, or the parameters",
+            );
+        }
+        let (particles, killed) = (self.particles, self.killed());
+        if particles < 2 || killed == 0 || killed >= particles {
+            return says(
+                &format!("{killed} of {particles} runs cannot be killed at a time"),
+                "take at least 2 particles, and kill at least 1 and fewer than all",
+            );
+        }
+        if !self.parameters.is_empty() && (killed < 2 || !particles.is_multiple_of(killed)) {
+            return says(
+                &format!("{killed} chains do not share {particles} particles"),
+                "set `killed` to 2 or more, and to a divisor of `particles`",
+            );
+        }
+        let rungs = self.rungs();
+        let rising = rungs.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || rungs.iter().any(|rung| !rung.is_finite()) {
+            return says(
+                "the levels and the limit do not rise",
+                "order `levels` from the most to the least common, all below `limit`",
             );
         }
         let space = Space {
             parameters: self.parameters.clone(),
             constraints: Vec::new(),
         };
-        match space.check() {
-            Ok(()) => self.rungs().map(|_| ()),
-            Err(error) => problem(&error.to_string(), "correct the parameter"),
-        }
+        let error = space.check().err()?;
+        Some((error.to_string(), "correct the parameter"))
     }
 
     /// The ladder: the levels and then the limit.
-    pub fn rungs(&self) -> Result<Vec<f64>, Problem> {
-        let rungs: Vec<f64> = self.levels.iter().copied().chain([self.limit]).collect();
-        let rising = rungs.windows(2).all(|pair| pair[0] < pair[1]);
-        if rising && rungs.iter().all(|rung| rung.is_finite()) {
-            return Ok(rungs);
-        }
-        let message = format!("{}: the levels and the limit do not rise", self.name);
-        Err(Problem::new("bad-rare-event", message)
-            .remedy("order `levels` from the most to the least common, all below `limit`"))
+    pub fn rungs(&self) -> Vec<f64> {
+        self.levels.iter().copied().chain([self.limit]).collect()
     }
 
     /// How many are killed at a time: as declared, or a tenth.
     pub fn killed(&self) -> usize {
         self.killed.unwrap_or(self.particles.div_ceil(10))
     }
+}
+
+/// Where a word stands in a file: in quotes if it does so, else bare, else the first line.
+pub fn quoted(source: &Source, word: &str) -> Range<usize> {
+    let text = &source.text;
+    let found = [format!("\"{word}\""), word.to_owned()]
+        .into_iter()
+        .filter(|_| !word.is_empty())
+        .find_map(|wanted| text.find(&wanted).map(|at| at..at + wanted.len()));
+    found.unwrap_or_else(|| 0..text.lines().next().map_or(0, str::len))
 }

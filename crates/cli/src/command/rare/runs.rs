@@ -1,21 +1,23 @@
 //! Runs of the bench as splitting and subset simulation want them.
 
-use super::bench::{TestBench, simulation_problem};
+use super::bench::{simulation_problem, stimulus_at};
 use super::file::EventText;
 use super::score::{Follower, Following, Score};
 use crate::command::Setting;
 use crate::problem::Problem;
 use campaign::splitting::{Branch, Candidate, Crossing, Job};
 use rayon::prelude::*;
-use stimulus::Space;
-use testbench::{Bench, Savable, SavedHandover, Status};
+use stimulus::{Space, Stimulus};
+use testbench::{Savable, SimError, Status};
 
 /// A run is looked at this often, and saved if it has come nearer.
 const LOOK_SECS: f64 = 0.02;
 
 /// One event on one bench.
-pub struct Runs<'a> {
-    pub bench: &'a TestBench,
+pub struct Runs<'a, B> {
+    pub bench: &'a B,
+    /// The test that episodes enact, without settings.
+    pub test: &'a Stimulus,
     pub score: &'a Score,
     pub event: &'a EventText,
     pub setting: &'a Setting,
@@ -23,25 +25,28 @@ pub struct Runs<'a> {
 
 /// A run at a moment at which it had come nearer to the event.
 #[derive(Clone)]
-pub struct Moment {
-    saved: SavedHandover,
+pub struct Moment<S> {
+    saved: S,
     follower: Follower,
 }
 
-impl Runs<'_> {
+impl<B: Savable> Runs<'_, B> {
     /// The highest rung.
     pub fn top(&self) -> usize {
         self.score.rungs.len()
     }
 
     /// Runs, in parallel; the outcomes come in the order of the jobs.
-    pub fn branches(&self, jobs: Vec<Job<Moment>>) -> Result<Vec<Branch<Moment>>, Problem> {
+    pub fn branches(
+        &self,
+        jobs: Vec<Job<Moment<B::Saved>>>,
+    ) -> Result<Vec<Branch<Moment<B::Saved>>>, Problem> {
         jobs.into_par_iter().map(|job| self.branch(&job)).collect()
     }
 
-    fn branch(&self, job: &Job<Moment>) -> Result<Branch<Moment>, Problem> {
-        let fail = |error| simulation_problem(error, job.seed);
-        let bench = &self.bench.bench;
+    fn branch(&self, job: &Job<Moment<B::Saved>>) -> Result<Branch<Moment<B::Saved>>, Problem> {
+        let fail = |error| self.problem(error, job.seed);
+        let bench = self.bench;
         let mut rung = job.from.as_ref().map_or(0, |from| from.rung);
         let mut branch = Branch {
             crossings: Vec::new(),
@@ -52,7 +57,7 @@ impl Runs<'_> {
         }
         let (mut run, mut follower) = match &job.from {
             None => {
-                let run = bench.start(&self.bench.test, job.seed).map_err(fail)?;
+                let run = bench.start(self.test, job.seed).map_err(fail)?;
                 (run, self.score.start())
             }
             Some(from) => {
@@ -94,6 +99,14 @@ impl Runs<'_> {
         Ok(branch)
     }
 
+    fn problem(&self, error: SimError, seed: u64) -> Problem {
+        match error {
+            // A controller that ended with us did not fail.
+            SimError::Controller(_) if self.setting.interrupt.is_set() => Problem::interrupted(),
+            other => simulation_problem(other, seed),
+        }
+    }
+
     fn following<'f>(&'f self, follower: &'f mut Follower) -> Following<'f> {
         Following {
             score: self.score,
@@ -112,14 +125,13 @@ impl Runs<'_> {
     /// The score of one plain episode, exact up to the limit.
     pub fn episode(&self, space: &Space, unit: &[f64], seed: u64) -> Result<f64, Problem> {
         self.setting.go_on()?;
-        let stimulus = self.bench.stimulus(space, unit)?;
+        let stimulus = stimulus_at(self.test, space, unit)?;
         let mut follower = self.score.start();
         let mut watch = self.following(&mut follower);
         let cancel = self.setting.interrupt.cancel();
         self.bench
-            .bench
             .run(&stimulus, seed, &mut watch, cancel)
-            .map_err(|error| simulation_problem(error, seed))?;
+            .map_err(|error| self.problem(error, seed))?;
         match watch.problem {
             Some(problem) => Err(problem),
             None => Ok(follower.highest),

@@ -4,8 +4,8 @@
 //! counts, or a proposition, of which the longest time counts during which it
 //! held without interruption. The event is a score of at least the limit.
 
-use super::file::EventText;
-use crate::problem::Problem;
+use super::file::{EventText, quoted};
+use crate::problem::{Problem, Source};
 use crate::study::Study;
 use testbench::{Control, Watch};
 use trace::{BoundPredicate, BoundQuantity, SignalIndex, Snapshot, Trace};
@@ -38,32 +38,34 @@ pub struct Follower {
 
 impl Score {
     /// Binds the event's score to the channels of `layout`.
-    pub fn new(study: &Study, event: &EventText, layout: Trace) -> Result<Self, Problem> {
+    pub fn new(
+        study: &Study,
+        source: &Source,
+        event: &EventText,
+        layout: Trace,
+    ) -> Result<Self, Problem> {
         let words = &study.vocabulary.signals;
-        let bad = |error: trace::PredicateError| {
-            Problem::new("bad-predicate", format!("{}: {}", event.name, error.kind)).remedy(
-                "correct the score: signals are written /topic.field, words are the vocabulary's",
-            )
+        let wrong = |text: &str, reason: String| {
+            let message = format!("event `{}`: {reason}", event.name);
+            Problem::new("bad-predicate", message)
+                .at(source, quoted(source, text))
+                .remedy("correct the score: signals are written /topic.field, words are the vocabulary's")
         };
         let kind = match (&event.greatest, &event.longest) {
-            (Some(text), None) => Kind::Greatest(
+            (Some(text), _) => Kind::Greatest(
                 words
                     .quantity(text)
                     .and_then(|q| q.bind(&layout))
-                    .map_err(bad)?,
+                    .map_err(|error| wrong(text, error.kind.to_string()))?,
             ),
-            (None, Some(text)) => Kind::Longest(
+            (_, Some(text)) => Kind::Longest(
                 words
                     .predicate(text)
                     .and_then(|p| p.bind(&layout))
-                    .map_err(bad)?,
+                    .map_err(|error| wrong(text, error.kind.to_string()))?,
             ),
-            _ => {
-                let message = format!("{}: it has no score, or two", event.name);
-                return Err(Problem::new("bad-rare-event", message).remedy(
-                    "give either `greatest = \"a quantity\"` or `longest = \"a proposition\"`",
-                ));
-            }
+            // Refused when the file is read.
+            (None, None) => return Err(wrong(&event.name, "it has no score".into())),
         };
         let signals = match &kind {
             Kind::Greatest(quantity) => quantity.signals(),
@@ -73,7 +75,7 @@ impl Score {
             channels: signals.iter().map(|it: &SignalIndex| it.channel).collect(),
             kind,
             layout,
-            rungs: event.rungs()?,
+            rungs: event.rungs(),
         })
     }
 

@@ -1,0 +1,215 @@
+//! The rounds of a calibration, its episodes, and what they give.
+
+use super::conclusion::{held_out_runs, mode_reports, reproduces};
+use super::counts::Reality;
+use super::file::{CODE, CalibrationText};
+use super::parameter_set;
+use super::report::{CalibrationReport, DirectionReport, ParameterReport};
+use crate::command::Setting;
+use crate::command::rare::bench::{TestBench, simulation_problem};
+use crate::problem::{Problem, Source};
+use crate::store::{Inputs, Store};
+use crate::talk::Stage;
+use crate::technique::judging::Judges;
+use crate::technique::simulation::Seeds;
+use campaign::calibration::{Calibration, CalibrationOptions, Episode, Posterior};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use stats::Confidence;
+use std::ops::Range;
+use stimulus::{Space, Stimulus};
+use temporal::monitor::Verdict;
+use testbench::{Bench, Unwatched};
+
+/// Episodes that are kept together.
+const CHUNK: usize = 32;
+
+/// Numbers of the episodes that check the fitted set begin here.
+const CHECK_FROM: u64 = 1_000_000;
+
+/// For each episode, the outcome of each way to fail.
+pub type Outcomes = Vec<Vec<Option<bool>>>;
+
+/// What is kept of a chunk of episodes.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept(Outcomes);
+
+/// A calibration, ready to be done.
+pub struct Work<'a> {
+    pub text: &'a CalibrationText,
+    pub bench: &'a TestBench,
+    pub judges: Judges<'a>,
+    pub reality: Reality,
+    pub space: Space,
+    pub store: Store,
+    pub inputs: Inputs,
+    pub seeds: Seeds,
+    pub setting: &'a Setting,
+}
+
+impl Work<'_> {
+    /// Does it.
+    pub fn report(&self, base: &Source, level: Confidence) -> Result<CalibrationReport, Problem> {
+        let calibration = self.rounds()?;
+        let posterior = calibration.posterior();
+        let fitted = self.space.at(&posterior.mean());
+        let settings = self
+            .space
+            .settings(&fitted)
+            .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
+        let units = vec![posterior.mean(); self.text.check_episodes as usize];
+        let check = self.episodes("fitted set", CHECK_FROM, &units)?;
+        let modes = mode_reports(&self.reality, &calibration, &posterior, &check)?;
+        let held_out_runs = held_out_runs(&self.reality, &calibration)?;
+        let parameters = self.parameters(&posterior, &fitted.0, level);
+        let body = parameter_set::body(base, &settings)?;
+        let heading = parameter_set::heading(self.text, &self.reality, &parameters);
+        let directions = posterior.directions().into_iter();
+        Ok(CalibrationReport {
+            format: "1.1".into(),
+            engine: self.bench.engine.clone(),
+            evidence: self.text.evidence.clone(),
+            guarantee: "estimated: posterior by response surfaces (logistic, quadratic) over seeded episodes; checked by episodes of the fitted set".into(),
+            episodes: calibration.episodes().len() as u64,
+            effective_size: posterior.effective_size(),
+            confidence: level.level(),
+            correlations: posterior.correlations(),
+            directions: directions
+                .map(|d| DirectionReport {
+                    loadings: d.loadings,
+                    variance_share: d.variance_share,
+                    unidentified: d.unidentified,
+                })
+                .collect(),
+            reproduces: reproduces(&modes, &held_out_runs),
+            parameter_set: heading + &body,
+            parameters,
+            modes,
+            held_out_runs,
+        })
+    }
+
+    fn parameters(
+        &self,
+        posterior: &Posterior,
+        fitted: &[f64],
+        level: Confidence,
+    ) -> Vec<ParameterReport> {
+        let parameters = self.space.parameters.iter().zip(fitted);
+        let parameters = parameters.zip(posterior.marginals(level));
+        let report = |((parameter, fitted), marginal): (
+            (&stimulus::Parameter, &f64),
+            campaign::calibration::Marginal,
+        )| {
+            let at = |unit: f64| parameter.distribution.quantile(unit);
+            ParameterReport {
+                name: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                sets: parameter.sets.clone(),
+                prior: parameter.distribution.support(),
+                fitted: *fitted,
+                median: at(marginal.median),
+                low: at(marginal.interval.low),
+                high: at(marginal.interval.high),
+                contraction: marginal.contraction,
+                deviation_ratio: (1.0 - marginal.contraction).max(0.0).sqrt(),
+            }
+        };
+        parameters.map(report).collect()
+    }
+
+    fn rounds(&self) -> Result<Calibration, Problem> {
+        let options = CalibrationOptions {
+            dimensions: self.space.dimensions(),
+            points: self.text.points,
+            seed: self.seeds.of(0),
+        };
+        let mut calibration =
+            Calibration::new(self.reality.fitted(), options).map_err(bad_calibration)?;
+        let count = self.text.episodes_per_round;
+        for round in 0..self.text.rounds {
+            let units = calibration.ask(count as usize);
+            let title = format!("round {} of {}", round + 1, self.text.rounds);
+            let outcomes = self.episodes(&title, 1 + round * count, &units)?;
+            for (unit, outcomes) in units.into_iter().zip(outcomes) {
+                let told = calibration.tell(Episode { unit, outcomes });
+                told.map_err(bad_calibration)?;
+            }
+        }
+        Ok(calibration)
+    }
+
+    /// Episodes at points of the unit cube, numbered from `first`; chunks that
+    /// are kept are not run again.
+    fn episodes(&self, title: &str, first: u64, units: &[Vec<f64>]) -> Result<Outcomes, Problem> {
+        let stage = self.setting.talk.begin(title, units.len() as u64);
+        let mut all = Vec::with_capacity(units.len());
+        for from in (0..units.len()).step_by(CHUNK) {
+            let range = from..(from + CHUNK).min(units.len());
+            let mut inputs = self.inputs.clone();
+            inputs.add_json("units", &&units[range.clone()]);
+            inputs.add("first", &(first + from as u64).to_le_bytes());
+            let inputs = inputs.hash();
+            let name = format!("episodes-{:07}.json", first + from as u64);
+            let outcomes = match self.store.fresh(&name, &inputs) {
+                Some(Kept(outcomes)) => {
+                    range.clone().for_each(|_| stage.advance());
+                    outcomes
+                }
+                None => {
+                    let made = self.chunk(first, units, range, &stage)?;
+                    self.store.keep(&name, &inputs, Kept(made.clone()))?;
+                    made
+                }
+            };
+            all.extend(outcomes);
+        }
+        Ok(all)
+    }
+
+    fn chunk(
+        &self,
+        first: u64,
+        units: &[Vec<f64>],
+        range: Range<usize>,
+        stage: &Stage,
+    ) -> Result<Outcomes, Problem> {
+        let one = |index: usize| {
+            let stimulus = self.bench.stimulus(&self.space, &units[index])?;
+            let outcomes = self.episode(&stimulus, self.seeds.of(first + index as u64))?;
+            stage.advance();
+            Ok(outcomes)
+        };
+        range.into_par_iter().map(one).collect()
+    }
+
+    /// Runs one episode and says of each way to fail: violated or occurred (`true`), not (`false`),
+    /// or no opportunity.
+    fn episode(&self, stimulus: &Stimulus, seed: u64) -> Result<Vec<Option<bool>>, Problem> {
+        self.setting.go_on()?;
+        let cancel = self.setting.interrupt.cancel();
+        let recorded = self
+            .bench
+            .bench
+            .run(stimulus, seed, &mut Unwatched, cancel)
+            .map_err(|error| simulation_problem(error, seed))?;
+        let judgements = self.judges.judge(&recorded.trace)?;
+        let of = |mode: &str| {
+            let judgement = judgements
+                .iter()
+                .find(|j| j.subject.id() == mode && j.reading.is_none());
+            match judgement?.findings.verdict {
+                Verdict::Violated => Some(true),
+                Verdict::Satisfied => Some(false),
+                Verdict::NotCovered | Verdict::Inconclusive => None,
+            }
+        };
+        let modes = self.reality.observed.iter();
+        Ok(modes.map(|observed| of(&observed.mode)).collect())
+    }
+}
+
+/// An error of the campaign as a problem.
+pub fn bad_calibration(error: impl std::fmt::Display) -> Problem {
+    Problem::new(CODE, error.to_string()).remedy("correct the calibration's file")
+}

@@ -1,0 +1,111 @@
+//! What is found of rare events, as JSON and as text.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Below this, counting and splitting contradict each other.
+pub const CONTRADICTION: f64 = 0.01;
+
+/// What `rare --format json` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RareReport {
+    /// Version of this form.
+    pub format: String,
+    /// The physics engine with its version.
+    pub engine: String,
+    /// The level of the intervals.
+    pub confidence: f64,
+    /// The events, in the order of the file.
+    pub events: Vec<EventReport>,
+}
+
+/// One event.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EventReport {
+    /// Its name.
+    pub name: String,
+    /// What it means.
+    pub meaning: String,
+    /// What the estimate rests on.
+    pub guarantee: String,
+    /// The score that is the event.
+    pub limit: f64,
+    /// The probability that it happens in an episode.
+    pub probability: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Standard error over estimate; none if it was never reached.
+    pub relative_error: Option<f64>,
+    /// The estimate of each replication.
+    pub replications: Vec<f64>,
+    /// What it cost, in episodes until the time looked at.
+    pub episode_equivalents: f64,
+    /// Plain episodes that would give the same relative error.
+    pub plain_episodes_for_the_same_error: Option<f64>,
+    /// Plain episodes counted beside it.
+    pub plain: Option<PlainReport>,
+}
+
+/// Plain episodes, for comparison.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PlainReport {
+    /// Episodes in which the event happened.
+    pub count: u64,
+    /// Episodes.
+    pub episodes: u64,
+    /// Lower end of the rate's interval (Clopper and Pearson).
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+    /// Probability of a difference as great as that between counting and
+    /// splitting if both are right.
+    pub p_value: f64,
+}
+
+/// For people.
+pub fn text_of(report: &RareReport) -> String {
+    let mut text = String::new();
+    for event in &report.events {
+        // Writing to a string cannot fail.
+        let _ = write_event(&mut text, event);
+    }
+    text
+}
+
+fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
+    writeln!(text, "{}\n  {}", event.name, event.meaning)?;
+    writeln!(
+        text,
+        "  probability  {:.3e}  [{:.3e}, {:.3e}]",
+        event.probability, event.low, event.high
+    )?;
+    writeln!(text, "  guarantee    {}", event.guarantee)?;
+    write!(
+        text,
+        "  cost         {:.0} episodes",
+        event.episode_equivalents
+    )?;
+    match event.plain_episodes_for_the_same_error {
+        Some(plain) => writeln!(text, "; as exact a count would take {plain:.2e}")?,
+        None => writeln!(text, "; the event was never reached")?,
+    }
+    if let Some(plain) = &event.plain {
+        writeln!(
+            text,
+            "  counted      {} of {} plain episodes  [{:.3e}, {:.3e}], {} (p = {:.3})",
+            plain.count,
+            plain.episodes,
+            plain.low,
+            plain.high,
+            match plain.p_value < CONTRADICTION {
+                true => "which contradicts it",
+                false => "which agrees",
+            },
+            plain.p_value
+        )?;
+    }
+    Ok(())
+}
