@@ -8,10 +8,10 @@
 //! "Rigid Body Dynamics Algorithms" (2008); soft constraints after Catto, "Solver2D" (2024).
 //!
 //! Deviation from the layout: an ellipsoid is a polyhedron inscribed in it ([`shapes::ELLIPSOID_EDGES`]);
-//! contacts have Rapier's own stiffness and damping, not MuJoCo's; between links of trees and other
-//! things a point that slides is braked up to a tenth too weakly, and not quite against its velocity
-//! (see `parameters`); couplings of joints are linear and within one tree. What is not carried over is refused with its
-//! name, never left out.
+//! contacts have Rapier's own stiffness and damping, not MuJoCo's; where a link of a tree touches,
+//! Rapier always uses its model `Coulomb` (see `parameters`), whose error was measured for a loose
+//! block only; friction has no torsional part; couplings of joints are linear and within one tree.
+//! What is not carried over is refused with its name, never left out.
 //!
 //! Guarantee: `enhanced-determinism` makes the same bits on any machine that keeps IEEE 754, so
 //! recordings made with this engine can be compared between machines by their hash.
