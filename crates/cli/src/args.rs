@@ -57,12 +57,12 @@ pub enum Command {
     Simulate(Simulate),
     /// Look for what nobody has thought of: coverage-driven tests.
     Explore(Explore),
-    /// Run a scene in both physics engines, and say how far they differ.
-    Engines(Engines),
     /// Make a finding as small as it goes, and keep it as a regression.
     Shrink(Shrink),
     /// Run an episode again: recording, verdicts, 3D page; or all regressions.
     Replay(Replay),
+    /// Run a scene in both physics engines, and say how far they differ.
+    Engines(Engines),
     /// Estimate how rare an event is, by splitting.
     Rare(Rare),
     /// Fit simulator parameters to an evidence's counts.
