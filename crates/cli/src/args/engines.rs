@@ -10,7 +10,7 @@ pub enum EngineChoice {
     /// The library that `tools/mujoco` fetches.
     #[default]
     Mujoco,
-    /// Built in; the same bits on every machine.
+    /// Built in.
     Rapier,
 }
 
