@@ -26,7 +26,7 @@ fn long() -> Replay {
         .map(|time| (0..28).map(|body| pose(body, *time)).collect());
     let shape = |body: usize| Shape {
         body: Some(body),
-        role: if body % 2 == 0 {
+        role: if body.is_multiple_of(2) {
             Role::Robot
         } else {
             Role::Person

@@ -1,6 +1,6 @@
 //! What can be seen of a run: shapes on bodies, and where the bodies are over time.
 //!
-//! A [`Watch`](crate::Watch) that has a [`Viewer`] is told, each time the bench writes the truth
+//! A [`Watch`] that has a [`Viewer`] is told, each time the bench writes the truth
 //! down, where every body is. Looking changes nothing: the recording is the same to the byte.
 //!
 //! Poses are those of bodies' frames in the world, metres and `[w, x, y, z]`; a shape's pose is in

@@ -233,8 +233,8 @@ mod tests {
             let mut bytes = Vec::new();
             pack(&poses[0], low, step, &mut bytes);
             let read = |i: usize| f64::from(i16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]));
-            for axis in 0..3 {
-                let back_m = low[axis] + (read(axis) + 32_768.0) * step;
+            for (axis, low) in low.iter().enumerate() {
+                let back_m = low + (read(axis) + 32_768.0) * step;
                 assert!((back_m - poses[0].0[axis]).abs() < 3e-5, "{back_m}");
             }
             for part in 0..4 {

@@ -186,7 +186,8 @@ impl About<'_> {
             Some(counted) if sum(&counted) == opportunities => Ok(Some(counted)),
             _ if before.is_none() => Ok(None),
             counted => {
-                let found = counted.map_or("a negative number of".into(), |it| sum(&it).to_string());
+                let found =
+                    counted.map_or("a negative number of".into(), |it| sum(&it).to_string());
                 let message = format!(
                     "by subject, `{id}` has {found} opportunities in all, the tables say {opportunities}"
                 );
