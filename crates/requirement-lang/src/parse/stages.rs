@@ -273,31 +273,34 @@ fn trailing_timing<'a, 't>(
     let starts = top_level(tokens, |token| {
         token.is_any(&TIMING_WORDS) || token.is("repeatedly")
     });
-    let Some(&start) = starts.iter().find(|start| **start > 0) else {
+    // A `repeatedly` that no timing follows is a word of the response.
+    let read = starts
+        .into_iter()
+        .filter(|start| *start > 0)
+        .find_map(|start| {
+            let (found, used) = timing(reader, &tokens[start..]);
+            found.map(|timing| (start, timing, used))
+        });
+    let Some((start, timing, used)) = read else {
         return (None, tokens);
     };
     let behind = &tokens[start..];
-    let (found, used) = timing(reader, behind);
     let rest = trimmed(&behind[used..]);
-    match (found, rest.first()) {
-        (Some(timing), None) => (
-            Some((timing, place(behind, behind[0].span))),
-            trimmed(&tokens[..start]),
-        ),
-        (Some(timing), Some(odd)) => {
-            if timing
-                .duration()
-                .is_none_or(|duration| duration.amount != Amount::Missing)
-            {
-                reader.error(
-                    "unexpected",
-                    odd.span,
-                    format!("`{}` does not belong to the timing before it.", odd.text),
-                    "Put the timing before `satisfy`, and join stages with `then`.",
-                );
-            }
-            (Some((timing, behind[0].span)), trimmed(&tokens[..start]))
-        }
-        (None, _) => (None, tokens),
+    if let Some(odd) = rest.first()
+        && timing
+            .duration()
+            .is_none_or(|duration| duration.amount != Amount::Missing)
+    {
+        reader.error(
+            "unexpected",
+            odd.span,
+            format!("`{}` does not belong to the timing before it.", odd.text),
+            "Put the timing before `satisfy`, and join stages with `then`.",
+        );
     }
+    let span = match rest.is_empty() {
+        true => place(behind, behind[0].span),
+        false => behind[0].span,
+    };
+    (Some((timing, span)), trimmed(&tokens[..start]))
 }
