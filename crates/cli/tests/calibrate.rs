@@ -9,12 +9,12 @@ use serde_json::Value;
 use std::path::Path;
 use support::program::{Said, corroborate};
 use support::simulation::{handover, library, simulating};
-use support::{read, root, schema};
+use support::{copy_study, read, root, schema};
 
 /// The handover's study with a calibration of few episodes, changed.
 fn study(changes: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
-    copy(&handover(), folder.path());
+    copy_study(&handover(), folder.path());
     let file = folder.path().join("calibration.toml");
     let mut text = read(&file);
     let small = [
@@ -28,18 +28,6 @@ fn study(changes: &[(&str, &str)]) -> tempfile::TempDir {
     }
     std::fs::write(file, text).expect("written");
     folder
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).expect("made");
-    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        match from.is_dir() {
-            true if entry.file_name() == "results" => {}
-            true => copy(&from, &to),
-            false => drop(std::fs::copy(from, to).expect("copied")),
-        }
-    }
 }
 
 fn json(said: &Said) -> Value {

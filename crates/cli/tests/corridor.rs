@@ -8,13 +8,13 @@ mod support;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use support::program::Said;
-use support::root;
 use support::simulation::library;
+use support::{copy_study, root};
 
 /// The corridor's study with fewer episodes, and a change in one of its files.
 fn study(file: &str, old: &str, new: &str) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
-    copy(&root().join("case-studies/corridor"), folder.path());
+    copy_study(&root().join("case-studies/corridor"), folder.path());
     change(
         &folder.path().join("ledger.toml"),
         "episodes = 100",
@@ -22,18 +22,6 @@ fn study(file: &str, old: &str, new: &str) -> tempfile::TempDir {
     );
     change(&folder.path().join(file), old, new);
     folder
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).expect("made");
-    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        match from.is_dir() {
-            true if entry.file_name() == "results" => {}
-            true => copy(&from, &to),
-            false => drop(std::fs::copy(from, to).expect("copied")),
-        }
-    }
 }
 
 fn change(file: &Path, old: &str, new: &str) {

@@ -7,10 +7,9 @@
 mod support;
 
 use serde_json::Value;
-use std::path::Path;
 use support::program::{Said, corroborate};
 use support::simulation::{library, simulating};
-use support::{read, root, schema};
+use support::{copy_study, read, root, schema};
 
 /// A robot that stands still; its pose is measured ten times a second with a known error.
 const SCENE: &str = r#"
@@ -82,25 +81,13 @@ normal = [0.0, 1.0]
 /// The corridor's study with the scene and the file, changed.
 fn study(old: &str, new: &str) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
-    copy(&root().join("case-studies/corridor"), folder.path());
+    copy_study(&root().join("case-studies/corridor"), folder.path());
     assert!(EVENTS.contains(old), "no `{old}`");
     let scene = folder.path().join("simulation/standing.toml");
     std::fs::write(scene, SCENE).expect("written");
     let events = EVENTS.replacen(old, new, 1);
     std::fs::write(folder.path().join("rare.toml"), events).expect("written");
     folder
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).expect("made");
-    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        match from.is_dir() {
-            true if entry.file_name() == "results" => {}
-            true => copy(&from, &to),
-            false => drop(std::fs::copy(from, to).expect("copied")),
-        }
-    }
 }
 
 fn json(said: &Said) -> Value {

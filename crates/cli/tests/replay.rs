@@ -8,8 +8,8 @@ mod support;
 use serde_json::Value;
 use std::path::Path;
 use support::program::{Said, command};
-use support::root;
 use support::simulation::{library, simulating};
+use support::{copy_study, root};
 
 /// A failed planner, among much that has nothing to do with it.
 const FINDING: &str = r#"format = "1.0"
@@ -39,25 +39,9 @@ actions = [
 "parameters.object.mass_kg" = 0.1234567
 "#;
 
-/// A copy of a case study's files, without results.
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).expect("made");
-    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        let is_left_out = ["results", "regressions"]
-            .iter()
-            .any(|it| entry.file_name() == *it);
-        match from.is_dir() {
-            true if is_left_out => {}
-            true => copy(&from, &to),
-            false => drop(std::fs::copy(from, to).expect("copied")),
-        }
-    }
-}
-
 fn handover() -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
-    copy(&root().join("case-studies/handover"), folder.path());
+    copy_study(&root().join("case-studies/handover"), folder.path());
     std::fs::write(folder.path().join("found.toml"), FINDING).expect("written");
     folder
 }
@@ -347,7 +331,7 @@ fn what_is_wrong_with_a_call_is_said() {
 fn a_scene_is_replayed_with_its_robot_and_people() {
     let Some(library) = library() else { return };
     let folder = tempfile::TempDir::new().expect("a folder");
-    copy(&root().join("case-studies/corridor"), folder.path());
+    copy_study(&root().join("case-studies/corridor"), folder.path());
     let output = command(
         folder.path(),
         &["replay", ".", "S1:1", "--out", "one", "--format", "json"],

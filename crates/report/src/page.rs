@@ -35,7 +35,7 @@ pub fn render(study: &StudyResult) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            (head(study))
+            (head(&study.title, STYLE, SCRIPT_HASH))
             body {
                 a class="skip" href="#verdict" { "Skip to the verdict" }
                 (masthead(study))
@@ -49,9 +49,10 @@ pub fn render(study: &StudyResult) -> String {
     page.into_string()
 }
 
-fn head(study: &StudyResult) -> Markup {
+/// The head of a page that is complete in itself and runs no script but the one with this hash.
+pub(crate) fn head(title: &str, style: &str, script_hash: &str) -> Markup {
     let policy = format!(
-        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{script_hash}'; base-uri 'none'; form-action 'none'"
     );
     html! {
         head {
@@ -59,9 +60,9 @@ fn head(study: &StudyResult) -> Markup {
             meta http-equiv="Content-Security-Policy" content=(policy);
             meta name="viewport" content="width=device-width, initial-scale=1";
             meta name="color-scheme" content="light dark";
-            title { (study.title) }
+            title { (title) }
             link rel="icon" href="data:,";
-            style { (PreEscaped(STYLE)) }
+            style { (PreEscaped(style)) }
         }
     }
 }

@@ -70,6 +70,22 @@ pub fn files_below(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+/// Copies a study's files, without what was made of them.
+pub fn copy_study(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("made");
+    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
+        let is_made = ["results", "regressions"]
+            .iter()
+            .any(|made| entry.file_name() == *made);
+        match from.is_dir() {
+            true if is_made => {}
+            true => copy_study(&from, &to),
+            false => drop(std::fs::copy(from, to).expect("copied")),
+        }
+    }
+}
+
 /// A file's text.
 pub fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

@@ -5,6 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::data::{Packed, packed, tone};
 use super::strip::{Span, draw, short, ticks};
 use super::{Mark, Replay, Role, Verdict};
+use crate::page::head;
 use crate::view::prose;
 
 const STYLE: &str = concat!(include_str!("../style.css"), include_str!("replay.css"));
@@ -21,7 +22,7 @@ pub(super) fn render(replay: &Replay) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
-            (head(replay))
+            (head(&replay.title, STYLE, SCRIPT_HASH))
             body class="replay" {
                 (masthead(replay))
                 main {
@@ -68,23 +69,6 @@ fn start(replay: &Replay, span: Span) -> f64 {
     bad.map_or(span.from_secs, |mark| {
         (mark.time_secs - 1.0).max(span.from_secs)
     })
-}
-
-fn head(replay: &Replay) -> Markup {
-    let policy = format!(
-        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{SCRIPT_HASH}'; base-uri 'none'; form-action 'none'"
-    );
-    html! {
-        head {
-            meta charset="utf-8";
-            meta http-equiv="Content-Security-Policy" content=(policy);
-            meta name="viewport" content="width=device-width, initial-scale=1";
-            meta name="color-scheme" content="light dark";
-            title { (replay.title) }
-            link rel="icon" href="data:,";
-            style { (PreEscaped(STYLE)) }
-        }
-    }
 }
 
 fn masthead(replay: &Replay) -> Markup {
