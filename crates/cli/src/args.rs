@@ -4,17 +4,21 @@ mod assurance;
 mod engines;
 mod explore;
 mod rare;
+mod recordings;
 mod replay;
+mod simulate;
 mod watch;
 
 pub use assurance::{Assure, Verify};
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
+pub use recordings::{EndingChoice, Inspect, Monitor, Opening, Requirements, TimeChoice};
 pub use replay::{Replay, Shrink};
+pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
 
-use crate::study::{Keep, Method};
+use crate::study::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -174,234 +178,6 @@ pub struct Check {
     pub format: Format,
 }
 
-/// Arguments of `simulate`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  corroborate simulate case-studies/handover E4 --episodes 20 --out recordings
-  corroborate simulate case-studies/handover E2 --seed 7 --episodes 1 --out one
-  corroborate simulate case-studies/handover E2 --as ros2 --episodes 3 --out bags
-  corroborate simulate case-studies/handover E4 --episodes 10000 --keep violations \\
-      --until 'requirement 1a is decided at 99 %' --out many
-
-Each episode becomes one MCAP file, which Foxglove opens and `corroborate
-monitor` judges. The same study and seed give the same bytes.")]
-pub struct Simulate {
-    /// The study's folder.
-    pub study: PathBuf,
-    /// The ledger's entry whose scenario and parameters are simulated.
-    pub evidence: String,
-    /// How many episodes; as many as the ledger says if left out.
-    #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
-    pub episodes: Option<u64>,
-    /// End before that once a requirement is decided, for example
-    /// "requirement 1a is decided at 99 %" or, without a threshold of its own,
-    /// "requirement 3 is decided against 0.9 at 99 %".
-    #[arg(long, value_name = "RULE")]
-    pub until: Option<String>,
-    /// Which recordings are kept; results are kept in any case.
-    #[arg(long, value_enum, value_name = "WHICH")]
-    pub keep: Option<Keep>,
-    /// Number of the first episode.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
-    pub first: u64,
-    /// Seed instead of the study's.
-    #[arg(long, value_name = "N")]
-    pub seed: Option<u64>,
-    /// Where the recordings go.
-    #[arg(long, value_name = "FOLDER")]
-    pub out: PathBuf,
-    /// The physics engine; the handover runs in MuJoCo only.
-    #[arg(long, value_enum, default_value_t, value_name = "ENGINE")]
-    pub engine: EngineChoice,
-    /// What the recordings hold.
-    #[arg(long = "as", value_enum, default_value_t, value_name = "FORM")]
-    pub form: RecordingForm,
-    /// How many threads to use (results do not depend on it).
-    #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// How the summary is printed.
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
-/// How recordings are opened.
-#[derive(Clone, Debug, Default, Args)]
-pub struct Opening {
-    /// The column or key that has the time, in tables and JSON lines.
-    #[arg(long, value_name = "NAME")]
-    pub time_field: Option<String>,
-    /// The unit of the times in tables and JSON lines: s, ms, us or ns.
-    #[arg(long, value_name = "UNIT")]
-    pub time_unit: Option<recording::TimeUnit>,
-    /// A folder of `.msg` files, for types that a recording does not define
-    /// itself (may be repeated).
-    #[arg(long, value_name = "FOLDER")]
-    pub message_path: Vec<PathBuf>,
-}
-
-/// Which time of a message counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TimeChoice {
-    /// When the recorder received it.
-    Log,
-    /// When it was sent.
-    Publish,
-    /// When it was measured, by its header.
-    Header,
-    /// When it was received, by the simulation's /clock.
-    Clock,
-}
-
-/// What is said of times behind the end of a recording.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum EndingChoice {
-    /// The recording is all there is.
-    #[default]
-    Finite,
-    /// The benefit of the doubt.
-    Weak,
-    /// No benefit.
-    Strong,
-    /// Nothing: a verdict only if no continuation can change it.
-    Inconclusive,
-}
-
-/// What the recordings of a simulation hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum RecordingForm {
-    /// The simulation's own signals.
-    #[default]
-    Corroborate,
-    /// ROS 2 messages, by the table `ros2.toml` beside the scenario.
-    Ros2,
-}
-
-/// Arguments of `monitor`.
-#[derive(Debug, Args)]
-#[command(
-    override_usage = "corroborate monitor [OPTIONS] STUDY RECORDINGS...\n       \
-                      corroborate monitor [OPTIONS] --formula FORMULA RECORDINGS...",
-    after_help = "\
-Examples:
-  corroborate monitor case-studies/handover recordings/*.mcap
-  corroborate monitor case-studies/handover recordings --only 3 --format json
-  corroborate monitor my-study run.bag --map topics.toml --time header
-  corroborate monitor my-study run.mcap --verdicts shown
-  corroborate monitor --formula 'always (/robot.speed < 250 mm/s)' run.mcap
-
-Reads MCAP, ROS 1 bags, rosbag2 (sqlite and MCAP), CSV and JSON lines; a folder
-of recordings is a set of trials. The topic map (STUDY/topics.toml, or --map)
-says where the signals are; others are looked up as they are written.
-Exits 1 if a requirement is violated, 3 if a verdict is open. A recording that
-was cut short or lost messages is an error, unless --partial says to judge what
-there is; then it exits 3, since what is lost may have changed a verdict."
-)]
-pub struct Monitor {
-    /// The study whose requirements and failure modes are monitored (none with
-    /// --formula), then recordings, or folders of them.
-    #[arg(required = true, value_name = "STUDY RECORDINGS")]
-    pub paths: Vec<PathBuf>,
-    /// Judge this formula of temporal logic instead of a study (may be
-    /// repeated).
-    #[arg(long, value_name = "FORMULA", conflicts_with = "only")]
-    pub formula: Vec<String>,
-    /// What the formula assumes behind the end of a recording.
-    #[arg(long, value_enum, default_value_t, requires = "formula")]
-    pub ending: EndingChoice,
-    /// The formula's operators speak of all times, not of the samples.
-    #[arg(long, requires = "formula")]
-    pub dense: bool,
-    /// Only this requirement or failure mode (may be repeated).
-    #[arg(long, value_name = "ID")]
-    pub only: Vec<String>,
-    /// Where recordings have the signals, instead of the study's topics.toml.
-    #[arg(long, value_name = "FILE")]
-    pub map: Option<PathBuf>,
-    /// Which time of a message counts, instead of what the topic map says.
-    #[arg(long, value_enum)]
-    pub time: Option<TimeChoice>,
-    /// How recordings are opened.
-    #[command(flatten)]
-    pub opening: Opening,
-    /// Judge recordings that are not complete as far as they go.
-    #[arg(long)]
-    pub partial: bool,
-    /// Write verdicts and robustness over time to this folder, as MCAP files
-    /// that viewers open beside the recordings.
-    #[arg(long, value_name = "FOLDER")]
-    pub verdicts: Option<PathBuf>,
-    /// How the verdicts are printed.
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
-/// Arguments of `inspect`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  corroborate inspect run.mcap
-  corroborate inspect bag_folder --draft-map topics.toml
-  corroborate inspect run.bag --draft-map -
-  corroborate inspect robot.urdf --packages ros_ws/src
-
-Lists topics with their types, rates, jitter and gaps, and what does not fit.
-The draft has an entry for every value; delete what is not needed. Exits 3 if
-something of the recording is lost. Of a robot's or scene's description (URDF,
-SDF, MJCF: .urdf, .sdf, .world, .xml) shows the tree of links and joints, and
-what of it a simulation would not have.")]
-pub struct Inspect {
-    /// The recording: a file, or a folder that rosbag2 recorded. Or a
-    /// description of a robot or a scene.
-    pub recording: PathBuf,
-    /// A folder with the packages or models that a description names; may be
-    /// repeated. The folders around the description are searched too.
-    #[arg(long, value_name = "FOLDER")]
-    pub packages: Vec<PathBuf>,
-    /// Write a draft of the topic map to this new file (`-`: print it instead
-    /// of the table).
-    #[arg(long, value_name = "FILE")]
-    pub draft_map: Option<PathBuf>,
-    /// A period this many times as long as the middle one is a gap.
-    #[arg(long, value_name = "X", default_value = "5", value_parser = gap_factor)]
-    pub gap_factor: f64,
-    /// How the recording is opened.
-    #[command(flatten)]
-    pub opening: Opening,
-    /// How the result is printed.
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
-/// Arguments of `requirements`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  corroborate requirements case-studies/handover
-  corroborate requirements case-studies/handover recordings
-  corroborate requirements --library
-
-Shows each requirement with its sentence, its property, its monitor, its test
-goals and its coverage bins. Forms that were written by hand are held against
-the declared parameters and, on recordings, against each other. Exits 1 if
-they do not agree.")]
-pub struct Requirements {
-    /// The study whose requirements are shown.
-    #[arg(required_unless_present = "library")]
-    pub study: Option<PathBuf>,
-    /// Recordings, or folders of them, on which the forms are compared.
-    pub recordings: Vec<PathBuf>,
-    /// List ready requirements for collaborative robots instead.
-    #[arg(long, conflicts_with = "study")]
-    pub library: bool,
-    /// Where recordings have the signals, instead of the study's topics.toml.
-    #[arg(long, value_name = "FILE")]
-    pub map: Option<PathBuf>,
-    /// How the requirements are printed.
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -464,13 +240,6 @@ Examples:
 pub struct Explain {
     /// The code or word.
     pub topic: Option<String>,
-}
-
-fn gap_factor(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 1.0 && value.is_finite() => Ok(value),
-        _ => Err("must be a number above 1, for example 5".into()),
-    }
 }
 
 fn precision(text: &str) -> Result<f64, String> {
