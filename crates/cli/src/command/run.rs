@@ -6,21 +6,47 @@ mod runner;
 
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Format, Run};
-use crate::corroboration::{self, Piece};
+use crate::corroboration::Piece;
 use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::{Store, program_hash};
 use crate::study::Study;
-use evidence::StudyResult;
-pub use prepare::assets;
-use prepare::{Prepared, prepare, untils};
+use prepare::{all_assets, prepare, untils};
 use runner::Runner;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+pub use prepare::assets;
+pub use runner::STUDY;
 
 /// Runs a study.
 pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
+    let study = loaded(arguments, setting)?;
+    let prepared = prepare(&study, setting)?;
+    let untils = untils(&study)?;
+    // Hashed before anything runs, so that an edit meanwhile is not taken for
+    // what was run.
+    let assets = all_assets(&study, &prepared)?;
+    let folder = results_folder(&arguments.study, arguments.out.as_deref());
+    let store = Store::open(&folder)?;
+    let runner = Runner {
+        study: &study,
+        store: &store,
+        setting,
+        program: program_hash()?,
+        assets,
+        untils,
+    };
+    let pieces = runner.pieces(&prepared, &arguments.only)?;
+    if !arguments.only.is_empty() {
+        return only_some(&pieces, arguments.format);
+    }
+    let result = runner.compared(pieces)?;
+    runner.write(&result, arguments.format)
+}
+
+/// The study, if it asks for evidence, and for all that `--only` names.
+fn loaded(arguments: &Run, setting: &Setting) -> Result<Study, Problem> {
     let study = Study::load(&arguments.study)?;
     if study.ledger.is_empty() {
         return Err(Problem::new(
@@ -35,74 +61,8 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     for warning in study.forms.warnings(&[]) {
         setting.talk.say(&warning.warning_line());
     }
-    let prepared = prepare(&study, setting)?;
-    let untils = untils(&study)?;
-    // Hashed before anything runs, so that an edit meanwhile is not taken for
-    // what was run.
-    let assets = study
-        .ledger
-        .iter()
-        .zip(&prepared)
-        .map(|(entry, prepared)| {
-            let mut assets = assets(&study, entry)?;
-            match prepared {
-                Prepared::Judge(recordings) => assets.extend_from_slice(recordings.assets()),
-                Prepared::Simulate(campaign) => assets.extend_from_slice(campaign.assets()),
-                Prepared::Command(command) => assets.extend_from_slice(command.assets()),
-                _ => {}
-            }
-            Ok((entry.id.as_str(), assets))
-        })
-        .collect::<Result<BTreeMap<_, _>, Problem>>()?;
-    let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let store = Store::open(&folder)?;
-    let runner = Runner {
-        study: &study,
-        store: &store,
-        setting,
-        program: program_hash()?,
-        assets,
-        untils,
-    };
-    let mut pieces: Vec<Piece> = Vec::new();
-    let mut skipped: Vec<(&str, Problem)> = Vec::new();
-    for (entry, prepared) in study.ledger.iter().zip(&prepared) {
-        if !arguments.only.is_empty() && !arguments.only.contains(&entry.id) {
-            continue;
-        }
-        setting.go_on()?;
-        match prepared {
-            Prepared::CannotSimulate(problem) => skipped.push((&entry.id, problem.clone())),
-            _ => pieces.push(runner.piece(entry, prepared, &pieces)?),
-        }
-    }
-    if let Some((id, problem)) = skipped.into_iter().next() {
-        setting.talk.say(&format!(
-            "{id} could not be produced, so nothing is compared"
-        ));
-        return Err(problem);
-    }
-    if !arguments.only.is_empty() {
-        return only_some(&pieces, arguments.format);
-    }
-    let inputs = runner.study_inputs(&pieces);
-    let result = match runner.store.fresh::<StudyResult>(STUDY, &inputs) {
-        Some(result) => {
-            setting.talk.say("nothing has changed since the last run");
-            result
-        }
-        None => {
-            let result = corroboration::corroborate(&study, pieces)?;
-            runner.store.keep(STUDY, &inputs, &result)?;
-            result
-        }
-    };
-    runner.write(&result, arguments.format)
+    Ok(study)
 }
-
-/// The file that keeps the result of comparing, with the hash of what it was
-/// compared from.
-pub const STUDY: &str = "comparison.json";
 
 /// Where a study's results are.
 pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {

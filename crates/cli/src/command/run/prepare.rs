@@ -214,6 +214,26 @@ pub(super) fn counted_constants(
     Ok(counted)
 }
 
+/// What each entry rests on.
+pub(super) fn all_assets<'a>(
+    study: &'a Study,
+    prepared: &[Prepared],
+) -> Result<BTreeMap<&'a str, Vec<evidence::Asset>>, Problem> {
+    let entries = study.ledger.iter().zip(prepared);
+    entries
+        .map(|(entry, prepared)| {
+            let mut assets = assets(study, entry)?;
+            match prepared {
+                Prepared::Judge(recordings) => assets.extend_from_slice(recordings.assets()),
+                Prepared::Simulate(campaign) => assets.extend_from_slice(campaign.assets()),
+                Prepared::Command(command) => assets.extend_from_slice(command.assets()),
+                _ => {}
+            }
+            Ok((entry.id.as_str(), assets))
+        })
+        .collect()
+}
+
 /// The files that an entry names, with their hashes.
 pub fn assets(study: &Study, entry: &Entry) -> Result<Vec<evidence::Asset>, Problem> {
     use AssetRole::{Data, RequirementModel, SystemModel};

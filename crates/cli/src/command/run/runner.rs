@@ -17,6 +17,10 @@ use crate::technique::{self, Produced};
 use evidence::StudyResult;
 use std::collections::BTreeMap;
 
+/// The file that keeps the result of comparing, with the hash of what it was
+/// compared from.
+pub const STUDY: &str = "comparison.json";
+
 pub(super) struct Runner<'a> {
     pub(super) study: &'a Study,
     pub(super) store: &'a Store,
@@ -29,8 +33,50 @@ pub(super) struct Runner<'a> {
 }
 
 impl Runner<'_> {
+    /// The evidence of all entries, or of those that `only` names if it names any.
+    pub(super) fn pieces(
+        &self,
+        prepared: &[Prepared],
+        only: &[String],
+    ) -> Result<Vec<Piece>, Problem> {
+        let mut pieces: Vec<Piece> = Vec::new();
+        let mut missing: Option<(&str, Problem)> = None;
+        for (entry, prepared) in self.study.ledger.iter().zip(prepared) {
+            if !only.is_empty() && !only.contains(&entry.id) {
+                continue;
+            }
+            self.setting.go_on()?;
+            if let Prepared::CannotSimulate(problem) = prepared {
+                missing.get_or_insert((&entry.id, problem.clone()));
+                continue;
+            }
+            pieces.push(self.piece(entry, prepared, &pieces)?);
+        }
+        let Some((id, problem)) = missing else {
+            return Ok(pieces);
+        };
+        self.setting.talk.say(&format!(
+            "{id} could not be produced, so nothing is compared"
+        ));
+        Err(problem)
+    }
+
+    /// What the pieces say together: kept, if nothing has changed, or compared.
+    pub(super) fn compared(&self, pieces: Vec<Piece>) -> Result<StudyResult, Problem> {
+        let inputs = self.study_inputs(&pieces);
+        if let Some(result) = self.store.fresh::<StudyResult>(STUDY, &inputs) {
+            self.setting
+                .talk
+                .say("nothing has changed since the last run");
+            return Ok(result);
+        }
+        let result = corroboration::corroborate(self.study, pieces)?;
+        self.store.keep(STUDY, &inputs, &result)?;
+        Ok(result)
+    }
+
     /// The evidence of one entry: kept, if it is fresh, or produced.
-    pub(super) fn piece(
+    fn piece(
         &self,
         entry: &Entry,
         prepared: &Prepared,
@@ -220,7 +266,7 @@ impl Runner<'_> {
     }
 
     /// The hash of everything that comparing and concluding depend on.
-    pub(super) fn study_inputs(&self, pieces: &[Piece]) -> String {
+    fn study_inputs(&self, pieces: &[Piece]) -> String {
         let mut inputs = Inputs::default();
         inputs.add("program", self.program.as_bytes());
         for piece in pieces {
