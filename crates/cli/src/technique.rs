@@ -16,9 +16,7 @@ pub mod watched;
 
 use crate::problem::Problem;
 use crate::store::hash_of;
-use evidence::{
-    Asset, AssetRole, ClusterTests, Cost, Finding, FormDifference, Interval, Measure, Tool,
-};
+use evidence::{Asset, AssetRole, ClusterTests, Cost, Finding, FormDifference, Measure, Tool};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -78,20 +76,5 @@ pub fn counts(
 ) -> Result<Measure, Problem> {
     let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
     let sample = stats::Sample::new(count, trials).map_err(bad)?;
-    let interval = match effective_trials {
-        Some(size) => stats::wilson(
-            stats::EffectiveSample::at_size(sample, size).map_err(bad)?,
-            level,
-        ),
-        None => stats::wilson(sample, level),
-    };
-    Ok(Measure::Counts {
-        count,
-        trials,
-        effective_trials,
-        interval: Interval {
-            low: interval.low,
-            high: interval.high,
-        },
-    })
+    Measure::of_counts(sample, effective_trials, level).map_err(bad)
 }

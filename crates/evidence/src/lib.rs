@@ -21,6 +21,7 @@ mod diagnose;
 mod finding;
 mod interval;
 mod ledger;
+mod measure;
 mod requirement;
 mod verdict;
 

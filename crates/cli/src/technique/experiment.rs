@@ -530,13 +530,10 @@ fn known_subject(
 }
 
 fn clustered(by_subject: &[stats::Sample], level: stats::Confidence) -> Result<Measure, Problem> {
-    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
-    let total = stats::pool(by_subject).map_err(bad)?;
-    if total.trials == 0 {
-        return Ok(not_covered("There are no trials."));
+    match Measure::of_clusters(by_subject, level) {
+        Err(stats::StatsError::NoTrials) => Ok(not_covered("There are no trials.")),
+        found => found.map_err(|error| Problem::new("bad-counts", error.to_string())),
     }
-    let effective = stats::clustering(by_subject).ok().map(|c| c.effective_size);
-    counts(total.successes, total.trials, effective, level)
 }
 
 fn not_covered(reason: &str) -> Measure {

@@ -305,7 +305,7 @@ impl<'a> Compiled<'a> {
                             reason: "In the model, the opportunity has probability 0.".into(),
                         });
                     }
-                    answer::quotient(&occurs, &opportunity)
+                    occurs.quotient(&opportunity)
                 }
             });
         }

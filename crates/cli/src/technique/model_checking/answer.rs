@@ -91,35 +91,3 @@ pub fn sharp_complement(answer: &checker::Answer) -> Option<f64> {
 
 /// Relative width up to which a complement is shown.
 const SHARP: f64 = 1e-3;
-
-/// The quotient of two probabilities, with the bounds that theirs imply.
-pub fn quotient(occurs: &MethodAnswer, opportunity: &MethodAnswer) -> MethodAnswer {
-    let bounds = |answer: &MethodAnswer| match &answer.guarantee {
-        Guarantee::Exact { .. } => Some((answer.value, answer.value)),
-        Guarantee::Bounded { low, high } => Some((*low, *high)),
-        Guarantee::Estimated { .. } => None,
-    };
-    let guarantee = match (bounds(occurs), bounds(opportunity)) {
-        (Some((low, high)), Some((opportunity_low, opportunity_high))) if opportunity_low > 0.0 => {
-            Guarantee::Bounded {
-                // One step outwards each: the divisions round.
-                low: (low / opportunity_high).next_down().max(0.0),
-                high: if high > 0.0 {
-                    (high / opportunity_low).next_up()
-                } else {
-                    0.0
-                },
-            }
-        }
-        _ => Guarantee::Estimated {
-            reason: "the quotient of two estimates".into(),
-        },
-    };
-    MethodAnswer {
-        method: occurs.method.clone(),
-        value: occurs.value / opportunity.value,
-        complement: None,
-        guarantee,
-        iterations: occurs.iterations.max(opportunity.iterations),
-    }
-}

@@ -17,7 +17,7 @@ use crate::problem::Problem;
 use crate::study::{FormText, Method};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::Influence;
-use evidence::{CredibleInterval, Finding, Interval, Measure, Spread, Subject};
+use evidence::{CredibleInterval, Finding, Measure, Subject};
 use prism_lang::{Constants, Number, Value};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -172,33 +172,7 @@ fn summary(
     values: &[f64],
     level: stats::Confidence,
 ) -> Result<CredibleInterval, Problem> {
-    let draws = stats::Draws::new(values)
-        .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
-    // A result that no constant moves has no variance to share.
-    let shares = stats::variance_shares(points, values).unwrap_or_default();
-    let mut spread: Vec<Spread> = counted
-        .iter()
-        .zip(shares)
-        .map(|(constant, share)| Spread {
-            constant: constant.name.clone(),
-            // The squared correlation is the linear part of the first-order index
-            // and thus never above it; the estimate of the whole may be.
-            share: share.first_order.max(share.squared_correlation),
-        })
-        .collect();
-    spread.sort_by(|a, b| b.share.total_cmp(&a.share));
-    let interval = draws.interval(level);
-    Ok(CredibleInterval {
-        // A sum of many ones may round to more than one.
-        mean: draws.mean().clamp(draws.quantile(0.0), draws.quantile(1.0)),
-        interval: Interval {
-            low: interval.low,
-            high: interval.high,
-        },
-        solves: values.len() as u64,
-        spread,
-        quantiles: (0..100)
-            .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
-            .collect(),
-    })
+    let names: Vec<&str> = counted.iter().map(|c| c.name.as_str()).collect();
+    CredibleInterval::of_solves(&names, points, values, level)
+        .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))
 }

@@ -1,0 +1,140 @@
+//! From counts, solves and answers to measures: each number with its uncertainty.
+//!
+//! * Counts: Wilson's interval, at the effective number of trials where trials come in clusters.
+//! * Solves of a model at points of its constants' posteriors: the distribution of its answer.
+//! * Two answers of one method: their quotient, with the bounds that theirs imply.
+//!
+//! Source: E. B. Wilson (1927) for the interval; `stats` for clusters and draws. Guarantee: bounds of a
+//! quotient hold, since each division is rounded outwards.
+
+use crate::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Spread};
+use stats::{Confidence, EffectiveSample, Sample, StatsError};
+
+impl Measure {
+    /// Counts with Wilson's interval at the effective number of trials.
+    ///
+    /// # Errors
+    /// [`StatsError`] for an effective number that is no positive number.
+    pub fn of_counts(
+        sample: Sample,
+        effective_trials: Option<f64>,
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let interval = match effective_trials {
+            Some(size) => stats::wilson(EffectiveSample::at_size(sample, size)?, level),
+            None => stats::wilson(sample, level),
+        };
+        Ok(Self::Counts {
+            count: sample.successes,
+            trials: sample.trials,
+            effective_trials,
+            interval: Interval {
+                low: interval.low,
+                high: interval.high,
+            },
+        })
+    }
+
+    /// Counts by subject or session, whose trials may be alike.
+    ///
+    /// # Errors
+    /// [`StatsError`] for more successes than trials, or no trials at all.
+    ///
+    /// ```
+    /// use evidence::Measure;
+    /// use stats::{Confidence, Sample};
+    /// let subjects = [9, 10, 8, 7, 9, 10, 10, 6, 9, 10].map(|successes| Sample { successes, trials: 10 });
+    /// let Measure::Counts { count, trials, effective_trials, .. } =
+    ///     Measure::of_clusters(&subjects, Confidence::P95)? else { unreachable!() };
+    /// assert_eq!((count, trials), (88, 100));
+    /// assert!(effective_trials < Some(100.0));
+    /// # Ok::<(), stats::StatsError>(())
+    /// ```
+    pub fn of_clusters(by_subject: &[Sample], level: Confidence) -> Result<Self, StatsError> {
+        let total = stats::pool(by_subject)?;
+        if total.trials == 0 {
+            return Err(StatsError::NoTrials);
+        }
+        let effective = stats::clustering(by_subject).ok();
+        Self::of_counts(total, effective.map(|c| c.effective_size), level)
+    }
+}
+
+impl CredibleInterval {
+    /// What a model's answers (`values`) at points of its constants' posteriors say: one row of
+    /// `points` for each value, one column for each of the `constants`.
+    ///
+    /// # Errors
+    /// [`StatsError`] unless all values are finite and there is at least one.
+    pub fn of_solves(
+        constants: &[&str],
+        points: &[Vec<f64>],
+        values: &[f64],
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let draws = stats::Draws::new(values)?;
+        // A result that no constant moves has no variance to share.
+        let shares = stats::variance_shares(points, values).unwrap_or_default();
+        let mut spread: Vec<Spread> = constants
+            .iter()
+            .zip(shares)
+            .map(|(constant, share)| Spread {
+                constant: (*constant).to_owned(),
+                // The squared correlation is the linear part of the first-order index
+                // and thus never above it; the estimate of the whole may be.
+                share: share.first_order.max(share.squared_correlation),
+            })
+            .collect();
+        spread.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let interval = draws.interval(level);
+        Ok(Self {
+            // A sum of many ones may round to more than one.
+            mean: draws.mean().clamp(draws.quantile(0.0), draws.quantile(1.0)),
+            interval: Interval {
+                low: interval.low,
+                high: interval.high,
+            },
+            solves: values.len() as u64,
+            spread,
+            quantiles: (0..100)
+                .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
+                .collect(),
+        })
+    }
+}
+
+impl MethodAnswer {
+    /// This probability given that of its opportunity, with the bounds that theirs imply.
+    pub fn quotient(&self, opportunity: &MethodAnswer) -> MethodAnswer {
+        let bounds = |answer: &MethodAnswer| match &answer.guarantee {
+            Guarantee::Exact { .. } => Some((answer.value, answer.value)),
+            Guarantee::Bounded { low, high } => Some((*low, *high)),
+            Guarantee::Estimated { .. } => None,
+        };
+        let guarantee = match (bounds(self), bounds(opportunity)) {
+            (Some((low, high)), Some((opportunity_low, opportunity_high)))
+                if opportunity_low > 0.0 =>
+            {
+                Guarantee::Bounded {
+                    // One step outwards each: the divisions round.
+                    low: (low / opportunity_high).next_down().max(0.0),
+                    high: if high > 0.0 {
+                        (high / opportunity_low).next_up()
+                    } else {
+                        0.0
+                    },
+                }
+            }
+            _ => Guarantee::Estimated {
+                reason: "the quotient of two estimates".into(),
+            },
+        };
+        MethodAnswer {
+            method: self.method.clone(),
+            value: self.value / opportunity.value,
+            complement: None,
+            guarantee,
+            iterations: self.iterations.max(opportunity.iterations),
+        }
+    }
+}
