@@ -151,6 +151,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         comparisons,
         conclusions,
         discrepancies,
+        diagnosis: None,
         gaps,
         published,
         costs,

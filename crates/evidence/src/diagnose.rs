@@ -28,9 +28,24 @@
 //! Every comparison with the outcome *conflicts* between evidence that takes
 //! part is named in at least one discrepancy.
 
+mod contrast;
+mod matter;
+mod ranking;
+mod rates;
 mod reading;
+mod strength;
+mod suspect;
 mod system;
 mod tool;
+
+pub use contrast::{SameTraces, contrasts};
+pub use matter::{Clue, Matter, requirement_form};
+pub use ranking::rank;
+pub use strength::{CERTAIN, Rate, strength};
+pub use suspect::{
+    Cell, Contrast, Diagnosis, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind, Symptom,
+    Traces, Witness,
+};
 
 use crate::{Comparison, Discrepancy, Evidence, Measure, Outcome, Subject};
 use std::collections::BTreeMap;

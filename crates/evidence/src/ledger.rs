@@ -1,8 +1,8 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Discrepancy, FailureMode, Finding, FormDifference,
-    Requirement, Subject, Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, Discrepancy, FailureMode, Finding,
+    FormDifference, Requirement, Subject, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -140,6 +140,9 @@ pub struct StudyResult {
     pub conclusions: Vec<Conclusion>,
     /// Disagreements explained, most important first.
     pub discrepancies: Vec<Discrepancy>,
+    /// What changing one asset at a time shows; `corroborate diagnose` finds it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Diagnosis>,
     /// What nothing or too little covers.
     pub gaps: Vec<CoverageGap>,
     /// Figures of the source publication beside ours.

@@ -33,7 +33,11 @@ pub use compare::{
 pub use conclude::combined::{Combined, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::{CERTAINTY, conclude};
-pub use diagnose::diagnose;
+pub use diagnose::{
+    CERTAIN, Cell, Clue, Contrast, Diagnosis, Figure, JudgedBy, Matter, Rate, SameTraces, Suspect,
+    SuspectAsset, SuspectKind, Symptom, Traces, Witness, contrasts, diagnose, rank,
+    requirement_form, strength,
+};
 pub use finding::{
     CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer, Reading, Spread,
     Subject,

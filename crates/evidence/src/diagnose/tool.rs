@@ -49,7 +49,7 @@ struct Stopped<'a> {
 }
 
 /// How far an answer lies outside the bounds of a sound one, if it does.
-fn distance_from_bounds(sound: &MethodAnswer, other: &MethodAnswer) -> Option<f64> {
+pub(super) fn distance_from_bounds(sound: &MethodAnswer, other: &MethodAnswer) -> Option<f64> {
     let (low, high) = match &sound.guarantee {
         Guarantee::Exact { .. } => (sound.value, sound.value),
         Guarantee::Bounded { low, high } => (*low, *high),

@@ -1,0 +1,260 @@
+//! What suspects are found in, and what each single thing says against an asset.
+
+use super::strength::{Rate, strength};
+use super::suspect::{
+    Cell, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind, Symptom, Witness,
+};
+use crate::{
+    AssetRole, Comparison, Evidence, FailureMode, Inaccuracy, Outcome, Requirement, Subject,
+    Technique,
+};
+
+/// What suspects are found in.
+#[derive(Clone, Copy, Debug)]
+pub struct Matter<'a> {
+    /// What is required, with its margins.
+    pub requirements: &'a [Requirement],
+    /// What can go wrong, with its margins.
+    pub failure_modes: &'a [FailureMode],
+    /// The ledger, oldest first.
+    pub evidence: &'a [Evidence],
+    /// Its pairs.
+    pub comparisons: &'a [Comparison],
+    /// Requirement models on traces, as far as they were judged.
+    pub cells: &'a [Cell],
+    /// How a command names the study.
+    pub study: &'a str,
+}
+
+/// One thing that speaks against an asset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clue {
+    /// Which source of disagreement it would be.
+    pub inaccuracy: Inaccuracy,
+    /// The asset.
+    pub asset: SuspectAsset,
+    /// What it touches.
+    pub subject: Subject,
+    /// How much disagreement it explains; see [`Suspect::score`].
+    pub score: f64,
+    /// What is wrong, as a headline.
+    pub title: String,
+    /// The argument, with figures.
+    pub explanation: String,
+    /// What is wrong, for programs.
+    pub symptom: Symptom,
+    /// The figures of the argument.
+    pub figures: Vec<Figure>,
+    /// Runs that show it.
+    pub witnesses: Vec<Witness>,
+    /// What was found not to be the reason.
+    pub ruled_out: Vec<String>,
+    /// The later evidence in which it is mended.
+    pub resolved_by: Option<String>,
+}
+
+/// One way in which a piece of evidence judges a subject.
+#[derive(Clone, Debug)]
+pub(super) struct Judged {
+    /// `property`, `monitor`, or a reading's name.
+    pub(super) form: String,
+    /// What it gives.
+    pub(super) rate: Rate,
+    /// Whether it is the form of the evidence's own finding.
+    pub(super) main: bool,
+}
+
+impl<'a> Matter<'a> {
+    /// The declared margin of a subject.
+    pub fn margin(&self, subject: &Subject) -> f64 {
+        let margin = match subject {
+            Subject::Requirement(id) => {
+                let mut all = self.requirements.iter();
+                all.find(|r| &r.id == id).map(|r| r.margin)
+            }
+            Subject::FailureMode(id) => {
+                let mut all = self.failure_modes.iter();
+                all.find(|m| &m.id == id).map(|m| m.margin)
+            }
+        };
+        margin.unwrap_or(0.0)
+    }
+
+    pub(super) fn piece(&self, id: &str) -> Option<&'a Evidence> {
+        self.evidence.iter().find(|e| e.id == id)
+    }
+
+    /// The pieces that speak for themselves: no steps on the way, and no published counts that others
+    /// of ours reproduce.
+    pub(super) fn speaking(&self) -> impl Iterator<Item = &'a Evidence> {
+        let all = self.evidence.iter();
+        all.filter(|e| !e.intermediate && !(e.published && e.reproduced_by.is_some()))
+    }
+
+    /// The conflicts between pieces that speak for themselves, each quantity once.
+    pub(super) fn conflicts(&self) -> Vec<&'a Comparison> {
+        let speaks = |id: &str| self.speaking().any(|e| e.id == id);
+        let is_own = |subject: &Subject| match subject {
+            Subject::Requirement(id) => {
+                let mut all = self.requirements.iter();
+                all.all(|r| &r.id != id || r.same_quantity_as.is_none())
+            }
+            Subject::FailureMode(_) => true,
+        };
+        let all = self.comparisons.iter();
+        all.filter(|c| c.outcome == Outcome::Conflicts)
+            .filter(|c| speaks(&c.left) && speaks(&c.right) && is_own(&c.subject))
+            .collect()
+    }
+
+    /// All the ways in which a piece judges a subject, its own first.
+    pub(super) fn judged(&self, piece: &Evidence, subject: &Subject) -> Vec<Judged> {
+        let finding = piece.finding(subject);
+        let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::of(&f.measure)?))) else {
+            return Vec::new();
+        };
+        let own = match piece.technique {
+            Technique::ModelChecking => "property",
+            _ => "monitor",
+        };
+        let mut all = vec![Judged {
+            form: own.into(),
+            rate,
+            main: true,
+        }];
+        for cell in self.cells {
+            let form = match cell.judged_by {
+                JudgedBy::Property => "property",
+                JudgedBy::Monitor => "monitor",
+            };
+            let is_other = &cell.subject == subject && cell.evidence == piece.id && form != own;
+            // The property of a failure mode speaks of runs, not of opportunities.
+            let is_rate = matches!(subject, Subject::Requirement(_)) || form == "monitor";
+            if is_other && is_rate && cell.trials > 0 {
+                all.push(Judged {
+                    form: form.into(),
+                    rate: Rate::counted(cell.count, cell.trials),
+                    main: false,
+                });
+            }
+        }
+        let readings = finding.readings.iter().filter(|r| r.trials > 0);
+        all.extend(readings.map(|reading| Judged {
+            form: reading.name.clone(),
+            rate: Rate::counted(reading.count, reading.trials),
+            main: false,
+        }));
+        all
+    }
+
+    /// How strongly two pieces differ on a subject, by their own findings.
+    pub(super) fn difference(&self, one: &Evidence, other: &Evidence, subject: &Subject) -> f64 {
+        let rate = |piece: &Evidence| piece.finding(subject).and_then(|f| Rate::of(&f.measure));
+        match (rate(one), rate(other)) {
+            (Some(a), Some(b)) => strength(a, b, self.margin(subject)),
+            _ => 0.0,
+        }
+    }
+
+    /// The command that runs an episode of a piece again, or shows a path.
+    pub(super) fn replay(&self, piece: &Evidence, run: &str) -> String {
+        let study = self.study;
+        let number: String = run.chars().filter(char::is_ascii_digit).collect();
+        let number = number.trim_start_matches('0');
+        match piece.technique {
+            Technique::ModelChecking => {
+                format!("corroborate diagnose {study} --show {}:{number}", piece.id)
+            }
+            Technique::Simulation => format!("corroborate replay {study} {}:{number}", piece.id),
+            _ => format!("corroborate monitor {study} {run}"),
+        }
+    }
+
+    pub(super) fn witnesses(&self, piece: &Evidence, runs: &[String], shows: &str) -> Vec<Witness> {
+        let of = |run: &String| Witness {
+            name: format!("{} {run}", piece.id),
+            shows: shows.to_owned(),
+            replay: self.replay(piece, run),
+        };
+        // What others published or counted by hand cannot be replayed.
+        let replayable = piece.technique == Technique::Simulation && !piece.published
+            || piece.technique == Technique::ModelChecking
+            || piece.technique == Technique::Operation;
+        let runs = runs.iter().filter(|_| replayable);
+        runs.map(of).collect()
+    }
+}
+
+/// The system model on which a piece of evidence rests: of several files the one that was named last,
+/// since parameters follow their scenario.
+pub(super) fn system_model(piece: &Evidence) -> SuspectAsset {
+    let (kind, role) = match piece.technique {
+        Technique::ModelChecking => (SuspectKind::FormalModel, AssetRole::SystemModel),
+        Technique::Simulation if !piece.published => {
+            (SuspectKind::Simulation, AssetRole::SystemModel)
+        }
+        _ => (SuspectKind::Data, AssetRole::Data),
+    };
+    let files = piece.assets.iter().filter(|a| a.role == role);
+    SuspectAsset {
+        kind,
+        file: files.last().map(|asset| asset.path.clone()),
+        part: None,
+        evidence: vec![piece.id.clone()],
+    }
+}
+
+/// A requirement's form.
+pub fn requirement_form(subject: &Subject, form: &str, evidence: &[&str]) -> SuspectAsset {
+    let what = match subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => format!("failure mode {id}"),
+    };
+    let (kind, form) = match form {
+        "property" | "occurs" => (SuspectKind::Property, "property".to_owned()),
+        "monitor" => (SuspectKind::Monitor, "monitor".to_owned()),
+        "sentence" => (SuspectKind::Monitor, "sentence".to_owned()),
+        reading => (SuspectKind::Monitor, format!("reading `{reading}`")),
+    };
+    SuspectAsset {
+        kind,
+        file: Some("requirements.toml".into()),
+        part: Some(format!("{what}, {form}")),
+        evidence: evidence.iter().map(|id| (*id).to_owned()).collect(),
+    }
+}
+
+/// A rate for people.
+pub(super) fn rate_in_words(piece: &Evidence, subject: &Subject) -> String {
+    use crate::Measure::{Counts, Probability};
+    match piece.finding(subject).map(|f| &f.measure) {
+        Some(Counts { count, trials, .. }) => format!("{count} of {trials} in {}", piece.id),
+        Some(Probability { answer, .. }) => format!("{:.4} in {}", answer.value, piece.id),
+        _ => format!("nothing in {}", piece.id),
+    }
+}
+
+/// A subject for people.
+pub(super) fn name_of(subject: &Subject) -> String {
+    super::name_of(subject)
+}
+
+impl Suspect {
+    /// A suspect of which one thing is known.
+    pub(super) fn of(clue: Clue) -> Self {
+        Self {
+            rank: 0,
+            inaccuracy: clue.inaccuracy,
+            asset: clue.asset,
+            subjects: vec![clue.subject],
+            score: clue.score,
+            title: clue.title,
+            explanation: clue.explanation,
+            symptoms: vec![clue.symptom],
+            figures: clue.figures,
+            witnesses: clue.witnesses,
+            ruled_out: clue.ruled_out,
+            resolved_by: clue.resolved_by,
+        }
+    }
+}

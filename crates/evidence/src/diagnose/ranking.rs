@@ -1,0 +1,138 @@
+//! From clues to a ranked list of suspects.
+//!
+//! # Definition
+//! Clues against one asset are one suspect. Ways to fail happen at separate opportunities, so their
+//! strengths add up; requirements are sums of what the ways to fail do, so only the strongest counts:
+//! `score = max(sum over failure modes, max over requirements)`, where of several clues on one subject
+//! the strongest counts. Suspects are ranked by score; of equal ones tools come first, then requirement
+//! models, then system models (the cheapest to look at first), then by the order of the ledger.
+//!
+//! The suspect's title and first words are those of its strongest clue.
+
+use super::matter::{Clue, Matter};
+use super::strength::CERTAIN;
+use super::suspect::{Suspect, SuspectAsset};
+use crate::{Inaccuracy, Subject};
+use std::collections::BTreeMap;
+
+/// Witnesses that are kept of a suspect, at most.
+const WITNESSES: usize = 5;
+
+/// Ranks what the evidence itself shows, with `more` clues from elsewhere.
+///
+/// ```
+/// let matter = evidence::Matter {
+///     requirements: &[], failure_modes: &[], evidence: &[], comparisons: &[], cells: &[], study: "my-study",
+/// };
+/// assert!(evidence::rank(&matter, Vec::new()).is_empty());
+/// ```
+pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
+    let mut clues = matter.of_conflicts();
+    clues.extend(matter.of_missing_modes());
+    clues.extend(matter.of_other_methods());
+    clues.extend(more);
+    // The strongest first, so that titles and arguments begin with it.
+    clues.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let mut by_asset: Vec<(SuspectAsset, Vec<Clue>)> = Vec::new();
+    for clue in clues {
+        match by_asset
+            .iter_mut()
+            .find(|(asset, _)| is_same(asset, &clue.asset))
+        {
+            Some((asset, of_asset)) => {
+                let new = clue.asset.evidence.iter();
+                let new: Vec<String> = new
+                    .filter(|id| !asset.evidence.contains(id))
+                    .cloned()
+                    .collect();
+                asset.evidence.extend(new);
+                of_asset.push(clue);
+            }
+            None => by_asset.push((clue.asset.clone(), vec![clue])),
+        }
+    }
+    let merged = by_asset
+        .into_iter()
+        .filter_map(|(asset, clues)| suspect(asset, clues));
+    let mut suspects: Vec<Suspect> = merged.collect();
+    let place = |suspect: &Suspect| {
+        let ids = suspect.asset.evidence.iter();
+        let places = ids.filter_map(|id| matter.evidence.iter().position(|e| &e.id == id));
+        places.min().unwrap_or(usize::MAX)
+    };
+    suspects.sort_by(|a, b| {
+        let by_score = b.score.total_cmp(&a.score);
+        by_score
+            .then_with(|| order(a.inaccuracy).cmp(&order(b.inaccuracy)))
+            .then_with(|| place(a).cmp(&place(b)))
+    });
+    for (rank, suspect) in (1..).zip(&mut suspects) {
+        suspect.rank = rank;
+    }
+    suspects
+}
+
+fn is_same(one: &SuspectAsset, other: &SuspectAsset) -> bool {
+    let is_named = one.file.is_some() || one.evidence == other.evidence;
+    is_named && (one.kind, &one.file, &one.part) == (other.kind, &other.file, &other.part)
+}
+
+fn order(inaccuracy: Inaccuracy) -> u8 {
+    match inaccuracy {
+        Inaccuracy::Tool => 0,
+        Inaccuracy::RequirementModel => 1,
+        Inaccuracy::SystemModel => 2,
+        Inaccuracy::Undetermined => 3,
+    }
+}
+
+/// All clues against one asset, the strongest first, as one suspect.
+fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
+    let score = score(&clues);
+    let mut clues = clues.into_iter();
+    let mut suspect = Suspect::of(clues.next()?);
+    for clue in clues {
+        if !suspect.subjects.contains(&clue.subject) {
+            suspect.subjects.push(clue.subject);
+        }
+        if !suspect.explanation.contains(&clue.explanation) {
+            suspect.explanation.push(' ');
+            suspect.explanation.push_str(&clue.explanation);
+        }
+        suspect.symptoms.push(clue.symptom);
+        suspect.figures.extend(clue.figures);
+        suspect.witnesses.extend(clue.witnesses);
+        for reason in clue.ruled_out {
+            if !suspect.ruled_out.contains(&reason) {
+                suspect.ruled_out.push(reason);
+            }
+        }
+        suspect.resolved_by = suspect.resolved_by.or(clue.resolved_by);
+    }
+    let mut kept: Vec<crate::Witness> = Vec::new();
+    for witness in std::mem::take(&mut suspect.witnesses) {
+        if kept.len() < WITNESSES && kept.iter().all(|w| w.replay != witness.replay) {
+            kept.push(witness);
+        }
+    }
+    suspect.witnesses = kept;
+    suspect.asset = asset;
+    suspect.score = score;
+    Some(suspect)
+}
+
+fn score(clues: &[Clue]) -> f64 {
+    let mut of_modes: BTreeMap<&Subject, f64> = BTreeMap::new();
+    let mut of_requirements = 0.0_f64;
+    for clue in clues {
+        match clue.subject {
+            Subject::Requirement(_) => of_requirements = of_requirements.max(clue.score),
+            Subject::FailureMode(_) => {
+                let most = of_modes.entry(&clue.subject).or_default();
+                *most = most.max(clue.score);
+            }
+        }
+    }
+    let modes: f64 = of_modes.values().sum();
+    modes.max(of_requirements).min(CERTAIN)
+}

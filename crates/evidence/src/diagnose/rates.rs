@@ -1,0 +1,529 @@
+//! Clues against system models, requirement models and solvers: what is left of a conflict when one
+//! asset is changed at a time.
+//!
+//! # Definition
+//! A conflict of two pieces `X`, `Y` on a subject has the strength `T = c(X, Y)` (see
+//! [`super::strength`]). Each piece may have judged its runs by other forms of the requirement, and a
+//! model by other methods.
+//!
+//! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
+//!   solver's share is `T - T_s`;
+//! * *requirement model*: like is compared with like: property with property (cells A and B or C),
+//!   monitor with monitor (D and E or F), and each reading of one piece with the other piece. Of these
+//!   `m` is the least that is left; the requirement models' share is `T_s - m` if that is strong
+//!   evidence (at least 1), else 0;
+//! * *system model*: the rest. It is shared out between `X` and `Y` by how much better the data of all
+//!   pieces under the same conditions are explained with that piece alone apart:
+//!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Tables and recordings of
+//!   the real system are a tenth as likely to be wrong as models of it.
+//!
+//! A failure mode that a piece cannot express has the rate 0 there.
+//!
+//! # Source and guarantee
+//! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
+//! the shares add up to the conflict. Each conflict gives at least one clue.
+
+use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
+use super::strength::{CERTAIN, Rate, ln_together, strength};
+use super::suspect::{Figure, SuspectAsset, SuspectKind, Symptom};
+use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Technique};
+
+/// What is strong evidence, in decades.
+const STRONG: f64 = 1.0;
+
+/// How much likelier a model is wrong than the real system's data, as a natural logarithm.
+const DATA: f64 = std::f64::consts::LN_10;
+
+/// What is left of a conflict when a requirement's forms are changed.
+struct LikeForLike {
+    left: f64,
+    /// The piece whose form was changed, and the form in place of its own.
+    changed: String,
+    form: String,
+}
+
+impl<'a> Matter<'a> {
+    /// Clues from all conflicts.
+    pub(super) fn of_conflicts(&self) -> Vec<Clue> {
+        let conflicts = self.conflicts();
+        let clues = conflicts
+            .iter()
+            .flat_map(|conflict| self.of_conflict(conflict));
+        clues.collect()
+    }
+
+    fn of_conflict(&self, conflict: &Comparison) -> Vec<Clue> {
+        let (Some(one), Some(other)) = (self.piece(&conflict.left), self.piece(&conflict.right))
+        else {
+            return Vec::new();
+        };
+        let subject = &conflict.subject;
+        let mut clues = Vec::new();
+        let mut left = self.difference(one, other, subject);
+        for (piece, against) in [(one, other), (other, one)] {
+            if let Some((clue, rest)) = self.of_solver(piece, against, subject, left) {
+                left = rest;
+                clues.push(clue);
+            }
+        }
+        let like = self.like_for_like(one, other, subject);
+        if let Some(like) = like.filter(|like| left - like.left >= STRONG) {
+            clues.push(self.of_form(&like, one, other, subject, left));
+            left = like.left;
+            if left < STRONG {
+                return clues;
+            }
+        }
+        clues.extend(self.of_systems(one, other, subject, left));
+        clues
+    }
+
+    /// What of a conflict goes away with the answer of a sound method.
+    fn of_solver(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+        whole: f64,
+    ) -> Option<(Clue, f64)> {
+        let Measure::Probability { answer, others, .. } = &piece.finding(subject)?.measure else {
+            return None;
+        };
+        let holds = |g: &Guarantee| !matches!(g, Guarantee::Estimated { .. });
+        let sound = others.iter().find(|other| holds(&other.guarantee))?;
+        if holds(&answer.guarantee) {
+            return None;
+        }
+        let theirs = Rate::of(&against.finding(subject)?.measure)?;
+        let rest = strength(Rate::Computed(sound.value), theirs, self.margin(subject));
+        (whole - rest >= STRONG).then(|| {
+            let clue = Clue {
+                inaccuracy: Inaccuracy::Tool,
+                asset: solver(piece, &answer.method),
+                subject: subject.clone(),
+                score: whole - rest,
+                title: format!("the method `{}` stopped too early in {}", answer.method, piece.id),
+                explanation: format!(
+                    "For {}, `{}` answers {} and `{}` {} with bounds that hold. Of the conflict with {} \
+                     ({whole:.1} decades) {rest:.1} are left with the latter.",
+                    name_of(subject), answer.method, answer.value, sound.method, sound.value, against.id
+                ),
+                symptom: Symptom::SolverStopped {
+                    subject: subject.clone(),
+                    method: answer.method.clone(),
+                    value: answer.value,
+                    sound: sound.method.clone(),
+                    sound_value: sound.value,
+                },
+                figures: Vec::new(),
+                witnesses: Vec::new(),
+                ruled_out: Vec::new(),
+                resolved_by: None,
+            };
+            (clue, rest)
+        })
+    }
+
+    /// The least that is left of a conflict if both are judged alike.
+    fn like_for_like(
+        &self,
+        one: &Evidence,
+        other: &Evidence,
+        subject: &Subject,
+    ) -> Option<LikeForLike> {
+        let (of_one, of_other) = (self.judged(one, subject), self.judged(other, subject));
+        let margin = self.margin(subject);
+        let mut found: Option<LikeForLike> = None;
+        for a in &of_one {
+            for b in &of_other {
+                let Some((piece, form)) = changed(one, a, other, b) else {
+                    continue;
+                };
+                let left = strength(a.rate, b.rate, margin);
+                if found.as_ref().is_none_or(|best| left < best.left) {
+                    let changed = piece.id.clone();
+                    found = Some(LikeForLike {
+                        left,
+                        changed,
+                        form,
+                    });
+                }
+            }
+        }
+        found
+    }
+
+    /// The clue against the form that explains a conflict.
+    fn of_form(
+        &self,
+        like: &LikeForLike,
+        one: &Evidence,
+        other: &Evidence,
+        subject: &Subject,
+        whole: f64,
+    ) -> Clue {
+        let (piece, against) = match one.id == like.changed {
+            true => (one, other),
+            false => (other, one),
+        };
+        let own = match piece.technique {
+            Technique::ModelChecking => "property",
+            _ => "monitor",
+        };
+        let (differing, runs, witnesses) = self.two_verdicts(piece, subject, &like.form);
+        let said = match differing {
+            0 => String::new(),
+            n => format!(
+                " On the same runs of {} the two give {n} other verdicts.",
+                piece.id
+            ),
+        };
+        let rates = format!(
+            "{} against {}",
+            rate_in_words(piece, subject),
+            rate_in_words(against, subject)
+        );
+        Clue {
+            inaccuracy: Inaccuracy::RequirementModel,
+            asset: requirement_form(subject, own, &[&piece.id]),
+            subject: subject.clone(),
+            score: whole - like.left,
+            title: format!("the {own} of {} explains a conflict", name_of(subject)),
+            explanation: format!(
+                "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}",
+                like.form, like.left
+            ),
+            symptom: Symptom::FormsDiffer {
+                subject: subject.clone(),
+                form: own.into(),
+                reference: like.form.clone(),
+                evidence: piece.id.clone(),
+                differing,
+                runs,
+            },
+            figures: vec![
+                figure("conflict, decades", whole),
+                figure("left of it, decades", like.left),
+            ],
+            witnesses: self.witnesses(
+                piece,
+                &witnesses,
+                &format!("{own} and `{}` differ", like.form),
+            ),
+            ruled_out: match like.left < STRONG {
+                true => vec![format!(
+                    "the system models of {} and {}: judged alike they do not differ",
+                    one.id, other.id
+                )],
+                false => Vec::new(),
+            },
+            resolved_by: None,
+        }
+    }
+
+    /// On how many runs, of how many, a piece's own form and another differ, and some of them.
+    fn two_verdicts(
+        &self,
+        piece: &Evidence,
+        subject: &Subject,
+        form: &str,
+    ) -> (u64, u64, Vec<String>) {
+        let finding = piece.finding(subject);
+        let reading = finding.and_then(|f| f.readings.iter().find(|r| r.name == form));
+        if let Some(reading) = reading {
+            let trials = finding.map_or(0, |f| match f.measure {
+                Measure::Counts { trials, .. } => trials,
+                _ => 0,
+            });
+            return (
+                reading.differing,
+                trials.max(reading.trials),
+                reading.witnesses.clone(),
+            );
+        }
+        let all = piece.form_differences.iter();
+        let mut of_form = all
+            .filter(|d| &d.subject == subject && d.form == form)
+            .peekable();
+        let runs = of_form.peek().map_or(0, |d| d.runs);
+        let (mut count, mut witnesses) = (0, Vec::new());
+        for difference in of_form {
+            count += difference.count;
+            witnesses.extend(difference.witnesses.iter().cloned());
+        }
+        (count, runs, witnesses)
+    }
+
+    /// Clues against the two system models, as far as each is the odd one out.
+    fn of_systems(
+        &self,
+        one: &Evidence,
+        other: &Evidence,
+        subject: &Subject,
+        left: f64,
+    ) -> Vec<Clue> {
+        let weights = [one, other].map(|piece| self.apart(piece, one, subject));
+        let greatest = weights[0].max(weights[1]);
+        let shares = weights.map(|w| (w - greatest).exp());
+        let total = shares[0] + shares[1];
+        let both = [(one, other, shares[0]), (other, one, shares[1])];
+        let clues = both.into_iter().map(|(piece, against, share)| {
+            self.of_system(piece, against, subject, (left, share / total))
+        });
+        clues
+            .filter(|clue| clue.score > 0.0 || left <= 0.0)
+            .collect()
+    }
+
+    fn of_system(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+        (left, share): (f64, f64),
+    ) -> Clue {
+        let finding = piece.finding(subject);
+        let value = finding.and_then(|f| f.measure.estimate());
+        let runs = finding.map_or_else(Vec::new, |f| f.witnesses.clone());
+        Clue {
+            inaccuracy: Inaccuracy::SystemModel,
+            asset: system_model(piece),
+            subject: subject.clone(),
+            score: left * share,
+            title: format!("{} differs in {}", piece.id, name_of(subject)),
+            explanation: format!(
+                "{} against {}: a conflict of {left:.1} decades, with probability {share:.2} the odd one out.",
+                rate_in_words(piece, subject),
+                rate_in_words(against, subject)
+            ),
+            symptom: Symptom::RateDiffers {
+                subject: subject.clone(),
+                evidence: piece.id.clone(),
+                value: value.unwrap_or(f64::NAN),
+                others: vec![counts_of(against, subject)],
+            },
+            figures: vec![
+                figure("conflict, decades", left),
+                figure("probability of being the odd one out", share),
+            ],
+            witnesses: self.witnesses(piece, &runs, &format!("{} shows", name_of(subject))),
+            ruled_out: self.alike(piece, subject),
+            resolved_by: self.mended(piece, against, subject),
+        }
+    }
+
+    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`.
+    fn apart(&self, piece: &Evidence, like: &Evidence, subject: &Subject) -> f64 {
+        let rate = |e: &Evidence| e.finding(subject).and_then(|f| Rate::of(&f.measure));
+        let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
+        let others: Vec<Rate> = pieces
+            .filter(|e| e.id != piece.id)
+            .filter_map(rate)
+            .collect();
+        let margin = self.margin(subject);
+        let alone = rate(piece).map_or(0.0, |rate| ln_together(&[rate], margin));
+        let prior = match piece.technique {
+            Technique::Experiment | Technique::Operation => -DATA,
+            _ => 0.0,
+        };
+        prior + alone + ln_together(&others, margin)
+    }
+
+    /// What speaks for the requirement models of a piece.
+    fn alike(&self, piece: &Evidence, subject: &Subject) -> Vec<String> {
+        let forms = piece.form_differences.iter();
+        let differing: u64 = forms
+            .filter(|d| &d.subject == subject)
+            .map(|d| d.count)
+            .sum();
+        let cell = self.cells.iter().find(|cell| {
+            cell.evidence == piece.id && &cell.subject == subject && cell.not_judged.is_none()
+        });
+        match (cell, differing) {
+            (Some(cell), 0) => vec![format!(
+                "the requirement models: on {} runs of {} all forms agree",
+                cell.runs, piece.id
+            )],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Later evidence of the same technique that does not differ from what this one differs from.
+    fn mended(&self, piece: &Evidence, against: &Evidence, subject: &Subject) -> Option<String> {
+        let place = self.evidence.iter().position(|e| e.id == piece.id)?;
+        let later = self.evidence.iter().skip(place + 1);
+        let mut later =
+            later.filter(|e| e.technique == piece.technique && !e.intermediate && !e.published);
+        later
+            .find(|e| {
+                let has = e
+                    .finding(subject)
+                    .is_some_and(|f| f.measure.estimate().is_some());
+                has && self.difference(e, against, subject) < STRONG
+            })
+            .map(|e| e.id.clone())
+    }
+
+    /// Clues against models that cannot express a failure mode that others show.
+    pub(super) fn of_missing_modes(&self) -> Vec<Clue> {
+        let mut clues = Vec::new();
+        for piece in self.speaking() {
+            for finding in &piece.findings {
+                let (Subject::FailureMode(mode), Measure::NotExpressible { reason }) =
+                    (&finding.subject, &finding.measure)
+                else {
+                    continue;
+                };
+                if piece.technique == Technique::ModelChecking {
+                    clues.extend(self.missing_mode(piece, mode, &finding.subject, reason));
+                }
+            }
+        }
+        clues
+    }
+
+    fn missing_mode(
+        &self,
+        piece: &Evidence,
+        mode: &str,
+        subject: &Subject,
+        reason: &str,
+    ) -> Option<Clue> {
+        let margin = self.margin(subject);
+        let others = self.speaking().filter(|e| e.conditions == piece.conditions);
+        let mut shown: Vec<(f64, &Evidence)> = others
+            .filter_map(|e| {
+                let measure = &e.finding(subject)?.measure;
+                let shows = matches!(measure, Measure::Counts { count, .. } if *count > 0);
+                let apart = strength(Rate::Computed(0.0), Rate::of(measure)?, margin);
+                shows.then_some((apart, e))
+            })
+            .collect();
+        shown.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (score, most) = *shown.first()?;
+        let words: Vec<String> = shown
+            .iter()
+            .map(|(_, e)| rate_in_words(e, subject))
+            .collect();
+        let runs = most
+            .finding(subject)
+            .map_or_else(Vec::new, |f| f.witnesses.clone());
+        let place = self.evidence.iter().position(|e| e.id == piece.id)?;
+        let mut later = self
+            .evidence
+            .iter()
+            .skip(place + 1)
+            .filter(|e| e.technique == piece.technique && !e.intermediate);
+        let mended = later.find(|e| {
+            e.finding(subject)
+                .is_some_and(|f| f.measure.estimate().is_some())
+        });
+        Some(Clue {
+            inaccuracy: Inaccuracy::SystemModel,
+            asset: system_model(piece),
+            subject: subject.clone(),
+            score,
+            title: format!("{} does not know {}", piece.id, name_of(subject)),
+            explanation: format!("It occurs: {}. {reason}", words.join(", ")),
+            symptom: Symptom::MissingMode {
+                mode: mode.to_owned(),
+                shown: shown.iter().map(|(_, e)| counts_of(e, subject)).collect(),
+            },
+            figures: vec![figure("against never occurring, decades", score)],
+            witnesses: self.witnesses(most, &runs, &format!("{} occurs", name_of(subject))),
+            ruled_out: Vec::new(),
+            resolved_by: mended.map(|e| e.id.clone()),
+        })
+    }
+
+    /// Clues against methods whose answer lies outside bounds that hold, although the evidence does not
+    /// rest on it.
+    pub(super) fn of_other_methods(&self) -> Vec<Clue> {
+        let mut clues = Vec::new();
+        for piece in self.speaking() {
+            for finding in &piece.findings {
+                let Measure::Probability { answer, others, .. } = &finding.measure else {
+                    continue;
+                };
+                for other in others {
+                    if let Some(distance) = super::tool::distance_from_bounds(answer, other) {
+                        let margin = self.margin(&finding.subject);
+                        let values = [answer.value, other.value].map(Rate::Computed);
+                        clues.push(Clue {
+                            inaccuracy: Inaccuracy::Tool,
+                            asset: solver(piece, &other.method),
+                            subject: finding.subject.clone(),
+                            score: strength(values[0], values[1], margin),
+                            title: format!(
+                                "{}'s {} is where `{}` stopped, not a probability",
+                                piece.id, other.value, other.method
+                            ),
+                            explanation: format!(
+                                "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`; no conflict hangs on it.",
+                                name_of(&finding.subject), other.method, answer.method
+                            ),
+                            symptom: Symptom::SolverStopped {
+                                subject: finding.subject.clone(),
+                                method: other.method.clone(),
+                                value: other.value,
+                                sound: answer.method.clone(),
+                                sound_value: answer.value,
+                            },
+                            figures: vec![figure("distance from the bounds", distance)],
+                            witnesses: Vec::new(),
+                            ruled_out: Vec::new(),
+                            resolved_by: Some(piece.id.clone()),
+                        });
+                    }
+                }
+            }
+        }
+        clues
+    }
+}
+
+/// Which piece's form was changed so that both are judged alike, if they are.
+fn changed<'e>(
+    one: &'e Evidence,
+    a: &Judged,
+    other: &'e Evidence,
+    b: &Judged,
+) -> Option<(&'e Evidence, String)> {
+    let is_reading = |judged: &Judged| !["property", "monitor"].contains(&judged.form.as_str());
+    let is_table = |e: &Evidence| e.technique == Technique::Experiment || e.published;
+    match (a.main, b.main) {
+        (true, true) | (false, false) => None,
+        // The form in which a table was counted is not known: any may be it.
+        (true, false) => {
+            (a.form == b.form || is_reading(b) || is_table(one)).then(|| (other, b.form.clone()))
+        }
+        (false, true) => {
+            (a.form == b.form || is_reading(a) || is_table(other)).then(|| (one, a.form.clone()))
+        }
+    }
+}
+
+fn solver(piece: &Evidence, method: &str) -> SuspectAsset {
+    SuspectAsset {
+        kind: SuspectKind::Solver,
+        file: None,
+        part: Some(format!("method `{method}`")),
+        evidence: vec![piece.id.clone()],
+    }
+}
+
+/// A piece with its counts; a computed value has none.
+fn counts_of(piece: &Evidence, subject: &Subject) -> (String, u64, u64) {
+    match piece.finding(subject).map(|f| &f.measure) {
+        Some(Measure::Counts { count, trials, .. }) => (piece.id.clone(), *count, *trials),
+        _ => (piece.id.clone(), 0, 0),
+    }
+}
+
+fn figure(name: &str, value: f64) -> Figure {
+    Figure {
+        name: name.into(),
+        value: value.min(CERTAIN),
+        interval: None,
+    }
+}

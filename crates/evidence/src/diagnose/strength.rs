@@ -1,0 +1,264 @@
+//! How strongly two pieces of evidence speak against having the same rate.
+//!
+//! # Definition
+//! `strength = log10 P(data | two rates) / P(data | one rate)`, the decimal logarithm of the Bayes
+//! factor for a difference. A rate of which nothing is known has Jeffreys' prior Beta(1/2, 1/2), so
+//! that `k` of `n` has the marginal likelihood `m(k, n) = B(k + 1/2, n - k + 1/2) / B(1/2, 1/2)`
+//! (binomial coefficients are the same under both and left out).
+//!
+//! * counts and counts: `m(k1, n1) m(k2, n2) / m(k1 + k2, n1 + n2)`;
+//! * a computed value `v` and counts: one rate means that it is somewhere in `v - w .. v + w`, uniformly,
+//!   since models that agree within the declared margin agree. With `w` the margin;
+//! * two computed values: 0 if they are within the margin, else [`CERTAIN`].
+//!
+//! A difference within the margin is weighed again with a tenth of the margin and counts at most 1, so
+//! that it is named, but behind all that matters. Effective sizes take the place of sizes where trials
+//! are clustered.
+//!
+//! # Source
+//! H. Jeffreys, "Theory of Probability" (3rd ed., 1961), section 5.01 and appendix B; R. E. Kass and A. E.
+//! Raftery, "Bayes factors", Journal of the American Statistical Association 90 (1995), sections 3.2 and
+//! 4. Their scale: above 0.5 substantial, above 1 strong, above 2 decisive. Deviation: the uniform window
+//! for computed values, and that strengths are cut at [`CERTAIN`].
+//!
+//! # Cost and guarantee
+//! 2048 evaluations of a likelihood for a computed value, else a constant. The window is integrated by
+//! the midpoint rule, over the part of it that has likelihood: relative error below 1e-3 of the Bayes
+//! factor (tested against exact integrals).
+
+use crate::Measure;
+use stats::special::ln_gamma;
+
+/// The strength of what cannot be otherwise: a greater one is cut to this.
+pub const CERTAIN: f64 = 100.0;
+
+/// The most that a difference within the margin counts.
+const WITHIN_MARGIN: f64 = 1.0;
+
+/// Points at which a likelihood is evaluated.
+const POINTS: u32 = 2048;
+
+/// What is known of a rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rate {
+    /// Counts, worth `count` of `trials` independent ones.
+    Counted {
+        /// How often.
+        count: f64,
+        /// Of how many.
+        trials: f64,
+    },
+    /// A value that was computed from a model.
+    Computed(f64),
+}
+
+impl Rate {
+    /// The rate of a finding, if it has one.
+    pub fn of(measure: &Measure) -> Option<Self> {
+        match measure {
+            Measure::Counts {
+                count,
+                trials,
+                effective_trials,
+                ..
+            } if *trials > 0 => {
+                let size = effective_trials.unwrap_or(*trials as f64);
+                let share = *count as f64 / *trials as f64;
+                Some(Self::Counted {
+                    count: share * size,
+                    trials: size,
+                })
+            }
+            Measure::Probability { answer, .. } => Some(Self::Computed(answer.value)),
+            _ => None,
+        }
+    }
+
+    /// Counts of independent trials.
+    pub fn counted(count: u64, trials: u64) -> Self {
+        Self::Counted {
+            count: count as f64,
+            trials: trials as f64,
+        }
+    }
+}
+
+/// How strongly two rates differ, from 0 (not at all) to [`CERTAIN`].
+pub fn strength(one: Rate, other: Rate, margin: f64) -> f64 {
+    let whole = against_one_rate(one, other, margin);
+    let strength = if whole >= WITHIN_MARGIN {
+        whole
+    } else {
+        against_one_rate(one, other, margin / 10.0).clamp(whole, WITHIN_MARGIN)
+    };
+    strength.clamp(0.0, CERTAIN)
+}
+
+/// The decimal logarithm of the Bayes factor.
+fn against_one_rate(one: Rate, other: Rate, window: f64) -> f64 {
+    match (one, other) {
+        (Rate::Computed(a), Rate::Computed(b)) if (a - b).abs() <= window => 0.0,
+        (Rate::Computed(_), Rate::Computed(_)) => CERTAIN,
+        (Rate::Computed(value), Rate::Counted { count, trials })
+        | (Rate::Counted { count, trials }, Rate::Computed(value)) => {
+            in_decades(marginal(count, trials) - near(value, window, count, trials))
+        }
+        (
+            Rate::Counted { count, trials },
+            Rate::Counted {
+                count: other_count,
+                trials: other_trials,
+            },
+        ) => {
+            let apart = marginal(count, trials) + marginal(other_count, other_trials);
+            in_decades(apart - marginal(count + other_count, trials + other_trials))
+        }
+    }
+}
+
+fn in_decades(natural: f64) -> f64 {
+    natural / std::f64::consts::LN_10
+}
+
+/// `ln m(k, n)`.
+fn marginal(count: f64, trials: f64) -> f64 {
+    ln_beta(count + 0.5, trials - count + 0.5) - ln_beta(0.5, 0.5)
+}
+
+fn ln_beta(a: f64, b: f64) -> f64 {
+    ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b)
+}
+
+/// `ln P(data | all have one rate)`; of equal computed values nothing is left to explain.
+pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
+    let (mut count, mut trials) = (0.0, 0.0);
+    let mut computed: Option<f64> = None;
+    for rate in rates {
+        match *rate {
+            Rate::Counted {
+                count: k,
+                trials: n,
+            } => {
+                count += k;
+                trials += n;
+            }
+            Rate::Computed(value) => match computed {
+                Some(first) if (first - value).abs() > margin => {
+                    return -CERTAIN * std::f64::consts::LN_10;
+                }
+                Some(_) => {}
+                None => computed = Some(value),
+            },
+        }
+    }
+    let found = match computed {
+        Some(value) => near(value, margin, count, trials),
+        None => marginal(count, trials),
+    };
+    found.max(marginal(count, trials) - CERTAIN * std::f64::consts::LN_10)
+}
+
+/// The logarithm of the mean likelihood of counts over `value - window .. value + window`.
+fn near(value: f64, window: f64, count: f64, trials: f64) -> f64 {
+    let (low, high) = ((value - window).max(0.0), (value + window).min(1.0));
+    if trials <= 0.0 {
+        return 0.0;
+    }
+    if high <= low {
+        return ln_likelihood(value.clamp(0.0, 1.0), count, trials);
+    }
+    // Farther than 40 deviations from the likelihood's peak there is nothing, unless the window is there.
+    let peak = (count / trials).clamp(low, high);
+    let deviation = (peak * (1.0 - peak) / trials).sqrt().max(1.0 / trials);
+    let from = low.max(peak - 40.0 * deviation);
+    let to = high.min(peak + 40.0 * deviation);
+    let step = (to - from) / f64::from(POINTS);
+    let at = |i: u32| ln_likelihood(from + (f64::from(i) + 0.5) * step, count, trials);
+    let greatest = (0..POINTS).map(at).fold(f64::NEG_INFINITY, f64::max);
+    if greatest == f64::NEG_INFINITY {
+        return greatest;
+    }
+    let sum: f64 = (0..POINTS).map(|i| (at(i) - greatest).exp()).sum();
+    greatest + (sum * step / (high - low)).ln()
+}
+
+fn ln_likelihood(rate: f64, count: f64, trials: f64) -> f64 {
+    let part = |number: f64, share: f64| {
+        if number > 0.0 {
+            number * share.ln()
+        } else {
+            0.0
+        }
+    };
+    part(count, rate) + part(trials - count, 1.0 - rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bayes_factor_of_two_counts_is_that_of_the_closed_form() {
+        // One head and one tail: m(1,1) = 1/2, m(0,1) = 1/2, m(1,2) = B(1.5, 1.5)/B(.5, .5) = 1/8.
+        let found = against_one_rate(Rate::counted(1, 1), Rate::counted(0, 1), 0.0);
+        assert!((found - 2.0_f64.log10()).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn the_window_is_integrated() {
+        // All rates are within reach: the mean likelihood of k of n is B(k+1, n-k+1).
+        for (count, trials) in [(0.0, 5.0), (3.0, 10.0), (990.0, 1000.0), (5e5, 1e6)] {
+            let exact = ln_beta(count + 1.0, trials - count + 1.0);
+            let found = near(0.5, 0.5, count, trials);
+            assert!(
+                (found - exact).abs() < 1e-3,
+                "{count} of {trials}: {found} {exact}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_a_model_excludes_is_certain_and_what_is_near_counts_little() {
+        let all = Rate::Computed(1.0);
+        assert_eq!(strength(all, Rate::counted(5_000, 10_000), 0.05), CERTAIN);
+        assert!(strength(all, Rate::counted(80, 100), 0.05) > 2.0);
+        let near = strength(all, Rate::counted(98, 100), 0.05);
+        assert!((0.0..=WITHIN_MARGIN).contains(&near), "{near}");
+        assert_eq!(strength(all, Rate::counted(100, 100), 0.05), 0.0);
+        assert_eq!(strength(all, Rate::Computed(0.5), 0.05), CERTAIN);
+        assert_eq!(strength(all, Rate::Computed(0.97), 0.05), WITHIN_MARGIN);
+        assert_eq!(strength(all, Rate::Computed(1.0), 0.05), 0.0);
+    }
+
+    #[test]
+    fn more_of_the_same_difference_is_stronger_and_order_does_not_matter() {
+        let at = |n: u64| {
+            strength(
+                Rate::counted(20 * n, 100 * n),
+                Rate::counted(3 * n, 100 * n),
+                0.05,
+            )
+        };
+        assert!(at(1) > 1.0 && at(2) > at(1) && at(10) > at(2));
+        let turned = strength(Rate::counted(3, 100), Rate::counted(20, 100), 0.05);
+        assert!((at(1) - turned).abs() < 1e-12);
+    }
+
+    #[test]
+    fn clustered_trials_are_worth_less() {
+        let of = |effective_trials| {
+            Rate::of(&Measure::Counts {
+                count: 20,
+                trials: 100,
+                effective_trials,
+                interval: crate::Interval {
+                    low: 0.1,
+                    high: 0.3,
+                },
+            })
+            .expect("a rate")
+        };
+        let other = Rate::counted(3, 100);
+        assert!(strength(of(Some(50.0)), other, 0.05) < strength(of(None), other, 0.05));
+    }
+}

@@ -1,0 +1,285 @@
+//! Suspects: assets that explain disagreements, ranked; and the matrix of cells they follow from.
+
+use crate::{Inaccuracy, Interval, Subject};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What kind of thing is suspected.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum SuspectKind {
+    /// A formal model.
+    FormalModel,
+    /// A scenario, a scene or its parameters.
+    Simulation,
+    /// Tables or recordings of experiments or operation.
+    Data,
+    /// A logical property.
+    Property,
+    /// An assertion monitor, a formula for traces, or a reading.
+    Monitor,
+    /// A word of the vocabulary, bound otherwise to models than to traces.
+    Vocabulary,
+    /// A method of the model checker.
+    Solver,
+    /// A physics engine.
+    Engine,
+    /// The time step of a simulation.
+    TimeStep,
+}
+
+/// What is suspected: a file, or a named part of one.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+pub struct SuspectAsset {
+    /// What kind of thing it is.
+    pub kind: SuspectKind,
+    /// Path relative to the study's folder, with `/` between folders; `None` for tools.
+    pub file: Option<String>,
+    /// Which part of it: a requirement's form (`requirement 3, monitor`), a method of the checker.
+    pub part: Option<String>,
+    /// The evidence that rests on it, in the ledger's order.
+    pub evidence: Vec<String>,
+}
+
+/// What is wrong, for programs. Identifiers are those of the study.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Symptom {
+    /// A failure mode occurs elsewhere, and the asset cannot express it.
+    MissingMode {
+        /// The failure mode.
+        mode: String,
+        /// The evidence that shows it, the most telling first: identifier, occurrences, opportunities.
+        shown: Vec<(String, u64, u64)>,
+    },
+    /// A rate differs from that of other evidence.
+    RateDiffers {
+        /// Of what.
+        subject: Subject,
+        /// The asset's own evidence.
+        evidence: String,
+        /// What it says.
+        value: f64,
+        /// The others that share a rate: identifier, count, trials; computed values have no counts.
+        others: Vec<(String, u64, u64)>,
+    },
+    /// Two forms of a requirement judge the same runs otherwise.
+    FormsDiffer {
+        /// The requirement or failure mode.
+        subject: Subject,
+        /// The form that is suspected.
+        form: String,
+        /// The form that it was held against.
+        reference: String,
+        /// On whose runs.
+        evidence: String,
+        /// On how many runs they differ.
+        differing: u64,
+        /// Of how many.
+        runs: u64,
+    },
+    /// A form's limit is not the declared one.
+    Drifted {
+        /// The requirement.
+        subject: Subject,
+        /// The form: `property`, `monitor`, or a reading's name.
+        form: String,
+        /// What the requirement declares, in words.
+        required: String,
+        /// What the form says, in words.
+        found: String,
+    },
+    /// An event of the simulator or of a recording has no counterpart in the model.
+    UnmodelledEvent {
+        /// The propositions that hold before it.
+        from: Vec<String>,
+        /// Those that hold after it; `None` if the run ended where the model cannot stay.
+        to: Option<Vec<String>>,
+        /// The evidence whose runs show it.
+        evidence: String,
+        /// Runs that show it.
+        runs: u64,
+        /// Of how many.
+        of: u64,
+    },
+    /// A solver's answer lies outside the bounds of a sound one.
+    SolverStopped {
+        /// Of what.
+        subject: Subject,
+        /// The method in doubt.
+        method: String,
+        /// Its answer.
+        value: f64,
+        /// The method whose bounds hold.
+        sound: String,
+        /// Its answer.
+        sound_value: f64,
+    },
+    /// The answer computed and the paths sampled of one model do not agree.
+    SampledOtherwise {
+        /// Of what.
+        subject: Subject,
+        /// The computed answer.
+        computed: f64,
+        /// Sampled paths on which it holds.
+        count: u64,
+        /// Of how many.
+        paths: u64,
+    },
+    /// The same episodes come out otherwise with a shorter step or in another engine.
+    RunsOtherwise {
+        /// Of what.
+        subject: Subject,
+        /// What was changed: `half the time step`, or the other engine's name.
+        changed: String,
+        /// Episodes that were violated (or a failure mode's occurrences) before and after.
+        violated: [u64; 2],
+        /// Of how many.
+        episodes: u64,
+        /// Episodes with two verdicts.
+        differing: u64,
+    },
+}
+
+/// A number behind an argument.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Figure {
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its interval, where it has one.
+    pub interval: Option<Interval>,
+}
+
+/// A run that shows it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Witness {
+    /// A recording's or a path's name.
+    pub name: String,
+    /// What to see in it, in one sentence.
+    pub shows: String,
+    /// The command that shows it again.
+    pub replay: String,
+}
+
+/// An asset that explains disagreements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Suspect {
+    /// Place in the list, from 1.
+    pub rank: u32,
+    /// Which of the three sources of disagreement it is.
+    pub inaccuracy: Inaccuracy,
+    /// The asset.
+    pub asset: SuspectAsset,
+    /// What it touches.
+    pub subjects: Vec<Subject>,
+    /// Disagreement that goes away if the asset is set aside: decimal logarithm of the Bayes factor
+    /// for "they differ" against "they are the same". Above 2 is decisive by Jeffreys' scale.
+    pub score: f64,
+    /// What is wrong, as a headline.
+    pub title: String,
+    /// The argument, with figures.
+    pub explanation: String,
+    /// What is wrong, for programs.
+    pub symptoms: Vec<Symptom>,
+    /// The figures of the argument.
+    pub figures: Vec<Figure>,
+    /// Runs that show it.
+    pub witnesses: Vec<Witness>,
+    /// What was held against it and found not to be the reason, one sentence each.
+    pub ruled_out: Vec<String>,
+    /// The later evidence in which it is mended, if it is.
+    pub resolved_by: Option<String>,
+}
+
+/// What is judged in a cell of the matrix.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Traces {
+    /// Paths sampled from a formal model.
+    Model,
+    /// Episodes of a simulator.
+    Simulator,
+    /// Recordings of experiments or operation.
+    Recordings,
+}
+
+/// By what it is judged.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum JudgedBy {
+    /// The logical property, on finite traces.
+    Property,
+    /// The assertion monitor.
+    Monitor,
+}
+
+/// A cell of the matrix: one requirement model on one source of traces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Cell {
+    /// `A` to `F`: properties on model paths, episodes, recordings; then monitors on the same.
+    pub cell: char,
+    /// The traces.
+    pub traces: Traces,
+    /// The requirement model.
+    pub judged_by: JudgedBy,
+    /// The evidence whose assets gave the traces.
+    pub evidence: String,
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// Requirement: traces that keep it. Failure mode: occurrences.
+    pub count: u64,
+    /// Traces that decide it; of a failure mode its opportunities.
+    pub trials: u64,
+    /// All traces.
+    pub runs: u64,
+    /// Traces that were cut short before a verdict.
+    pub undecided: u64,
+    /// Interval of the rate at the study's level; `None` without trials.
+    pub interval: Option<Interval>,
+    /// Why the cell is empty, if it is.
+    pub not_judged: Option<String>,
+}
+
+/// Two cells that differ in one asset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Contrast {
+    /// The cells, such as `A-B`.
+    pub cells: String,
+    /// What differs between them.
+    pub changed: Inaccuracy,
+    /// The evidence of either cell.
+    pub evidence: [String; 2],
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// p-value of "no difference": McNemar's exact test on the same traces, Fisher's otherwise.
+    pub p_value: f64,
+    /// Decimal logarithm of the Bayes factor for a difference.
+    pub strength: f64,
+    /// On the same traces: how many have two verdicts.
+    pub differing: Option<u64>,
+}
+
+/// What changing one asset at a time shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Diagnosis {
+    /// Hash of all that it was made from.
+    pub inputs: String,
+    /// The matrix.
+    pub cells: Vec<Cell>,
+    /// Pairs of cells that differ in one asset.
+    pub contrasts: Vec<Contrast>,
+    /// The suspects, the strongest first.
+    pub suspects: Vec<Suspect>,
+    /// What was looked at and found in order, one sentence each.
+    pub in_order: Vec<String>,
+    /// What could not be looked at, one sentence each.
+    pub not_done: Vec<String>,
+}
