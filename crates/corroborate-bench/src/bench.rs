@@ -1,0 +1,116 @@
+//! Many studies, scored: the figures of the benchmark.
+
+use crate::coverage::{Kind, coverage};
+use crate::family::Family;
+use crate::fault::Fault;
+use crate::random::Random;
+use crate::score::{Score, score};
+use crate::study::Synthetic;
+use rayon::prelude::*;
+
+/// How much is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Studies with each fault, of the toys and of the serial tasks together.
+    pub studies: u64,
+    /// Studies without one.
+    pub sound: u64,
+    /// Studies of the handover with each fault; its model has 15,623 states.
+    pub handover: u64,
+    /// From which everything is drawn.
+    pub seed: u64,
+}
+
+impl Plan {
+    /// What the published table was made with.
+    pub const FULL: Plan = Plan {
+        studies: 1000,
+        sound: 4000,
+        handover: 60,
+        seed: 5,
+    };
+
+    /// What a change is judged by.
+    pub const SMALL: Plan = Plan {
+        studies: 24,
+        sound: 60,
+        handover: 1,
+        seed: 5,
+    };
+}
+
+/// One study's result.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// Its family.
+    pub family: Family,
+    /// Whether the formal model's constants were counted.
+    pub counted_constants: bool,
+    /// Whether the tables say whose attempts are whose.
+    pub by_subject: bool,
+    /// Its score.
+    pub score: Score,
+    /// Its intervals, where nothing was planted.
+    pub intervals: Vec<(Kind, bool)>,
+}
+
+/// Runs the plan; the same lines at any number of threads.
+///
+/// # Errors
+/// What could not be produced, with the study's number.
+pub fn run(plan: &Plan) -> Result<Vec<Line>, String> {
+    jobs(plan)
+        .into_par_iter()
+        .enumerate()
+        .map(|(number, (family, fault))| {
+            one(family, fault, plan.seed, number as u64).map_err(|error| {
+                format!(
+                    "study {number} ({}, {}): {error}",
+                    family.name(),
+                    fault.name()
+                )
+            })
+        })
+        .collect()
+}
+
+fn jobs(plan: &Plan) -> Vec<(Family, Fault)> {
+    let mut jobs = Vec::new();
+    for fault in Fault::ALL {
+        let studies = if fault == Fault::None {
+            plan.sound
+        } else {
+            plan.studies
+        };
+        let mut add = |family: Family, count: u64| {
+            if fault.fits(family) {
+                jobs.extend((0..count).map(|_| (family, fault)));
+            }
+        };
+        let toys = if fault.fits(Family::Toy) {
+            studies / 4
+        } else {
+            0
+        };
+        add(Family::Toy, toys);
+        add(Family::Serial, studies - toys);
+        add(Family::Handover, plan.handover);
+    }
+    jobs
+}
+
+fn one(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Line, String> {
+    let study = Synthetic::new(family, fault, seed, number)?;
+    let mut random = Random::new(seed ^ 0x5eed, number);
+    Ok(Line {
+        family,
+        counted_constants: study.setup.rig.is_some(),
+        by_subject: study.setup.cohort.by_subject,
+        score: score(&study),
+        intervals: if fault == Fault::None {
+            coverage(&study, &mut random)
+        } else {
+            Vec::new()
+        },
+    })
+}

@@ -1,0 +1,143 @@
+//! Families of studies: how their truth is drawn.
+
+use crate::random::Random;
+use crate::task::{Stage, Task};
+use crate::trials::Cohort;
+use stats::Sample;
+
+/// A family of studies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Family {
+    /// One stage, which fails or not.
+    Toy,
+    /// Three to six stages in series with retries.
+    Serial,
+    /// The handover's last model, with rates about the published ones.
+    Handover,
+}
+
+impl Family {
+    /// All families.
+    pub const ALL: [Family; 3] = [Family::Toy, Family::Serial, Family::Handover];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Toy => "toy",
+            Family::Serial => "serial",
+            Family::Handover => "handover",
+        }
+    }
+}
+
+/// What is true, and how it is looked at.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The family.
+    pub family: Family,
+    /// The truth.
+    pub truth: Task,
+    /// Steps in which a run has to be done.
+    pub limit_steps: u32,
+    /// Runs of the simulator.
+    pub simulated: usize,
+    /// The experiments.
+    pub cohort: Cohort,
+    /// Recorded runs of the robot at work; 0 for a study without.
+    pub recorded: usize,
+    /// Tests of each stage alone, from which the formal model's constants were set; `None` where they
+    /// are known.
+    pub rig: Option<Vec<Sample>>,
+}
+
+/// Constants of the handover's model, by failure mode, with their published values.
+pub const HANDOVER: [(&str, &str, f64); 4] = [
+    ("runtime_error", "pMotionFailure", 0.002),
+    ("false_negative_pressure", "pPressureFN", 0.071_428_571),
+    ("false_negative_location", "pLocationFN", 0.030_612_245),
+    ("grip_failure", "pGripperFailure", 0.02),
+];
+
+impl Setup {
+    /// Draws what is true.
+    pub fn draw(family: Family, random: &mut Random) -> Self {
+        let truth = truth(family, random);
+        let limit_steps = (truth.mean_steps() * random.between(1.2, 1.8)).ceil() as u32;
+        // The handover's constants are known: its 15,000 states are not solved 250 times.
+        let has_rig = family != Family::Handover && random.chance(0.2);
+        let rig = has_rig.then(|| {
+            truth
+                .stages
+                .iter()
+                .map(|stage| rig(stage.fails, random))
+                .collect()
+        });
+        Self {
+            family,
+            limit_steps: limit_steps.max(3),
+            simulated: random.one_of(&[200, 500, 1000]),
+            cohort: Cohort {
+                subjects: random.one_of(&[10, 20, 40]),
+                attempts: 10,
+                correlation: random.one_of(&[0.0, 0.05, 0.1]),
+                by_subject: true,
+            },
+            recorded: if random.chance(0.5) { 300 } else { 0 },
+            rig,
+            truth,
+        }
+    }
+
+    /// The failure modes of the truth.
+    #[must_use]
+    pub fn modes(&self) -> Vec<String> {
+        self.truth
+            .stages
+            .iter()
+            .map(|stage| stage.mode.clone())
+            .collect()
+    }
+}
+
+/// Tests of one stage alone.
+fn rig(fails: f64, random: &mut Random) -> Sample {
+    let trials = random.one_of(&[100, 300, 1000]);
+    let successes = (0..trials).filter(|_| random.chance(fails)).count() as u64;
+    Sample { successes, trials }
+}
+
+fn truth(family: Family, random: &mut Random) -> Task {
+    let mut stage = |mode: String, low: f64, high: f64| Stage {
+        mode,
+        fails: round(random.log_between(low, high)),
+        again: round(random.between(0.0, 0.5)),
+    };
+    let stages: Vec<Stage> = match family {
+        Family::Toy => vec![stage("slip".into(), 0.02, 0.4)],
+        Family::Serial => {
+            let mut stages: Vec<Stage> = (1..=6)
+                .map(|i| stage(format!("mode_{i}"), 0.01, 0.2))
+                .collect();
+            let count = 3 + random.below(4);
+            stages.truncate(count);
+            stages
+        }
+        Family::Handover => HANDOVER
+            .iter()
+            .map(|(mode, _, rate)| stage((*mode).into(), 0.5 * rate, 2.0 * rate))
+            .collect(),
+    };
+    let slow = random.between(0.8, 0.98);
+    Task {
+        sensing: (stages.len().saturating_sub(2)).min(1),
+        median_speed: Task::median_for(slow),
+        stages,
+    }
+}
+
+/// Rates have few digits, as in a model that somebody wrote.
+#[must_use]
+pub fn round(rate: f64) -> f64 {
+    (rate * 1e5).round() / 1e5
+}

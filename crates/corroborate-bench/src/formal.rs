@@ -1,0 +1,251 @@
+//! Formal evidence: the study's questions, answered on a model in the PRISM language.
+
+use crate::requirements::Forms;
+use crate::task::Task;
+use checker::explore::explore;
+use checker::state_space::StateSpace;
+use checker::{AnswerValue, Method, Options, check_space};
+use evidence::{CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Subject};
+use prism_lang::{Constants, Number, Property, Value, parse_model, parse_properties};
+use stats::{BetaPosterior, Confidence, Sample};
+use std::collections::BTreeMap;
+
+/// How often a model is solved to carry the uncertainty of its constants. The product solves 1000 times.
+const SOLVES: usize = 250;
+
+/// One subject's question.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// What is asked about.
+    pub subject: Subject,
+    /// The property, and for a failure mode that of its opportunity; `None` if the model cannot
+    /// express it.
+    pub property: Option<(String, Option<String>)>,
+}
+
+/// A model and the questions to it.
+#[derive(Clone, Debug)]
+pub struct Formal {
+    /// The model's text.
+    pub text: String,
+    /// Labels and the like for the properties.
+    pub labels: String,
+    /// Constants that are set to other values than the text's.
+    pub constants: Vec<(String, f64)>,
+    /// Constants that were set to counts.
+    pub counted: Vec<(String, Sample)>,
+    /// The questions.
+    pub questions: Vec<Question>,
+    /// The methods by which each is answered; the first is the answer that counts.
+    pub methods: Vec<Method>,
+}
+
+impl Formal {
+    /// The chain of a task, asked about the requirements and about `modes`, of which the model may
+    /// lack some.
+    ///
+    /// # Errors
+    /// What is wrong with a requirement's form.
+    pub fn of_task(task: &Task, forms: &[Forms], modes: &[String]) -> Result<Self, String> {
+        let mut questions = Vec::new();
+        for form in forms {
+            let property = if form.is_formal {
+                Some((form.query()?, None))
+            } else {
+                None
+            };
+            questions.push(Question {
+                subject: Subject::Requirement(form.id.to_owned()),
+                property,
+            });
+        }
+        for mode in modes {
+            let known = task.stage_of(mode).is_some();
+            let property = known.then(|| {
+                let asked = |label: &str| format!("P=? [ F \"{label}_{mode}\" ]");
+                (asked("failed"), Some(asked("reached")))
+            });
+            questions.push(Question {
+                subject: Subject::FailureMode(mode.clone()),
+                property,
+            });
+        }
+        Ok(Self {
+            text: task.model(),
+            labels: String::new(),
+            constants: Vec::new(),
+            counted: Vec::new(),
+            questions,
+            methods: vec![Method::Sound],
+        })
+    }
+
+    /// The findings on all questions.
+    ///
+    /// # Errors
+    /// What is wrong with the model or a property, in words.
+    pub fn findings(&self, level: Confidence, seed: u64) -> Result<Vec<Finding>, String> {
+        let tree = parse_model(&self.text)
+            .into_result()
+            .map_err(|e| format!("{e:?}"))?;
+        let solved = self.solve(&tree, &self.constants, &self.methods)?;
+        let mut measures: Vec<Measure> = solved.into_iter().map(measure).collect();
+        if !self.counted.is_empty() {
+            self.carry_uncertainty(&tree, level, seed, &mut measures)?;
+        }
+        let findings = self.questions.iter().zip(measures);
+        Ok(findings
+            .map(|(question, measure)| Finding {
+                subject: question.subject.clone(),
+                measure,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            })
+            .collect())
+    }
+
+    fn carry_uncertainty(
+        &self,
+        tree: &prism_lang::ast::Model,
+        level: Confidence,
+        seed: u64,
+        measures: &mut [Measure],
+    ) -> Result<(), String> {
+        let counted = self.counted.iter();
+        let posteriors: Vec<_> = counted.map(|(_, s)| BetaPosterior::jeffreys(*s)).collect();
+        let points = stats::posterior_design(&posteriors, SOLVES, seed);
+        let mut rows = Vec::with_capacity(points.len());
+        for point in &points {
+            let mut constants = self.constants.clone();
+            let named = self.counted.iter().zip(point);
+            constants.extend(named.map(|((name, _), value)| (name.clone(), *value)));
+            rows.push(self.solve(tree, &constants, &[Method::Sound])?);
+        }
+        let names: Vec<&str> = self.counted.iter().map(|(name, _)| name.as_str()).collect();
+        for (place, measure) in measures.iter_mut().enumerate() {
+            let values: Option<Vec<f64>> = rows
+                .iter()
+                .map(|row| {
+                    row[place]
+                        .as_ref()
+                        .and_then(|all| all.first())
+                        .map(|a| a.value)
+                })
+                .collect();
+            if let (Some(values), Measure::Probability { credible, .. }) = (values, measure) {
+                let carried = CredibleInterval::of_solves(&names, &points, &values, level);
+                *credible = Some(carried.map_err(|error| error.to_string())?);
+            }
+        }
+        Ok(())
+    }
+
+    /// For each question the answers of each method; `None` where the model has no answer.
+    fn solve(
+        &self,
+        tree: &prism_lang::ast::Model,
+        constants: &[(String, f64)],
+        methods: &[Method],
+    ) -> Result<Vec<Option<Vec<MethodAnswer>>>, String> {
+        let mut overrides = Constants::new();
+        for (name, value) in constants {
+            let value = Value::Double(Number::from_approximate(*value));
+            overrides.set(name.clone(), value);
+        }
+        let model = prism_lang::resolve_with(tree, &Constants::new(), &overrides)
+            .map_err(|found| format!("{found:?}"))?;
+        let space = explore::<f64>(&model).map_err(|error| error.to_string())?;
+        let mut known: BTreeMap<&str, Vec<MethodAnswer>> = BTreeMap::new();
+        for text in self.texts() {
+            let property = self.property(&model, text)?;
+            let answers = methods
+                .iter()
+                .map(|method| answer(&property, *method, &space));
+            known.insert(text, answers.collect::<Result<_, _>>()?);
+        }
+        let answered = self.questions.iter().map(|question| {
+            let (text, opportunity) = question.property.as_ref()?;
+            let occurs = known.get(text.as_str())?;
+            let Some(opportunity) = opportunity else {
+                return Some(occurs.clone());
+            };
+            let opportunities = known.get(opportunity.as_str())?;
+            let pairs = occurs.iter().zip(opportunities);
+            Some(pairs.map(|(one, other)| one.quotient(other)).collect())
+        });
+        Ok(answered.collect())
+    }
+
+    /// The texts of all properties, each once.
+    fn texts(&self) -> Vec<&str> {
+        let mut texts: Vec<&str> = Vec::new();
+        for (text, opportunity) in self.questions.iter().filter_map(|q| q.property.as_ref()) {
+            texts.push(text);
+            texts.extend(opportunity.as_deref());
+        }
+        texts.sort_unstable();
+        texts.dedup();
+        texts
+    }
+
+    fn property(
+        &self,
+        model: &prism_lang::resolved::Model,
+        text: &str,
+    ) -> Result<Property, String> {
+        let whole = format!("{}{text}", self.labels);
+        let tree = parse_properties(&whole)
+            .into_result()
+            .map_err(|e| format!("{e:?}"))?;
+        let found = prism_lang::resolve_properties(&tree, model, &Constants::new());
+        let mut found = found.map_err(|e| format!("{text}: {e:?}"))?;
+        found
+            .pop()
+            .map(|p| p.property)
+            .ok_or_else(|| "no property".into())
+    }
+}
+
+fn measure(answers: Option<Vec<MethodAnswer>>) -> Measure {
+    let mut answers = answers.unwrap_or_default().into_iter();
+    match answers.next() {
+        Some(answer) => Measure::Probability {
+            answer,
+            others: answers.collect(),
+            credible: None,
+        },
+        None => Measure::NotExpressible {
+            reason: "The model does not express it.".into(),
+        },
+    }
+}
+
+fn answer(
+    property: &Property,
+    method: Method,
+    space: &StateSpace<f64>,
+) -> Result<MethodAnswer, String> {
+    let answer = check_space(space, property, &Options::with_method(method));
+    let answer = answer.map_err(|error| error.to_string())?;
+    let AnswerValue::Number(value) = answer.value else {
+        return Err("the answer is no number".into());
+    };
+    Ok(MethodAnswer {
+        method: match method {
+            Method::PrismDefault => "prism-default".into(),
+            _ => "sound".into(),
+        },
+        value,
+        complement: answer.complement,
+        guarantee: match answer.guarantee {
+            checker::Guarantee::Exact => Guarantee::Exact { rational: None },
+            checker::Guarantee::Bounded { low, high } => Guarantee::Bounded { low, high },
+            checker::Guarantee::Estimated { reason } => Guarantee::Estimated { reason },
+            checker::Guarantee::Statistical { .. } => Guarantee::Estimated {
+                reason: "a statistical answer".into(),
+            },
+        },
+        iterations: (answer.iterations > 0).then_some(answer.iterations),
+    })
+}

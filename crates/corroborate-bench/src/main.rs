@@ -1,0 +1,44 @@
+//! The benchmark as a command.
+//!
+//! `corroborate-bench [--small] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
+
+use corroborate_bench::bench::{Plan, run};
+use corroborate_bench::table::tables;
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str = "usage: corroborate-bench [--small] [--to FOLDER]";
+
+fn main() -> ExitCode {
+    match benchmark() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn benchmark() -> Result<(), String> {
+    let mut plan = Plan::FULL;
+    let mut folder = None;
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--small" => plan = Plan::SMALL,
+            "--to" => folder = Some(arguments.next().ok_or(USAGE)?),
+            other => return Err(format!("unknown argument `{other}`; {USAGE}")),
+        }
+    }
+    let lines = run(&plan)?;
+    let mut page = format!("{} studies, seed {}.\n", lines.len(), plan.seed);
+    for table in tables(&lines) {
+        page.push_str(&format!("\n{}", table.markdown()));
+        if let Some(folder) = &folder {
+            let path = Path::new(folder).join(format!("{}.csv", table.name));
+            trace::write_file(&path, table.csv().as_bytes()).map_err(|error| error.to_string())?;
+        }
+    }
+    println!("{page}");
+    Ok(())
+}

@@ -1,0 +1,324 @@
+//! The benchmark's tables: rates with their intervals, as CSV and as Markdown.
+
+use crate::bench::Line;
+use crate::coverage::Kind;
+use crate::family::Family;
+use crate::fault::Fault;
+use crate::score::Score;
+use stats::{Confidence, Sample};
+use std::fmt::Write as _;
+
+/// A table: a title, a note, and rows of texts under their headings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The name of its file, without ending.
+    pub name: &'static str,
+    /// What it shows.
+    pub title: String,
+    /// The headings.
+    pub headings: Vec<&'static str>,
+    /// The rows.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// One entry.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// So many of so many.
+    Rate(u64, u64),
+    /// A number of no further uncertainty, such as a mean of theoretical powers.
+    Number(f64),
+}
+
+impl Cell {
+    fn of<'a>(lines: impl Iterator<Item = &'a Score>, holds: impl Fn(&Score) -> bool) -> Self {
+        let (mut count, mut all) = (0, 0);
+        for line in lines {
+            all += 1;
+            count += u64::from(holds(line));
+        }
+        Cell::Rate(count, all)
+    }
+
+    /// As words: a rate in percent with its 95 % interval (Wilson).
+    #[must_use]
+    pub fn words(&self) -> String {
+        match self {
+            Cell::Text(text) => text.clone(),
+            Cell::Number(number) => format!("{:.1} %", 100.0 * number),
+            Cell::Rate(_, 0) => "none".into(),
+            Cell::Rate(count, all) => {
+                let (rate, low, high) = rate(*count, *all);
+                format!(
+                    "{:.1} % [{:.1}, {:.1}]",
+                    100.0 * rate,
+                    100.0 * low,
+                    100.0 * high
+                )
+            }
+        }
+    }
+
+    fn csv(&self) -> String {
+        match self {
+            Cell::Text(text) => text.replace(',', ";"),
+            Cell::Number(number) => format!("{number:.4}"),
+            Cell::Rate(count, all) => format!("{count}/{all}"),
+        }
+    }
+}
+
+fn rate(count: u64, all: u64) -> (f64, f64, f64) {
+    let sample = Sample {
+        successes: count,
+        trials: all,
+    };
+    let interval = stats::wilson(sample, Confidence::P95);
+    (count as f64 / all as f64, interval.low, interval.high)
+}
+
+impl Table {
+    /// As Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = format!(
+            "{}\n\n| {} |\n|{}\n",
+            self.title,
+            self.headings.join(" | "),
+            "---|".repeat(self.headings.len())
+        );
+        for row in &self.rows {
+            let words: Vec<String> = row.iter().map(Cell::words).collect();
+            let _ = writeln!(text, "| {} |", words.join(" | "));
+        }
+        text
+    }
+
+    /// As CSV: rates as `count/all`.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = format!("{}\n", self.headings.join(","));
+        for row in &self.rows {
+            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
+            let _ = writeln!(text, "{}", cells.join(","));
+        }
+        text
+    }
+}
+
+/// All tables of the benchmark.
+#[must_use]
+pub fn tables(lines: &[Line]) -> Vec<Table> {
+    vec![
+        power(lines),
+        power_by_theory(lines),
+        false_alarms(lines),
+        localisation(lines),
+        coverage(lines),
+    ]
+}
+
+fn text(words: &str) -> Cell {
+    Cell::Text(words.to_owned())
+}
+
+fn of_fault(lines: &[Line], fault: Fault) -> impl Iterator<Item = &Score> {
+    lines
+        .iter()
+        .map(|line| &line.score)
+        .filter(move |score| score.fault == fault)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Cell {
+    let values: Vec<f64> = values.collect();
+    Cell::Number(values.iter().sum::<f64>() / values.len().max(1) as f64)
+}
+
+const WAYS: [fn(&Score) -> bool; 3] = [|s| s.found, |s| s.by_points, |s| s.by_overlap];
+
+fn power(lines: &[Line]) -> Table {
+    let faults = Fault::ALL.into_iter().filter(|fault| fault.is_conflict());
+    let rows = faults.map(|fault| {
+        let strong = || of_fault(lines, fault).filter(|score| score.theory >= 0.95);
+        let mut row = vec![
+            text(fault.name()),
+            mean(of_fault(lines, fault).map(|s| s.theory)),
+        ];
+        row.extend(WAYS.map(|way| Cell::of(of_fault(lines, fault), way)));
+        row.push(Cell::of(strong(), |s| s.found));
+        row
+    });
+    Table {
+        name: "power",
+        title: "How often a planted fault is found.".into(),
+        headings: vec![
+            "fault",
+            "power in theory",
+            "found",
+            "point estimates within 5 points",
+            "overlap of intervals",
+            "found where theory has 95 % or more",
+        ],
+        rows: rows.collect(),
+    }
+}
+
+/// The ends of the classes of theoretical power.
+const CLASSES: [(f64, f64); 6] = [
+    (0.0, 0.2),
+    (0.2, 0.5),
+    (0.5, 0.8),
+    (0.8, 0.95),
+    (0.95, 0.99),
+    (0.99, 1.01),
+];
+
+fn power_by_theory(lines: &[Line]) -> Table {
+    let rows = CLASSES.map(|(low, high)| {
+        let within = || {
+            let scores = lines.iter().map(|line| &line.score);
+            scores.filter(move |s| s.fault.is_conflict() && low <= s.theory && s.theory < high)
+        };
+        let name = if high > 1.0 {
+            format!("{} % and more", 100.0 * low)
+        } else {
+            format!("{} to {} %", 100.0 * low, 100.0 * high)
+        };
+        let mut row = vec![
+            Cell::Text(name),
+            mean(within().map(|s| s.theory)),
+            mean(within().map(|s| s.theory_corrected)),
+        ];
+        row.extend(WAYS.map(|way| Cell::of(within(), way)));
+        row
+    });
+    Table {
+        name: "power_by_theory",
+        title: "How near that is to what theory allows, over all faults.".into(),
+        headings: vec![
+            "power in theory",
+            "mean of it",
+            "mean at the level divided by the comparisons",
+            "found",
+            "point estimates within 5 points",
+            "overlap of intervals",
+        ],
+        rows: rows.into(),
+    }
+}
+
+fn false_alarms(lines: &[Line]) -> Table {
+    let mut rows = Vec::new();
+    let mut add = |name: String, wanted: &dyn Fn(&Line) -> bool| {
+        let chosen = || {
+            lines
+                .iter()
+                .filter(|line| wanted(line))
+                .map(|line| &line.score)
+        };
+        let mut row = vec![Cell::Text(name)];
+        row.extend(WAYS.map(|way| Cell::of(chosen(), way)));
+        row.push(Cell::of(chosen(), |s| s.suspects > 0));
+        rows.push(row);
+    };
+    let sound = |line: &Line| line.score.fault == Fault::None;
+    add("all".into(), &sound);
+    for family in Family::ALL {
+        add(format!("family: {}", family.name()), &|line| {
+            sound(line) && line.family == family
+        });
+    }
+    add("constants known".into(), &|line| {
+        sound(line) && !line.counted_constants
+    });
+    add("constants counted".into(), &|line| {
+        sound(line) && line.counted_constants
+    });
+    let clustered = |line: &Line| line.score.fault == Fault::ClusteredSubjects;
+    add(
+        "planted: clustered subjects; the table has them".into(),
+        &|line| clustered(line) && line.by_subject,
+    );
+    add(
+        "planted: clustered subjects; the table has totals only".into(),
+        &|line| clustered(line) && !line.by_subject,
+    );
+    add("planted: calibration on the same data".into(), &|line| {
+        line.score.fault == Fault::CalibratedOnSame
+    });
+    Table {
+        name: "false_alarms",
+        title: "How often a study without a fault is said to have a conflict anywhere.".into(),
+        headings: vec![
+            "studies",
+            "a conflict",
+            "point estimates within 5 points",
+            "overlap of intervals",
+            "a suspect",
+        ],
+        rows,
+    }
+}
+
+fn localisation(lines: &[Line]) -> Table {
+    let first = |s: &Score| s.rank == Some(1);
+    let two = |s: &Score| s.rank.is_some_and(|rank| rank <= 2);
+    let mut rows = Vec::new();
+    let mut add = |name: &str, wanted: &dyn Fn(&Score) -> bool| {
+        let chosen = || {
+            lines
+                .iter()
+                .map(|line| &line.score)
+                .filter(|s| s.fault.is_conflict() && wanted(s))
+        };
+        let strong = || chosen().filter(|s| s.theory >= 0.95 && s.found);
+        rows.push(vec![
+            text(name),
+            Cell::of(chosen().filter(|s| s.found), first),
+            Cell::of(chosen().filter(|s| s.found), two),
+            Cell::of(strong(), first),
+            Cell::of(strong(), two),
+        ]);
+    };
+    add("all", &|_| true);
+    for fault in Fault::ALL.into_iter().filter(|fault| fault.is_conflict()) {
+        add(fault.name(), &|s| s.fault == fault);
+    }
+    Table {
+        name: "localisation",
+        title: "Where the faulty asset stands among the suspects, if the fault was found.".into(),
+        headings: vec![
+            "fault",
+            "first",
+            "first or second",
+            "first, where theory has 95 % power or more",
+            "first or second, likewise",
+        ],
+        rows,
+    }
+}
+
+fn coverage(lines: &[Line]) -> Table {
+    let row = |name: &str, wanted: &dyn Fn(Kind) -> bool| {
+        let chosen = || {
+            lines
+                .iter()
+                .flat_map(|line| &line.intervals)
+                .filter(|(kind, _)| wanted(*kind))
+        };
+        let covered = chosen().filter(|(_, covered)| *covered).count() as u64;
+        vec![text(name), Cell::Rate(covered, chosen().count() as u64)]
+    };
+    let mut rows = vec![row("all of single pieces", &|kind| {
+        kind != Kind::Difference
+    })];
+    rows.extend(Kind::ALL.map(|kind| row(kind.name(), &|other| other == kind)));
+    Table {
+        name: "coverage",
+        title: "How often an interval of 95 % holds the truth.".into(),
+        headings: vec!["kind of evidence", "covered"],
+        rows,
+    }
+}
