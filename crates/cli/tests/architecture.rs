@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 15] = [
+const CRATES: [(&str, u8, &[&str]); 16] = [
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
     ("stats", 0, &[]),
@@ -26,6 +26,19 @@ const CRATES: [(&str, u8, &[&str]); 15] = [
     ("evidence", 2, &["stats"]),
     ("live", 2, &["trace", "recording"]),
     ("report", 2, &["evidence"]),
+    (
+        "corroborate-bench",
+        3,
+        &[
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "checker",
+            "requirement-lang",
+            "evidence",
+        ],
+    ),
     (
         "cli",
         3,

@@ -3,6 +3,7 @@
 use crate::family::{Family, Setup, round};
 use crate::random::Random;
 use crate::requirements::{Forms, id, in_time, requirements};
+use crate::study::MARGIN;
 use crate::task::{SPEED_LIMIT, Task};
 use checker::Method;
 use evidence::Subject;
@@ -190,6 +191,17 @@ pub fn plant(fault: Fault, setup: &mut Setup, random: &mut Random) -> (Assets, P
         setup.limit_steps = (1.5 * setup.truth.mean_steps()).ceil() as u32;
     }
     let place = random.below(setup.truth.stages.len());
+    if fault == Fault::MissingMode && setup.truth.stages[place].fails < 1.2 * MARGIN {
+        // What is rarer may be left out: the study declares that it does not matter.
+        setup.truth.stages[place].fails = round(random.between(1.2 * MARGIN, 0.2));
+        setup.rig = None;
+    }
+    if fault == Fault::MislabelledColumns {
+        let other = (place + 1) % setup.truth.stages.len();
+        let apart = setup.truth.stages[place].fails + random.log_between(1.2 * MARGIN, 0.3);
+        setup.truth.stages[other].fails = round(apart);
+        setup.rig = None;
+    }
     if fault == Fault::ExtraBehaviour {
         setup.truth.stages[place].fails = 0.0;
         setup.rig = None;
@@ -241,7 +253,7 @@ fn of_system(
     let formal = planted.fault != Fault::LargeStep && random.chance(0.5);
     let mode = setup.truth.stages[place].mode.clone();
     let rate = setup.truth.stages[place].fails;
-    let change = random.log_between(0.03, 0.3);
+    let change = random.log_between(1.2 * MARGIN, 0.3);
     let wrong = match planted.fault {
         Fault::MissingMode => 0.0,
         Fault::WrongRate if rate > change && random.chance(0.5) => rate - change,

@@ -40,6 +40,8 @@ pub struct Judged {
     pub findings: Vec<Finding>,
     /// Forms that do not agree with the sentence.
     pub differences: Vec<FormDifference>,
+    /// For each form of each subject: runs that it did not cover, that keep it, violate it, leave it open.
+    pub counts: Vec<(Subject, &'static str, [u64; 4])>,
 }
 
 impl Judges {
@@ -214,6 +216,12 @@ impl Judges {
         Ok(Judged {
             differences: differences.collect(),
             findings: self.findings(&counts, level)?,
+            counts: self
+                .judges
+                .iter()
+                .zip(counts)
+                .map(|(judge, count)| (judge.subject.clone(), judge.form, count))
+                .collect(),
         })
     }
 

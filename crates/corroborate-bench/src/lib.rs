@@ -5,6 +5,7 @@ pub mod family;
 pub mod fault;
 pub mod formal;
 pub mod judges;
+pub mod matrix;
 pub mod random;
 pub mod requirements;
 pub mod score;

@@ -2,11 +2,11 @@
 //! ways of comparing would have said and what theory allows.
 
 use crate::fault::{Fault, Site};
+use crate::matrix::site;
 use crate::study::{LEVEL, MARGIN, Synthetic, ids, rate};
 use crate::theory::{Side, power, seen};
 use evidence::{
-    Comparison, CredibleInterval, Discrepancy, Evidence, Inaccuracy, Measure, Outcome, Subject,
-    Technique,
+    Comparison, CredibleInterval, Evidence, Measure, Outcome, Subject, Suspect, Symptom,
 };
 
 /// The score of one study.
@@ -36,15 +36,8 @@ pub struct Score {
 /// Scores a study.
 #[must_use]
 pub fn score(study: &Synthetic) -> Score {
-    let suspects: Vec<Vec<Site>> = study
-        .discrepancies
-        .iter()
-        .map(|d| sites(study, d))
-        .collect();
-    let rank = study.planted.site.and_then(|site| {
-        let places = suspects.iter().position(|sites| sites.contains(&site));
-        places.map(|place| place + 1)
-    });
+    let mut places = study.suspects.iter();
+    let place = places.position(|suspect| is_culprit(study, suspect));
     let touched: Vec<&Comparison> = study
         .comparisons
         .iter()
@@ -58,8 +51,8 @@ pub fn score(study: &Synthetic) -> Score {
         found: touched.iter().any(|c| c.outcome == Outcome::Conflicts) || otherwise_found(study),
         by_points: touched.iter().any(|c| differ_by_points(c)),
         by_overlap: touched.iter().any(|c| lie_apart(study, c)),
-        rank,
-        suspects: suspects.len(),
+        rank: place.map(|place| place + 1),
+        suspects: study.suspects.iter().filter(|s| s.score > 0.0).count(),
         false_independence: false_independence(study),
     }
 }
@@ -85,36 +78,23 @@ fn otherwise_found(study: &Synthetic) -> bool {
             .iter()
             .flat_map(|piece| &piece.form_differences)
             .any(|difference| subjects.contains(&difference.subject)),
-        Some(Site::Solver) => study
-            .discrepancies
+        Some(Site::Solver) => study.suspects.iter().any(|suspect| site(suspect) == Site::Solver),
+        Some(Site::FormalModel) if study.planted.fault == Fault::MissingMode => study
+            .suspects
             .iter()
-            .any(|d| d.inaccuracy == Inaccuracy::Tool),
-        Some(Site::FormalModel) if study.planted.fault == Fault::MissingMode => {
-            let mode = subjects.first();
-            study.discrepancies.iter().any(|d| {
-                d.evidence.first().is_some_and(|id| id == ids::MODEL) && d.subjects.first() == mode
-            })
-        }
+            .flat_map(|suspect| &suspect.symptoms)
+            .any(|symptom| matches!(symptom, Symptom::MissingMode { mode, .. } if subjects[0].id() == mode)),
         _ => false,
     }
 }
 
-/// The assets that a discrepancy blames.
-fn sites(study: &Synthetic, discrepancy: &Discrepancy) -> Vec<Site> {
-    let first = discrepancy.evidence.first().and_then(|id| study.piece(id));
-    match discrepancy.inaccuracy {
-        Inaccuracy::Tool => vec![Site::Solver],
-        Inaccuracy::RequirementModel => vec![Site::Property, Site::Monitor],
-        Inaccuracy::SystemModel => first
-            .map(|piece| match piece.technique {
-                Technique::ModelChecking => Site::FormalModel,
-                Technique::Simulation => Site::Simulation,
-                _ => Site::Data,
-            })
-            .into_iter()
-            .collect(),
-        Inaccuracy::Undetermined => Vec::new(),
-    }
+/// Whether a suspect is the faulty asset: the right kind, and for a requirement's form the right requirement.
+fn is_culprit(study: &Synthetic, suspect: &Suspect) -> bool {
+    let planted = &study.planted;
+    let is_form = matches!(planted.site, Some(Site::Property | Site::Monitor));
+    let is_subject = |subject: &Subject| planted.subjects.contains(subject);
+    let is_right = !is_form || suspect.subjects.iter().any(is_subject);
+    Some(site(suspect)) == planted.site && is_right
 }
 
 fn differ_by_points(comparison: &Comparison) -> bool {

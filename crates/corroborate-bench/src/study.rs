@@ -4,13 +4,14 @@ use crate::family::{Family, HANDOVER, Setup};
 use crate::fault::{Assets, Fault, Planted, Site, plant};
 use crate::formal::{Formal, Question};
 use crate::judges::Judges;
+use crate::matrix::{self, half_step, of_paths};
 use crate::random::Random;
 use crate::requirements::id;
 use crate::task::{Run, SPEED_LIMIT, Task};
 use crate::trials;
 use evidence::{
-    Asset, AssetRole, Calibration, Comparison, Discrepancy, Evidence, FailureMode, Finding,
-    Influences, Levels, Requirement, Study, Subject, Technique, Tool, compare, diagnose,
+    Asset, AssetRole, Calibration, Cell, Comparison, Evidence, FailureMode, Finding, Influences,
+    Levels, Matter, Requirement, Study, Subject, Suspect, Technique, Tool, compare, rank,
 };
 use stats::Confidence;
 
@@ -63,8 +64,8 @@ pub struct Synthetic {
     pub evidence: Vec<Evidence>,
     /// Every pair on every subject.
     pub comparisons: Vec<Comparison>,
-    /// What the product makes of them.
-    pub discrepancies: Vec<Discrepancy>,
+    /// Whom the product suspects, the first the most.
+    pub suspects: Vec<Suspect>,
 }
 
 impl Synthetic {
@@ -76,7 +77,7 @@ impl Synthetic {
         let mut random = Random::new(seed, number);
         let mut setup = Setup::draw(family, &mut random);
         let (mut assets, planted) = plant(fault, &mut setup, &mut random);
-        let evidence = ledger(&setup, &mut assets, seed, &mut random)?;
+        let (evidence, cells) = ledger(&setup, &mut assets, seed, &mut random)?;
         let requirements = requirements(&assets);
         let failure_modes = failure_modes(&assets);
         let influences = Influences::learn(&evidence);
@@ -85,17 +86,27 @@ impl Synthetic {
             failure_modes: &failure_modes,
             evidence: &evidence,
             influences: &influences,
-            levels: Levels::new(LEVEL, LEVEL).map_err(|error| error.to_string())?,
+            levels: levels()?,
         };
         let comparisons = compare(&study);
-        let discrepancies = diagnose(&evidence, &comparisons, 1.0 - LEVEL);
+        let half = assets.half_step.as_ref();
+        let more = half.map(|half| half_step(&assets, half, seed, number, setup.simulated));
+        let matter = Matter {
+            requirements: &requirements,
+            failure_modes: &failure_modes,
+            evidence: &evidence,
+            comparisons: &comparisons,
+            cells: &cells,
+            study: "synthetic",
+        };
+        let suspects = rank(&matter, more.unwrap_or_default());
         Ok(Self {
             setup,
             assets,
             planted,
             evidence,
             comparisons,
-            discrepancies,
+            suspects,
         })
     }
 
@@ -143,7 +154,7 @@ fn ledger(
     assets: &mut Assets,
     seed: u64,
     random: &mut Random,
-) -> Result<Vec<Evidence>, String> {
+) -> Result<(Vec<Evidence>, Vec<Cell>), String> {
     let level = Confidence::new(LEVEL).map_err(|error| error.to_string())?;
     let mut ledger = Vec::new();
     let people = setup.cohort.runs(&setup.truth, random);
@@ -166,10 +177,16 @@ fn ledger(
     }
     ledger.push(formal_evidence(setup, assets, seed, level)?);
     let calibrated = calibrate(assets, &counted);
+    let mut cells = if setup.family == Family::Handover {
+        Vec::new()
+    } else {
+        of_paths(&assets.formal, assets, level, random)?
+    };
     let judges = |task: &Task| Judges::new(task, &assets.forms, &assets.words);
     let mut campaign = |id: &str, technique, task: &Task, runs: usize| {
         let runs: Vec<Run> = (0..runs).map(|_| task.run(random)).collect();
         let judged = judges(task)?.judge(&runs, level)?;
+        cells.extend(matrix::cells(id, technique, &judged, assets));
         let mut piece = piece(id, technique, judged.findings);
         piece.form_differences = judged.differences;
         Ok::<Evidence, String>(piece)
@@ -191,7 +208,12 @@ fn ledger(
             setup.recorded,
         )?);
     }
-    Ok(ledger)
+    Ok((ledger, cells))
+}
+
+fn levels() -> Result<Levels, String> {
+    let levels = Levels::new(LEVEL, LEVEL).map_err(|error| error.to_string())?;
+    Ok(levels.without_plans())
 }
 
 /// Sets the simulator's rate to what the experiments count, where that was planted.

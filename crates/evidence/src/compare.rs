@@ -66,6 +66,7 @@ pub struct Levels {
     pub(crate) confidence: Confidence,
     pub(crate) agreement: Confidence,
     pub(crate) power: f64,
+    pub(crate) plans: bool,
 }
 
 impl Levels {
@@ -80,7 +81,18 @@ impl Levels {
             confidence: Confidence::new(confidence)?,
             agreement: Confidence::new(agreement)?,
             power: 0.8,
+            plans: true,
         })
+    }
+
+    /// The same, but comparisons name no further trials: planning them takes most of the time, and
+    /// no outcome rests on it.
+    #[must_use]
+    pub fn without_plans(self) -> Self {
+        Self {
+            plans: false,
+            ..self
+        }
     }
 }
 
@@ -384,6 +396,9 @@ impl Draft {
             points(self.comparison.margin),
             self.test_in_words()
         );
+        if !levels.plans {
+            return words;
+        }
         let plans = Planning::new(pair, levels, family).plans((1.0, 1.0));
         let sides = [
             (

@@ -29,10 +29,12 @@
 //! part is named in at least one discrepancy.
 
 mod contrast;
+mod forms;
 mod matter;
 mod ranking;
 mod rates;
 mod reading;
+mod shared;
 mod strength;
 mod suspect;
 mod system;

@@ -138,6 +138,13 @@ impl<'a> Matter<'a> {
                 });
             }
         }
+        all.extend(
+            super::forms::under_sentence(piece, subject).map(|rate| Judged {
+                form: super::forms::SENTENCE.into(),
+                rate,
+                main: false,
+            }),
+        );
         let readings = finding.readings.iter().filter(|r| r.trials > 0);
         all.extend(readings.map(|reading| Judged {
             form: reading.name.clone(),

@@ -10,6 +10,7 @@
 //! The suspect's title and first words are those of its strongest clue.
 
 use super::matter::{Clue, Matter};
+use super::shared::share_with_tools;
 use super::strength::CERTAIN;
 use super::suspect::{Suspect, SuspectAsset};
 use crate::{Inaccuracy, Subject};
@@ -30,7 +31,9 @@ pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
     let mut clues = matter.of_conflicts();
     clues.extend(matter.of_missing_modes());
     clues.extend(matter.of_other_methods());
+    clues.extend(matter.of_forms());
     clues.extend(more);
+    share_with_tools(matter, &mut clues);
     // The strongest first, so that titles and arguments begin with it.
     clues.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut by_asset: Vec<(SuspectAsset, Vec<Clue>)> = Vec::new();

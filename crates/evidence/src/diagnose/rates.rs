@@ -26,7 +26,9 @@
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
 use super::strength::{CERTAIN, Rate, ln_together, strength};
 use super::suspect::{Figure, SuspectAsset, SuspectKind, Symptom};
-use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Technique};
+use crate::{
+    Comparison, Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique,
+};
 
 /// What is strong evidence, in decades.
 const STRONG: f64 = 1.0;
@@ -170,6 +172,12 @@ impl<'a> Matter<'a> {
             Technique::ModelChecking => "property",
             _ => "monitor",
         };
+        // Where the sentence takes the side of the piece's own form, it is the other that is in doubt.
+        let against_sentence = |form: &str| self.differs_from_sentence(subject, form);
+        let doubted = match (against_sentence(own), against_sentence(&like.form)) {
+            (Some(false), Some(true)) => like.form.as_str(),
+            _ => own,
+        };
         let (differing, runs, witnesses) = self.two_verdicts(piece, subject, &like.form);
         let said = match differing {
             0 => String::new(),
@@ -185,18 +193,22 @@ impl<'a> Matter<'a> {
         );
         Clue {
             inaccuracy: Inaccuracy::RequirementModel,
-            asset: requirement_form(subject, own, &[&piece.id]),
+            asset: requirement_form(subject, doubted, &[&piece.id]),
             subject: subject.clone(),
             score: whole - like.left,
-            title: format!("the {own} of {} explains a conflict", name_of(subject)),
+            title: format!("the {doubted} of {} explains a conflict", name_of(subject)),
             explanation: format!(
                 "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}",
                 like.form, like.left
             ),
             symptom: Symptom::FormsDiffer {
                 subject: subject.clone(),
-                form: own.into(),
-                reference: like.form.clone(),
+                form: doubted.to_owned(),
+                reference: if doubted == own {
+                    like.form.clone()
+                } else {
+                    own.to_owned()
+                },
                 evidence: piece.id.clone(),
                 differing,
                 runs,
@@ -314,7 +326,7 @@ impl<'a> Matter<'a> {
 
     /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`.
     fn apart(&self, piece: &Evidence, like: &Evidence, subject: &Subject) -> f64 {
-        let rate = |e: &Evidence| e.finding(subject).and_then(|f| Rate::of(&f.measure));
+        let rate = |e: &Evidence| rate_or_never(e, subject);
         let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
         let others: Vec<Rate> = pieces
             .filter(|e| e.id != piece.id)
@@ -400,7 +412,10 @@ impl<'a> Matter<'a> {
             })
             .collect();
         shown.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (score, most) = *shown.first()?;
+        let (whole, most) = *shown.first()?;
+        // The others may say that it is those that show it who are wrong.
+        let odds = self.apart(most, piece, subject) - self.apart(piece, piece, subject);
+        let score = whole / (1.0 + odds.exp());
         let words: Vec<String> = shown
             .iter()
             .map(|(_, e)| rate_in_words(e, subject))
@@ -445,7 +460,14 @@ impl<'a> Matter<'a> {
                 let Measure::Probability { answer, others, .. } = &finding.measure else {
                     continue;
                 };
+                // Of two answers, the one with bounds judges the other, whichever of them counts.
+                let holds = |a: &MethodAnswer| !matches!(a.guarantee, Guarantee::Estimated { .. });
+                let is_sound = holds(answer);
                 for other in others {
+                    let (answer, other) = match (holds(answer), holds(other)) {
+                        (false, true) => (other, answer),
+                        _ => (answer, other),
+                    };
                     if let Some(distance) = super::tool::distance_from_bounds(answer, other) {
                         let margin = self.margin(&finding.subject);
                         let values = [answer.value, other.value].map(Rate::Computed);
@@ -459,7 +481,7 @@ impl<'a> Matter<'a> {
                                 piece.id, other.value, other.method
                             ),
                             explanation: format!(
-                                "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`; no conflict hangs on it.",
+                                "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`.",
                                 name_of(&finding.subject), other.method, answer.method
                             ),
                             symptom: Symptom::SolverStopped {
@@ -472,13 +494,26 @@ impl<'a> Matter<'a> {
                             figures: vec![figure("distance from the bounds", distance)],
                             witnesses: Vec::new(),
                             ruled_out: Vec::new(),
-                            resolved_by: Some(piece.id.clone()),
+                            resolved_by: is_sound.then(|| piece.id.clone()),
                         });
                     }
                 }
             }
         }
         clues
+    }
+}
+
+/// The rate of a piece; of a failure mode that a model cannot express it is 0.
+fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate> {
+    let measure = &piece.finding(subject)?.measure;
+    let never = matches!(subject, Subject::FailureMode(_))
+        && matches!(measure, Measure::NotExpressible { .. })
+        && piece.technique == Technique::ModelChecking;
+    if never {
+        Some(Rate::Computed(0.0))
+    } else {
+        Rate::of(measure)
     }
 }
 
