@@ -87,6 +87,16 @@ pub fn explore_with<N: Arithmetic>(
     if model.model_type != ModelType::Dtmc {
         return Err(ExploreError::Unsupported(model.model_type));
     }
+    if model.composition.is_some() {
+        return Err(ExploreError::UnsupportedConstruct(
+            "`system ... endsystem` cannot be explored yet: let the modules synchronise on all actions that they share",
+        ));
+    }
+    if !model.parameters.is_empty() {
+        return Err(ExploreError::UnsupportedConstruct(
+            "a model with open constants cannot be explored yet: give each constant a value",
+        ));
+    }
     let mut explorer = Explorer::new(model, options);
     explorer.initial_states(progress)?;
     let num_initial = explorer.interner.len();

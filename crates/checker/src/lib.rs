@@ -43,6 +43,7 @@ mod exact;
 pub mod explore;
 pub mod graph;
 mod interval_iteration;
+mod not_yet;
 pub mod paths;
 mod prism_default;
 mod product;
@@ -55,5 +56,6 @@ mod steps;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
 pub use check::{check, check_exact, check_space};
+pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;

@@ -15,6 +15,7 @@ use temporal::ltl::{Ltl, StepBound};
 
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
 use crate::engine::{Context, Engine, UNKNOWN_ENTRY_ERROR};
+use crate::not_yet::unsupported;
 use crate::product::product;
 use crate::state_space::StateSpace;
 
@@ -46,6 +47,9 @@ impl<'a, E: Engine> Checker<'a, E> {
 
     /// The answer to a property in the initial states.
     pub fn answer(mut self, property: &Property, method: Method) -> Result<Answer, CheckError> {
+        if let Some(refused) = unsupported(property) {
+            return Err(CheckError::Unsupported(refused));
+        }
         let initial = match property {
             Property::Probability { bound: None, path } => {
                 let values = self.path(path, self.space.initial_states())?;
@@ -66,6 +70,9 @@ impl<'a, E: Engine> Checker<'a, E> {
                     .iter()
                     .map(|state| holds[*state])
                     .collect()
+            }
+            Property::Number(_) | Property::Range(_) | Property::Objectives(_) => {
+                return Err(not_yet());
             }
         };
         Ok(self.qualitative(&initial, property, method))
@@ -162,6 +169,7 @@ impl<'a, E: Engine> Checker<'a, E> {
                 let meets = |value| meets::<E>(value, *comparison, bound);
                 values.iter().map(meets).collect::<Result<_, _>>()?
             }
+            _ => return Err(not_yet()),
         })
     }
 
@@ -224,6 +232,7 @@ impl<'a, E: Engine> Checker<'a, E> {
             Path::Globally { operand, bound } => {
                 Ltl::globally(self.ltl(operand, sets)?).within(window(bound))
             }
+            Path::Timed { .. } => return Err(not_yet()),
         })
     }
 
@@ -385,6 +394,11 @@ fn meets<E: Engine>(
     })
 }
 
+/// What [`unsupported`] has refused before.
+fn not_yet() -> CheckError {
+    CheckError::Unsupported("this kind of property cannot be computed yet".to_owned())
+}
+
 fn mentions_probability(property: &Property) -> bool {
     fn in_state(formula: &StateFormula) -> bool {
         match formula {
@@ -394,12 +408,12 @@ fn mentions_probability(property: &Property) -> bool {
             | StateFormula::Or(left, right)
             | StateFormula::Implies(left, right)
             | StateFormula::Iff(left, right) => in_state(left) || in_state(right),
-            StateFormula::Probability { .. } => true,
+            _ => true,
         }
     }
     match property {
-        Property::Probability { .. } => true,
         Property::State(formula) => in_state(formula),
+        _ => true,
     }
 }
 

@@ -337,7 +337,9 @@ pub(crate) fn describe(variables: &[Variable], values: &[i64]) -> String {
         .zip(values)
         .map(|(variable, value)| match variable.kind {
             VariableKind::Bool => format!("{}={}", variable.name, *value != 0),
-            VariableKind::Int { .. } => format!("{}={value}", variable.name),
+            VariableKind::Int { .. } | VariableKind::Unbounded => {
+                format!("{}={value}", variable.name)
+            }
         });
     format!("({})", parts.collect::<Vec<_>>().join(","))
 }

@@ -115,7 +115,12 @@ fn found_in_properties(text: &str) -> Vec<Mark> {
         return marks(text, &parsed.diagnostics);
     }
     match prism_lang::resolve_properties(&parsed.tree, &model, &Constants::new()) {
-        Ok(_) => Vec::new(),
+        // What the checker cannot answer yet.
+        Ok(read) => read
+            .iter()
+            .filter(|p| checker::unsupported(&p.property).is_some())
+            .map(|p| mark(text, p.span, Severity::Error, "unsupported"))
+            .collect(),
         Err(found) => marks(text, &found),
     }
 }

@@ -153,6 +153,7 @@ fn as_ltl(path: &Path) -> Ltl {
         Path::Release { left, right, bound } => {
             Ltl::release(as_ltl(left), as_ltl(right)).within(window(bound))
         }
+        Path::Timed { .. } => panic!("no bounds in time are generated"),
     }
 }
 

@@ -16,7 +16,8 @@ fn bits(value: &Rational) -> u64 {
     value.numer().bits().max(value.denom().bits())
 }
 
-/// A number domain: `f64` (fast, rounded) or [`Rational`] (exact).
+/// A number domain: `f64` (fast, rounded), [`Rational`] (exact), [`Number`] (exact where possible), or one of
+/// another crate, such as rational functions of parameters.
 pub trait Arithmetic: Clone + PartialOrd + Debug + Send + Sync + 'static {
     /// Whether results are exact.
     const EXACT: bool;
@@ -29,6 +30,10 @@ pub trait Arithmetic: Clone + PartialOrd + Debug + Send + Sync + 'static {
     fn from_i64(value: i64) -> Self;
     /// A number of the model; `None` if it is irrational and the domain exact.
     fn from_literal(number: &Number) -> Option<Self>;
+    /// The parameter of this index (a constant that was left open); `None` in a domain without parameters.
+    fn parameter(_index: usize) -> Option<Self> {
+        None
+    }
     /// The nearest `f64`.
     fn to_f64(&self) -> f64;
     /// Sum.

@@ -3,6 +3,15 @@
 //! Trees are compared with spans. Parentheses
 //! leave no node: the printer puts them where precedence needs them.
 
+mod composition;
+mod property;
+
+pub use composition::{Observables, System, SystemExpr, SystemKind};
+pub use property::{
+    Coalition, Comparison, Filter, Optimum, Property, PropertyFile, Quantifier, Reward,
+    RewardIndex, RewardObjective, StateFilter, StepBound, Strategy, TemporalOp,
+};
+
 use crate::diagnostic::Span;
 
 /// A name and its place.
@@ -41,7 +50,7 @@ impl Type {
 pub enum ModelType {
     /// Discrete-time Markov chain (`dtmc`, `probabilistic`).
     Dtmc,
-    /// Markov decision process (`mdp`, `nondeterministic`); also what PRISM assumes without a keyword.
+    /// Markov decision process (`mdp`, `nondeterministic`); also what PRISM assumes without a keyword, if there are probabilities.
     Mdp,
     /// Continuous-time Markov chain (`ctmc`, `stochastic`).
     Ctmc,
@@ -86,6 +95,10 @@ pub struct Model {
     pub rewards: Vec<RewardStructure>,
     /// The predicate of `init ... endinit`.
     pub init: Option<Expr>,
+    /// How the modules are composed, where that is written.
+    pub systems: Vec<System>,
+    /// What can be observed, in a partially observable model.
+    pub observables: Vec<Observables>,
 }
 
 /// `const double p = 0.5;`
@@ -202,7 +215,7 @@ pub struct Command {
 /// `0.5:(x'=1)&(y'=2)`
 #[derive(Clone, Debug, PartialEq)]
 pub struct Update {
-    /// Its probability (or rate); 1 if none is written.
+    /// Its probability (or rate, or an interval of probabilities); 1 if none is written.
     pub probability: Option<Expr>,
     /// Its assignments; none for `true`.
     pub assignments: Vec<Assignment>,
@@ -284,18 +297,41 @@ pub enum ExprKind {
     IfThenElse(Box<Expr>, Box<Expr>, Box<Expr>),
     /// `min(a, b)`, also written `func(min, a, b)`: the name as written.
     Call(Name, Vec<Expr>),
-    /// `P=? [ path ]`, `P>=0.5 [ path ]`.
+    /// `[0.1,0.2]`: an interval, as the probability of an update.
+    Interval(Box<Expr>, Box<Expr>),
+    /// `P=? [ path ]`, `Pmax=? [ path ]`, `P>=0.5 [ path ]`.
     Probability {
+        /// `min`, `max`, ...
+        optimum: Option<Optimum>,
         /// The comparison and the bound; none for `=?`.
         bound: Option<(Comparison, Box<Expr>)>,
         /// The path formula.
         path: Box<Expr>,
+        /// The old form of a filter, if written.
+        filter: Option<Box<StateFilter>>,
     },
+    /// `R=? [ F "done" ]`, ...
+    Reward(Box<Reward>),
+    /// `S=? [ "up" ]`, `S>=0.9 [ "up" ]`.
+    LongRun {
+        /// The comparison and the bound; none for `=?`.
+        bound: Option<(Comparison, Box<Expr>)>,
+        /// The states whose share of time is asked for.
+        states: Box<Expr>,
+        /// The old form of a filter, if written.
+        filter: Option<Box<StateFilter>>,
+    },
+    /// `A [ path ]`, `E [ path ]`.
+    Quantified(Quantifier, Box<Expr>),
+    /// `<<...>> ...`, `[[...]] ...`.
+    Strategy(Strategy),
+    /// `filter(...)`.
+    Filter(Filter),
     /// `F a`, `a U<=3 b`, ...
     Temporal {
         /// The operator.
         operator: TemporalOp,
-        /// Its step bound, if written.
+        /// Its bound in steps or time, if written.
         bound: Option<Box<StepBound>>,
         /// The operand before the operator (`U`, `W`, `R`).
         left: Option<Box<Expr>>,
@@ -371,107 +407,4 @@ impl BinaryOp {
             Self::Power => "^",
         }
     }
-}
-
-/// The comparison of a probability with its bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Comparison {
-    /// `<`
-    Less,
-    /// `<=`
-    LessEqual,
-    /// `>`
-    Greater,
-    /// `>=`
-    GreaterEqual,
-}
-
-impl Comparison {
-    /// The comparison as written.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Less => "<",
-            Self::LessEqual => "<=",
-            Self::Greater => ">",
-            Self::GreaterEqual => ">=",
-        }
-    }
-
-    /// Whether `value` compared with `bound` holds (never, if one is not a number).
-    pub fn holds<N: PartialOrd>(self, value: &N, bound: &N) -> bool {
-        match self {
-            Self::Less => value < bound,
-            Self::LessEqual => value <= bound,
-            Self::Greater => value > bound,
-            Self::GreaterEqual => value >= bound,
-        }
-    }
-}
-
-/// Temporal operators.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TemporalOp {
-    /// `X`
-    Next,
-    /// `F`
-    Finally,
-    /// `G`
-    Globally,
-    /// `U`
-    Until,
-    /// `W`
-    WeakUntil,
-    /// `R`
-    Release,
-}
-
-impl TemporalOp {
-    /// The letter of this operator.
-    pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Next => "X",
-            Self::Finally => "F",
-            Self::Globally => "G",
-            Self::Until => "U",
-            Self::WeakUntil => "W",
-            Self::Release => "R",
-        }
-    }
-}
-
-/// The step bound of a temporal operator, as written.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StepBound {
-    /// `<=k`, `<k`, `>=k`, `>k`.
-    Compare(Comparison, Expr),
-    /// `=k`.
-    Exactly(Expr),
-    /// `[low,high]`.
-    Between(Expr, Expr),
-}
-
-/// A properties file, or a single property.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PropertyFile {
-    /// Constants of this file.
-    pub constants: Vec<Constant>,
-    /// Formulas of this file.
-    pub formulas: Vec<Formula>,
-    /// Labels of this file.
-    pub labels: Vec<Label>,
-    /// Properties, in the order of the text.
-    pub properties: Vec<Property>,
-}
-
-/// `"name": P=? [ F "done" ];`
-#[derive(Clone, Debug, PartialEq)]
-pub struct Property {
-    /// Its name, if it has one.
-    pub name: Option<Name>,
-    /// The formula.
-    pub formula: Expr,
-    /// The formula's source, verbatim (without name and semicolon).
-    pub text: String,
-    /// The formula's place.
-    pub span: Span,
 }

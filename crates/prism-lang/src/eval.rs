@@ -42,6 +42,8 @@ pub enum EvalErrorKind {
     NotReal,
     /// A logarithm or a root, where an exact value is required.
     NotRational,
+    /// A constant that was left open, in a domain that has no parameters or where a state depends on it.
+    OpenParameter,
     /// The tree is ill-typed, or a state too short; never happens to trees made by `resolve`.
     IllTyped,
 }
@@ -56,6 +58,7 @@ impl EvalErrorKind {
             Self::NegativeExponent => "this raises an integer to a negative power",
             Self::NotReal => "this power or logarithm is not a (finite) real number",
             Self::NotRational => "this logarithm or root is irrational and has no exact value",
+            Self::OpenParameter => "this depends on a constant that was left open",
             Self::IllTyped => "this expression does not have the type that its place requires",
         }
     }
@@ -69,6 +72,7 @@ impl EvalErrorKind {
             Self::NegativeExponent => "write the base as a double, such as 2.0",
             Self::NotReal => "check its arguments",
             Self::NotRational => "use a method that is not exact",
+            Self::OpenParameter => "give the constant a value",
             Self::IllTyped => "use expressions made by `resolve`",
         }
     }
@@ -145,6 +149,7 @@ impl Expr {
                 chosen.eval_int(state)
             }
             ExprKind::Call(function, arguments) => self.eval_int_call(*function, arguments, state),
+            ExprKind::Parameter(_) => Err(self.no_value(EvalErrorKind::OpenParameter)),
             _ => Err(self.no_value(EvalErrorKind::IllTyped)),
         }
     }
@@ -198,9 +203,16 @@ impl Expr {
     /// If a needed part has no value, is irrational in an exact domain, or the expression is a `bool`.
     pub fn eval_number<N: Arithmetic>(&self, state: &[i64]) -> Evaluated<N> {
         if self.ty == Type::Int {
-            return Ok(N::from_i64(self.eval_int(state)?));
+            match self.eval_int(state) {
+                // Goes on in the domain, which may have parameters.
+                Err(error) if error.kind == EvalErrorKind::OpenParameter => {}
+                value => return value.map(N::from_i64),
+            }
         }
         match &self.kind {
+            ExprKind::Parameter(index) => {
+                N::parameter(*index).ok_or_else(|| self.no_value(EvalErrorKind::OpenParameter))
+            }
             ExprKind::Double(number) => {
                 N::from_literal(number).ok_or_else(|| self.no_value(EvalErrorKind::NotRational))
             }

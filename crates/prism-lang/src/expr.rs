@@ -31,6 +31,8 @@ pub enum ExprKind {
     Double(Number),
     /// The value of a variable.
     Variable(VarIndex),
+    /// A constant that was left open: the index in [`crate::resolved::Model::parameters`].
+    Parameter(usize),
     /// An operator before its operand.
     Unary(UnaryOp, Box<Expr>),
     /// An operator between its operands.
@@ -94,6 +96,15 @@ impl Function {
         Self::ALL.into_iter().find(|f| f.name() == name)
     }
 
+    /// The type of its result for arguments that are all `int`, or not.
+    pub(crate) fn result(self, arguments: Type) -> Type {
+        match self {
+            Self::Floor | Self::Ceil | Self::Round | Self::Mod => Type::Int,
+            Self::Log => Type::Double,
+            _ => arguments,
+        }
+    }
+
     /// Least and greatest number of arguments (`None`: any).
     pub fn arity(self) -> (usize, Option<usize>) {
         match self {
@@ -132,11 +143,16 @@ impl Expr {
         }
     }
 
-    /// Whether some variable occurs.
+    /// Whether no variable and no parameter occurs.
     pub fn is_constant(&self) -> bool {
-        let mut constant = true;
-        self.for_each_variable(&mut |_| constant = false);
-        constant
+        let is_open = matches!(self.kind, ExprKind::Variable(_) | ExprKind::Parameter(_));
+        !is_open && self.operands().into_iter().all(Self::is_constant)
+    }
+
+    /// Whether some parameter occurs.
+    pub fn has_parameters(&self) -> bool {
+        matches!(self.kind, ExprKind::Parameter(_))
+            || self.operands().into_iter().any(Self::has_parameters)
     }
 
     /// The variables that occur, ascending, each once.

@@ -35,12 +35,18 @@
 //!
 //! # What is supported
 //!
-//! Models: all model types are parsed; constants, formulas, labels, global variables, modules and renamed
-//! copies, synchronisation, reward structures and `init ... endinit`. Properties: `P` with a bound or `=?`
-//! over full LTL with step bounds, nested bounded `P`, labels, and references to earlier properties. Not
-//! supported, with a diagnostic that says so: `system`, clocks and invariants, unbounded `int` variables,
-//! intervals of probabilities, observables, the preprocessor; `R`, `S`, `A`, `E`, `Pmin`, `Pmax`, filters,
-//! `multi` and strategies.
+//! All of PRISM's grammar is read and printed: every model type, `system ... endsystem`, clocks, invariants,
+//! observables, intervals of probabilities; `P`, `R`, `S`, `A`, `E`, optima, bounds, filters in both forms,
+//! `multi`, `<<...>>`, references between properties.
+//!
+//! Models of the types `dtmc`, `ctmc`, `mdp` and (without a keyword) lts get a meaning
+//! ([`resolved::Model`]): local and global variables, unbounded integers, renamed copies (of copies, too),
+//! compositions with hiding and renaming, several initial states, reward structures, constants that stay open
+//! ([`resolve_open`]) or run over ranges ([`Experiment`]). Properties over them get a meaning
+//! ([`Property`]), too. Timed, partially observable and interval models are refused with one diagnostic that
+//! says what is missing; their other mistakes are reported beside it. The preprocessor (`#...#`) is not read.
+//!
+//! Printing a tree gives text that parses to the same tree, but comments are not in the tree.
 //!
 //! # Where it deviates from PRISM
 //!
@@ -52,6 +58,7 @@ mod arithmetic;
 pub mod ast;
 mod diagnostic;
 mod eval;
+mod experiment;
 pub mod expr;
 mod lexer;
 mod number;
@@ -65,8 +72,9 @@ mod suggest;
 pub use arithmetic::Arithmetic;
 pub use diagnostic::{Diagnostic, Parsed, Severity, Span, line_and_column};
 pub use eval::{EvalError, EvalErrorKind};
+pub use experiment::Experiment;
 pub use expr::{Expr, ExprKind, Function, VarIndex};
 pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
 pub use parser::{parse_model, parse_properties};
 pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
-pub use resolve::{resolve, resolve_properties, resolve_with};
+pub use resolve::{resolve, resolve_open, resolve_properties, resolve_with};

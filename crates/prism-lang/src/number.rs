@@ -238,7 +238,7 @@ impl Constants {
     }
 }
 
-fn is_identifier(name: &str) -> bool {
+pub(crate) fn is_identifier(name: &str) -> bool {
     let mut chars = name.chars();
     chars
         .next()
@@ -247,7 +247,7 @@ fn is_identifier(name: &str) -> bool {
 }
 
 /// An integer, a decimal number, a fraction `a/b`, `true` or `false`, possibly with a minus in front.
-fn parse_value(text: &str) -> Option<Value> {
+pub(crate) fn parse_value(text: &str) -> Option<Value> {
     match text {
         "true" => return Some(Value::Bool(true)),
         "false" => return Some(Value::Bool(false)),
@@ -260,16 +260,16 @@ fn parse_value(text: &str) -> Option<Value> {
         Some(rest) => (true, rest),
         None => (false, text),
     };
-    let exact = match digits.split_once('/') {
-        Some((above, below)) => {
-            let (above, below) = (parse_decimal(above)?, parse_decimal(below)?);
-            if below.is_zero() {
-                return None;
-            }
-            above / below
+    let mut parts = digits.split('/');
+    let mut exact = parse_decimal(parts.next()?)?;
+    // `1/1/3` is `(1/1)/3`.
+    for part in parts {
+        let below = parse_decimal(part)?;
+        if below.is_zero() {
+            return None;
         }
-        None => parse_decimal(digits)?,
-    };
+        exact /= below;
+    }
     let exact = if negative { -exact } else { exact };
     Some(Value::Double(Number::from_rational(exact)))
 }
@@ -296,6 +296,15 @@ pub enum ConstantsError {
         /// What was given.
         value: String,
     },
+    /// A range (`first:step:last`) has no values.
+    BadRange {
+        /// The constant.
+        name: String,
+        /// What was given.
+        range: String,
+        /// What is wrong with it.
+        why: &'static str,
+    },
     /// A constant was given two values.
     Twice(String),
 }
@@ -314,6 +323,10 @@ impl fmt::Display for ConstantsError {
             Self::NotAValue { name, value } => write!(
                 f,
                 "`{value}` is no value for constant `{name}`: give an integer, a decimal number, a fraction such as 1/3, true or false"
+            ),
+            Self::BadRange { name, range, why } => write!(
+                f,
+                "`{range}` is no range for constant `{name}`, {why}: write `first:step:last` or `first:last`"
             ),
             Self::Twice(name) => {
                 write!(f, "constant `{name}` is given twice: give it one value")

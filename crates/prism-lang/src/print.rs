@@ -2,6 +2,9 @@
 //!
 //! Guarantee: the printed text parses to the same tree, places aside (tested on random trees).
 
+mod property;
+mod system;
+
 use std::fmt::{self, Display, Formatter};
 
 use crate::ast::{
@@ -62,16 +65,13 @@ fn write_bare(f: &mut Formatter<'_>, expr: &Expr) -> fmt::Result {
             }
             f.write_str(")")
         }
-        ExprKind::Probability { bound, path } => {
-            match bound {
-                None => f.write_str("P=?")?,
-                Some((comparison, bound)) => {
-                    write!(f, "P{}", comparison.symbol())?;
-                    write_expr(f, bound, level::BASIC)?;
-                }
-            }
-            write!(f, " [ {path} ]")
-        }
+        ExprKind::Interval(low, high) => write!(f, "[{low},{high}]"),
+        ExprKind::Probability { .. }
+        | ExprKind::Reward(_)
+        | ExprKind::LongRun { .. }
+        | ExprKind::Quantified(..)
+        | ExprKind::Strategy(_)
+        | ExprKind::Filter(_) => property::write_operator(f, &expr.kind),
         ExprKind::Temporal {
             operator,
             bound,
@@ -106,8 +106,24 @@ fn write_binary(f: &mut Formatter<'_>, operator: BinaryOp, a: &Expr, b: &Expr) -
         write!(f, " {symbol} ")?;
     } else {
         f.write_str(symbol)?;
+        // `<` and `<<*>>` must not run together.
+        f.write_str(if symbol == "<" && starts_with_strategy(b) {
+            " "
+        } else {
+            ""
+        })?;
     }
     write_expr(f, b, right)
+}
+
+fn starts_with_strategy(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Strategy(_) => true,
+        ExprKind::Binary(_, first, _) | ExprKind::IfThenElse(first, ..) => {
+            starts_with_strategy(first)
+        }
+        _ => false,
+    }
 }
 
 fn write_temporal(
@@ -166,7 +182,9 @@ impl Display for Model {
         for variable in &self.globals {
             writeln!(f, "global {variable}")?;
         }
+        write_lines(f, "", &self.observables)?;
         write_lines(f, "", &self.modules)?;
+        write_lines(f, "", &self.systems)?;
         if let Some(init) = &self.init {
             writeln!(f, "init {init} endinit")?;
         }

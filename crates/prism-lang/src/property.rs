@@ -1,6 +1,20 @@
-//! Properties with all names resolved: PCTL* without rewards, over discrete steps.
+//! Properties with all names resolved: PCTL* and CSL* with rewards, long-run shares, CTL's quantifiers,
+//! filters and several objectives.
+//!
+//! A formula that has no temporal operator outside of `P` is a [`StateFormula`] (true or false in a state) or a
+//! [`Quantity`] (a number in a state); both can contain each other, and both are evaluated bottom-up, one
+//! vector over the states for each node. A [`Path`] is true or false of a path. Bounds are exact rationals.
+//! Constants, formulas, labels of the file and references to properties are written out.
 
-pub use crate::ast::Comparison;
+mod quantity;
+
+pub use crate::ast::{Comparison, Optimum};
+pub use quantity::{
+    Filter, FilterOperand, FilterOperator, Horizon, Objective, Quantity, RewardObjective,
+    RewardQuery,
+};
+
+use crate::ast::BinaryOp;
 use crate::diagnostic::Span;
 use crate::expr::Expr;
 use crate::number::Number;
@@ -22,9 +36,12 @@ pub struct NamedProperty {
 }
 
 /// What is asked.
+///
+/// What is true or false is asked of all initial states; a number has a value in each of them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Property {
-    /// The probability of a path formula (bound `None`: `P=?`) or whether it meets a bound.
+    /// The probability of a path formula in a model without choices (bound `None`: `P=?`), or whether it meets
+    /// a bound (in a model with choices: under every scheduler).
     Probability {
         /// The comparison and the bound; none for `=?`.
         bound: Option<(Comparison, Bound)>,
@@ -33,6 +50,12 @@ pub enum Property {
     },
     /// Whether a state formula holds.
     State(StateFormula),
+    /// A number: `Pmax=?`, `R=?`, `S=?`, arithmetic over these, or a filter's value.
+    Number(Quantity),
+    /// `filter(range, ...)`: least and greatest value.
+    Range(Filter),
+    /// `multi(...)`.
+    Objectives(Vec<Objective>),
 }
 
 /// A formula that holds or does not hold in a state.
@@ -52,13 +75,40 @@ pub enum StateFormula {
     Implies(Box<StateFormula>, Box<StateFormula>),
     /// Equivalence.
     Iff(Box<StateFormula>, Box<StateFormula>),
-    /// Whether the probability of a path formula meets a bound.
+    /// The second formula where the first holds, else the third.
+    Choice(Box<StateFormula>, Box<StateFormula>, Box<StateFormula>),
+    /// Whether the probability of a path formula meets a bound (under every scheduler).
     Probability {
         /// The comparison and the bound.
         bound: (Comparison, Bound),
         /// The path formula.
         path: Box<Path>,
     },
+    /// Whether an expected reward meets a bound (under every scheduler).
+    Reward {
+        /// The comparison and the bound.
+        bound: (Comparison, Number),
+        /// Which reward, and what of it.
+        reward: RewardQuery,
+    },
+    /// Whether the share of time that is spent in states, in the long run, meets a bound.
+    LongRun {
+        /// The comparison and the bound.
+        bound: (Comparison, Bound),
+        /// The states.
+        states: Box<StateFormula>,
+    },
+    /// `A`: all paths satisfy it.
+    ForAll(Box<Path>),
+    /// `E`: some path satisfies it.
+    Exists(Box<Path>),
+    /// `<<*>>`: the bound of the operator directly inside must be met under some scheduler, not under all.
+    SomeScheduler(Box<StateFormula>),
+    /// A comparison of numbers: one of `=`, `!=`, `<`, `<=`, `>`, `>=`.
+    Compare(BinaryOp, Box<Quantity>, Box<Quantity>),
+    /// A filter whose value is true or false; it is the same in all states, except for
+    /// [`FilterOperator::ArgMin`], [`FilterOperator::ArgMax`], and those that print.
+    Filter(Box<Filter>),
 }
 
 /// A formula that holds or does not hold of a path.
@@ -112,6 +162,17 @@ pub enum Path {
         /// When.
         bound: TimeBound,
     },
+    /// An operator with a bound in time, in a model with continuous time.
+    Timed {
+        /// The operator.
+        operator: TimedOperator,
+        /// What must hold before (`U`, `W`), or what ends the obligation (`R`); none for `F` and `G`.
+        left: Option<Box<Path>>,
+        /// The other operand.
+        right: Box<Path>,
+        /// When: not unbounded.
+        interval: TimeInterval,
+    },
     /// `!(!left U{bound} !right)`.
     Release {
         /// What ends the obligation.
@@ -150,4 +211,29 @@ impl TimeBound {
         let (bound, strict) = self.upper?;
         u64::try_from(bound.saturating_sub(i64::from(strict))).ok()
     }
+}
+
+/// The temporal operators that a bound in time can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TimedOperator {
+    /// `U`
+    Until,
+    /// `F`
+    Finally,
+    /// `G`
+    Globally,
+    /// `W`
+    WeakUntil,
+    /// `R`
+    Release,
+}
+
+/// An interval of times, in the model's unit; each bound with a flag that is true if it is strict. (In a
+/// `ctmc` strictness changes no probability.)
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TimeInterval {
+    /// Least time, and whether it is excluded; 0 if `None`.
+    pub lower: Option<(Number, bool)>,
+    /// Greatest time, and whether it is excluded; none if `None`.
+    pub upper: Option<(Number, bool)>,
 }

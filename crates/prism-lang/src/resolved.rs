@@ -1,12 +1,64 @@
 //! A model whose names are bound, types checked, constants evaluated, formulas inlined and renamings expanded.
+//!
+//! # For what explores it
+//!
+//! Everything is an index: variables, actions and parameters are numbers, a state is a `[i64]`, and no
+//! expression has a name left to look up. Guards and updates are typed trees ([`Expr`]) that can be evaluated
+//! in any [`Arithmetic`](crate::Arithmetic) or compiled once; [`Parameter`](crate::ExprKind::Parameter)s, if
+//! the model was resolved with constants left open, are leaves of their own, so that the same tree gives a
+//! number, an exact rational or a rational function.
+//!
+//! The choices of a state are the same in all model types: for each action of the composition every
+//! combination of one enabled command for each module that takes part, and every enabled command without an
+//! action. They are alternatives of a scheduler in an `mdp` or `lts`, are drawn uniformly in a `dtmc`, and race
+//! in a `ctmc` (where the rates of synchronised commands are multiplied).
 
-pub use crate::ast::ModelType;
+mod composition;
+
+pub use composition::Composition;
+
+use crate::ast::Type;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, VarIndex};
 use crate::number::Value;
 
 /// The index of an action in [`Model::actions`].
 pub type ActionId = usize;
+
+/// The kind of a model that has a meaning here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ModelType {
+    /// Labelled transition system: choices, no probabilities.
+    Lts,
+    /// Discrete-time Markov chain.
+    Dtmc,
+    /// Markov decision process.
+    Mdp,
+    /// Continuous-time Markov chain.
+    Ctmc,
+}
+
+impl ModelType {
+    /// Its name, as in the language (which has no keyword for `lts`).
+    pub fn keyword(self) -> &'static str {
+        match self {
+            Self::Lts => "lts",
+            Self::Dtmc => "dtmc",
+            Self::Mdp => "mdp",
+            Self::Ctmc => "ctmc",
+        }
+    }
+
+    /// Whether a scheduler chooses what happens.
+    pub fn has_choices(self) -> bool {
+        matches!(self, Self::Lts | Self::Mdp)
+    }
+
+    /// Whether time is a real number, and bounds of temporal operators are times.
+    pub fn has_continuous_time(self) -> bool {
+        self == Self::Ctmc
+    }
+}
 
 /// A resolved model.
 ///
@@ -16,14 +68,18 @@ pub type ActionId = usize;
 pub struct Model {
     /// The kind of model.
     pub model_type: ModelType,
-    /// All constants with their values, in the order of the text.
+    /// All constants with their values, in the order of the text; without those that were left open.
     pub constants: Vec<Constant>,
+    /// Constants that were left open, in the order of the text (see [`crate::resolve_open`]).
+    pub parameters: Vec<Parameter>,
     /// Global variables, then the local ones module by module, in the order of the text.
     pub variables: Vec<Variable>,
     /// The modules, in the order of the text.
     pub modules: Vec<Module>,
-    /// Names of the actions, in the order of first use.
+    /// Names of the actions, in the order of first use; those that only `system` introduces come last.
     pub actions: Vec<String>,
+    /// How the modules are composed; `None`: all of them, synchronised on every action that they share.
+    pub composition: Option<Composition>,
     /// Labels and their definitions.
     pub labels: Vec<(String, Expr)>,
     /// Formulas and their definitions, for use in properties.
@@ -47,6 +103,17 @@ pub struct Constant {
     pub span: Span,
 }
 
+/// A constant without a value: the results of the model are functions of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its type: `int` or `double`.
+    pub ty: Type,
+    /// Its declaration.
+    pub span: Span,
+}
+
 /// A variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
@@ -56,7 +123,7 @@ pub struct Variable {
     pub module: Option<String>,
     /// Its range.
     pub kind: VariableKind,
-    /// Its initial value (for `Init::Predicate` models: its least value).
+    /// Its initial value (for `Init::Predicate` models: its least value, 0 if it has none).
     pub init: i64,
     /// Its declaration.
     pub span: Span,
@@ -74,6 +141,8 @@ pub enum VariableKind {
         /// Largest value.
         high: i64,
     },
+    /// Any integer of 64 bits; beyond them is an error, never a wrapped value.
+    Unbounded,
 }
 
 impl VariableKind {
@@ -82,6 +151,7 @@ impl VariableKind {
         match self {
             Self::Bool => (0, 1),
             Self::Int { low, high } => (low, high),
+            Self::Unbounded => (i64::MIN, i64::MAX),
         }
     }
 }
@@ -111,7 +181,7 @@ pub struct Command {
 /// One outcome of a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Update {
-    /// Its probability (a rate in a `ctmc`).
+    /// Its probability (a rate in a `ctmc`; 1 in an `lts`).
     pub probability: Expr,
     /// Simultaneous assignments; variables that are not named keep their values.
     pub assignments: Vec<(VarIndex, Expr)>,
@@ -119,7 +189,8 @@ pub struct Update {
     pub span: Span,
 }
 
-/// A reward structure; the checker does not evaluate it yet.
+/// A reward structure: what a state earns (for each step, or for each unit of time in a `ctmc`), and what a
+/// transition earns. Items add up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RewardStructure {
     /// Its name, if it has one.
@@ -137,6 +208,8 @@ pub struct RewardItem {
     pub guard: Expr,
     /// How much.
     pub value: Expr,
+    /// Its place.
+    pub span: Span,
 }
 
 /// Where a model starts.
@@ -160,6 +233,13 @@ impl Model {
             .iter()
             .find(|c| c.name == name)
             .map(|c| &c.value)
+    }
+
+    /// The index of the reward structure of this name.
+    pub fn reward(&self, name: &str) -> Option<usize> {
+        self.rewards
+            .iter()
+            .position(|r| r.name.as_deref() == Some(name))
     }
 
     /// The definition of a label.

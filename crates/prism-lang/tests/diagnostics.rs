@@ -7,7 +7,7 @@ use prism_lang::{
 
 const CATALOGUE: &str = include_str!("diagnostics.md");
 const MODEL_OF_PROPERTIES: &str = "dtmc module m x : [0..3]; b : bool; [a] x<3 -> (x'=x+1); endmodule \
-    label \"done\" = x=3; const int n = 2;";
+    label \"done\" = x=3; const int n = 2; rewards \"cost\" [a] true : 1; endrewards";
 
 fn lines(text: &str, diagnostics: &[Diagnostic]) -> Vec<String> {
     let mut lines = Vec::new();
@@ -53,14 +53,22 @@ fn about_property(text: &str, model: &Model) -> Vec<String> {
 
 #[test]
 fn the_catalogue_of_mistakes_is_true() {
-    let model = resolve(&parse_model(MODEL_OF_PROPERTIES).tree, &Constants::new()).unwrap();
+    let of_type = |keyword: &str| {
+        let text = MODEL_OF_PROPERTIES.replacen("dtmc", keyword, 1);
+        resolve(&parse_model(&text).tree, &Constants::new()).unwrap()
+    };
+    let (dtmc, mdp, ctmc) = (of_type("dtmc"), of_type("mdp"), of_type("ctmc"));
     let mut checked = 0;
     let mut catalogue = CATALOGUE.lines().peekable();
     while let Some(line) = catalogue.next() {
         let found = if let Some(text) = line.strip_prefix("model ") {
             about_model(text)
         } else if let Some(text) = line.strip_prefix("property ") {
-            about_property(text, &model)
+            about_property(text, &dtmc)
+        } else if let Some(text) = line.strip_prefix("in-mdp ") {
+            about_property(text, &mdp)
+        } else if let Some(text) = line.strip_prefix("in-ctmc ") {
+            about_property(text, &ctmc)
         } else {
             continue;
         };

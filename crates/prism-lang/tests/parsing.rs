@@ -140,8 +140,7 @@ fn semicolons_may_be_left_out_between_lines() {
     let parsed = parse_properties(
         "P>0.5 [ F x=1 ]\nx=1\n(x=2) | y\n!y\n\"n\": P=? [ x=0 R x=1 ]\nR=? [ F x=1 ]",
     );
-    let codes: Vec<_> = parsed.diagnostics.iter().map(|d| d.code).collect();
-    assert_eq!(codes, ["unsupported"]);
+    assert!(parsed.diagnostics.is_empty(), "{:?}", parsed.diagnostics);
     assert_eq!(parsed.tree.properties.len(), 6);
     let joined = parse_properties("P>0.5 [ F x=1 ] x=1");
     assert_eq!(joined.diagnostics[0].code, "syntax");
@@ -191,4 +190,62 @@ fn every_mistake_of_a_text_is_found_in_one_run() {
             (8, "syntax")
         ]
     );
+}
+
+#[test]
+fn compositions_bind_as_in_prism() {
+    for (text, meant) in [
+        ("a ||| b || c", "a ||| (b || c)"),
+        ("a ||| b ||| c || d", "a ||| b ||| (c || d)"),
+        ("a |[x]| b || c", "(a |[x]| b) || c"),
+        ("a / {x} {y<-z} || b", "((a / {x}) {y<-z}) || b"),
+    ] {
+        let [bare, grouped] = [text, meant].map(|t| parse_model(&format!("system {t} endsystem")));
+        assert!(
+            bare.diagnostics.is_empty(),
+            "{text}: {:?}",
+            bare.diagnostics
+        );
+        let [bare, grouped] = [bare, grouped].map(|p| shape(&p.tree.systems));
+        assert_eq!(bare, grouped, "{text}");
+    }
+}
+
+#[test]
+fn every_operator_of_properties_is_read_and_printed_back() {
+    for text in [
+        "Pmin=? [ F a ]",
+        "R{\"r\"}max=? [ F a ]",
+        "R{\"r\"}/{\"s\"}=? [ S ]",
+        "R{2}>=1.5 [ C<=k ]",
+        "R=? [ C ]",
+        "R=? [ I=k+1 ]",
+        "R=? [ X F a ]",
+        "Pminmax=? [ G a ]",
+        "S>0.5 [ a ]",
+        "A [ G E [ F a ] ]",
+        "P=? [ a U[1,2] b {c}{min}{max} ]",
+        "filter(+, P=? [ F a ]*2, b)",
+        "filter(printall, a)",
+        "<<*>> P>=0.5 [ F a ]",
+        "[[1,two]] Rmin=? [ C ]",
+        "<<>> (P>0.1 [ G a ] & b)",
+        "multi(Pmax=? [ F a ], R<=5 [ C ])",
+        "P=? [ F a ]+\"x\"",
+        "a ? P=? [ X a ] : 1",
+    ] {
+        let parsed = parse_properties(text);
+        assert!(
+            parsed.diagnostics.is_empty(),
+            "{text}: {:?}",
+            parsed.diagnostics
+        );
+        assert_eq!(parsed.tree.to_string(), format!("{text};\n"));
+    }
+    for (old, new) in [
+        ("P min=? [ X a ]", "Pmin=? [ X a ]"),
+        ("R{1} max min=? [ C ]", "R{1}maxmin=? [ C ]"),
+    ] {
+        assert_eq!(parse_properties(old).tree.to_string(), format!("{new};\n"));
+    }
 }

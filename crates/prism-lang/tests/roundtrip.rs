@@ -1,8 +1,10 @@
 //! Printing is the inverse of parsing, on random trees; and no text makes the parser panic.
 
 use prism_lang::ast::{
-    BinaryOp, Command, Comparison, Expr, ExprKind, Model, Module, ModuleBody, Name, Property,
-    PropertyFile, StepBound, TemporalOp, UnaryOp, Update, Variable, VariableRange,
+    BinaryOp, Coalition, Command, Comparison, Expr, ExprKind, Filter, Model, Module, ModuleBody,
+    Name, Observables, Optimum, Property, PropertyFile, Quantifier, Reward, RewardIndex,
+    RewardObjective, StateFilter, StepBound, Strategy as Players, System, SystemExpr, SystemKind,
+    TemporalOp, UnaryOp, Update, Variable, VariableRange,
 };
 use prism_lang::{Constants, Span, parse_model, parse_properties, resolve, resolve_properties};
 use proptest::prelude::*;
@@ -119,11 +121,137 @@ fn temporal(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
             inner
         )
             .prop_map(|(bound, path)| ExprKind::Probability {
+                optimum: None,
                 bound,
-                path: Box::new(path)
+                path: Box::new(path),
+                filter: None,
             }),
     ]
     .prop_map(expr)
+    .boxed()
+}
+
+type Bound = Option<(Comparison, Box<Expr>)>;
+
+/// What follows the letter of an operator: an optimum is only asked for, never compared.
+fn query() -> impl Strategy<Value = (Option<Optimum>, Bound)> {
+    let optimum = prop::option::of(prop::sample::select(Optimum::ALL.to_vec()));
+    let bound = (comparison(), model_expr().prop_map(Box::new));
+    prop_oneof![
+        optimum.prop_map(|o| (o, None)),
+        bound.prop_map(|b| (None, Some(b))),
+    ]
+}
+
+/// Formulas of a state: no temporal operator outside of another operator.
+fn state_filter() -> impl Strategy<Value = Option<(Expr, bool, bool)>> {
+    prop::option::of((model_expr(), any::<bool>(), any::<bool>()))
+}
+
+/// The old form of a filter; `min` and `max` only where there is no bound.
+fn old_filter(bound: &Bound, filter: Option<(Expr, bool, bool)>) -> Option<StateFilter> {
+    let open = bound.is_none();
+    filter.map(|(states, min, max)| StateFilter {
+        states,
+        min: min && open,
+        max: max && open,
+    })
+}
+
+fn reward(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
+    let index = || {
+        prop::option::of(prop_oneof![
+            "[ab]".prop_map(|n| RewardIndex::Name(name(&n))),
+            model_expr().prop_map(RewardIndex::Index),
+        ])
+    };
+    let objective = prop_oneof![
+        Just(RewardObjective::Total),
+        Just(RewardObjective::LongRun),
+        model_expr().prop_map(RewardObjective::Cumulative),
+        model_expr().prop_map(RewardObjective::Instantaneous),
+        inner.prop_map(RewardObjective::Path),
+    ];
+    (index(), index(), query(), objective, state_filter())
+        .prop_map(
+            |(structure, divisor, (optimum, bound), objective, filter)| {
+                let filter = old_filter(&bound, filter);
+                let divisor = divisor.filter(|_| structure.is_some());
+                expr(ExprKind::Reward(Box::new(Reward {
+                    structure,
+                    divisor,
+                    optimum,
+                    bound,
+                    objective,
+                    filter,
+                })))
+            },
+        )
+        .boxed()
+}
+
+fn probability(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
+    (query(), inner, state_filter())
+        .prop_map(|((optimum, bound), path, filter)| {
+            let filter = old_filter(&bound, filter).map(Box::new);
+            let path = Box::new(path);
+            expr(ExprKind::Probability {
+                optimum,
+                bound,
+                path,
+                filter,
+            })
+        })
+        .boxed()
+}
+
+fn coalition() -> impl Strategy<Value = Coalition> {
+    let players = prop::collection::vec("[abc]", 0..3);
+    let named = players.prop_map(|p| Coalition::Players(p.iter().map(|n| name(n)).collect()));
+    prop_oneof![Just(Coalition::All), named]
+}
+
+/// The operators that hold path formulas and are formulas of a state.
+fn quantified(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
+    let quantifier = || prop::sample::select(vec![Quantifier::ForAll, Quantifier::Exists]);
+    let operand = prop_oneof![probability(inner.clone()), reward(inner.clone())];
+    let strategy =
+        (quantifier(), coalition(), operand).prop_map(|(quantifier, coalition, operand)| {
+            expr(ExprKind::Strategy(Players {
+                quantifier,
+                coalition,
+                operand: Box::new(operand),
+            }))
+        });
+    let long_run = (query(), leaf(), state_filter()).prop_map(|((_, bound), states, filter)| {
+        let filter = old_filter(&bound, filter).map(Box::new);
+        let states = Box::new(states);
+        expr(ExprKind::LongRun {
+            bound,
+            states,
+            filter,
+        })
+    });
+    let words = prop::sample::select(vec!["min", "max", "+", "&", "|", "forall", "avg"]);
+    let operand = prop_oneof![probability(inner.clone()), model_expr()];
+    let filter =
+        (words, operand, prop::option::of(model_expr())).prop_map(|(operator, operand, states)| {
+            expr(ExprKind::Filter(Filter {
+                operator: name(operator),
+                operand: Box::new(operand),
+                states: states.map(Box::new),
+            }))
+        });
+    let path = (quantifier(), inner.clone())
+        .prop_map(|(q, path)| expr(ExprKind::Quantified(q, Box::new(path))));
+    prop_oneof![
+        probability(inner.clone()),
+        reward(inner),
+        long_run,
+        strategy,
+        filter,
+        path
+    ]
     .boxed()
 }
 
@@ -132,23 +260,80 @@ fn path_expr() -> BoxedStrategy<Expr> {
     let label = "[ab]".prop_map(|l| expr(ExprKind::Label(l)));
     prop_oneof![leaf(), label]
         .prop_recursive(5, 40, 3, |inner| {
-            prop_oneof![operators(inner.clone().boxed()), temporal(inner.boxed())]
+            prop_oneof![
+                operators(inner.clone().boxed()),
+                temporal(inner.clone().boxed()),
+                quantified(inner.boxed())
+            ]
         })
         .boxed()
 }
 
+fn system() -> BoxedStrategy<SystemExpr> {
+    let node = |kind| SystemExpr {
+        kind,
+        span: Span::default(),
+    };
+    let leaf = prop_oneof![
+        "[mn]".prop_map(|m| SystemKind::Module(name(&m))),
+        "[st]".prop_map(|s| SystemKind::Reference(name(&s))),
+    ];
+    leaf.prop_map(node)
+        .prop_recursive(4, 16, 3, move |inner| {
+            let names = || prop::collection::vec("[ab]".prop_map(|a| name(&a)), 1..3);
+            let pairs = ("[ab]", "[cd]").prop_map(|(a, b)| (name(&a), name(&b)));
+            let several = || prop::collection::vec(inner.clone(), 2..4);
+            let boxed = || inner.clone().prop_map(Box::new);
+            prop_oneof![
+                several().prop_map(SystemKind::Full),
+                several().prop_map(SystemKind::Interleaved),
+                (boxed(), names(), boxed()).prop_map(|(a, n, b)| SystemKind::On(a, n, b)),
+                (boxed(), names()).prop_map(|(a, n)| SystemKind::Hide(a, n)),
+                (boxed(), prop::collection::vec(pairs, 1..3))
+                    .prop_map(|(a, r)| SystemKind::Rename(a, r)),
+            ]
+            .prop_map(node)
+        })
+        .boxed()
+}
+
+/// What models have besides modules.
+fn surroundings() -> impl Strategy<Value = (Vec<System>, Vec<Observables>)> {
+    let system = (prop::option::of("[st]"), system()).prop_map(|(n, body)| System {
+        name: n.map(|n| name(&n)),
+        body,
+        span: Span::default(),
+    });
+    let observables = prop_oneof![
+        prop::collection::vec("[xyz]".prop_map(|n| name(&n)), 1..3).prop_map(|names| {
+            Observables::Variables {
+                names,
+                span: Span::default(),
+            }
+        }),
+        ("[ab]", model_expr()).prop_map(|(n, body)| Observables::Defined {
+            name: name(&n),
+            body,
+            span: Span::default(),
+        }),
+    ];
+    (
+        prop::collection::vec(system, 0..2),
+        prop::collection::vec(observables, 0..2),
+    )
+}
+
 fn property() -> impl Strategy<Value = Property> {
+    let operator = quantified(path_expr());
+    let arithmetic = (binary(), operator.clone(), operator.clone())
+        .prop_map(|(op, a, b)| expr(ExprKind::Binary(op, Box::new(a), Box::new(b))));
     (
         prop::option::of("[pq]"),
-        prop::option::of((comparison(), model_expr().prop_map(Box::new))),
-        path_expr(),
+        prop_oneof![3 => operator, 1 => arithmetic],
     )
-        .prop_map(|(property_name, bound, path)| Property {
+        .prop_map(|(property_name, formula)| Property {
             name: property_name.map(|n| name(&n)),
-            formula: expr(ExprKind::Probability {
-                bound,
-                path: Box::new(path),
-            }),
+            formula,
             text: String::new(),
             span: Span::default(),
         })
@@ -167,8 +352,11 @@ fn command() -> impl Strategy<Value = Command> {
         span: Span::default(),
     };
     let single = assignments().prop_map(move |a| vec![update((None, a))]);
+    let interval = (model_expr(), model_expr())
+        .prop_map(|(low, high)| expr(ExprKind::Interval(Box::new(low), Box::new(high))));
+    let probability = prop_oneof![4 => model_expr(), 1 => interval];
     let several = prop::collection::vec(
-        (model_expr().prop_map(Some), assignments()).prop_map(update),
+        (probability.prop_map(Some), assignments()).prop_map(update),
         1..4,
     );
     (
@@ -196,23 +384,39 @@ fn model() -> impl Strategy<Value = Model> {
             span: Span::default(),
         },
     );
-    let variables = prop::collection::vec(variable, 0..2);
+    let unbounded = prop::sample::select(vec![VariableRange::Unbounded, VariableRange::Clock])
+        .prop_map(|range| Variable {
+            name: name("y"),
+            range,
+            init: None,
+            span: Span::default(),
+        });
+    let variables = prop::collection::vec(prop_oneof![variable, unbounded], 0..2);
     let commands = prop::collection::vec(command(), 0..4);
-    (variables, commands, prop::option::of(model_expr())).prop_map(|(variables, commands, init)| {
-        Model {
-            modules: vec![Module {
-                name: name("m"),
-                body: ModuleBody::Written {
-                    variables,
-                    invariant: None,
-                    commands,
-                },
-                span: Span::default(),
-            }],
-            init,
-            ..Model::default()
-        }
-    })
+    (
+        variables,
+        prop::option::of(model_expr()),
+        commands,
+        prop::option::of(model_expr()),
+        surroundings(),
+    )
+        .prop_map(
+            |(variables, invariant, commands, init, (systems, observables))| Model {
+                modules: vec![Module {
+                    name: name("m"),
+                    body: ModuleBody::Written {
+                        variables,
+                        invariant,
+                        commands,
+                    },
+                    span: Span::default(),
+                }],
+                init,
+                systems,
+                observables,
+                ..Model::default()
+            },
+        )
 }
 
 /// A tree without places, and without the verbatim texts of properties.
@@ -231,7 +435,8 @@ fn shape(tree: &impl std::fmt::Debug) -> String {
 fn fragment() -> impl Strategy<Value = String> {
     let words = "dtmc module endmodule const int double bool formula label init endinit rewards endrewards global \
         system x y m \"a\" x' ( ) [ ] { } ; : -> .. = != <= >= < > & | ! => <=> ? + - * / ^ , 0 1 0.5 1e400 \
-        99999999999999999999 true false P P=? F G X U W R S min max func filter E Pmax ' @ #x# \" //";
+        99999999999999999999 true false P P=? F G X U W R S min max func filter E A C I Pmax Rmin multi << >> [[ ]] || ||| <- =? forall \
+        system endsystem mdp ctmc pta clock invariant endinvariant observables endobservables ' @ #x# \" //";
     prop::sample::select(
         words
             .split_whitespace()

@@ -77,6 +77,7 @@ fn ltl(path: &Path, names: &[&str]) -> Ltl {
         Path::Release { left, right, bound } => {
             Ltl::release(of(left), of(right)).within(steps(bound))
         }
+        Path::Timed { .. } => panic!("no property has a bound in time"),
     }
 }
 

@@ -38,7 +38,9 @@ impl Code {
                 let [c, a, b] = [c, a, b].map(|e| Box::new(Self::new(e)));
                 Self::Choice(c, a, b)
             }
-            ExprKind::Double(_) | ExprKind::Call(..) => Self::Expression(expr.clone()),
+            ExprKind::Double(_) | ExprKind::Parameter(_) | ExprKind::Call(..) => {
+                Self::Expression(expr.clone())
+            }
         }
     }
 

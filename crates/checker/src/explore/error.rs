@@ -10,6 +10,8 @@ use prism_lang::{EvalError, Span};
 pub enum ExploreError {
     /// The model is of a type that is not supported.
     Unsupported(ModelType),
+    /// The model has a construct that cannot be explored yet.
+    UnsupportedConstruct(&'static str),
     /// An update takes a variable out of its range.
     OutOfRange {
         /// The variable.
@@ -99,6 +101,7 @@ impl fmt::Display for ExploreError {
                 "models of type `{}` cannot be explored yet: only `dtmc` can",
                 model_type.keyword()
             ),
+            Self::UnsupportedConstruct(what) => write!(f, "{what}"),
             Self::OutOfRange {
                 variable,
                 value,

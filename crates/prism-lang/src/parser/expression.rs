@@ -140,7 +140,7 @@ impl Parser<'_> {
         self.report(Diagnostic::error("needs-parentheses", token.span, message).remedy(remedy));
     }
 
-    fn if_then_else(&mut self, context: Context) -> Parse<Node> {
+    pub(super) fn if_then_else(&mut self, context: Context) -> Parse<Node> {
         let condition = self.binary(context, level::IMPLIES)?;
         if !self.accept("?") {
             return Ok(condition);
@@ -180,7 +180,8 @@ impl Parser<'_> {
 
     fn binary_operator(&self, least: u8) -> Option<BinaryOp> {
         let token = self.peek();
-        if token.kind != TokenKind::Symbol {
+        // `<<` starts the next property.
+        if token.kind != TokenKind::Symbol || self.is_doubled("<") {
             return None;
         }
         binary_of(token.text).filter(|op| level_of(*op) >= least)
@@ -240,17 +241,10 @@ impl Parser<'_> {
         ))
     }
 
-    fn basic(&mut self, context: Context) -> Parse<Node> {
+    pub(super) fn basic(&mut self, context: Context) -> Parse<Node> {
         let token = self.peek();
         match token.kind {
             TokenKind::Integer | TokenKind::Real => Ok(self.literal()),
-            TokenKind::Name
-                if token.text == "multi"
-                    && context != Context::Model
-                    && self.is_symbol_ahead(1, "(") =>
-            {
-                self.unsupported_operator(&token)
-            }
             TokenKind::Name if self.is_symbol_ahead(1, "(") => {
                 let function = name_of(&self.advance());
                 self.call(function, token.span, context)
@@ -271,6 +265,10 @@ impl Parser<'_> {
                 ))
             }
             TokenKind::Symbol if token.text == "(" => self.parenthesised(context),
+            TokenKind::Symbol if self.is_doubled("<") || self.is_doubled("[") => {
+                self.strategy(context)
+            }
+            TokenKind::Symbol if token.text == "[" => Err(self.interval_outside_update()),
             TokenKind::Keyword => self.keyword_expression(context, &token),
             TokenKind::Primed => {
                 let message = format!(
@@ -301,11 +299,6 @@ impl Parser<'_> {
             let span = previous.span.to(token.span);
             let error = Diagnostic::error("syntax", span, message);
             self.report(error.remedy(format!("Write `{text}`.")));
-            return Reported;
-        }
-        if token.text == "<" && self.is_symbol_ahead(1, "<") {
-            let remedy = "Ask for a probability with `P`.";
-            self.report_unsupported("strategies of players (`<<...>>`)", token.span, remedy);
             return Reported;
         }
         self.expected("an expression")
@@ -387,14 +380,18 @@ impl Parser<'_> {
                 self.expect(",")?;
                 self.arguments(function, token.span, context)
             }
-            "P" => self.probability(context),
+            word if word.starts_with('P') => self.probability(context),
+            word if word.starts_with('R') => self.reward(context),
+            "S" => self.long_run(context),
+            "A" | "E" => self.path_quantifier(context),
+            "filter" => self.filter(context),
             "X" | "F" | "G" => {
                 if context == Context::Path {
                     self.report_parentheses(token);
                 }
                 self.temporal_unary(context)
             }
-            _ => self.unsupported_operator(token),
+            _ => Err(self.expected("an expression")),
         }
     }
 

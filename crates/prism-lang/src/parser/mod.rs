@@ -11,6 +11,8 @@ mod module;
 pub(crate) mod operator;
 mod properties;
 mod quantifier;
+mod strategy;
+mod system;
 
 use crate::ast::Name;
 use crate::diagnostic::{Diagnostic, Span};

@@ -34,6 +34,12 @@ pub(super) const PARTS: &[&str] = &[
     "observable",
 ];
 
+/// Model types that PRISM's language does not have: of PRISM-games, of Storm, and those that follow from the
+/// probabilities being intervals.
+const OTHER_TYPES: &[&str] = &[
+    "smg", "csg", "tsg", "tptg", "stpg", "ma", "ctmdp", "idtmc", "imdp", "ipomdp",
+];
+
 /// Reads a model. Never fails: the tree holds what was understood, the diagnostics all mistakes.
 ///
 /// ```
@@ -82,7 +88,9 @@ impl Parser<'_> {
             }
             "rewards" => model.rewards.push(self.reward_structure()?),
             "init" => self.init(model)?,
-            "system" | "observables" | "observable" => self.unsupported_part(&token),
+            "system" => model.systems.push(self.system()?),
+            "observables" => model.observables.push(self.observable_variables()?),
+            "observable" => model.observables.push(self.observable()?),
             _ => return self.unknown_part(&token),
         }
         Ok(())
@@ -107,12 +115,17 @@ impl Parser<'_> {
         let error = Diagnostic::error("syntax", token.span, message);
         let meant = suggest_keyword(token.text, PARTS);
         let remedy = match meant {
+            _ if token.text == "lts" => "Leave it out: a model without a type and without probabilities is a labelled transition system.".to_owned(),
+            _ if OTHER_TYPES.contains(&token.text) => {
+                "It is a model type of another tool: write `dtmc`, `ctmc` or `mdp`.".to_owned()
+            }
             Some(word) => format!("Did you mean `{word}`?"),
-            None => "A model consists of `dtmc`, `const`, `formula`, `label`, `global`, `module`, `rewards` and `init`.".to_owned(),
+            None => "A model consists of `dtmc`, `const`, `formula`, `label`, `global`, `module`, `system`, `rewards` and `init`.".to_owned(),
         };
         self.report(error.remedy(remedy));
         match meant {
             // Its lines would be reported one by one.
+            _ if token.text == "lts" || OTHER_TYPES.contains(&token.text) => Ok(()),
             Some("module") => {
                 self.skip_past("endmodule");
                 Ok(())
@@ -129,36 +142,6 @@ impl Parser<'_> {
         } else {
             model.model_type = Some((model_type, span));
         }
-    }
-
-    fn unsupported_part(&mut self, token: &Token<'_>) {
-        self.advance();
-        let (what, remedy) = match token.text {
-            "system" => {
-                self.skip_past("endsystem");
-                (
-                    "`system ... endsystem`",
-                    "Remove it: modules synchronise on all actions that they share.",
-                )
-            }
-            "observables" => {
-                self.skip_past("endobservables");
-                (
-                    "observables",
-                    "Remove them: they belong to partially observable models.",
-                )
-            }
-            _ => {
-                self.recover(PARTS);
-                (
-                    "observables",
-                    "Remove them: they belong to partially observable models.",
-                )
-            }
-        };
-        let message = format!("{what} is not supported.");
-        let span = token.span.to(self.previous_span());
-        self.report(Diagnostic::error("unsupported", span, message).remedy(remedy));
     }
 
     /// Reads `const double p = 0.5;`.

@@ -167,10 +167,7 @@ impl Parser<'_> {
 
     fn probability_of_update(&mut self) -> Parse<Expr> {
         if self.is_symbol("[") {
-            let message = "intervals of probabilities are not supported.";
-            let error = Diagnostic::error("unsupported", self.peek().span, message);
-            self.report(error.remedy("Write one probability."));
-            return Err(Reported);
+            return self.probability_interval();
         }
         let probability = self.expression(Context::Model)?;
         if self.is_symbol(":") {
@@ -192,6 +189,18 @@ impl Parser<'_> {
             "Write updates as `0.5 : (x'=1)`, assignments in parentheses and with a prime.",
         ));
         Err(Reported)
+    }
+
+    /// Reads `[0.1,0.2] :`.
+    fn probability_interval(&mut self) -> Parse<Expr> {
+        let start = self.expect("[")?;
+        let low = self.nested(|p| p.expression(Context::Model))?;
+        self.expect(",")?;
+        let high = self.nested(|p| p.expression(Context::Model))?;
+        let span = start.to(self.expect("]")?);
+        self.expect(":")?;
+        let kind = ExprKind::Interval(Box::new(low), Box::new(high));
+        Ok(Expr { kind, span })
     }
 
     fn assignments(&mut self) -> Parse<Vec<Assignment>> {

@@ -101,7 +101,7 @@ impl Parser<'_> {
             .is_some_and(|blanks| blanks.contains('\n'));
         let starts = match token.kind {
             TokenKind::Name | TokenKind::Integer | TokenKind::Real => true,
-            _ => matches!(token.text, "(" | "!"),
+            _ => matches!(token.text, "(" | "!") || self.is_doubled("<") || self.is_doubled("["),
         };
         new_line && starts
     }

@@ -123,6 +123,14 @@ fn constant_number(expr: &Expr) -> Option<Number> {
     }
 }
 
+/// Whether a number is below 0.
+pub(super) fn is_negative(number: &Number) -> bool {
+    match number.exact() {
+        Some(exact) => exact.is_negative(),
+        None => number.to_f64() < 0.0,
+    }
+}
+
 /// Whether a number lies between 0 and 1.
 pub(super) fn is_probability(number: &Number) -> bool {
     match number.exact() {

@@ -3,7 +3,7 @@
 //! Typing is PRISM's: an `int` may stand where a `double` is needed, never the reverse; `/` gives a `double`;
 //! `=` compares two truth values or two numbers.
 
-use super::scope::{Renaming, Scope, Symbol, coerce};
+use super::scope::{Renaming, Scope, Symbol};
 use crate::ast::{self, BinaryOp, Type, UnaryOp};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, ExprKind, Function};
@@ -56,39 +56,6 @@ impl<'a> Scope<'a> {
         false
     }
 
-    /// The value of an expression without variables.
-    pub(super) fn constant_value(
-        &mut self,
-        expr: &'a ast::Expr,
-        renaming: &Renaming<'a>,
-        ty: Type,
-        what: &str,
-    ) -> Option<Value> {
-        let resolved = self.typed(expr, renaming, ty, what)?;
-        self.value_of(&resolved, what)
-            .and_then(|value| coerce(value, ty))
-    }
-
-    fn value_of(&mut self, expr: &Expr, what: &str) -> Option<Value> {
-        if !expr.is_constant() {
-            let message = format!("{what} must be constant, but this depends on a variable.");
-            let error = Diagnostic::error("not-constant", expr.span, message);
-            self.report(error.remedy("Use constants and literals only."));
-            return None;
-        }
-        match evaluate(expr) {
-            Ok(value) => Some(value),
-            Err(error) => {
-                let message = format!("{what} has no value: {}.", error.kind.problem());
-                let diagnostic = Diagnostic::error("no-value", error.span, message);
-                let mut remedy = error.kind.remedy().to_owned();
-                remedy[..1].make_ascii_uppercase();
-                self.report(diagnostic.remedy(remedy + "."));
-                None
-            }
-        }
-    }
-
     fn resolve(
         &mut self,
         expr: &'a ast::Expr,
@@ -125,23 +92,19 @@ impl<'a> Scope<'a> {
                 let arguments = resolved.into_iter().collect::<Option<Vec<_>>>();
                 self.call(function, renaming, arguments?, span)
             }
-            ast::ExprKind::Label(_)
-            | ast::ExprKind::Probability { .. }
-            | ast::ExprKind::Temporal { .. } => {
+            ast::ExprKind::Error => None,
+            _ => {
                 self.property_part_in_expression(span);
                 None
             }
-            ast::ExprKind::Error => None,
         }
     }
 
-    /// Reports a label, `P` or temporal operator within arithmetic (in models the parser reports them).
+    /// Reports a part of a property where only variables and constants can stand (the parser reports most).
     fn property_part_in_expression(&mut self, span: Span) {
-        let message = "labels, `P` and temporal operators can only be joined by `!`, `&`, `|`, `=>` and `<=>`.";
+        let message = "only variables, constants and formulas can be used here.";
         let error = Diagnostic::error("property-in-expression", span, message);
-        self.report(error.remedy(
-            "Write the condition itself in place of a label, and a bound in place of `P=?`.",
-        ));
+        self.report(error.remedy("Write the condition or the number itself."));
     }
 
     fn name(
@@ -166,43 +129,22 @@ impl<'a> Scope<'a> {
             Some(Symbol::Broken) => None,
             Some(Symbol::Constant(value)) => Some(literal(value, span)),
             Some(Symbol::ConstantDefinition(constant)) => self.define_constant(constant, span),
+            Some(Symbol::Parameter(index, ty)) => Some(Expr {
+                kind: ExprKind::Parameter(index),
+                ty,
+                span,
+            }),
+            Some(Symbol::MissingConstant(constant)) => {
+                self.missing_constant(constant);
+                None
+            }
             Some(Symbol::Variable(index, ty)) => Some(Expr {
                 kind: ExprKind::Variable(index),
                 ty,
                 span,
             }),
-            Some(Symbol::Formula(body)) => Some(body),
+            Some(Symbol::Formula(body)) => self.copy_of(&body, span, depth),
             Some(Symbol::FormulaDefinition(formula)) => self.inline(formula, renaming, span, depth),
-        }
-    }
-
-    /// Evaluates a constant's definition and remembers the value.
-    fn define_constant(&mut self, constant: &'a ast::Constant, span: Span) -> Option<Expr> {
-        let name = constant.name.text.as_str();
-        if self.active.iter().any(|(n, _)| *n == name) {
-            self.report_cycle(name);
-            return None;
-        }
-        self.active.push((name, constant.name.span));
-        let what = format!("constant `{name}`");
-        let definition = constant.value.as_ref();
-        let value = definition
-            .and_then(|v| self.constant_value(v, &Renaming::default(), constant.ty, &what));
-        self.active.pop();
-        let symbol = value.clone().map_or(Symbol::Broken, Symbol::Constant);
-        self.redefine(name, symbol);
-        value.map(|v| literal(v, span))
-    }
-
-    /// The value of a declared constant.
-    pub(super) fn constant(&mut self, constant: &'a ast::Constant) -> Option<Value> {
-        let name = constant.name.text.as_str();
-        if matches!(self.symbol(name), Some(Symbol::ConstantDefinition(_))) {
-            self.define_constant(constant, constant.span);
-        }
-        match self.symbol(name) {
-            Some(Symbol::Constant(value)) => Some(value.clone()),
-            _ => None,
         }
     }
 
@@ -224,21 +166,22 @@ impl<'a> Scope<'a> {
             self.active.push((name, formula.name.span));
             let body = self.resolve(&formula.body, renaming, depth + 1);
             self.active.pop();
-            let cached = body.map(|b| {
-                let height = height(&b);
-                (b, height)
-            });
-            self.formulas.insert(key.clone(), cached);
+            self.formulas.insert(key.clone(), body);
         }
-        let (body, height) = self.formulas.get(&key)?.as_ref()?;
+        let body = self.formulas.get(&key)?.clone()?;
+        self.copy_of(&body, span, depth)
+    }
+
+    /// A formula's body, unless what it makes is too large.
+    fn copy_of(&mut self, body: &Expr, span: Span, depth: usize) -> Option<Expr> {
         let nodes = count_nodes(body, MAX_INLINED_NODES);
-        if depth + height > MAX_RESOLVED_DEPTH || self.inlined_nodes + nodes > MAX_INLINED_NODES {
+        let is_deep = depth + height(body) > MAX_RESOLVED_DEPTH;
+        if is_deep || self.inlined_nodes + nodes > MAX_INLINED_NODES {
             self.too_large(span);
             return None;
         }
-        let body = body.clone();
         self.inlined_nodes += nodes;
-        Some(body)
+        Some(body.clone())
     }
 
     /// Resolves a formula as such, for use in properties and to find its mistakes.
@@ -352,9 +295,7 @@ impl<'a> Scope<'a> {
             self.unknown_function(name);
             return None;
         };
-        let (least, most) = function.arity();
-        if arguments.len() < least || most.is_some_and(|most| arguments.len() > most) {
-            self.wrong_arity(function, arguments.len(), span);
+        if !self.has_arity(function, arguments.len(), span) {
             return None;
         }
         let needed = if function == Function::Mod {
@@ -370,15 +311,11 @@ impl<'a> Scope<'a> {
         if !fits {
             return None;
         }
-        let ty = match function {
-            Function::Floor | Function::Ceil | Function::Round | Function::Mod => Type::Int,
-            Function::Log => Type::Double,
-            _ => arguments.iter().map(|a| a.ty).fold(Type::Int, join),
-        };
+        let ty = function.result(arguments.iter().map(|a| a.ty).fold(Type::Int, join));
         Some(fold(ExprKind::Call(function, arguments), ty, span))
     }
 
-    fn unknown_function(&mut self, name: &ast::Name) {
+    pub(super) fn unknown_function(&mut self, name: &ast::Name) {
         let known = Function::ALL.map(Function::name);
         let remedy = match crate::suggest::suggest(&name.text, known) {
             Some(near) => format!("Did you mean `{near}`?"),
@@ -388,8 +325,12 @@ impl<'a> Scope<'a> {
         self.report(Diagnostic::error("unknown-function", name.span, message).remedy(remedy));
     }
 
-    fn wrong_arity(&mut self, function: Function, found: usize, span: Span) {
+    /// Whether a function takes so many arguments; reports if not.
+    pub(super) fn has_arity(&mut self, function: Function, found: usize, span: Span) -> bool {
         let (least, most) = function.arity();
+        if found >= least && most.is_none_or(|most| found <= most) {
+            return true;
+        }
         let needed = match most {
             Some(1) => "one argument".to_owned(),
             Some(most) => format!("{most} arguments"),
@@ -398,6 +339,7 @@ impl<'a> Scope<'a> {
         let message = format!("`{}` takes {needed} and has {found}.", function.name());
         let error = Diagnostic::error("wrong-arity", span, message);
         self.report(error.remedy("Give as many arguments as the function takes."));
+        false
     }
 }
 
@@ -406,14 +348,14 @@ fn join(a: Type, b: Type) -> Type {
     if a == Type::Int { b } else { a }
 }
 
-fn article(noun: &str) -> String {
+pub(super) fn article(noun: &str) -> String {
     match noun {
         "int" => "an int".to_owned(),
         other => format!("a {other}"),
     }
 }
 
-fn literal(value: Value, span: Span) -> Expr {
+pub(super) fn literal(value: Value, span: Span) -> Expr {
     match value {
         Value::Bool(value) => Expr::bool(value, span),
         Value::Int(value) => Expr::int(value, span),

@@ -9,76 +9,94 @@ use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, VarIndex};
 use crate::resolved::{ActionId, Command, Module, Update};
 
+/// A module that is written out, as it is.
+fn written(module: &ast::Module) -> Option<Instance<'_>> {
+    match &module.body {
+        ModuleBody::Written {
+            variables,
+            commands,
+            invariant,
+        } => Some(Instance {
+            name: &module.name.text,
+            variables,
+            commands,
+            invariant: invariant.as_ref(),
+            renaming: Renaming::default(),
+        }),
+        ModuleBody::Renamed { .. } => None,
+    }
+}
+
 /// A module as it will run: the text of a written module, read under a renaming.
+#[derive(Clone)]
 pub(super) struct Instance<'a> {
     pub(super) name: &'a str,
     pub(super) variables: &'a [ast::Variable],
     commands: &'a [ast::Command],
+    invariant: Option<&'a ast::Expr>,
     pub(super) renaming: Renaming<'a>,
 }
 
 impl<'a> Resolver<'a> {
     /// All modules, copies expanded.
     pub(super) fn instances(&mut self, modules: &'a [ast::Module]) -> Vec<Instance<'a>> {
-        let mut instances = Vec::new();
+        let mut instances: Vec<(usize, Instance<'a>)> = Vec::new();
         for (index, module) in modules.iter().enumerate() {
             let instance = match &module.body {
-                ModuleBody::Written {
-                    variables,
-                    commands,
-                    invariant,
-                } => {
-                    if let Some(invariant) = invariant {
-                        let message =
-                            "invariants belong to timed automata, which are not supported.";
-                        let error = Diagnostic::error("unsupported", invariant.span, message);
-                        self.scope
-                            .report(error.remedy("Put the condition into the guards."));
-                    }
-                    Some(Instance {
-                        name: &module.name.text,
-                        variables,
-                        commands,
-                        renaming: Renaming::default(),
-                    })
-                }
+                ModuleBody::Written { .. } => written(module),
                 ModuleBody::Renamed { base, renames } => {
-                    self.copy(index + 1, module, base, renames, modules)
+                    let earlier = |i: usize| instances.iter().find(|(of, _)| *of == i);
+                    let found = modules.iter().position(|m| m.name.text == base.text);
+                    // A copy can be copied again, behind it.
+                    let original = found.and_then(|i| {
+                        earlier(i)
+                            .map(|(_, copy)| copy.clone())
+                            .or_else(|| written(&modules[i]))
+                    });
+                    match (original, found) {
+                        (Some(original), _) => {
+                            Some(self.copy(index + 1, module, original, renames))
+                        }
+                        (None, Some(_)) => {
+                            self.copy_of_later_copy(base);
+                            None
+                        }
+                        (None, None) => {
+                            self.unknown_module(base, modules);
+                            None
+                        }
+                    }
                 }
             };
-            instances.extend(instance);
+            instances.extend(instance.map(|instance| (index, instance)));
         }
         instances
+            .into_iter()
+            .map(|(_, instance)| instance)
+            .collect()
+    }
+
+    fn copy_of_later_copy(&mut self, base: &ast::Name) {
+        let message = format!(
+            "module `{}` is itself a renamed copy that comes later.",
+            base.text
+        );
+        let error = Diagnostic::error("copy-of-copy", base.span, message);
+        self.scope
+            .report(error.remedy("Copy the module that is written out, or move the copy up."));
     }
 
     fn copy(
         &mut self,
         id: usize,
         module: &'a ast::Module,
-        base: &'a ast::Name,
+        original: Instance<'a>,
         renames: &'a [(ast::Name, ast::Name)],
-        modules: &'a [ast::Module],
-    ) -> Option<Instance<'a>> {
-        let Some(original) = modules.iter().find(|m| m.name.text == base.text) else {
-            self.unknown_module(base, modules);
-            return None;
-        };
-        let ModuleBody::Written {
-            variables,
-            commands,
-            ..
-        } = &original.body
-        else {
-            let message = format!("module `{}` is itself a renamed copy.", base.text);
-            let error = Diagnostic::error("copy-of-copy", base.span, message);
-            self.scope
-                .report(error.remedy("Copy the module that is written out."));
-            return None;
-        };
+    ) -> Instance<'a> {
         let names = self.renames(renames);
-        for variable in variables {
-            if !names.contains_key(variable.name.text.as_str()) {
-                let name = &variable.name.text;
+        for variable in original.variables {
+            let name = original.renaming.apply(&variable.name.text);
+            if !names.contains_key(name) {
                 let message = format!(
                     "the copy `{}` does not rename variable `{name}`.",
                     module.name.text
@@ -89,17 +107,34 @@ impl<'a> Resolver<'a> {
                     .report(error.remedy(format!("Add `{name}=...` to the renaming.")));
             }
         }
-        Some(Instance {
+        // First the names of the original, then those of this copy.
+        let new = Renaming { id, names };
+        let mut both: BTreeMap<&str, &str> = new.names.clone();
+        for (old, once) in &original.renaming.names {
+            both.insert(old, new.apply(once));
+        }
+        Instance {
             name: &module.name.text,
-            variables,
-            commands,
-            renaming: Renaming { id, names },
-        })
+            renaming: Renaming { id, names: both },
+            ..original
+        }
     }
 
     fn renames(&mut self, renames: &'a [(ast::Name, ast::Name)]) -> BTreeMap<&'a str, &'a str> {
         let mut names = BTreeMap::new();
         for (old, new) in renames {
+            if matches!(
+                self.scope.symbol(&old.text),
+                Some(Symbol::FormulaDefinition(_))
+            ) {
+                let message = format!(
+                    "formula `{}` cannot be renamed: its contents are, when it is written out.",
+                    old.text
+                );
+                let error = Diagnostic::error("renamed-formula", old.span, message);
+                self.scope
+                    .report(error.remedy("Rename the variables that the formula is about."));
+            }
             if names.insert(old.text.as_str(), new.text.as_str()).is_some() {
                 let message = format!("`{}` is renamed twice.", old.text);
                 let error = Diagnostic::error("renamed-twice", old.span, message);
@@ -124,6 +159,11 @@ impl<'a> Resolver<'a> {
     pub(super) fn modules(&mut self, instances: &[Instance<'a>]) -> Option<Vec<Module>> {
         let mut modules = Vec::new();
         for (owner, instance) in instances.iter().enumerate() {
+            if let Some(invariant) = instance.invariant {
+                let what = "an invariant";
+                self.scope
+                    .typed(invariant, &instance.renaming, Type::Bool, what);
+            }
             let commands: Vec<Option<Command>> = instance
                 .commands
                 .iter()
@@ -165,7 +205,7 @@ impl<'a> Resolver<'a> {
             .map(|update| self.update(update, owner, instance, action.is_some()))
             .collect();
         let updates: Vec<Update> = updates.into_iter().collect::<Option<_>>()?;
-        if self.is_probabilistic {
+        if !self.has_rates {
             self.check_probabilities(&updates, command.span);
         }
         let guard = guard?;
@@ -178,7 +218,8 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    fn action(&mut self, name: &str) -> ActionId {
+    /// The number of an action, a new one if it has none.
+    pub(super) fn action(&mut self, name: &str) -> ActionId {
         if let Some(known) = self.actions.iter().position(|a| a == name) {
             return known;
         }
@@ -193,15 +234,7 @@ impl<'a> Resolver<'a> {
         instance: &Instance<'a>,
         synchronised: bool,
     ) -> Option<Update> {
-        let what = if self.is_probabilistic {
-            "a probability"
-        } else {
-            "a rate"
-        };
-        let probability = match &update.probability {
-            None => Some(Expr::int(1, update.span)),
-            Some(p) => self.scope.typed(p, &instance.renaming, Type::Double, what),
-        };
+        let probability = self.probability(update, &instance.renaming);
         let mut assignments: Vec<(VarIndex, Expr)> = Vec::new();
         let mut complete = true;
         for assignment in &update.assignments {
@@ -226,6 +259,28 @@ impl<'a> Resolver<'a> {
             assignments,
             span: update.span,
         })
+    }
+
+    fn probability(&mut self, update: &'a ast::Update, renaming: &Renaming<'a>) -> Option<Expr> {
+        let what = if self.has_rates {
+            "a rate"
+        } else {
+            "a probability"
+        };
+        match &update.probability {
+            None => Some(Expr::int(1, update.span)),
+            Some(ast::Expr {
+                kind: ast::ExprKind::Interval(low, high),
+                ..
+            }) => {
+                // The model is refused for it, but its other mistakes are reported.
+                self.has_intervals = true;
+                self.scope.typed(low, renaming, Type::Double, what)?;
+                self.scope.typed(high, renaming, Type::Double, what)?;
+                None
+            }
+            Some(p) => self.scope.typed(p, renaming, Type::Double, what),
+        }
     }
 
     /// The variable that is assigned, if this command may assign it.

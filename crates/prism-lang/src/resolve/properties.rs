@@ -1,22 +1,23 @@
-//! Properties: state and path formulas told apart, labels found, bounds computed.
+//! Property files: declarations, labels, and references from one property to another.
 
 use std::collections::BTreeMap;
 
-use super::checks::is_probability;
+use super::formula::{Formula, Size};
 use super::scope::{Renaming, Scope, Symbol};
 use super::unreadable;
-use crate::ast::{self, BinaryOp, Comparison, ExprKind, StepBound, TemporalOp, Type, UnaryOp};
+use crate::ast::{self, ExprKind, Type};
 use crate::diagnostic::{Diagnostic, Span};
-use crate::number::{Constants, Number, Value};
-use crate::property::{NamedProperty, Path, Property, StateFormula, TimeBound};
-use crate::resolved::Model;
+use crate::number::Constants;
+use crate::property::{NamedProperty, Property, Quantity, StateFormula};
+use crate::resolved::{Model, VariableKind};
 use crate::suggest::suggest;
 
 /// Gives properties their meaning over a model.
 ///
 /// `given` sets undefined constants of the property file; a name that neither the file nor the model
-/// declares is reported. Labels and formulas of the file are written out; labels of the model keep their name.
-/// A quoted name may also refer to an earlier property of the file that is a state formula.
+/// declares is reported, and so is a constant without a value where it is used. Labels and formulas of the file
+/// are written out; labels of the model keep their name. A quoted name may also refer to another property of
+/// the file, which is written out, too.
 ///
 /// # Errors
 /// All mistakes that were found, in the order of their places.
@@ -39,9 +40,11 @@ pub fn resolve_properties(
         model,
         labels: BTreeMap::new(),
         named: BTreeMap::new(),
+        size: Size::default(),
     };
     resolver.unknown_constants(properties, given);
     resolver.declarations(properties, given);
+    resolver.names(&properties.properties);
     let resolved: Vec<Option<NamedProperty>> = properties
         .properties
         .iter()
@@ -63,41 +66,42 @@ fn model_scope<'a>(model: &Model) -> Scope<'a> {
         let symbol = Symbol::Constant(constant.value.clone());
         scope.declare(&constant.name, None, symbol);
     }
+    for (index, parameter) in model.parameters.iter().enumerate() {
+        let symbol = Symbol::Parameter(index, parameter.ty);
+        scope.declare(&parameter.name, None, symbol);
+    }
     for (name, body) in &model.formulas {
         scope.declare(name, None, Symbol::Formula(body.clone()));
     }
     for (index, variable) in model.variables.iter().enumerate() {
         let ty = match variable.kind {
-            crate::resolved::VariableKind::Bool => Type::Bool,
-            crate::resolved::VariableKind::Int { .. } => Type::Int,
+            VariableKind::Bool => Type::Bool,
+            VariableKind::Int { .. } | VariableKind::Unbounded => Type::Int,
         };
         scope.declare(&variable.name, None, Symbol::Variable(index, ty));
     }
     scope
 }
 
-struct PropertyResolver<'a> {
-    scope: Scope<'a>,
-    model: &'a Model,
+/// What is known of a property that has a name.
+enum Named {
+    /// Not read yet.
+    Unread,
+    /// Being read: a reference to it is a cycle.
+    Active,
+    /// What it means, and how large that is; `None` if it is wrong.
+    Read(Option<Formula>, Size),
+}
+
+pub(super) struct PropertyResolver<'a> {
+    pub(super) scope: Scope<'a>,
+    pub(super) model: &'a Model,
     /// Labels of the property file; `None` if one is wrong.
     labels: BTreeMap<&'a str, Option<crate::Expr>>,
-    /// Earlier properties by name; `None` if one is no state formula.
-    named: BTreeMap<&'a str, Option<StateFormula>>,
-}
-
-/// A formula of either kind.
-enum Formula {
-    State(StateFormula),
-    Path(Path),
-}
-
-impl Formula {
-    fn into_path(self) -> Path {
-        match self {
-            Self::State(state) => Path::State(Box::new(state)),
-            Self::Path(path) => path,
-        }
-    }
+    /// Properties by name.
+    named: BTreeMap<&'a str, (&'a ast::Property, Named)>,
+    /// What has been resolved so far: how deep it is here, and how large it became.
+    pub(super) size: Size,
 }
 
 impl<'a> PropertyResolver<'a> {
@@ -118,13 +122,13 @@ impl<'a> PropertyResolver<'a> {
 
     fn declarations(&mut self, file: &'a ast::PropertyFile, given: &Constants) {
         self.scope
-            .declare_constants(&file.constants, given, &Constants::new());
+            .declare_constants(&file.constants, given, &Constants::new(), &[]);
         for formula in &file.formulas {
             let symbol = Symbol::FormulaDefinition(formula);
             self.scope
                 .declare(&formula.name.text, Some(formula.name.span), symbol);
         }
-        for constant in &file.constants {
+        for constant in file.constants.iter().filter(|c| c.value.is_some()) {
             self.scope.constant(constant);
         }
         for formula in &file.formulas {
@@ -132,10 +136,7 @@ impl<'a> PropertyResolver<'a> {
         }
         for label in &file.labels {
             let name = label.name.text.as_str();
-            let known = self.labels.contains_key(name)
-                || self.model.label(name).is_some()
-                || matches!(name, "init" | "deadlock");
-            if known {
+            if self.is_label(name) {
                 let message = format!("there is already a label \"{name}\".");
                 let error = Diagnostic::error("duplicate-name", label.name.span, message);
                 self.scope.report(error.remedy("Choose another name."));
@@ -149,180 +150,90 @@ impl<'a> PropertyResolver<'a> {
         }
     }
 
-    fn named_property(&mut self, property: &'a ast::Property) -> Option<NamedProperty> {
-        let meaning = self.property(&property.formula);
-        if let Some(name) = &property.name {
-            let state = match &meaning {
-                Some(Property::State(state)) => Some(state.clone()),
-                Some(Property::Probability {
-                    bound: Some(bound),
-                    path,
-                }) => Some(StateFormula::Probability {
-                    bound: bound.clone(),
-                    path: Box::new(path.clone()),
-                }),
-                _ => None,
+    fn is_label(&self, name: &str) -> bool {
+        self.labels.contains_key(name)
+            || self.model.label(name).is_some()
+            || matches!(name, "init" | "deadlock")
+    }
+
+    /// Notes the names of all properties: a reference may come before its property.
+    fn names(&mut self, properties: &'a [ast::Property]) {
+        for property in properties {
+            let Some(name) = &property.name else { continue };
+            let message = if self.is_label(&name.text) {
+                format!("there is already a label \"{}\".", name.text)
+            } else if self.named.contains_key(name.text.as_str()) {
+                format!("there are two properties with the name \"{}\".", name.text)
+            } else {
+                self.named.insert(&name.text, (property, Named::Unread));
+                continue;
             };
-            if self.named.insert(&name.text, state).is_some() {
-                let message = format!("there are two properties with the name \"{}\".", name.text);
-                let error = Diagnostic::error("duplicate-name", name.span, message);
-                self.scope.report(error.remedy("Choose another name."));
-            }
+            let error = Diagnostic::error("duplicate-name", name.span, message);
+            self.scope.report(error.remedy("Choose another name."));
         }
+    }
+
+    fn named_property(&mut self, property: &'a ast::Property) -> Option<NamedProperty> {
+        let name = property.name.as_ref().map_or("", |n| n.text.as_str());
+        let meaning = match self.named.get(name) {
+            Some((known, _)) if std::ptr::eq(*known, property) => {
+                self.named_formula(name, property.span)
+            }
+            // Without a name, or the second one of a name.
+            _ => self.formula(&property.formula),
+        };
         Some(NamedProperty {
             name: property.name.as_ref().map(|n| n.text.clone()),
             text: property.text.clone(),
             span: property.span,
-            property: meaning?,
+            property: as_property(meaning?)?,
         })
     }
 
-    fn property(&mut self, formula: &'a ast::Expr) -> Option<Property> {
-        if let ExprKind::Probability { bound, path } = &formula.kind {
-            let bound = match bound {
-                None => None,
-                Some((comparison, bound)) => Some((*comparison, self.probability_bound(bound)?)),
-            };
-            let path = self.formula(path)?.into_path();
-            return Some(Property::Probability { bound, path });
-        }
-        match self.formula(formula)? {
-            Formula::State(state) => Some(Property::State(state)),
-            // The parser has reported the temporal operator outside of `P`.
-            Formula::Path(_) => None,
-        }
-    }
-
-    /// The exact bound of a probability.
-    fn probability_bound(&mut self, bound: &'a ast::Expr) -> Option<Number> {
-        let none = Renaming::default();
-        let what = "the bound of a probability";
-        let Some(Value::Double(number)) =
-            self.scope.constant_value(bound, &none, Type::Double, what)
-        else {
-            return None;
-        };
-        if !is_probability(&number) {
-            let message = format!("the bound {number} is not between 0 and 1.");
-            let error = Diagnostic::error("not-a-probability", bound.span, message);
-            self.scope
-                .report(error.remedy("Compare with a number between 0 and 1."));
-            return None;
-        }
-        Some(number)
-    }
-
-    fn formula(&mut self, expr: &'a ast::Expr) -> Option<Formula> {
-        if is_plain(expr) {
-            let none = Renaming::default();
-            let predicate = self.scope.typed(expr, &none, Type::Bool, "a formula")?;
-            return Some(Formula::State(StateFormula::Expr(predicate)));
-        }
-        match &expr.kind {
-            ExprKind::Label(name) => self.label(name, expr.span).map(Formula::State),
-            ExprKind::Unary(UnaryOp::Not, operand) => Some(match self.formula(operand)? {
-                Formula::State(state) => Formula::State(StateFormula::Not(Box::new(state))),
-                Formula::Path(path) => Formula::Path(Path::Not(Box::new(path))),
-            }),
-            ExprKind::Binary(operator, a, b) => self.connective(*operator, a, b, expr.span),
-            ExprKind::Probability { bound, path } => {
-                self.nested_probability(bound.as_ref(), path, expr.span)
+    /// The meaning of a property that is known by name, read when it is first needed.
+    fn named_formula(&mut self, name: &'a str, span: Span) -> Option<Formula> {
+        let (property, state) = self.named.get(name)?;
+        let property = *property;
+        match state {
+            Named::Read(formula, size) => {
+                let (formula, size) = (formula.clone(), *size);
+                self.size.add(size);
+                self.is_small(span).then_some(formula)?
             }
-            ExprKind::Temporal {
-                operator,
-                bound,
-                left,
-                right,
-            } => self.temporal(
-                *operator,
-                bound.as_deref(),
-                left.as_deref(),
-                right,
-                expr.span,
-            ),
-            ExprKind::Error => None,
-            _ => {
-                self.not_a_connective(expr.span);
+            Named::Active => {
+                let message = format!("property \"{name}\" is defined by itself.");
+                let error = Diagnostic::error("cyclic-definition", span, message);
+                self.scope
+                    .report(error.remedy("Write the formula in place of one of the references."));
                 None
             }
+            Named::Unread => {
+                self.named.insert(name, (property, Named::Active));
+                let outside = self.size.start();
+                let meaning = self.formula(&property.formula);
+                let inside = self.size.finish(outside);
+                let read = Named::Read(meaning.clone(), inside);
+                self.named.insert(name, (property, read));
+                meaning
+            }
         }
     }
 
-    fn connective(
-        &mut self,
-        operator: BinaryOp,
-        a: &'a ast::Expr,
-        b: &'a ast::Expr,
-        span: Span,
-    ) -> Option<Formula> {
-        type Join<T> = fn(Box<T>, Box<T>) -> T;
-        let (of_states, of_paths): (Join<StateFormula>, Join<Path>) = match operator {
-            BinaryOp::And => (StateFormula::And, Path::And),
-            BinaryOp::Or => (StateFormula::Or, Path::Or),
-            BinaryOp::Implies => (StateFormula::Implies, Path::Implies),
-            BinaryOp::Iff => (StateFormula::Iff, Path::Iff),
-            _ => {
-                self.not_a_connective(span);
-                return None;
-            }
-        };
-        let (a, b) = (self.formula(a), self.formula(b));
-        Some(match (a?, b?) {
-            (Formula::State(a), Formula::State(b)) => {
-                Formula::State(of_states(Box::new(a), Box::new(b)))
-            }
-            (a, b) => Formula::Path(of_paths(Box::new(a.into_path()), Box::new(b.into_path()))),
-        })
-    }
-
-    fn not_a_connective(&mut self, span: Span) {
-        let message = "labels, `P` and temporal operators can only be joined by `!`, `&`, `|`, `=>` and `<=>`.";
-        let error = Diagnostic::error("property-in-expression", span, message);
-        self.scope.report(error.remedy(
-            "Write the condition itself in place of a label, and a bound such as `P>=0.9` in place of `P=?`.",
-        ));
-    }
-
-    fn nested_probability(
-        &mut self,
-        bound: Option<&'a (Comparison, Box<ast::Expr>)>,
-        path: &'a ast::Expr,
-        span: Span,
-    ) -> Option<Formula> {
-        let Some((comparison, bound)) = bound else {
-            let message = "`P=?` has a number as its value and cannot be part of another formula.";
-            let error = Diagnostic::error("nested-query", span, message);
-            self.scope
-                .report(error.remedy("Give it a bound, such as `P>=0.9`."));
-            return None;
-        };
-        let bound = (*comparison, self.probability_bound(bound)?);
-        let path = Box::new(self.formula(path)?.into_path());
-        Some(Formula::State(StateFormula::Probability { bound, path }))
-    }
-
-    fn label(&mut self, name: &'a str, span: Span) -> Option<StateFormula> {
+    /// A label, or a reference to a property.
+    pub(super) fn label(&mut self, name: &'a str, span: Span) -> Option<Formula> {
+        if self.named.contains_key(name) {
+            return self.named_formula(name, span);
+        }
         if let Some(body) = self.labels.get(name) {
-            return body.clone().map(StateFormula::Expr);
+            return body.clone().map(|b| Formula::State(StateFormula::Expr(b)));
         }
-        if self.model.label(name).is_some() || matches!(name, "init" | "deadlock") {
-            return Some(StateFormula::Label(name.to_owned()));
-        }
-        match self.named.get(name) {
-            Some(Some(state)) => return Some(state.clone()),
-            Some(None) => {
-                let message = format!("the property \"{name}\" has a number as its value.");
-                let error = Diagnostic::error("nested-query", span, message);
-                self.scope.report(
-                    error.remedy("Refer to a property with a bound, such as `P>=0.9 [ ... ]`."),
-                );
-                return None;
-            }
-            None => {}
+        if self.is_label(name) {
+            return Some(Formula::State(StateFormula::Label(name.to_owned())));
         }
         let of_model = self.model.labels.iter().map(|(n, _)| n.as_str());
         let known = of_model
             .chain(self.labels.keys().copied())
+            .chain(self.named.keys().copied())
             .chain(["init", "deadlock"]);
         let remedy = match suggest(name, known) {
             Some(near) => format!("Did you mean \"{near}\"?"),
@@ -334,119 +245,30 @@ impl<'a> PropertyResolver<'a> {
         None
     }
 
-    fn temporal(
-        &mut self,
-        operator: TemporalOp,
-        bound: Option<&'a StepBound>,
-        left: Option<&'a ast::Expr>,
-        right: &'a ast::Expr,
-        span: Span,
-    ) -> Option<Formula> {
-        let time = match bound {
-            None => Some(TimeBound::default()),
-            Some(_) if operator == TemporalOp::Next => {
-                let message = "`X` cannot have a bound.";
-                let error = Diagnostic::error("bounded-next", span, message);
-                self.scope
-                    .report(error.remedy("Write `F=k` for a formula at exactly step k."));
-                None
-            }
-            Some(bound) => self.time_bound(bound, span),
-        };
-        let left = left.map(|l| self.formula(l).map(|l| Box::new(l.into_path())));
-        let right = self.formula(right).map(|r| Box::new(r.into_path()));
-        let (bound, right) = (time?, right?);
-        let operand = right.clone();
-        let path = match (operator, left) {
-            (TemporalOp::Next, _) => Path::Next(right),
-            (TemporalOp::Finally, _) => Path::Finally { operand, bound },
-            (TemporalOp::Globally, _) => Path::Globally { operand, bound },
-            (TemporalOp::Until, Some(left)) => Path::Until {
-                left: left?,
-                right,
-                bound,
-            },
-            (TemporalOp::WeakUntil, Some(left)) => Path::WeakUntil {
-                left: left?,
-                right,
-                bound,
-            },
-            (TemporalOp::Release, Some(left)) => Path::Release {
-                left: left?,
-                right,
-                bound,
-            },
-            (_, None) => return None,
-        };
-        Some(Formula::Path(path))
-    }
-
-    fn time_bound(&mut self, bound: &'a StepBound, span: Span) -> Option<TimeBound> {
-        let mut time = TimeBound::default();
-        match bound {
-            StepBound::Compare(comparison, steps) => {
-                let steps = self.steps(steps)?;
-                match comparison {
-                    Comparison::Less => time.upper = Some((steps, true)),
-                    Comparison::LessEqual => time.upper = Some((steps, false)),
-                    Comparison::Greater => time.lower = Some((steps, true)),
-                    Comparison::GreaterEqual => time.lower = Some((steps, false)),
-                }
-            }
-            StepBound::Exactly(steps) => {
-                let steps = self.steps(steps)?;
-                time.lower = Some((steps, false));
-                time.upper = Some((steps, false));
-            }
-            StepBound::Between(low, high) => {
-                let (low, high) = (self.steps(low), self.steps(high));
-                time.lower = Some((low?, false));
-                time.upper = Some((high?, false));
-            }
-        }
-        let empty = match time.upper {
-            Some((0, true)) => true,
-            Some(_) => time
-                .last_step()
-                .is_some_and(|last| last < time.first_step()),
-            None => false,
-        };
-        if empty {
-            let message = "no step satisfies this bound.";
-            let error = Diagnostic::error("empty-bound", span, message);
-            self.scope
-                .report(error.remedy("Write the smaller number of steps first."));
-            return None;
-        }
-        Some(time)
-    }
-
-    fn steps(&mut self, steps: &'a ast::Expr) -> Option<i64> {
-        let none = Renaming::default();
-        let Some(Value::Int(value)) =
-            self.scope
-                .constant_value(steps, &none, Type::Int, "a number of steps")
-        else {
-            return None;
-        };
-        if value < 0 {
-            let message = format!("a number of steps cannot be negative, but this is {value}.");
-            let error = Diagnostic::error("negative-steps", steps.span, message);
-            self.scope.report(error.remedy("Use 0 or more."));
-            return None;
-        }
-        Some(value)
+    /// Whether a quoted name stands for a property.
+    pub(super) fn is_property(&self, expr: &ast::Expr) -> bool {
+        matches!(&expr.kind, ExprKind::Label(name) if self.named.contains_key(name.as_str()))
     }
 }
 
-/// Whether an expression is about variables only.
-fn is_plain(expr: &ast::Expr) -> bool {
-    match &expr.kind {
-        ExprKind::Label(_) | ExprKind::Probability { .. } | ExprKind::Temporal { .. } => false,
-        ExprKind::Unary(_, a) => is_plain(a),
-        ExprKind::Binary(_, a, b) => is_plain(a) && is_plain(b),
-        ExprKind::IfThenElse(a, b, c) => is_plain(a) && is_plain(b) && is_plain(c),
-        ExprKind::Call(_, arguments) => arguments.iter().all(is_plain),
-        _ => true,
-    }
+fn as_property(formula: Formula) -> Option<Property> {
+    Some(match formula {
+        Formula::State(StateFormula::Probability { bound, path }) => Property::Probability {
+            bound: Some(bound),
+            path: *path,
+        },
+        Formula::State(state) => Property::State(state),
+        Formula::Number(Quantity::Probability {
+            optimum: None,
+            path,
+        }) => Property::Probability {
+            bound: None,
+            path: *path,
+        },
+        Formula::Number(number) => Property::Number(number),
+        Formula::Range(filter) => Property::Range(filter),
+        Formula::Objectives(objectives) => Property::Objectives(objectives),
+        // The parser has reported the temporal operator outside of `P`.
+        Formula::Path(_) => return None,
+    })
 }

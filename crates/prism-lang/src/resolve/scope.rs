@@ -6,6 +6,7 @@ use crate::ast::{self, Type};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, VarIndex};
 use crate::number::{Constants, Number, Value};
+use crate::resolved::Parameter;
 use crate::suggest::suggest;
 
 /// What a name stands for.
@@ -13,6 +14,10 @@ use crate::suggest::suggest;
 pub(super) enum Symbol<'a> {
     /// A constant that has a value.
     Constant(Value),
+    /// A constant that is left open.
+    Parameter(usize, Type),
+    /// A constant without a value, which is reported where it is used.
+    MissingConstant(&'a ast::Constant),
     /// A constant whose definition has yet to be evaluated.
     ConstantDefinition(&'a ast::Constant),
     /// A formula, resolved elsewhere.
@@ -28,7 +33,10 @@ pub(super) enum Symbol<'a> {
 impl Symbol<'_> {
     pub(super) fn noun(&self) -> &'static str {
         match self {
-            Self::Constant(_) | Self::ConstantDefinition(_) => "a constant",
+            Self::Constant(_)
+            | Self::Parameter(..)
+            | Self::MissingConstant(_)
+            | Self::ConstantDefinition(_) => "a constant",
             Self::Formula(_) | Self::FormulaDefinition(_) => "a formula",
             Self::Variable(..) => "a variable",
             Self::Broken => "something else",
@@ -50,13 +58,11 @@ impl<'a> Renaming<'a> {
     }
 }
 
-/// A resolved formula, its number of nodes and its height; `None` if it is wrong.
-pub(super) type CachedFormula = Option<(Expr, usize)>;
-
 /// The names of a model or a property file, and what was wrong so far.
 pub(super) struct Scope<'a> {
     symbols: BTreeMap<String, (Symbol<'a>, Option<Span>)>,
-    pub(super) formulas: BTreeMap<(usize, String), CachedFormula>,
+    /// Resolved formulas by renaming and name; `None` if one is wrong.
+    pub(super) formulas: BTreeMap<(usize, String), Option<Expr>>,
     /// Constants and formulas that are being evaluated, outermost first.
     pub(super) active: Vec<(&'a str, Span)>,
     /// Nodes that inlined formulas have made so far.
@@ -145,16 +151,22 @@ impl<'a> Scope<'a> {
         constants: &'a [ast::Constant],
         given: &Constants,
         overrides: &Constants,
+        parameters: &[Parameter],
     ) {
         for constant in constants {
             let name = &constant.name.text;
+            if let Some(index) = parameters.iter().position(|p| p.name == *name) {
+                let symbol = Symbol::Parameter(index, constant.ty);
+                self.declare(name, Some(constant.name.span), symbol);
+                continue;
+            }
             let symbol = match (overrides.get(name), given.get(name), &constant.value) {
                 (Some(value), _, _) | (None, Some(value), None) => {
                     self.given_constant(constant, value)
                 }
                 (None, Some(_), Some(_)) => self.given_twice(constant),
                 (None, None, Some(_)) => Symbol::ConstantDefinition(constant),
-                (None, None, None) => self.missing_constant(constant),
+                (None, None, None) => Symbol::MissingConstant(constant),
             };
             self.declare(name, Some(constant.name.span), symbol);
         }
@@ -184,14 +196,15 @@ impl<'a> Scope<'a> {
         Symbol::Broken
     }
 
-    fn missing_constant(&mut self, constant: &ast::Constant) -> Symbol<'a> {
+    /// Reports a constant without a value, once.
+    pub(super) fn missing_constant(&mut self, constant: &ast::Constant) {
         let name = &constant.name.text;
         let message = format!("constant `{name}` has no value.");
         let error = Diagnostic::error("undefined-constant", constant.span, message);
         self.report(error.remedy(format!(
             "Give it one here, or from outside with `-const {name}=...`."
         )));
-        Symbol::Broken
+        self.redefine(name, Symbol::Broken);
     }
 }
 

@@ -92,7 +92,7 @@ impl Formal {
             StateFormula::Or(a, b) => both(a, b, |a, b| a || b),
             StateFormula::Implies(a, b) => both(a, b, |a, b| !a || b),
             StateFormula::Iff(a, b) => both(a, b, |a, b| a == b),
-            StateFormula::Probability { .. } => Err(Problem::new(
+            _ => Err(Problem::new(
                 "bad-exploration",
                 "a probability is no expression over the model's variables",
             )),
