@@ -112,19 +112,15 @@ impl<'a> Resolver<'a> {
             }
             SystemKind::Hide(inside, actions) => {
                 let inside = boxed(self, inside, search);
-                Some(Composition::Hide(
-                    inside?,
-                    self.system_actions(actions.iter())?,
-                ))
+                let actions = self.system_actions(actions.iter());
+                Some(Composition::Hide(inside?, actions?))
             }
             SystemKind::Rename(inside, renames) => {
                 let inside = boxed(self, inside, search);
-                let old = self.system_actions(renames.iter().map(|(old, _)| old))?;
+                let old = self.system_actions(renames.iter().map(|(old, _)| old));
                 let new = renames.iter().map(|(_, new)| self.action(&new.text));
-                Some(Composition::Rename(
-                    inside?,
-                    old.into_iter().zip(new).collect(),
-                ))
+                let pairs = old?.into_iter().zip(new).collect();
+                Some(Composition::Rename(inside?, pairs))
             }
             SystemKind::Error => None,
         }
