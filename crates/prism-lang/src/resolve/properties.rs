@@ -90,7 +90,7 @@ enum Named {
     /// Being read: a reference to it is a cycle.
     Active,
     /// What it means, and how large that is; `None` if it is wrong.
-    Read(Option<Formula>, Size),
+    Read(Box<Option<Formula>>, Size),
 }
 
 pub(super) struct PropertyResolver<'a> {
@@ -198,7 +198,7 @@ impl<'a> PropertyResolver<'a> {
             Named::Read(formula, size) => {
                 let (formula, size) = (formula.clone(), *size);
                 self.size.add(size);
-                self.is_small(span).then_some(formula)?
+                self.is_small(span).then_some(*formula)?
             }
             Named::Active => {
                 let message = format!("property \"{name}\" is defined by itself.");
@@ -212,7 +212,7 @@ impl<'a> PropertyResolver<'a> {
                 let outside = self.size.start();
                 let meaning = self.formula(&property.formula);
                 let inside = self.size.finish(outside);
-                let read = Named::Read(meaning.clone(), inside);
+                let read = Named::Read(Box::new(meaning.clone()), inside);
                 self.named.insert(name, (property, read));
                 meaning
             }

@@ -44,7 +44,7 @@ impl<'a> Resolver<'a> {
         self.variables.push(Variable {
             name: name.to_owned(),
             module: owner.map(|(_, module)| module.to_owned()),
-            kind: VariableKind::Bool,
+            kind: VariableKind::Unbounded,
             init: 0,
             span: variable.span,
         });
