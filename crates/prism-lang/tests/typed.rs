@@ -185,6 +185,22 @@ fn open_constants_stay_in_expressions_and_out_of_states() {
     assert_eq!(codes(&["p", "n"]), ["not-constant"]);
     assert_eq!(codes(&["p", "r"]), ["unknown-constant"]);
     assert_eq!(codes(&[]), ["undefined-constant"]);
+    for text in [
+        "[] x<n -> true;",
+        "[] true -> (x'=n);",
+        "endmodule label \"l\" = x=n; module k y : bool;",
+    ] {
+        let tree = parse_model(&format!(
+            "dtmc const int n; module m x : [0..9]; {text} endmodule"
+        ))
+        .tree;
+        let found = resolve_open(&tree, &none, &none, &["n"]).unwrap_err();
+        assert_eq!(
+            found.iter().map(|d| d.code).collect::<Vec<_>>(),
+            ["not-constant"],
+            "{text}"
+        );
+    }
 }
 
 #[test]

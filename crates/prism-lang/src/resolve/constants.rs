@@ -49,6 +49,24 @@ impl<'a> Scope<'a> {
         }
     }
 
+    /// Resolves what decides over states, which no open constant may do.
+    pub(super) fn closed(
+        &mut self,
+        expr: &'a ast::Expr,
+        renaming: &Renaming<'a>,
+        ty: Type,
+        what: &str,
+    ) -> Option<Expr> {
+        let resolved = self.typed(expr, renaming, ty, what)?;
+        if !resolved.has_parameters() {
+            return Some(resolved);
+        }
+        let message = format!("{what} must not depend on a constant that was left open.");
+        let error = Diagnostic::error("not-constant", resolved.span, message);
+        self.report(error.remedy("Give the constant a value: the states must be known."));
+        None
+    }
+
     /// Evaluates a constant's definition and remembers the value.
     pub(super) fn define_constant(
         &mut self,

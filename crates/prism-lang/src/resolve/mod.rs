@@ -67,7 +67,7 @@ pub fn resolve_with(
 ///
 /// # Errors
 /// As for [`resolve_with`]; also if a name in `open` is no constant of the model, is one of type `bool`, or if a
-/// range or an initial value depends on it.
+/// range, an initial value, a guard or an assigned value depends on it.
 ///
 /// ```
 /// use prism_lang::{Constants, parse_model, resolve_open};
@@ -225,7 +225,7 @@ impl<'a> Resolver<'a> {
             .map(|label| {
                 let what = format!("label \"{}\"", label.name.text);
                 let none = Renaming::default();
-                let body = self.scope.typed(&label.body, &none, Type::Bool, &what)?;
+                let body = self.scope.closed(&label.body, &none, Type::Bool, &what)?;
                 Some((label.name.text.clone(), body))
             })
             .collect();
@@ -238,7 +238,7 @@ impl<'a> Resolver<'a> {
             Some(predicate) => {
                 let none = Renaming::default();
                 let what = "the predicate of `init`";
-                let predicate = self.scope.typed(predicate, &none, Type::Bool, what)?;
+                let predicate = self.scope.closed(predicate, &none, Type::Bool, what)?;
                 values.map(|_| Init::Predicate(predicate))
             }
         }

@@ -193,7 +193,7 @@ impl<'a> Resolver<'a> {
             .action
             .as_ref()
             .map(|name| self.action(renaming.apply(&name.text)));
-        let guard = self.scope.typed(
+        let guard = self.scope.closed(
             &command.guard,
             renaming,
             Type::Bool,
@@ -359,7 +359,7 @@ impl<'a> Resolver<'a> {
             Some(Symbol::Variable(_, ty)) => *ty,
             _ => return None,
         };
-        let value = self.scope.typed(&assignment.value, renaming, ty, &what)?;
+        let value = self.scope.closed(&assignment.value, renaming, ty, &what)?;
         self.check_assigned_range(&value, target);
         Some(value)
     }

@@ -46,7 +46,7 @@ impl<'a> Resolver<'a> {
         let none = Renaming::default();
         let guard = self
             .scope
-            .typed(&item.guard, &none, Type::Bool, "the guard of a reward");
+            .closed(&item.guard, &none, Type::Bool, "the guard of a reward");
         let value = self
             .scope
             .typed(&item.value, &none, Type::Double, "a reward");
