@@ -4,7 +4,7 @@
 //! ([`ast`]) and never fails: it returns all mistakes, each with its place and a remedy. *Resolving*
 //! ([`resolve()`], [`resolve_properties`]) binds names, checks types, evaluates constants, and returns a
 //! [`resolved::Model`] or [`NamedProperty`]s, over which nothing is left to look up. Syntax trees print back
-//! to text.
+//! to text; [`edit`] changes a text and leaves the rest of it as it is written.
 //!
 //! ```
 //! use prism_lang::{Constants, Property, parse_model, parse_properties, resolve, resolve_properties};
@@ -57,6 +57,7 @@
 mod arithmetic;
 pub mod ast;
 mod diagnostic;
+pub mod edit;
 mod eval;
 mod experiment;
 pub mod expr;
