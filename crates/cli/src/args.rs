@@ -5,6 +5,7 @@ mod engines;
 mod explore;
 mod rare;
 mod recordings;
+mod refine;
 mod replay;
 mod simulate;
 mod watch;
@@ -14,6 +15,7 @@ pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Opening, Requirements, TimeChoice};
+pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
@@ -71,6 +73,10 @@ pub enum Command {
     Rare(Rare),
     /// Fit simulator parameters to an evidence's counts.
     Calibrate(Calibrate),
+    /// Offer changes of the assets where evidence disagrees, and make them.
+    Refine(Refine),
+    /// Try variants of the assets in every technique, side by side.
+    WhatIf(WhatIf),
     /// Judge recordings with a study's monitors, or with a formula.
     Monitor(Monitor),
     /// Judge a running system, and record the run.

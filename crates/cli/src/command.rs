@@ -11,6 +11,7 @@ mod inspect;
 mod library;
 mod monitor;
 mod rare;
+mod refine;
 mod replay;
 mod report;
 mod requirements;
@@ -19,6 +20,7 @@ mod shrink;
 mod simulate;
 mod verify;
 mod watch;
+mod what_if;
 
 use crate::args::Command;
 use crate::outcome::Outcome;
@@ -69,6 +71,8 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Engines(arguments) => engines::engines(arguments, setting),
         Command::Rare(arguments) => rare::rare(arguments, setting),
         Command::Calibrate(arguments) => calibrate::calibrate(arguments, setting),
+        Command::Refine(arguments) => refine::refine(arguments, setting),
+        Command::WhatIf(arguments) => what_if::what_if(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
         Command::Inspect(arguments) => inspect::inspect(arguments),
         Command::Watch(arguments) => watch::watch(arguments, setting),

@@ -12,10 +12,12 @@ mod forms;
 mod outcome;
 mod problem;
 mod published;
+mod refine;
 mod store;
 mod study;
 mod talk;
 mod technique;
+mod what_if;
 
 use clap::Parser;
 use std::io::{IsTerminal, Write};

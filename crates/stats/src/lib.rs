@@ -55,6 +55,7 @@ pub mod heterogeneity;
 pub mod interval;
 pub mod kruskal_wallis;
 pub mod multiple;
+pub mod paired;
 pub mod posterior;
 pub mod power;
 pub mod predictive;

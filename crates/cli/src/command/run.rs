@@ -11,6 +11,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::{Store, program_hash};
 use crate::study::Study;
+use evidence::StudyResult;
 use prepare::{all_assets, prepare, untils};
 use runner::Runner;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,26 @@ pub use runner::STUDY;
 /// Runs a study.
 pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
+    Ok(carried_out(arguments, setting)?.0)
+}
+
+/// What a whole study amounts to; its results are where `run` leaves them.
+pub fn result(study: &Path, setting: &Setting) -> Result<StudyResult, Problem> {
+    let arguments = Run {
+        study: study.to_owned(),
+        out: None,
+        only: Vec::new(),
+        threads: None,
+        format: Format::Text,
+    };
+    match carried_out(&arguments, setting)? {
+        (_, Some(result)) => Ok(result),
+        (_, None) => Err(Problem::new("empty-ledger", "nothing was compared")),
+    }
+}
+
+/// What is printed, and what was compared if all was asked for.
+fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<StudyResult>), Problem> {
     let study = loaded(arguments, setting)?;
     let prepared = prepare(&study, setting)?;
     let untils = untils(&study)?;
@@ -39,10 +60,11 @@ pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
     };
     let pieces = runner.pieces(&prepared, &arguments.only)?;
     if !arguments.only.is_empty() {
-        return only_some(&pieces, arguments.format);
+        return Ok((only_some(&pieces, arguments.format)?, None));
     }
     let result = runner.compared(pieces)?;
-    runner.write(&result, arguments.format)
+    let done = runner.write(&result, arguments.format)?;
+    Ok((done, Some(result)))
 }
 
 /// The study, if it asks for evidence, and for all that `--only` names.

@@ -11,6 +11,7 @@
 
 mod answer;
 mod at_constants;
+mod point_values;
 mod uncertainty;
 
 pub use answer::{explore, sharp_complement};
@@ -70,7 +71,11 @@ pub struct CountedConstant {
 impl<'a> Compiled<'a> {
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
-        let source = Source::read(&study.folder.join(path))?;
+        Self::of_source(study, Source::read(&study.folder.join(path))?)
+    }
+
+    /// Binds the study's questions to a model's text.
+    pub fn of_source(study: &'a Study, source: Source) -> Result<Self, Problem> {
         let parsed = prism_lang::parse_model(&source.text);
         if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
             return Err(problem);

@@ -103,6 +103,8 @@ pub struct Controller {
     state: State,
     entered_secs: f64,
     movement: Movement,
+    /// How often this movement's call may still be made again.
+    retries_left: u32,
     commands: Commands,
     sensors: Option<SensorNodes>,
     next_reading_secs: f64,
@@ -121,6 +123,7 @@ impl Controller {
             state: State::Reset,
             entered_secs: 0.0,
             movement: Movement::Planning(0.0),
+            retries_left: 0,
             commands: Commands {
                 arm_target_rad: reset.0,
                 restricted: false,
@@ -224,6 +227,11 @@ impl Controller {
     /// Enters a movement by asking the planner for it.
     fn plan(&mut self, state: State, now_secs: f64) {
         self.enter(state, now_secs);
+        self.retries_left = self.scenario.programme.planner_retries;
+        self.ask_planner(now_secs);
+    }
+
+    fn ask_planner(&mut self, now_secs: f64) {
         self.movement = Movement::Planning(now_secs);
         self.commands.planner_requests += 1;
     }
@@ -250,7 +258,12 @@ impl Controller {
                 self.movement = Movement::Moving(now);
             }
             Movement::Planning(since) if now - since + 1e-9 >= programme.planner_timeout_secs => {
-                self.enter(State::Crashed, now);
+                if self.retries_left == 0 {
+                    self.enter(State::Crashed, now);
+                } else {
+                    self.retries_left -= 1;
+                    self.ask_planner(now);
+                }
             }
             Movement::Planning(_) => {}
             Movement::Moving(since) => {

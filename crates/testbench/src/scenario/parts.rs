@@ -195,6 +195,9 @@ pub struct Programme {
     pub ready_timeout_secs: f64,
     pub release_secs: f64,
     pub planner_timeout_secs: f64,
+    /// How often a call that the planner has not answered in time is made again.
+    #[serde(default)]
+    pub planner_retries: u32,
 }
 
 impl Programme {

@@ -3,7 +3,7 @@
 use crate::command::Setting;
 use crate::corroboration::Piece;
 use crate::problem::{Problem, did_you_mean};
-use crate::study::{Entry, Study, Work};
+use crate::study::{Entry, Study, Work, quoted_names};
 use crate::technique;
 use crate::technique::campaign::{OutsideCommand, Until};
 use crate::technique::experiment::Tables;
@@ -74,7 +74,7 @@ pub(super) fn prepare<'a>(
         })
         .collect::<Result<Vec<_>, Problem>>()?;
     technique::judging::Judges::new(study, |_| true)?;
-    every_proposition_is_expressed_somewhere(study, &prepared)?;
+    every_proposition_is_expressed_somewhere(study, &prepared, setting)?;
     Ok(prepared)
 }
 
@@ -134,10 +134,12 @@ fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<
     Ok(())
 }
 
-/// A name that no model of the study knows is a mistake, not an abstraction.
+/// A name that no model of the study knows is a mistake, not an abstraction; but a failure mode may
+/// name a value that no model has yet, since that is what a model that does not know it lacks.
 fn every_proposition_is_expressed_somewhere(
     study: &Study,
     prepared: &[Prepared],
+    setting: &Setting,
 ) -> Result<(), Problem> {
     let models: Vec<&Compiled> = prepared
         .iter()
@@ -155,6 +157,12 @@ fn every_proposition_is_expressed_somewhere(
         }
         let reason = first.not_expressed.get(name.as_str());
         let reason = reason.map_or("it cannot be evaluated", String::as_str);
+        if is_a_failure(study, name) {
+            setting.talk.say(&format!(
+                "no model of the study knows `{name}`: {reason} (`corroborate refine` may offer it)"
+            ));
+            continue;
+        }
         return Err(Problem::new(
             "unknown-name",
             format!("no model of the study expresses `{name}`: {reason}"),
@@ -163,6 +171,16 @@ fn every_proposition_is_expressed_somewhere(
         .remedy("correct the name, or remove the `model` binding"));
     }
     Ok(())
+}
+
+/// Whether a proposition is all that some failure mode's occurrence asks for.
+fn is_a_failure(study: &Study, proposition: &str) -> bool {
+    let modes = study.forms.subjects.iter();
+    let mut modes = modes.filter(|form| matches!(form.subject, evidence::Subject::FailureMode(_)));
+    modes.any(|form| {
+        let names = form.property.as_ref().map(|p| quoted_names(&p.text));
+        matches!(names.as_deref(), Some([(only, _)]) if only == proposition)
+    })
 }
 
 /// The constants whose counts are uncertain, with the counts.

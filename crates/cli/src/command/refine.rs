@@ -1,0 +1,215 @@
+//! `corroborate refine`: patches of the assets from what disagrees, and what
+//! they change.
+
+use super::calibrate::calibrate;
+use super::{Done, Setting, json, run, use_threads};
+use crate::args::{Calibrate, Format, Refine};
+use crate::corroboration;
+use crate::outcome::Outcome;
+use crate::problem::Problem;
+use crate::refine::apply::{Applied, Applier, append_to_ledger};
+use crate::refine::ledger_text::Names;
+use crate::refine::proposal::{Change, Offered, Proposal, offered};
+use crate::refine::report::{Open, RefineReport};
+use crate::refine::simulator::Recalibration;
+use crate::refine::solver::Solver;
+use crate::study::Study;
+use evidence::StudyResult;
+use std::path::{Path, PathBuf};
+
+/// Shows what is offered, and makes what is accepted.
+pub fn refine(arguments: &Refine, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let folder = folder(arguments)?;
+    let result = run::result(&folder, setting)?;
+    let study = Study::load(&folder)?;
+    let solver = Solver {
+        study: &study,
+        interrupt: &setting.interrupt,
+    };
+    let mut offered = offered(&study, &result, &solver)?;
+    if let Some(suspect) = arguments.suspect {
+        known_suspect(&result, suspect)?;
+        offered
+            .proposals
+            .retain(|proposal| proposal.suspect == Some(suspect));
+    }
+    let accepted = accepted(arguments, &offered.proposals)?;
+    let applier = Applier {
+        study: &study,
+        result: &result,
+        solver: &solver,
+        rounds: usize::from(arguments.rounds),
+    };
+    let mut applied = applier.apply(&accepted)?;
+    applied.extend(recalibrations(&study, &accepted, setting)?);
+    let is_changed = !applied.is_empty();
+    let after = is_changed
+        .then(|| run::result(&folder, setting))
+        .transpose()?;
+    done(arguments, &result, after.as_ref(), offered, applied)
+}
+
+fn done(
+    arguments: &Refine,
+    before: &StudyResult,
+    after: Option<&StudyResult>,
+    offered: Offered,
+    applied: Vec<Applied>,
+) -> Result<Done, Problem> {
+    let report = RefineReport {
+        open: Open::all(before),
+        open_after: after.map(Open::all),
+        proposals: offered.proposals,
+        refused: offered.refused,
+        applied,
+    };
+    Ok(Done {
+        outcome: match after {
+            Some(result) => corroboration::outcome(result),
+            None if report.proposals.is_empty() => Outcome::Holds,
+            None => Outcome::Violated,
+        },
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => report.text(),
+        },
+    })
+}
+
+fn known_suspect(result: &StudyResult, suspect: usize) -> Result<(), Problem> {
+    let count = result.discrepancies.len();
+    if (1..=count).contains(&suspect) {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "unknown-proposal",
+        format!("there is no suspect {suspect}: the study has {count}"),
+    )
+    .remedy("`corroborate refine STUDY` lists them with their numbers"))
+}
+
+fn accepted<'p>(
+    arguments: &Refine,
+    proposals: &'p [Proposal],
+) -> Result<Vec<&'p Proposal>, Problem> {
+    if arguments.all {
+        return Ok(proposals.iter().filter(|p| !p.needs_decision).collect());
+    }
+    let wanted = arguments.accept.iter();
+    wanted
+        .map(|number| {
+            let mut all = proposals.iter();
+            all.find(|p| p.number == *number).ok_or_else(|| {
+                let known: Vec<String> = proposals.iter().map(|p| p.number.to_string()).collect();
+                Problem::new("unknown-proposal", format!("there is no proposal {number}")).remedy(
+                    match known.is_empty() {
+                        true => "nothing is offered here".to_owned(),
+                        false => format!("offered are {}", known.join(", ")),
+                    },
+                )
+            })
+        })
+        .collect()
+}
+
+/// Where to work: in the study, or in a copy of it.
+fn folder(arguments: &Refine) -> Result<PathBuf, Problem> {
+    let Some(to) = &arguments.to else {
+        return Ok(arguments.study.clone());
+    };
+    // A folder that is no study is said before anything is copied.
+    Study::load(&arguments.study)?;
+    let is_used = std::fs::read_dir(to).is_ok_and(|mut entries| entries.next().is_some());
+    if is_used {
+        return Err(Problem::new(
+            "folder-not-empty",
+            format!("{} is not empty, so nothing was copied there", to.display()),
+        )
+        .remedy("name a new folder, or refine the copy itself"));
+    }
+    copy(&arguments.study, to, Path::new(""))?;
+    Ok(to.clone())
+}
+
+/// Copies a study with its results, without the episodes' recordings.
+fn copy(from: &Path, to: &Path, below: &Path) -> Result<(), Problem> {
+    let folder = from.join(below);
+    let fail = |error: std::io::Error| Problem::cannot_read(&folder, &error);
+    std::fs::create_dir_all(to.join(below))
+        .map_err(|error| Problem::cannot_write(&to.join(below), &error))?;
+    let mut entries: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.file_name().into())).collect())
+        .map_err(fail)?;
+    entries.sort();
+    for name in entries {
+        let inner = below.join(&name);
+        let is_left_out = ["results/episodes", "results/.lock"]
+            .iter()
+            .any(|it| inner == Path::new(it));
+        if is_left_out || from.join(&inner) == to {
+            continue;
+        }
+        if from.join(&inner).is_dir() {
+            copy(from, to, &inner)?;
+        } else {
+            std::fs::copy(from.join(&inner), to.join(&inner))
+                .map_err(|error| Problem::cannot_write(&to.join(&inner), &error))?;
+        }
+    }
+    Ok(())
+}
+
+fn recalibrations(
+    study: &Study,
+    accepted: &[&Proposal],
+    setting: &Setting,
+) -> Result<Vec<Applied>, Problem> {
+    let wanted = accepted.iter().filter_map(|it| match &it.change {
+        Change::Recalibrate(recalibration) => Some(recalibration),
+        _ => None,
+    });
+    wanted
+        .map(|recalibration| recalibrate(study, recalibration, setting))
+        .collect()
+}
+
+fn recalibrate(
+    study: &Study,
+    recalibration: &Recalibration,
+    setting: &Setting,
+) -> Result<Applied, Problem> {
+    let entry = study.entry(&recalibration.entry)?;
+    let target = recalibration.target(study, entry);
+    let done = calibrate(
+        &Calibrate {
+            study: study.folder.clone(),
+            file: study.folder.join(&recalibration.file),
+            to: Some(study.folder.join(&target)),
+            out: None,
+            threads: None,
+            format: Format::Text,
+        },
+        setting,
+    )?;
+    setting.talk.say(done.output.trim_end());
+    let id = Names::next_id(study, &entry.id, &[]);
+    let new = recalibration.new_entry(entry, id.clone(), &target);
+    append_to_ledger(study, &new.text())?;
+    Ok(Applied {
+        entry: Some(id),
+        file: target,
+        what: new.changed,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::RefineReport;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(RefineReport).into();
+        crate::command::tests::assert_schema_is_committed("refine.schema.json", &schema);
+    }
+}

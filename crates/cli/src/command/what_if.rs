@@ -1,0 +1,249 @@
+//! `corroborate what-if`: variants of the assets, side by side.
+
+use super::{Done, Setting, json, run, use_threads};
+use crate::args::{Format, WhatIf};
+use crate::outcome::Outcome;
+use crate::problem::{Problem, did_you_mean};
+use crate::study::{Entry, Study, Work};
+use crate::technique::confidence;
+use crate::technique::model_checking::Compiled;
+use crate::what_if::file::{ChangeText, Read, subject_of, variants};
+use crate::what_if::formal::Base;
+use crate::what_if::report::{ChangeReport, Gain, Row, VariantReport, WhatIfReport, parted};
+use crate::what_if::simulated::{Episodes, Verdicts, gain};
+use evidence::{StudyResult, Subject};
+use std::collections::BTreeMap;
+
+/// Tries the variants.
+pub fn what_if(arguments: &WhatIf, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let study = Study::load(&arguments.study)?;
+    let mut all = variants(&study)?;
+    if !arguments.variant.is_empty() {
+        known(&all, &arguments.variant)?;
+        all.retain(|read| arguments.variant.contains(&read.variant.name));
+    }
+    let result = run::result(&arguments.study, setting)?;
+    let trial = Trial {
+        study: &study,
+        result: &result,
+        arguments,
+        setting,
+        level: confidence(study.about.confidence)?,
+        subjects: subjects(&study, &all)?,
+    };
+    let report = WhatIfReport {
+        confidence: study.about.confidence,
+        variants: trial.variants(&all)?,
+    };
+    Ok(Done {
+        outcome: Outcome::Holds,
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => report.text(),
+        },
+    })
+}
+
+fn known(all: &[Read], wanted: &[String]) -> Result<(), Problem> {
+    for name in wanted {
+        if all.iter().any(|read| &read.variant.name == name) {
+            continue;
+        }
+        let names: Vec<&str> = all.iter().map(|read| read.variant.name.as_str()).collect();
+        let problem = Problem::new("no-variants", format!("the study has no variant `{name}`"));
+        return Err(
+            problem.remedy(match did_you_mean(name, names.iter().copied()) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => format!("it has {}", names.join(", ")),
+            }),
+        );
+    }
+    Ok(())
+}
+
+/// All that some variant looks at.
+fn subjects(study: &Study, all: &[Read]) -> Result<Vec<Subject>, Problem> {
+    let mut found: Vec<Subject> = Vec::new();
+    for read in all {
+        for id in &read.variant.subjects {
+            let subject = subject_of(study, &read.source, id)?;
+            if !found.contains(&subject) {
+                found.push(subject);
+            }
+        }
+    }
+    Ok(found)
+}
+
+struct Trial<'a> {
+    study: &'a Study,
+    result: &'a StudyResult,
+    arguments: &'a WhatIf,
+    setting: &'a Setting,
+    level: stats::Confidence,
+    /// What any of the variants looks at.
+    subjects: Vec<Subject>,
+}
+
+/// What is known of the evidence as it is, so that it is produced once.
+#[derive(Default)]
+struct Bases<'a> {
+    formal: BTreeMap<String, Base<'a>>,
+    simulated: BTreeMap<String, Verdicts>,
+}
+
+impl<'a> Trial<'a> {
+    fn variants(&self, all: &[Read]) -> Result<Vec<VariantReport>, Problem> {
+        let mut bases = Bases::default();
+        all.iter()
+            .map(|read| self.variant(read, &mut bases))
+            .collect()
+    }
+
+    fn variant(&self, read: &Read, bases: &mut Bases<'a>) -> Result<VariantReport, Problem> {
+        let wanted = read.variant.subjects.iter();
+        let wanted: Vec<Subject> = wanted
+            .map(|id| subject_of(self.study, &read.source, id))
+            .collect::<Result<_, _>>()?;
+        let mut rows = Vec::new();
+        for change in &read.variant.changes {
+            let entry = self.study.entry(change.evidence.get_ref())?;
+            for (subject, gain) in self.gains(read, change, entry, &wanted, bases)? {
+                rows.push(Row {
+                    subject,
+                    evidence: entry.id.clone(),
+                    technique: entry.work.technique(),
+                    gain,
+                });
+            }
+        }
+        let place = |subject: &Subject| wanted.iter().position(|other| other == subject);
+        rows.sort_by_key(|row| place(&row.subject));
+        Ok(VariantReport {
+            name: read.variant.name.clone(),
+            meaning: read.variant.meaning.clone(),
+            changes: read.variant.changes.iter().map(change_report).collect(),
+            parted: parted(&rows),
+            rows,
+        })
+    }
+
+    fn gains(
+        &self,
+        read: &Read,
+        change: &ChangeText,
+        entry: &'a Entry,
+        wanted: &[Subject],
+        bases: &mut Bases<'a>,
+    ) -> Result<Vec<(Subject, Gain)>, Problem> {
+        match (&entry.work, &change.cannot) {
+            (Work::Check { .. }, None) => self.formal(read, change, entry, wanted, bases),
+            (Work::Simulate { .. }, None) => self.simulated(read, change, entry, wanted, bases),
+            (_, reason) => {
+                let reason = reason
+                    .clone()
+                    .unwrap_or_else(|| "It is not tried there.".into());
+                let gain = Gain::NotExpressible { reason };
+                Ok(wanted.iter().map(|s| (s.clone(), gain.clone())).collect())
+            }
+        }
+    }
+
+    fn formal(
+        &self,
+        read: &Read,
+        change: &ChangeText,
+        entry: &'a Entry,
+        wanted: &[Subject],
+        bases: &mut Bases<'a>,
+    ) -> Result<Vec<(Subject, Gain)>, Problem> {
+        let Work::Check { model, .. } = &entry.work else {
+            return Ok(Vec::new());
+        };
+        let points = usize::from(self.arguments.points);
+        let interrupt = &self.setting.interrupt;
+        let begin = |what: &str| {
+            let title = format!("{}: {what}", entry.id);
+            self.setting.talk.begin(&title, points as u64)
+        };
+        if !bases.formal.contains_key(&entry.id) {
+            let compiled = Compiled::new(self.study, model)?;
+            let stage = begin("as it is");
+            let base = Base::new(
+                self.study,
+                self.result,
+                entry,
+                compiled,
+                points,
+                interrupt,
+                &stage,
+            )?;
+            bases.formal.insert(entry.id.clone(), base);
+        }
+        let stage = begin(&read.variant.name);
+        match bases.formal.get(&entry.id) {
+            Some(base) => base.gains(read, change, wanted, self.level, interrupt, &stage),
+            None => Ok(Vec::new()),
+        }
+    }
+
+    fn simulated(
+        &self,
+        read: &Read,
+        change: &ChangeText,
+        entry: &'a Entry,
+        wanted: &[Subject],
+        bases: &mut Bases<'a>,
+    ) -> Result<Vec<(Subject, Gain)>, Problem> {
+        let episodes = Episodes {
+            study: self.study,
+            entry,
+            count: self.arguments.episodes,
+            library: self.setting.physics_library.as_deref(),
+            interrupt: &self.setting.interrupt,
+            folder: self.study.folder.join("results/what-if"),
+        };
+        let begin = |what: &str| {
+            let title = format!("{}: {what}", entry.id);
+            self.setting.talk.begin(&title, self.arguments.episodes)
+        };
+        if !bases.simulated.contains_key(&entry.id) {
+            let verdicts = episodes.as_it_is(&self.subjects, &begin("as it is"))?;
+            bases.simulated.insert(entry.id.clone(), verdicts);
+        }
+        let stage = begin(&read.variant.name);
+        let after = episodes.varied(read, change, &self.subjects, &stage)?;
+        let before = bases.simulated.get(&entry.id);
+        let gains = wanted.iter().filter_map(|subject| {
+            let place = self.subjects.iter().position(|other| other == subject)?;
+            let gain = gain(subject, before?.get(place)?, after.get(place)?, self.level);
+            Some((subject.clone(), gain))
+        });
+        Ok(gains.collect())
+    }
+}
+
+fn change_report(change: &ChangeText) -> ChangeReport {
+    let constants = change.constants.iter();
+    let constants = constants.map(|(name, it)| format!("{name} = {}", it.get_ref()));
+    let settings = change.settings.iter();
+    let settings = settings.map(|(key, value)| format!("{key} = {}", value.to_toml()));
+    let cannot = change.cannot.iter().cloned();
+    ChangeReport {
+        evidence: change.evidence.get_ref().clone(),
+        what: constants.chain(settings).chain(cannot).collect(),
+        assumes: change.assumes.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::WhatIfReport;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(WhatIfReport).into();
+        crate::command::tests::assert_schema_is_committed("what-if.schema.json", &schema);
+    }
+}

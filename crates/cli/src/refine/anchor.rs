@@ -1,0 +1,103 @@
+//! Whose counts an asset is set to.
+//!
+//! # Definition
+//! Nearest to the real system comes first: operation, experiments, simulation;
+//! among equals, what is later in the ledger. It must hold under the same
+//! conditions, count the subject, and not be a step on the way or published
+//! evidence that other evidence of the study reproduces.
+
+use crate::study::{Entry, Study};
+use evidence::{Evidence, Measure, StudyResult, Subject, Technique};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Counts of a failure mode in one piece of evidence.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct Counts {
+    /// The evidence.
+    pub evidence: String,
+    /// How often it occurred.
+    pub count: u64,
+    /// Of how many opportunities.
+    pub trials: u64,
+}
+
+impl Counts {
+    /// What a piece of evidence counts of a subject.
+    pub fn of(result: &StudyResult, evidence: &str, subject: &Subject) -> Option<Self> {
+        let piece = result.evidence.iter().find(|piece| piece.id == evidence)?;
+        counts(piece, subject)
+    }
+
+    /// The share.
+    pub fn rate(&self) -> f64 {
+        self.count as f64 / self.trials as f64
+    }
+
+    /// The share as an expression of the PRISM language.
+    pub fn fraction(&self) -> String {
+        format!("{}/{}", self.count, self.trials)
+    }
+
+    /// In words.
+    pub fn words(&self) -> String {
+        format!("{} of {} in {}", self.count, self.trials, self.evidence)
+    }
+
+    /// The exact binomial p-value of a rate, given these counts.
+    pub fn p_value(&self, rate: f64) -> Option<f64> {
+        let sample = stats::Sample::new(self.count, self.trials).ok()?;
+        Some(stats::binomial_test_two_sided(sample, rate.clamp(0.0, 1.0)))
+    }
+}
+
+/// All counts of a subject that an entry's asset may be set to, best first.
+pub fn anchors(
+    study: &Study,
+    result: &StudyResult,
+    target: &Entry,
+    subject: &Subject,
+) -> Vec<Counts> {
+    let mut found: Vec<(u8, usize, Counts)> = Vec::new();
+    for (place, piece) in result.evidence.iter().enumerate() {
+        let Some(entry) = study.ledger.iter().find(|entry| entry.id == piece.id) else {
+            continue;
+        };
+        let is_usable = entry.conditions == target.conditions
+            && entry.id != target.id
+            && !entry.intermediate
+            && entry.reproduced_by.is_none()
+            && entry
+                .calibrated
+                .iter()
+                .all(|c| c.calibration.from != target.id);
+        if let (true, Some(nearness), Some(counts)) =
+            (is_usable, nearness(piece.technique), counts(piece, subject))
+        {
+            found.push((nearness, usize::MAX - place, counts));
+        }
+    }
+    found.sort_by_key(|(nearness, place, _)| (*nearness, *place));
+    found.into_iter().map(|(_, _, counts)| counts).collect()
+}
+
+/// How near to the real system a technique is; none for a model.
+fn nearness(technique: Technique) -> Option<u8> {
+    match technique {
+        Technique::Operation => Some(0),
+        Technique::Experiment => Some(1),
+        Technique::Simulation => Some(2),
+        Technique::ModelChecking => None,
+    }
+}
+
+fn counts(piece: &Evidence, subject: &Subject) -> Option<Counts> {
+    match piece.finding(subject)?.measure {
+        Measure::Counts { count, trials, .. } if trials > 0 => Some(Counts {
+            evidence: piece.id.clone(),
+            count,
+            trials,
+        }),
+        _ => None,
+    }
+}

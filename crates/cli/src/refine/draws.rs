@@ -1,0 +1,161 @@
+//! Which updates of a model make a state formula true.
+//!
+//! # Definition
+//! A formula is taken as a conjunction of `variable=value` (a bare Boolean
+//! variable is `=true`, a negated one `=false`). An update makes it true if it
+//! assigns one of these values, and its command's guard asks for none of the
+//! others to be different. What is no such conjunction has no draws here.
+//!
+//! Deviation from the semantics: guards are read as far as they are conjunctions
+//! themselves, so an update may be found that in fact is never taken. A change
+//! that is made there is solved before it is offered, which shows it.
+
+use prism_lang::ast::{BinaryOp, Command, Expr, ExprKind, Model, ModuleBody, UnaryOp, Update};
+use prism_lang::edit::{Body, body_of};
+use prism_lang::{Value, resolved};
+
+/// `variable=value`, as it is written.
+pub type Equality = (String, Expr);
+
+/// An update that makes a formula true.
+pub struct Draw<'a> {
+    /// Where it is written, and how its names are renamed.
+    pub body: Body<'a>,
+    /// Its command.
+    pub command: &'a Command,
+    /// The update.
+    pub update: &'a Update,
+    /// The variable that it sets, as it is written.
+    pub variable: &'a str,
+}
+
+/// A state formula as a conjunction of equalities; `None` if it is none.
+pub fn equalities(text: &str) -> Option<Vec<Equality>> {
+    let parsed = prism_lang::parse_properties(text);
+    let property = parsed.tree.properties.first()?;
+    if !parsed.diagnostics.is_empty() || parsed.tree.properties.len() != 1 {
+        return None;
+    }
+    let mut found = Vec::new();
+    let is_conjunction = collect(&property.formula, &mut found);
+    is_conjunction.then_some(found)
+}
+
+/// Adds the equalities of a conjunction; whether it has no other parts.
+fn collect(expr: &Expr, into: &mut Vec<Equality>) -> bool {
+    let truth = |value| Expr {
+        kind: ExprKind::Bool(value),
+        span: expr.span,
+    };
+    match &expr.kind {
+        ExprKind::Bool(true) => true,
+        ExprKind::Binary(BinaryOp::And, left, right) => {
+            let left = collect(left, into);
+            collect(right, into) && left
+        }
+        ExprKind::Binary(BinaryOp::Equal, left, right) => match &left.kind {
+            ExprKind::Name(name) => {
+                into.push((name.clone(), (**right).clone()));
+                true
+            }
+            _ => false,
+        },
+        ExprKind::Name(name) => {
+            into.push((name.clone(), truth(true)));
+            true
+        }
+        ExprKind::Unary(UnaryOp::Not, inner) => match &inner.kind {
+            ExprKind::Name(name) => {
+                into.push((name.clone(), truth(false)));
+                true
+            }
+            _ => false,
+        },
+        _ => false,
+    }
+}
+
+/// The equalities that a guard asks for, as far as it is a conjunction.
+pub fn of_guard(command: &Command) -> Vec<Equality> {
+    let mut found = Vec::new();
+    collect(&command.guard, &mut found);
+    found
+}
+
+/// The value of a literal or of a constant.
+pub fn value_of(expr: &Expr, body: Option<&Body>, model: &resolved::Model) -> Option<i64> {
+    match &expr.kind {
+        ExprKind::Int(value) => Some(*value),
+        ExprKind::Bool(value) => Some(i64::from(*value)),
+        ExprKind::Unary(UnaryOp::Minus, inner) => {
+            value_of(inner, body, model).and_then(i64::checked_neg)
+        }
+        ExprKind::Name(name) => {
+            let name = body.map_or(name.as_str(), |body| body.renamed(name));
+            match model.constant(name)? {
+                Value::Int(value) => Some(*value),
+                Value::Bool(value) => Some(i64::from(*value)),
+                Value::Double(_) => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// All updates that make the formula true.
+pub fn draws<'a>(tree: &'a Model, model: &resolved::Model, wanted: &[Equality]) -> Vec<Draw<'a>> {
+    let wanted: Vec<(&str, i64)> = wanted
+        .iter()
+        .filter_map(|(name, expr)| Some((name.as_str(), value_of(expr, None, model)?)))
+        .collect();
+    let mut found = Vec::new();
+    for module in &tree.modules {
+        let Some(body) = body_of(tree, module) else {
+            continue;
+        };
+        let ModuleBody::Written { commands, .. } = &body.written.body else {
+            continue;
+        };
+        for command in commands {
+            found.extend(of_command(command, &body, model, &wanted));
+        }
+    }
+    found
+}
+
+fn of_command<'a>(
+    command: &'a Command,
+    body: &Body<'a>,
+    model: &resolved::Model,
+    wanted: &[(&str, i64)],
+) -> Vec<Draw<'a>> {
+    let guard = of_guard(command);
+    let asks = |variable: &str| {
+        let mut own = guard.iter().filter(|(n, _)| body.renamed(n) == variable);
+        own.find_map(|(_, expr)| value_of(expr, Some(body), model))
+    };
+    let mut found = Vec::new();
+    for update in &command.updates {
+        for assignment in &update.assignments {
+            let name = body.renamed(&assignment.variable.text);
+            let value = value_of(&assignment.value, Some(body), model);
+            let sets = |(v, wanted): &(&str, i64)| *v == name && value == Some(*wanted);
+            let others_may_hold = wanted.iter().all(|(other, wanted)| {
+                let asked = asks(other);
+                match *other == name {
+                    true => asked != Some(*wanted),
+                    false => asked.is_none_or(|asked| asked == *wanted),
+                }
+            });
+            if wanted.iter().any(|it| sets(it)) && others_may_hold {
+                found.push(Draw {
+                    body: body.clone(),
+                    command,
+                    update,
+                    variable: &assignment.variable.text,
+                });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,339 @@
+//! Requirements' forms: a monitor's clauses by another reading, a limit by the
+//! declared parameter.
+//!
+//! Both decide what a text means, so `--all` leaves them open. The files are
+//! changed at the place of the values; all else stays as it is written.
+
+use super::diff::unified;
+use super::proposal::{Change, Effect, Offered, Proposal};
+use crate::forms::drift::{self, Drift, DriftKind};
+use crate::study::{ReadingForm, Study};
+use evidence::{Finding, Measure, StudyResult, Subject};
+use prism_lang::Span;
+use prism_lang::edit::{self, Edit};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// A change of `requirements.toml`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FormChange {
+    /// The monitor takes the clauses of a reading.
+    Reading {
+        /// The requirement.
+        requirement: String,
+        /// The reading.
+        reading: String,
+    },
+    /// A time limit takes the declared value.
+    Limit {
+        /// The requirement.
+        requirement: String,
+        /// `monitor`, or the name of a reading.
+        form: String,
+        /// What it is now, in seconds.
+        found_secs: f64,
+        /// What is declared, in seconds.
+        declared_secs: f64,
+    },
+}
+
+type Table<'a> = DeTable<'a>;
+
+impl FormChange {
+    /// The text of `requirements.toml` after the change.
+    pub fn make(&self, text: &str) -> Result<String, String> {
+        let document = DeTable::parse(text).map_err(|error| error.to_string())?;
+        let edits = match self {
+            Self::Reading {
+                requirement,
+                reading,
+            } => reading_edits(text, document.get_ref(), requirement, reading)?,
+            Self::Limit {
+                requirement,
+                form,
+                found_secs,
+                declared_secs,
+            } => {
+                let table = subject(document.get_ref(), requirement)?;
+                let monitor = match form.as_str() {
+                    "monitor" => table_of(table, "monitor"),
+                    name => reading_of(table, name),
+                };
+                let monitor = monitor.ok_or("it has no monitor of its own")?;
+                limit_edits(monitor, *found_secs, *declared_secs)
+            }
+        };
+        if edits.is_empty() {
+            return Err("the value does not stand in requirements.toml".into());
+        }
+        edit::apply(text, &edits).map_err(|error| error.to_string())
+    }
+}
+
+fn get<'t, 'a>(table: &'t Table<'a>, key: &str) -> Option<&'t Spanned<DeValue<'a>>> {
+    let mut all = table.iter();
+    all.find(|(name, _)| name.get_ref().as_ref() == key)
+        .map(|(_, value)| value)
+}
+
+fn table_of<'t, 'a>(table: &'t Table<'a>, key: &str) -> Option<&'t Table<'a>> {
+    match get(table, key)?.get_ref() {
+        DeValue::Table(table) => Some(table),
+        _ => None,
+    }
+}
+
+/// The table of a requirement or failure mode.
+fn subject<'t, 'a>(document: &'t Table<'a>, id: &str) -> Result<&'t Table<'a>, String> {
+    let kinds = ["requirement", "failure_mode"].into_iter();
+    let arrays = kinds.filter_map(|kind| match get(document, kind)?.get_ref() {
+        DeValue::Array(array) => Some(array),
+        _ => None,
+    });
+    let tables = arrays.flat_map(|array| array.iter());
+    let mut tables = tables.filter_map(|value| match value.get_ref() {
+        DeValue::Table(table) => Some(table),
+        _ => None,
+    });
+    let is_it = |table: &&Table| {
+        let own = get(table, "id").map(Spanned::get_ref);
+        matches!(own, Some(DeValue::String(own)) if own.as_ref() == id)
+    };
+    tables
+        .find(is_it)
+        .ok_or_else(|| format!("requirements.toml has no `{id}`"))
+}
+
+fn reading_of<'t, 'a>(table: &'t Table<'a>, name: &str) -> Option<&'t Table<'a>> {
+    table_of(table_of(table_of(table, "reading")?, name)?, "monitor")
+}
+
+fn span_of(value: &Spanned<DeValue>) -> Span {
+    Span::new(value.span().start, value.span().end)
+}
+
+fn reading_edits(
+    text: &str,
+    document: &Table,
+    requirement: &str,
+    reading: &str,
+) -> Result<Vec<Edit>, String> {
+    let table = subject(document, requirement)?;
+    let main = table_of(table, "monitor").ok_or("its monitor is not written by hand")?;
+    let other = reading_of(table, reading).ok_or("the reading is no monitor")?;
+    let keys = |table: &Table| -> Vec<String> {
+        let all = table.keys().map(|key| key.get_ref().to_string());
+        all.collect()
+    };
+    let (mut of_main, mut of_other) = (keys(main), keys(other));
+    of_main.sort();
+    of_other.sort();
+    if of_main != of_other {
+        return Err("the two monitors do not have the same keys".into());
+    }
+    let mut edits = Vec::new();
+    for key in of_main {
+        if let (Some(old), Some(new)) = (get(main, &key), get(other, &key)) {
+            let (old, new) = (span_of(old), span_of(new));
+            if old.of(text) != new.of(text) {
+                edits.push(Edit::replace(old, new.of(text)));
+            }
+        }
+    }
+    Ok(edits)
+}
+
+/// Each `within_secs` of the stages that has the value.
+fn limit_edits(monitor: &Table, found_secs: f64, declared_secs: f64) -> Vec<Edit> {
+    let Some(DeValue::Array(stages)) = get(monitor, "then").map(Spanned::get_ref) else {
+        return Vec::new();
+    };
+    let mut edits = Vec::new();
+    for stage in stages.iter() {
+        if let DeValue::Table(stage) = stage.get_ref()
+            && let Some(limit) = get(stage, "within_secs")
+            && number(limit.get_ref()) == Some(found_secs)
+        {
+            edits.push(Edit::replace(span_of(limit), declared_secs.to_string()));
+        }
+    }
+    edits
+}
+
+fn number(value: &DeValue) -> Option<f64> {
+    match value {
+        DeValue::Integer(value) => value.as_str().replace('_', "").parse().ok(),
+        DeValue::Float(value) => value.as_str().replace('_', "").parse().ok(),
+        _ => None,
+    }
+}
+
+/// What is offered for the requirements' forms.
+pub fn of_forms(study: &Study, result: &StudyResult, offered: &mut Offered) {
+    let own = study
+        .requirements
+        .iter()
+        .filter(|r| r.same_quantity_as.is_none());
+    for requirement in own {
+        let subject = Subject::Requirement(requirement.id.clone());
+        let readings = study.forms.of(&subject).map(|form| &form.readings);
+        for reading in readings.into_iter().flatten() {
+            let shown = shown_by(result, &subject, &reading.name);
+            if !shown.is_empty() {
+                of_reading(study, result, &subject, reading, &shown, offered);
+            }
+        }
+    }
+    for found in drift::of_study(study).drift {
+        of_drift(study, &found, offered);
+    }
+}
+
+/// What is known of a reading on one piece of evidence.
+struct Shown<'r> {
+    evidence: &'r str,
+    finding: &'r Finding,
+    reading: &'r evidence::Reading,
+}
+
+fn shown_by<'r>(result: &'r StudyResult, subject: &Subject, reading: &str) -> Vec<Shown<'r>> {
+    let pieces = result.evidence.iter().filter(|e| !e.intermediate);
+    let found = pieces.filter_map(|piece| {
+        let finding = piece.finding(subject)?;
+        let mut readings = finding.readings.iter();
+        let reading = readings.find(|r| r.name == reading && r.differing > 0)?;
+        Some(Shown {
+            evidence: &piece.id,
+            finding,
+            reading,
+        })
+    });
+    found.collect()
+}
+
+fn of_reading(
+    study: &Study,
+    result: &StudyResult,
+    subject: &Subject,
+    reading: &ReadingForm,
+    shown: &[Shown],
+    offered: &mut Offered,
+) {
+    let change = FormChange::Reading {
+        requirement: subject.id().to_owned(),
+        reading: reading.name.clone(),
+    };
+    let rate = |count: u64, trials: u64| (trials > 0).then(|| count as f64 / trials as f64);
+    let effects = shown.iter().map(|it| Effect {
+        subject: subject.clone(),
+        before: it.finding.measure.estimate(),
+        after: rate(it.reading.count, it.reading.trials),
+        counted: None,
+        p_value: None,
+    });
+    let words: Vec<String> = shown.iter().map(in_words).collect();
+    let place = result.discrepancies.iter().position(|d| {
+        d.inaccuracy == evidence::Inaccuracy::RequirementModel && d.subjects.contains(subject)
+    });
+    let offer = FormOffer {
+        suspect: place.map(|place| place + 1),
+        title: format!(
+            "requirement {}: its monitor takes the reading `{}`",
+            subject.id(),
+            reading.name
+        ),
+        reason: format!("{} {}", reading.meaning, words.join(" ")),
+        effects: effects.collect(),
+        note: "This decides what the requirement's text means; the tables of experiments keep their counts.",
+    };
+    offer.add(study, change, offered);
+}
+
+/// What is said of a change of the forms.
+struct FormOffer {
+    suspect: Option<usize>,
+    title: String,
+    reason: String,
+    effects: Vec<Effect>,
+    note: &'static str,
+}
+
+impl FormOffer {
+    /// Offers it, if it can be made.
+    fn add(self, study: &Study, change: FormChange, offered: &mut Offered) {
+        const FILE: &str = "requirements.toml";
+        let text = &study.forms.source.text;
+        let changed = match change.make(text) {
+            Ok(changed) => changed,
+            Err(reason) => {
+                offered.refused.push(format!("{}: {reason}.", self.title));
+                return;
+            }
+        };
+        // A reading that the monitor has taken already changes nothing.
+        let diff = unified(FILE, FILE, text, &changed);
+        offered.add(Proposal {
+            number: 0,
+            suspect: self.suspect,
+            title: self.title,
+            reason: self.reason,
+            file: FILE.into(),
+            diff,
+            effects: self.effects,
+            notes: vec![self.note.into()],
+            needs_decision: true,
+            change: Change::Form(change),
+        });
+    }
+}
+
+fn in_words(shown: &Shown) -> String {
+    let main = match &shown.finding.measure {
+        Measure::Counts { count, trials, .. } => format!("{count} of {trials}"),
+        _ => "none".into(),
+    };
+    format!(
+        "On the runs of {}: {main} pass now, {} of {} then.",
+        shown.evidence, shown.reading.count, shown.reading.trials
+    )
+}
+
+/// A time limit that is not the declared one.
+fn of_drift(study: &Study, found: &Drift, offered: &mut Offered) {
+    if found.kind != DriftKind::Limit || found.form == "property" {
+        return;
+    }
+    let (Some(found_secs), Some(declared_secs)) = (secs(&found.found), secs(&found.declared))
+    else {
+        return;
+    };
+    let change = FormChange::Limit {
+        requirement: found.requirement.clone(),
+        form: found.form.clone(),
+        found_secs,
+        declared_secs,
+    };
+    let offer = FormOffer {
+        suspect: None,
+        title: format!(
+            "requirement {}: the limit of its {} becomes {declared_secs} s",
+            found.requirement, found.form
+        ),
+        reason: format!(
+            "The {} has {}, where the requirement has {}.",
+            found.form, found.found, found.declared
+        ),
+        effects: Vec::new(),
+        note: "If the form limits something else on purpose, it is another requirement. What it changes is known once \
+               the traces are judged again.",
+    };
+    offer.add(study, change, offered);
+}
+
+/// The first duration of a finding: `100 s`, or `release_time = 2 s`.
+fn secs(text: &str) -> Option<f64> {
+    let first = text.split(',').next()?.trim();
+    let value = first.rsplit_once('=').map_or(first, |(_, value)| value);
+    let value: trace::units::QuantityValue = value.trim().parse().ok()?;
+    (value.dimension() == trace::units::Dimension::TIME).then(|| value.si_value())
+}

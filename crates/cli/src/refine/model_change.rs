@@ -1,0 +1,400 @@
+//! Changes of a formal model: a rate set to counts, a failure branch put in, a
+//! draw that is made once.
+//!
+//! # Definition
+//! * *Rate*: the updates that make the failure's proposition true have a
+//!   constant as their probability. It becomes the share that was counted.
+//! * *Branch*: the proposition is `variable=name` with a name that the model
+//!   does not have. The variable gets one more value of this name. A command of
+//!   its module that assigns it gets an update that sets it, with the share that
+//!   was counted as its probability; all its other probabilities are multiplied
+//!   by the rest. Tried are first the commands whose guard asks for what the
+//!   opportunity's proposition says, else those that leave the variable's initial
+//!   value, else the others, in the order of the text.
+//! * *Once*: if the constant has the counted share and the model's rate for the
+//!   failure differs all the same, the model draws more than once where the
+//!   counts have one opportunity. The commands are taken once.
+//!
+//! # Guarantee
+//! A branch and a draw made once are solved, and only offered if the model's
+//! rate then is the wanted one to within [`SAME`]. A rate is offered with the
+//! value that it gives, which may differ.
+
+use super::anchor::Counts;
+use super::draws::{Draw, Equality, draws, equalities, of_guard, value_of};
+use super::solver::{Solver, Values};
+use evidence::Subject;
+use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody};
+use prism_lang::{Constants, Value, edit, resolved};
+use std::path::Path;
+
+/// Relative difference up to which a solved rate is the wanted one.
+pub const SAME: f64 = 1e-6;
+
+/// What is to be changed in a model, whatever its text is by then.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelChange {
+    /// Set the constant that decides how often the proposition becomes true.
+    Rate {
+        /// The failure mode.
+        mode: String,
+        /// Its proposition over the model's variables.
+        occurs: String,
+        /// What was counted.
+        counts: Counts,
+    },
+    /// Put in a failure that the model does not know.
+    Branch {
+        /// The failure mode.
+        mode: String,
+        /// Its proposition, with a value that the model does not have.
+        occurs: String,
+        /// The proposition of its opportunity.
+        after: Option<String>,
+        /// What was counted.
+        counts: Counts,
+    },
+    /// Take the commands that decide the proposition once.
+    Once {
+        /// The failure mode.
+        mode: String,
+        /// Its proposition.
+        occurs: String,
+        /// What was counted.
+        counts: Counts,
+    },
+}
+
+/// A model's text after a change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Changed {
+    /// The text.
+    pub text: String,
+    /// What was done, in one clause.
+    pub what: String,
+    /// The constant that now has a counted value.
+    pub constant: Option<String>,
+    /// What the changed model answers.
+    pub values: Values,
+}
+
+/// Why a change is not possible, in one sentence.
+pub type Refusal = String;
+
+/// A model's text with what was read of it.
+struct Read<'a> {
+    text: &'a str,
+    tree: Model,
+    model: resolved::Model,
+}
+
+impl<'a> Read<'a> {
+    fn new(text: &'a str) -> Result<Self, Refusal> {
+        let words = |found: &[prism_lang::Diagnostic]| {
+            let all: Vec<&str> = found.iter().map(|d| d.message.as_str()).collect();
+            all.join("; ")
+        };
+        let tree = prism_lang::parse_model(text)
+            .into_result()
+            .map_err(|found| words(&found))?;
+        let model = prism_lang::resolve(&tree, &Constants::new()).map_err(|found| words(&found))?;
+        Ok(Self { text, tree, model })
+    }
+
+    fn constant(&self, name: &str) -> Option<f64> {
+        match self.model.constant(name)? {
+            Value::Double(number) => Some(number.to_f64()),
+            Value::Int(value) => Some(*value as f64),
+            Value::Bool(_) => None,
+        }
+    }
+
+    fn draws(&self, occurs: &str) -> Result<Vec<Draw<'_>>, Refusal> {
+        let wanted = equalities(occurs)
+            .ok_or_else(|| format!("`{occurs}` is no conjunction of `variable=value`"))?;
+        let found = draws(&self.tree, &self.model, &wanted);
+        match found.is_empty() {
+            true => Err(format!("no command makes `{occurs}` true")),
+            false => Ok(found),
+        }
+    }
+}
+
+/// The constant that decides how often a proposition becomes true, and its value.
+pub fn deciding_constant(text: &str, occurs: &str) -> Result<(String, f64), Refusal> {
+    let read = Read::new(text)?;
+    let draws = read.draws(occurs)?;
+    let mut names = Vec::new();
+    for draw in &draws {
+        let name = match draw.update.probability.as_ref().map(|p| &p.kind) {
+            Some(ExprKind::Name(name)) => draw.body.renamed(name).to_owned(),
+            Some(_) => return Err("its probability is no constant of the model".into()),
+            None => return Err("the model has no chance there: it is certain".into()),
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    match names.as_slice() {
+        [only] => read
+            .constant(only)
+            .map(|value| (only.clone(), value))
+            .ok_or_else(|| format!("`{only}` is no constant with a value")),
+        several => Err(format!("{} decide it together", several.join(", "))),
+    }
+}
+
+impl ModelChange {
+    /// The failure mode.
+    pub fn mode(&self) -> &str {
+        match self {
+            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => mode,
+        }
+    }
+
+    /// What was counted.
+    pub fn counts(&self) -> &Counts {
+        match self {
+            Self::Rate { counts, .. } | Self::Branch { counts, .. } | Self::Once { counts, .. } => {
+                counts
+            }
+        }
+    }
+
+    /// Makes the change and solves the result.
+    pub fn make(&self, path: &Path, text: &str, solver: &Solver) -> Result<Changed, Refusal> {
+        match self {
+            Self::Rate { occurs, counts, .. } => rate(path, text, solver, occurs, counts),
+            Self::Once { mode, occurs, .. } => once(path, text, solver, mode, occurs),
+            Self::Branch { .. } => self.branch(path, text, solver),
+        }
+    }
+
+    fn branch(&self, path: &Path, text: &str, solver: &Solver) -> Result<Changed, Refusal> {
+        let Self::Branch {
+            mode,
+            occurs,
+            after,
+            counts,
+        } = self
+        else {
+            return Err("it is no branch".into());
+        };
+        let read = Read::new(text)?;
+        let mut tried = Vec::new();
+        for command in candidates(&read, occurs, after.as_deref())? {
+            let (line, _) = prism_lang::line_and_column(text, command.span.start);
+            tried.push(line.to_string());
+            let branched = with_branch(&read, command, mode, occurs, counts)?;
+            let Ok(values) = solver.values(path, &branched.text) else {
+                continue;
+            };
+            let rate = rate_of(&values, mode);
+            if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= SAME * counts.rate()) {
+                return Ok(Changed {
+                    text: branched.text,
+                    what: format!(
+                        "{} can happen, with probability {} (line {line})",
+                        mode.replace('_', " "),
+                        counts.fraction()
+                    ),
+                    constant: Some(branched.constant),
+                    values,
+                });
+            }
+        }
+        Err(format!(
+            "none of the commands in lines {} gives the counted rate",
+            tried.join(", ")
+        ))
+    }
+}
+
+/// The value of a failure mode.
+pub fn rate_of(values: &Values, mode: &str) -> Option<f64> {
+    values
+        .get(&Subject::FailureMode(mode.to_owned()))
+        .copied()
+        .flatten()
+}
+
+fn rate(
+    path: &Path,
+    text: &str,
+    solver: &Solver,
+    occurs: &str,
+    counts: &Counts,
+) -> Result<Changed, Refusal> {
+    let (name, _) = deciding_constant(text, occurs)?;
+    let tree = prism_lang::parse_model(text).tree;
+    let edits = edit::set_constant(&tree, &name, &counts.fraction()).map_err(|e| e.to_string())?;
+    let text = edit::apply(text, &edits).map_err(|e| e.to_string())?;
+    let values = solver.values(path, &text).map_err(|p| p.warning_line())?;
+    Ok(Changed {
+        text,
+        what: format!("{name} set to {}", counts.words()),
+        constant: Some(name),
+        values,
+    })
+}
+
+fn once(
+    path: &Path,
+    text: &str,
+    solver: &Solver,
+    mode: &str,
+    occurs: &str,
+) -> Result<Changed, Refusal> {
+    let (_, value) = deciding_constant(text, occurs)?;
+    let read = Read::new(text)?;
+    let draws = read.draws(occurs)?;
+    let variable = draws.first().map(|d| d.variable).unwrap_or_default();
+    if draws.iter().any(|draw| draw.variable != variable) {
+        return Err("several variables decide it".into());
+    }
+    let edits = edit::draw_once(text, &read.tree, variable).map_err(|e| e.to_string())?;
+    let text = edit::apply(text, &edits).map_err(|e| e.to_string())?;
+    let values = solver.values(path, &text).map_err(|p| p.warning_line())?;
+    match rate_of(&values, mode) {
+        Some(rate) if (rate - value).abs() <= SAME * value.max(SAME) => Ok(Changed {
+            text,
+            what: format!("{variable} is drawn once in a run, as it was counted"),
+            constant: None,
+            values,
+        }),
+        rate => Err(format!(
+            "drawn once, its rate would be {}, not the constant's {value}",
+            rate.map_or_else(|| "unknown".to_owned(), |rate| rate.to_string())
+        )),
+    }
+}
+
+/// The variable and the missing value of a proposition `variable=name`.
+fn missing_value<'e>(read: &Read, wanted: &'e [Equality]) -> Result<(&'e str, &'e str), Refusal> {
+    match wanted {
+        [(variable, expr)] => match &expr.kind {
+            ExprKind::Name(name) if read.model.constant(name).is_none() => Ok((variable, name)),
+            _ => Err("its proposition names no value that the model lacks".into()),
+        },
+        _ => Err("its proposition is not of the form `variable=name`".into()),
+    }
+}
+
+/// Commands that may get the branch, best first.
+fn candidates<'r>(
+    read: &'r Read,
+    occurs: &str,
+    after: Option<&str>,
+) -> Result<Vec<&'r Command>, Refusal> {
+    let wanted = equalities(occurs)
+        .ok_or_else(|| format!("`{occurs}` is no conjunction of `variable=value`"))?;
+    let (variable, _) = missing_value(read, &wanted)?;
+    let after = after.and_then(equalities).unwrap_or_default();
+    let owner = read.tree.modules.iter().find_map(|m| match &m.body {
+        ModuleBody::Written {
+            variables,
+            commands,
+            ..
+        } => variables
+            .iter()
+            .any(|v| v.name.text == variable)
+            .then_some(commands),
+        ModuleBody::Renamed { .. } => None,
+    });
+    let commands =
+        owner.ok_or_else(|| format!("no module that is written out owns `{variable}`"))?;
+    let initial = read.model.variables.iter().find(|v| v.name == variable);
+    let initial = initial.map(|v| v.init);
+    let mut found: Vec<(u8, &Command)> = commands
+        .iter()
+        .filter(|command| assigns(command, variable))
+        .map(|command| (rank(read, command, variable, &after, initial), command))
+        .collect();
+    found.sort_by_key(|(rank, command)| (*rank, command.span.start));
+    Ok(found.into_iter().map(|(_, command)| command).collect())
+}
+
+fn assigns(command: &Command, variable: &str) -> bool {
+    let mut all = command.updates.iter().flat_map(|u| &u.assignments);
+    all.any(|assignment| assignment.variable.text == variable)
+}
+
+/// 0: its guard asks for what the opportunity says; 1: it leaves the initial
+/// value; 2: neither.
+fn rank(
+    read: &Read,
+    command: &Command,
+    variable: &str,
+    after: &[Equality],
+    initial: Option<i64>,
+) -> u8 {
+    let value = |expr: &Expr| value_of(expr, None, &read.model);
+    let guard = of_guard(command);
+    let asks = |(name, expr): &Equality| {
+        let mut own = guard.iter().filter(|(n, _)| n == name);
+        own.any(|(_, asked)| value(asked) == value(expr))
+    };
+    if !after.is_empty() && after.iter().all(asks) {
+        0
+    } else if guard
+        .iter()
+        .any(|(n, e)| n == variable && value(e) == initial)
+    {
+        1
+    } else {
+        2
+    }
+}
+
+struct Branched {
+    text: String,
+    constant: String,
+}
+
+fn with_branch(
+    read: &Read,
+    command: &Command,
+    mode: &str,
+    occurs: &str,
+    counts: &Counts,
+) -> Result<Branched, Refusal> {
+    let wanted = equalities(occurs).unwrap_or_default();
+    let (variable, value) = missing_value(read, &wanted)?;
+    let known = read.model.variables.iter().find(|v| v.name == variable);
+    let (_, high) = known
+        .map(|v| v.kind.bounds())
+        .ok_or_else(|| format!("the model has no variable `{variable}`"))?;
+    let extension = edit::extend_range(read.text, &read.tree, variable, high, value)
+        .map_err(|error| error.to_string())?;
+    let constant = new_name(&read.tree, mode);
+    let line = format!(
+        "const double {constant} = {}; // {mode}: {}",
+        counts.fraction(),
+        counts.words()
+    );
+    let mut edits = extension.edits;
+    edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
+    edits.extend(edit::add_branch(
+        read.text, command, &constant, variable, value,
+    ));
+    let text = edit::apply(read.text, &edits).map_err(|error| error.to_string())?;
+    Ok(Branched { text, constant })
+}
+
+/// `pGripFailure` of `grip_failure`.
+fn new_name(tree: &Model, mode: &str) -> String {
+    let words = mode.split(|c: char| !c.is_ascii_alphanumeric());
+    let mut name = "p".to_owned();
+    for word in words {
+        let mut letters = word.chars();
+        name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
+        name.extend(letters);
+    }
+    let mut free = name.clone();
+    let mut number = 2;
+    while edit::declares(tree, &free) {
+        free = format!("{name}{number}");
+        number += 1;
+    }
+    free
+}

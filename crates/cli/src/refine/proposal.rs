@@ -1,0 +1,382 @@
+//! Proposals: what may be changed, why, and what it is predicted to do.
+
+use super::anchor::{Counts, anchors};
+use super::diff::unified;
+use super::forms::{FormChange, of_forms};
+use super::ledger_text::Names;
+use super::model_change::{Changed, ModelChange, SAME, deciding_constant, rate_of};
+use super::simulator::{Recalibration, of_simulator};
+use super::solver::{Solver, Values};
+use crate::problem::{Problem, Source};
+use crate::study::{Entry, Study, SubjectForm, Work, quoted_names};
+use evidence::{StudyResult, Subject};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::Path;
+
+/// One change that is offered.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Proposal {
+    /// By which it is accepted, from 1.
+    pub number: usize,
+    /// The suspect that it is for, from 1 in the study's order; none if it
+    /// stands for no disagreement that is shown.
+    pub suspect: Option<usize>,
+    /// What is changed, as a headline.
+    pub title: String,
+    /// Why.
+    pub reason: String,
+    /// The file that is changed, or from which the new one is made.
+    pub file: String,
+    /// The change as a unified diff; empty if it is only known once it is made.
+    pub diff: String,
+    /// What it changes, by solving the changed asset.
+    pub effects: Vec<Effect>,
+    /// What has to be known before it is accepted.
+    pub notes: Vec<String>,
+    /// Whether it is a decision on what a text means, which `--all` leaves open.
+    pub needs_decision: bool,
+    /// What is done.
+    #[serde(skip)]
+    pub change: Change,
+}
+
+/// A value before and after a change.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Effect {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// The model's value now.
+    pub before: Option<f64>,
+    /// Its value after the change.
+    pub after: Option<f64>,
+    /// What was counted.
+    pub counted: Option<Counts>,
+    /// Of the value after the change, by the exact binomial test.
+    pub p_value: Option<f64>,
+}
+
+/// What is done if a proposal is accepted.
+#[derive(Clone, Debug)]
+pub enum Change {
+    /// A formal model is changed.
+    Model {
+        /// The entry of the ledger.
+        entry: String,
+        /// How.
+        change: ModelChange,
+    },
+    /// A requirement's form is changed.
+    Form(FormChange),
+    /// A simulation's parameters are fitted again.
+    Recalibrate(Recalibration),
+}
+
+/// What is offered, and what could not be.
+#[derive(Clone, Debug, Default)]
+pub struct Offered {
+    /// Proposals.
+    pub proposals: Vec<Proposal>,
+    /// Disagreements for which there is none, with the reason.
+    pub refused: Vec<String>,
+}
+
+impl Offered {
+    pub(super) fn add(&mut self, mut proposal: Proposal) {
+        proposal.number = self.proposals.len() + 1;
+        self.proposals.push(proposal);
+    }
+}
+
+/// All that is offered for a study's result.
+pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
+    let mut offered = Offered::default();
+    for entry in current(study) {
+        match &entry.work {
+            Work::Check { model, .. } => {
+                let source = Source::read(&study.folder.join(model))?;
+                let asset = Asset {
+                    entry,
+                    path: model,
+                    text: &source.text,
+                };
+                let found = of_model(study, result, &asset, solver)?;
+                let before = solver.values(model, &source.text)?;
+                for (change, changed) in found.changes {
+                    offered.add(model_proposal(result, &asset, &before, change, changed));
+                }
+                offered.refused.extend(found.refused);
+            }
+            Work::Simulate { .. } => of_simulator(study, result, entry, &mut offered)?,
+            _ => {}
+        }
+    }
+    of_forms(study, result, &mut offered);
+    Ok(offered)
+}
+
+/// The current evidence of each technique: the last in the ledger under each
+/// condition.
+pub fn current(study: &Study) -> Vec<&Entry> {
+    let mut found: Vec<&Entry> = Vec::new();
+    for entry in study.ledger.iter().filter(|entry| !entry.intermediate) {
+        let technique = entry.work.technique();
+        if !matches!(entry.work, Work::Check { .. } | Work::Simulate { .. }) {
+            continue;
+        }
+        found.retain(|o| o.work.technique() != technique || o.conditions != entry.conditions);
+        found.push(entry);
+    }
+    found
+}
+
+/// A formal model as it is, or as it has become.
+pub struct Asset<'a> {
+    /// The entry of the ledger that it belongs to.
+    pub entry: &'a Entry,
+    /// Its file.
+    pub path: &'a Path,
+    /// Its text.
+    pub text: &'a str,
+}
+
+/// Changes of one model, each made alone.
+#[derive(Default)]
+pub struct Found {
+    /// The changes, with the model after each.
+    pub changes: Vec<(ModelChange, Changed)>,
+    /// Why there is none for a failure mode.
+    pub refused: Vec<String>,
+}
+
+/// What could be changed in a formal model so that its failures come as often
+/// as they were counted.
+pub fn of_model(
+    study: &Study,
+    result: &StudyResult,
+    asset: &Asset,
+    solver: &Solver,
+) -> Result<Found, Problem> {
+    let before = solver.values(asset.path, asset.text)?;
+    let mut found = Found::default();
+    for form in &study.forms.subjects {
+        if !matches!(form.subject, Subject::FailureMode(_)) {
+            continue;
+        }
+        let Some(change) = wanted(study, result, asset, form, &before) else {
+            continue;
+        };
+        let made = change.and_then(|change| {
+            let changed = change.make(asset.path, asset.text, solver)?;
+            Ok((change, changed))
+        });
+        match made {
+            // Two failures may be mended by one change.
+            Ok((_, changed)) if found.changes.iter().any(|(_, o)| o.text == changed.text) => {}
+            Ok(made) => found.changes.push(made),
+            Err(reason) => found.refused.push(format!(
+                "{} of {}: {reason}.",
+                form.subject.id().replace('_', " "),
+                asset.entry.id
+            )),
+        }
+    }
+    Ok(found)
+}
+
+/// The change that a failure mode asks for, if it does.
+fn wanted(
+    study: &Study,
+    result: &StudyResult,
+    asset: &Asset,
+    form: &SubjectForm,
+    before: &Values,
+) -> Option<Result<ModelChange, String>> {
+    let mode = form.subject.id().to_owned();
+    let rate = rate_of(before, &mode);
+    let counted = anchors(study, result, asset.entry, &form.subject);
+    let Some(occurs) = binding(study, form.property.as_ref().map(|p| p.text.as_str())) else {
+        let is_missing = rate.is_none() && counted.iter().any(|it| it.count > 0);
+        let reason = "its `occurs` names no single proposition of the model";
+        return is_missing.then(|| Err(reason.into()));
+    };
+    let Some(rate) = rate else {
+        let counts = counted.into_iter().find(|it| it.count > 0)?;
+        return Some(Ok(ModelChange::Branch {
+            after: binding(study, form.opportunity.as_ref().map(|p| p.text.as_str())),
+            mode,
+            occurs,
+            counts,
+        }));
+    };
+    let counts = counted.into_iter().next()?;
+    let is_wanted = differs(study, result, &mode, rate, &counts);
+    is_wanted.then(|| rate_or_once(asset.text, mode, occurs, counts))
+}
+
+/// The constant is set, if it is not yet what was counted; else its draw is made once.
+fn rate_or_once(
+    text: &str,
+    mode: String,
+    occurs: String,
+    counts: Counts,
+) -> Result<ModelChange, String> {
+    let (_, value) = deciding_constant(text, &occurs)?;
+    // Constants are written with a few digits; a rounding is no difference.
+    let is_set = (value - counts.rate()).abs() <= 5e-4 * counts.rate().max(1e-3);
+    Ok(match is_set {
+        true => ModelChange::Once {
+            mode,
+            occurs,
+            counts,
+        },
+        false => ModelChange::Rate {
+            mode,
+            occurs,
+            counts,
+        },
+    })
+}
+
+/// Whether a rate is not what was counted: farther than the margin, or beyond
+/// chance.
+fn differs(study: &Study, result: &StudyResult, mode: &str, rate: f64, counts: &Counts) -> bool {
+    let margin = study.failure_modes.iter().find(|m| m.id == mode);
+    let margin = margin.map_or(0.0, |m| m.margin);
+    let distance = (rate - counts.rate()).abs();
+    let is_unlikely = counts
+        .p_value(rate)
+        .is_some_and(|p| p < 1.0 - result.confidence);
+    distance > SAME && (distance > margin || is_unlikely)
+}
+
+/// What the only proposition of a question means to the model.
+fn binding(study: &Study, question: Option<&str>) -> Option<String> {
+    let names = quoted_names(question?);
+    let [(name, _)] = names.as_slice() else {
+        return None;
+    };
+    let proposition = study.vocabulary.propositions.get(name)?;
+    Some(proposition.model.as_ref()?.text.clone())
+}
+
+fn model_proposal(
+    result: &StudyResult,
+    asset: &Asset,
+    before: &Values,
+    change: ModelChange,
+    changed: Changed,
+) -> Proposal {
+    let entry = &asset.entry.id;
+    let counts = change.counts();
+    let mode = Subject::FailureMode(change.mode().to_owned());
+    let old = asset.path.display().to_string();
+    let new = Names::next_model(asset.path);
+    let mut notes = vec![format!(
+        "From then on, agreement with {} on {} is a fit, not corroboration.",
+        counts.evidence,
+        mode.id().replace('_', " ")
+    )];
+    notes.extend(remains(&change, &changed));
+    Proposal {
+        number: 0,
+        suspect: suspect(result, entry, &mode),
+        title: format!("{}: {}", entry, changed.what),
+        reason: reason(&change, rate_of(before, change.mode()), counts),
+        diff: unified(&old, &new, asset.text, &changed.text),
+        file: old,
+        effects: effects(result, before, &changed.values, &mode, counts),
+        notes,
+        needs_decision: false,
+        change: Change::Model {
+            entry: entry.clone(),
+            change,
+        },
+    }
+}
+
+fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
+    let mode = change.mode().replace('_', " ");
+    let rate = rate.unwrap_or(0.0);
+    match change {
+        ModelChange::Branch { .. } => format!(
+            "The model does not know {mode}, which was seen in {}.",
+            counts.words()
+        ),
+        ModelChange::Rate { .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}.",
+            counts.words()
+        ),
+        ModelChange::Once { .. } => format!(
+            "The model's constant is the counted share ({}), but its rate of {mode} is {rate:.6}: it draws again and \
+             again where the counts have one opportunity.",
+            counts.words()
+        ),
+    }
+}
+
+/// What a change of a rate does not yet mend.
+fn remains(change: &ModelChange, changed: &Changed) -> Option<String> {
+    let ModelChange::Rate { counts, mode, .. } = change else {
+        return None;
+    };
+    let rate = rate_of(&changed.values, mode)?;
+    let is_far = (rate - counts.rate()).abs() > SAME * counts.rate().max(SAME);
+    is_far.then(|| {
+        format!(
+            "The rate then still is {rate:.6} and not {:.6}; refine again after this one.",
+            counts.rate()
+        )
+    })
+}
+
+/// The disagreement that touches an entry and a subject and is not yet mended.
+pub fn suspect(result: &StudyResult, entry: &str, subject: &Subject) -> Option<usize> {
+    let touches = |d: &&evidence::Discrepancy| {
+        d.evidence.iter().any(|id| id == entry) && d.subjects.contains(subject)
+    };
+    let is_open = |d: &&evidence::Discrepancy| d.resolved_by.as_deref() != Some(entry);
+    let all = result.discrepancies.iter();
+    let place = all
+        .clone()
+        .position(|d| {
+            touches(&d) && is_open(&d) && d.evidence.first().is_some_and(|id| id == entry)
+        })
+        .or_else(|| all.clone().position(|d| touches(&d) && is_open(&d)));
+    place.map(|place| place + 1)
+}
+
+fn effects(
+    result: &StudyResult,
+    before: &Values,
+    after: &Values,
+    mode: &Subject,
+    counts: &Counts,
+) -> Vec<Effect> {
+    let value = |values: &Values, subject: &Subject| values.get(subject).copied().flatten();
+    let is_moved = |subject: &&Subject| match (value(before, subject), value(after, subject)) {
+        (Some(old), Some(new)) => (old - new).abs() > 1e-9,
+        (old, new) => old.is_some() != new.is_some(),
+    };
+    let mut subjects = vec![mode.clone()];
+    let others = after.keys().filter(|subject| *subject != mode);
+    subjects.extend(others.filter(is_moved).cloned());
+    let effect = |subject: Subject| {
+        let counted = match &subject == mode {
+            true => Some(counts.clone()),
+            false => Counts::of(result, &counts.evidence, &subject),
+        };
+        let new = value(after, &subject);
+        Effect {
+            before: value(before, &subject),
+            after: new,
+            p_value: counted
+                .as_ref()
+                .zip(new)
+                .and_then(|(c, new)| c.p_value(new)),
+            counted,
+            subject,
+        }
+    };
+    subjects.into_iter().map(effect).collect()
+}

@@ -1,0 +1,205 @@
+//! What `what-if` prints.
+
+use evidence::{Interval, Subject, Technique};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// All variants that were tried.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct WhatIfReport {
+    /// Level of the intervals.
+    pub confidence: f64,
+    /// The variants.
+    pub variants: Vec<VariantReport>,
+}
+
+/// One variant, in each technique.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct VariantReport {
+    /// Its name.
+    pub name: String,
+    /// What would be different.
+    pub meaning: String,
+    /// What it means to each piece of evidence, and what that takes for granted.
+    pub changes: Vec<ChangeReport>,
+    /// What it would bring.
+    pub rows: Vec<Row>,
+    /// Where techniques predict gains that exclude each other.
+    pub parted: Vec<String>,
+}
+
+/// What a variant means to one piece of evidence.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct ChangeReport {
+    /// The evidence.
+    pub evidence: String,
+    /// The changes, each as `key = value`; or why there are none.
+    pub what: Vec<String>,
+    /// What is taken for granted.
+    pub assumes: Option<String>,
+}
+
+/// One subject in one piece of evidence.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Row {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// The evidence.
+    pub evidence: String,
+    /// Its technique.
+    pub technique: Technique,
+    /// What it predicts.
+    pub gain: Gain,
+}
+
+/// A predicted gain.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Gain {
+    /// It could be tried.
+    Known {
+        /// The rate or probability without the variant.
+        before: f64,
+        /// With it.
+        after: f64,
+        /// The difference.
+        gain: f64,
+        /// Its interval; none where nothing of the model is uncertain.
+        interval: Option<Interval>,
+        /// On what the two were compared.
+        how: String,
+        /// Of "it changes nothing", for paired episodes.
+        p_value: Option<f64>,
+    },
+    /// This evidence cannot say.
+    NotExpressible {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Pairs of rows on one subject whose intervals do not overlap.
+pub fn parted(rows: &[Row]) -> Vec<String> {
+    let known = |row: &Row| match &row.gain {
+        Gain::Known {
+            gain,
+            interval: Some(interval),
+            ..
+        } => Some((*gain, *interval)),
+        _ => None,
+    };
+    let mut found = Vec::new();
+    for (place, left) in rows.iter().enumerate() {
+        for right in &rows[place + 1..] {
+            if left.subject != right.subject {
+                continue;
+            }
+            if let (Some((a, first)), Some((b, second))) = (known(left), known(right))
+                && (first.high < second.low || second.high < first.low)
+            {
+                found.push(format!(
+                    "{}: {} predicts a gain of {a:+.4}, {} of {b:+.4}; their intervals do not overlap, so one of the \
+                     two does not have what decides it.",
+                    name_of(&left.subject),
+                    left.evidence,
+                    right.evidence
+                ));
+            }
+        }
+    }
+    found
+}
+
+impl WhatIfReport {
+    /// For people.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write(&mut text);
+        text
+    }
+
+    fn write(&self, text: &mut String) -> std::fmt::Result {
+        for variant in &self.variants {
+            writeln!(text, "{}\n  {}", variant.name, variant.meaning)?;
+            for change in &variant.changes {
+                writeln!(text, "  {}: {}", change.evidence, change.what.join(", "))?;
+                if let Some(assumes) = &change.assumes {
+                    writeln!(text, "    taken for granted: {assumes}")?;
+                }
+            }
+            writeln!(text)?;
+            for row in &variant.rows {
+                writeln!(text, "    {}", row_words(row, self.confidence))?;
+            }
+            for parted in &variant.parted {
+                writeln!(text, "  {parted}")?;
+            }
+            writeln!(text)?;
+        }
+        Ok(())
+    }
+}
+
+fn row_words(row: &Row, confidence: f64) -> String {
+    let (name, evidence) = (name_of(&row.subject), &row.evidence);
+    match &row.gain {
+        Gain::NotExpressible { reason } => format!("{name:<28} {evidence:<6} {reason}"),
+        Gain::Known {
+            before,
+            after,
+            gain,
+            interval,
+            how,
+            p_value,
+        } => {
+            let interval = interval.map_or("nothing uncertain".to_owned(), |it| {
+                format!(
+                    "{:.0} % [{:+.4}, {:+.4}]",
+                    confidence * 100.0,
+                    it.low,
+                    it.high
+                )
+            });
+            let p = p_value.map_or(String::new(), |p| format!(", p {p:.3}"));
+            format!(
+                "{name:<28} {evidence:<6} {before:.4} -> {after:.4}  {gain:+.4} {interval} ({how}{p})"
+            )
+        }
+    }
+}
+
+fn name_of(subject: &Subject) -> String {
+    match subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => id.replace('_', " "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(evidence: &str, low: f64, high: f64) -> Row {
+        Row {
+            subject: Subject::Requirement("1a".into()),
+            evidence: evidence.into(),
+            technique: Technique::Simulation,
+            gain: Gain::Known {
+                before: 0.5,
+                after: 0.5 + low,
+                gain: low,
+                interval: Some(Interval { low, high }),
+                how: String::new(),
+                p_value: None,
+            },
+        }
+    }
+
+    #[test]
+    fn gains_part_where_their_intervals_do_not_overlap() {
+        assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.1, 0.2)]).len(), 0);
+        assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.11, 0.2)]).len(), 1);
+    }
+}

@@ -1,0 +1,198 @@
+//! A variant in a simulation.
+//!
+//! # Definition
+//! The same episodes (the same seeds, which are those of the evidence) are run
+//! with the scenario and parameters as they are and with the variant's. A run
+//! counts for a subject if it was covered both times. The interval is that of
+//! matched pairs (Agresti and Min 2005), the p-value McNemar's exact one.
+
+use super::file::{ChangeText, Read};
+use super::report::Gain;
+use crate::problem::{Problem, Source, write_whole};
+use crate::study::{Entry, Study, Work};
+use crate::talk::{Interrupt, Stage};
+use crate::technique::campaign::OnLine;
+use crate::technique::judging::Judges;
+use crate::technique::simulation::{Campaign, Seeds};
+use evidence::{Interval, Subject};
+use rayon::prelude::*;
+use stats::paired::Pairs;
+use std::path::{Path, PathBuf};
+use temporal::monitor::Verdict;
+
+/// For each subject of the judges, each episode's verdict.
+pub type Verdicts = Vec<Vec<Verdict>>;
+
+/// Episodes of one entry of the ledger.
+pub struct Episodes<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// The entry.
+    pub entry: &'a Entry,
+    /// How many.
+    pub count: u64,
+    /// The physics library.
+    pub library: Option<&'a Path>,
+    /// Whether the user wants to stop.
+    pub interrupt: &'a Interrupt,
+    /// Where variants' data are written.
+    pub folder: PathBuf,
+}
+
+impl Episodes<'_> {
+    fn files(&self) -> Result<(&Path, &Path), Problem> {
+        match &self.entry.work {
+            Work::Simulate {
+                scenario,
+                parameters,
+                ..
+            } => Ok((scenario, parameters)),
+            _ => Err(Problem::new(
+                "not-a-simulation",
+                format!("`{}` has no scenario and parameters", self.entry.id),
+            )
+            .remedy("name an entry of the ledger with a `scenario` and `parameters`")),
+        }
+    }
+
+    /// The verdicts of the entry as it is.
+    pub fn as_it_is(&self, subjects: &[Subject], stage: &Stage) -> Result<Verdicts, Problem> {
+        let (scenario, parameters) = self.files()?;
+        let campaign = Campaign::new(self.study, scenario, parameters, self.library)?;
+        self.run(&campaign, subjects, stage)
+    }
+
+    /// The verdicts of a variant.
+    pub fn varied(
+        &self,
+        read: &Read,
+        change: &ChangeText,
+        subjects: &[Subject],
+        stage: &Stage,
+    ) -> Result<Verdicts, Problem> {
+        let (scenario, parameters) = self.files()?;
+        let mut data = toml::Table::new();
+        for (key, file) in [("scenario", scenario), ("parameters", parameters)] {
+            let source = Source::read(&self.study.folder.join(file))?;
+            let table: toml::Table =
+                toml::from_str(&source.text).map_err(|e| Problem::from_toml(&source, &e))?;
+            data.insert(key.into(), table.into());
+        }
+        stimulus::apply(&mut data, &change.settings).map_err(|error| {
+            Problem::new(super::file::CODE, error.to_string())
+                .at(&read.source, change.evidence.span())
+                .remedy("correct the keys in `settings`")
+        })?;
+        let folder = self.folder.join(file_name(&read.variant.name));
+        let mut paths = Vec::new();
+        for key in ["scenario", "parameters"] {
+            let table = data
+                .remove(key)
+                .unwrap_or(toml::Value::Table(toml::Table::new()));
+            let text = toml::to_string(&table)
+                .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
+            let path = folder.join(format!("{}-{key}.toml", self.entry.id));
+            write_whole(&path, text.as_bytes())?;
+            // Paths are taken from the study's folder.
+            paths.push(std::path::absolute(&path).map_err(|e| Problem::cannot_read(&path, &e))?);
+        }
+        let campaign = Campaign::new(self.study, &paths[0], &paths[1], self.library)?;
+        self.run(&campaign, subjects, stage)
+    }
+
+    fn run(
+        &self,
+        campaign: &Campaign,
+        subjects: &[Subject],
+        stage: &Stage,
+    ) -> Result<Verdicts, Problem> {
+        let judges = Judges::new(self.study, |subject| subjects.contains(subject))?;
+        let layout = campaign.layout()?;
+        let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
+        let rows: Vec<Vec<Verdict>> = (1..=self.count)
+            .into_par_iter()
+            .map(|number| {
+                if self.interrupt.is_set() {
+                    return Err(Problem::interrupted());
+                }
+                let mut on_line = OnLine::new(&[&judges], &layout, false)?;
+                let run = campaign.run(seeds.of(number), &mut on_line, self.interrupt)?;
+                let judged = on_line.finish(run.trace.complete)?;
+                stage.advance();
+                let judged: Vec<_> = judged.into_iter().flatten().collect();
+                let of = |subject: &Subject| {
+                    let main = judged
+                        .iter()
+                        .find(|it| it.subject == subject && it.reading.is_none());
+                    main.map_or(Verdict::NotCovered, |it| it.findings.verdict)
+                };
+                Ok(subjects.iter().map(of).collect())
+            })
+            .collect::<Result<_, _>>()?;
+        let column = |place: usize| rows.iter().map(|row| row[place]).collect();
+        Ok((0..subjects.len()).map(column).collect())
+    }
+}
+
+/// The gain on one subject, from the verdicts of the same episodes.
+pub fn gain(
+    subject: &Subject,
+    before: &[Verdict],
+    after: &[Verdict],
+    level: stats::Confidence,
+) -> Gain {
+    let (pairs, first, second) = counted(subject, before, after);
+    let Some(difference) = pairs.difference() else {
+        return Gain::NotExpressible {
+            reason: "No episode covered it both times.".into(),
+        };
+    };
+    let interval = pairs.interval(level);
+    let n = pairs.pairs as f64;
+    Gain::Known {
+        before: first as f64 / n,
+        after: second as f64 / n,
+        gain: difference,
+        interval: Some(Interval {
+            low: interval.low,
+            high: interval.high,
+        }),
+        how: format!(
+            "{} episodes with the same seeds: {first} and {second}; only without {}, only with {}",
+            pairs.pairs, pairs.only_first, pairs.only_second
+        ),
+        p_value: Some(pairs.p_value()),
+    }
+}
+
+/// Episodes that decide the subject both times: as pairs, and how many count each time.
+fn counted(subject: &Subject, before: &[Verdict], after: &[Verdict]) -> (Pairs, u64, u64) {
+    // Of a failure mode, what is violated has occurred.
+    let counts = match subject {
+        Subject::Requirement(_) => Verdict::Satisfied,
+        Subject::FailureMode(_) => Verdict::Violated,
+    };
+    let decides = |verdict: &Verdict| matches!(verdict, Verdict::Satisfied | Verdict::Violated);
+    let mut pairs = Pairs::default();
+    let (mut first, mut second) = (0_u64, 0_u64);
+    for (old, new) in before.iter().zip(after) {
+        if !(decides(old) && decides(new)) {
+            continue;
+        }
+        let (old, new) = (*old == counts, *new == counts);
+        pairs.pairs += 1;
+        first += u64::from(old);
+        second += u64::from(new);
+        pairs.only_first += u64::from(old && !new);
+        pairs.only_second += u64::from(new && !old);
+    }
+    (pairs, first, second)
+}
+
+fn file_name(name: &str) -> String {
+    let safe = |c: char| match c.is_ascii_alphanumeric() {
+        true => c.to_ascii_lowercase(),
+        false => '-',
+    };
+    name.chars().map(safe).collect()
+}
