@@ -4,7 +4,9 @@
 //! A formula is taken as a conjunction of `variable=value` (a bare Boolean
 //! variable is `=true`, a negated one `=false`). An update makes it true if it
 //! assigns one of these values, and its command's guard asks for none of the
-//! others to be different. What is no such conjunction has no draws here.
+//! others to be different. If some guards ask for all the others, only these
+//! updates count: they are the last step, behind which the formula holds. What
+//! is no such conjunction has no draws here.
 //!
 //! Deviation from the semantics: guards are read as far as they are conjunctions
 //! themselves, so an update may be found that in fact is never taken. A change
@@ -21,12 +23,12 @@ pub type Equality = (String, Expr);
 pub struct Draw<'a> {
     /// Where it is written, and how its names are renamed.
     pub body: Body<'a>,
-    /// Its command.
-    pub command: &'a Command,
     /// The update.
     pub update: &'a Update,
     /// The variable that it sets, as it is written.
     pub variable: &'a str,
+    /// Whether its guard asks for all the rest of the formula.
+    is_last: bool,
 }
 
 /// A state formula as a conjunction of equalities; `None` if it is none.
@@ -120,6 +122,9 @@ pub fn draws<'a>(tree: &'a Model, model: &resolved::Model, wanted: &[Equality]) 
             found.extend(of_command(command, &body, model, &wanted));
         }
     }
+    if found.iter().any(|draw| draw.is_last) {
+        found.retain(|draw| draw.is_last);
+    }
     found
 }
 
@@ -134,25 +139,25 @@ fn of_command<'a>(
         let mut own = guard.iter().filter(|(n, _)| body.renamed(n) == variable);
         own.find_map(|(_, expr)| value_of(expr, Some(body), model))
     };
+    let others = |name: &str, holds: &dyn Fn(Option<i64>, i64) -> bool| {
+        let mut rest = wanted.iter().filter(|(other, _)| *other != name);
+        rest.all(|(other, value)| holds(asks(other), *value))
+    };
     let mut found = Vec::new();
     for update in &command.updates {
         for assignment in &update.assignments {
             let name = body.renamed(&assignment.variable.text);
             let value = value_of(&assignment.value, Some(body), model);
-            let sets = |(v, wanted): &(&str, i64)| *v == name && value == Some(*wanted);
-            let others_may_hold = wanted.iter().all(|(other, wanted)| {
-                let asked = asks(other);
-                match *other == name {
-                    true => asked != Some(*wanted),
-                    false => asked.is_none_or(|asked| asked == *wanted),
-                }
-            });
-            if wanted.iter().any(|it| sets(it)) && others_may_hold {
+            let sets = |(v, wanted): &(&str, i64)| {
+                *v == name && value == Some(*wanted) && asks(name) != Some(*wanted)
+            };
+            let may_hold = others(name, &|asked, value| asked.is_none_or(|it| it == value));
+            if wanted.iter().any(sets) && may_hold {
                 found.push(Draw {
                     body: body.clone(),
-                    command,
                     update,
                     variable: &assignment.variable.text,
+                    is_last: others(name, &|asked, value| asked == Some(value)),
                 });
             }
         }
