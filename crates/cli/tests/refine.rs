@@ -23,7 +23,8 @@ fn keep_only(folder: &Path, wanted: &[&str]) {
         {
             let lines = part
                 .lines()
-                .filter(|line| !line.starts_with("reproduced_by"));
+                .filter(|line| !line.starts_with("reproduced_by"))
+                .filter(|line| !line.starts_with("published."));
             kept.push_str("[[evidence]]");
             kept.push_str(&lines.collect::<Vec<_>>().join("\n"));
             kept.push('\n');
@@ -43,7 +44,7 @@ fn at_the_start() -> tempfile::TempDir {
         &["E1", "E2-published", "rig", "E3", "E4-published"],
     );
     let model = folder.path().join("models/handover_v1.prism");
-    let text = read(&model).replace("timeMax = 1000", "timeMax = 320");
+    let text = read(&model).replace("timeMax = 1000", "timeMax = 288");
     std::fs::write(model, text).expect("written");
     folder
 }

@@ -128,7 +128,11 @@ fn folder(arguments: &Refine) -> Result<PathBuf, Problem> {
         )
         .remedy("name a new folder, or refine the copy itself"));
     }
-    copy(&arguments.study, to, Path::new(""))?;
+    std::fs::create_dir_all(to).map_err(|error| Problem::cannot_write(to, &error))?;
+    let target = to
+        .canonicalize()
+        .map_err(|error| Problem::cannot_read(to, &error))?;
+    copy(&arguments.study, &target, Path::new(""))?;
     Ok(to.clone())
 }
 
@@ -147,7 +151,12 @@ fn copy(from: &Path, to: &Path, below: &Path) -> Result<(), Problem> {
         let is_left_out = ["results/episodes", "results/.lock"]
             .iter()
             .any(|it| inner == Path::new(it));
-        if is_left_out || from.join(&inner) == to {
+        // The copy itself may lie in the study.
+        let is_copy = from
+            .join(&inner)
+            .canonicalize()
+            .is_ok_and(|path| path == to);
+        if is_left_out || is_copy {
             continue;
         }
         if from.join(&inner).is_dir() {

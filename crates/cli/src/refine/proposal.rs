@@ -359,7 +359,14 @@ fn effects(
         (old, new) => old.is_some() != new.is_some(),
     };
     let mut subjects = vec![mode.clone()];
-    let others = after.keys().filter(|subject| *subject != mode);
+    let is_own = |subject: &&Subject| {
+        let mut all = result.requirements.iter();
+        !all.any(|r| r.id == subject.id() && r.same_quantity_as.is_some())
+    };
+    let others = after
+        .keys()
+        .filter(|subject| *subject != mode)
+        .filter(is_own);
     subjects.extend(others.filter(is_moved).cloned());
     let effect = |subject: Subject| {
         let counted = match &subject == mode {

@@ -136,7 +136,10 @@ fn effect_words(effect: &Effect) -> String {
         words.push_str(&format!(", counted {}", counts.words()));
     }
     if let Some(p) = effect.p_value {
-        words.push_str(&format!(" (p {p:.3})"));
+        match p < 0.001 {
+            true => words.push_str(" (p < 0.001)"),
+            false => words.push_str(&format!(" (p {p:.3})")),
+        }
     }
     words
 }
