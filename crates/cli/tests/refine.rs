@@ -44,7 +44,7 @@ fn at_the_start() -> tempfile::TempDir {
         &["E1", "E2-published", "rig", "E3", "E4-published"],
     );
     let model = folder.path().join("models/handover_v1.prism");
-    let text = read(&model).replace("timeMax = 1000", "timeMax = 288");
+    let text = read(&model).replace("timeMax = 1000", "timeMax = 320");
     std::fs::write(model, text).expect("written");
     folder
 }

@@ -4,7 +4,7 @@
 //! The longest common subsequence of the lines between the common beginning and
 //! the common end (Wagner and Fischer 1974), in hunks with three lines around,
 //! in the form of `diff -u`. Cost: product of the two middles' lengths; a
-//! middle of more than [`LARGEST`] pairs is shown as replaced.
+//! middle of more than 4 million pairs is shown as replaced.
 
 use std::fmt::Write;
 

@@ -8,9 +8,9 @@
 //!   does not have. The variable gets one more value of this name. A command of
 //!   its module that assigns it gets an update that sets it, with the share that
 //!   was counted as its probability; all its other probabilities are multiplied
-//!   by the rest. Tried are first the commands whose guard asks for what the
-//!   opportunity's proposition says, else those that leave the variable's initial
-//!   value, else the others, in the order of the text.
+//!   by the rest. Tried are the commands whose guard asks for what the
+//!   opportunity's proposition says; if there are none, those that leave the
+//!   variable's initial value, then the others, in the order of the text.
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
@@ -316,6 +316,9 @@ fn candidates<'r>(
         .map(|command| (rank(read, command, variable, &after, initial), command))
         .collect();
     found.sort_by_key(|(rank, command)| (*rank, command.span.start));
+    // Where a guard says when the opportunity is, no other command is meant.
+    let is_said = found.first().is_some_and(|(rank, _)| *rank == 0);
+    found.retain(|(rank, _)| !is_said || *rank == 0);
     Ok(found.into_iter().map(|(_, command)| command).collect())
 }
 
