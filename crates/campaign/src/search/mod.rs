@@ -33,7 +33,7 @@ pub use cma_es::CmaEs;
 pub use cross_entropy::CrossEntropy;
 pub use disagreement::{
     Agreement, Confirmation, DisagreementOptions, DisagreementSearch, Finding, FormalPrediction,
-    MapCell,
+    MapCell, Question, Region,
 };
 pub use gaussian_process::{GaussianProcess, Prediction};
 

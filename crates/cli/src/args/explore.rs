@@ -24,7 +24,11 @@ findings/NAME.toml, one for each thing that was found, with stimulus and seed,
 and a journal: a call that was interrupted goes on where it stopped. With
 CORROBORATE_COVERAGE=FOLDER in the environment, controllers that use the client
 for Python leave there which of their lines ran.
-Exits 1 if anything was found, 3 if an episode broke off or a finding was not
+With --disagreement FOLDER gets disagreement.json: all declared contexts in
+regions in which model and bench differ, agree within the margin, or are
+undecided, at the study's confidence for all regions together.
+Exits 1 if anything was found (or differs), 3 if a region is undecided and none
+differs, or if an episode broke off or a finding was not
 shown again.")]
 pub struct Explore {
     /// The study's folder.
@@ -45,7 +49,7 @@ pub struct Explore {
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// Look for contexts in which model and bench differ, instead of
-    /// exploring.
+    /// exploring: a map of regions, each decided by fresh episodes.
     #[arg(long, conflicts_with_all = ["plain", "source"])]
     pub disagreement: bool,
     /// Where results go instead of STUDY/results/exploration.

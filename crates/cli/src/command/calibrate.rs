@@ -13,13 +13,15 @@ use super::{Done, Setting, json, use_threads};
 use crate::args::{Calibrate, Format};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source, write_whole};
-use crate::store::{Inputs, Store};
-use crate::study::Study;
+use crate::store::{Inputs, Store, hash_of};
+use crate::study::{Study, Work as Ledgered};
 use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use counts::Reality;
 use file::{CODE, CalibrationText, merge, quoted};
+use report::{FileReport, LineageReport};
+use std::path::{Path, PathBuf};
 use stimulus::Space;
 use testbench::SimError;
 use toml::Table;
@@ -54,6 +56,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
         reality,
         space,
         setting,
+        lineage: lineage(&study, &source, &text)?,
     };
     let report = work.report(&base, level)?;
     if let Some(path) = &arguments.to {
@@ -88,6 +91,43 @@ fn inputs(
         .add("modes", modes.join("\n").as_bytes())
         .add("study", format!("{:?}", study.forms).as_bytes());
     Ok(inputs)
+}
+
+/// Seed and files that decide what comes out.
+fn lineage(
+    study: &Study,
+    source: &Source,
+    text: &CalibrationText,
+) -> Result<LineageReport, Problem> {
+    let entry = study.entry(&text.evidence)?;
+    let mut paths = vec![text.scenario.clone(), text.parameters.clone()];
+    if let Ledgered::Read {
+        cohort,
+        requirements,
+        failure_modes,
+        ..
+    } = &entry.work
+    {
+        let tables = [cohort, requirements, failure_modes];
+        paths.extend(tables.into_iter().flatten().cloned());
+    }
+    let file = |path: &PathBuf| {
+        let content = Source::read(&study.folder.join(path))?;
+        Ok(FileReport {
+            file: path.display().to_string(),
+            hash: hash_of(content.text.as_bytes()),
+        })
+    };
+    let name = Path::new(&source.name).file_name();
+    let name = name.map_or(source.name.as_str().into(), |name| name.to_string_lossy());
+    Ok(LineageReport {
+        seed: study.about.seed.to_string(),
+        calibration: FileReport {
+            file: name.into_owned(),
+            hash: hash_of(source.text.as_bytes()),
+        },
+        files: paths.iter().map(file).collect::<Result<_, Problem>>()?,
+    })
 }
 
 /// The parameters to begin with, with what is known in them.

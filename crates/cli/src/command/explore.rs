@@ -1,6 +1,8 @@
 //! `corroborate explore`: episodes that are meant to show what nobody has
 //! thought of.
 
+mod disagreement;
+
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};
 use crate::outcome::Outcome;
@@ -10,8 +12,7 @@ use crate::study::{Finding, Shows, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::exploration::{
     Abstraction, ExplorationReport, Explored, Exploring, Formal, Journal, ModelTests, OpenBench,
-    Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, disagreement,
-    tests_of_model,
+    Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, tests_of_model,
 };
 use crate::technique::judging::{Judges, inputs_of};
 use std::collections::BTreeMap;
@@ -42,11 +43,16 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         None => study.folder.join("results/exploration"),
     };
     let began = Instant::now();
-    let mut explored = if arguments.disagreement {
-        only_disagreement(&study, &plan, &bench, setting)?
-    } else {
-        exploration(&study, &plan, &bench, arguments, &folder, setting)?
-    };
+    if arguments.disagreement {
+        let search = disagreement::Search {
+            study: &study,
+            plan: &plan,
+            bench: &bench,
+            folder: &folder,
+        };
+        return search.done(arguments.format, setting);
+    }
+    let mut explored = exploration(&study, &plan, &bench, arguments, &folder, setting)?;
     let wall_secs = began.elapsed().as_secs_f64();
     setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
     keep(&study, &bench, &mut explored, &folder, setting)?;
@@ -61,10 +67,7 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
 }
 
 fn outcome(report: &ExplorationReport) -> Outcome {
-    let differs = |of: &crate::technique::exploration::DisagreementReport| {
-        of.contexts.iter().any(|c| c.agreement == "disagrees")
-    };
-    let is_found = !report.findings.is_empty() || report.disagreement.as_ref().is_some_and(differs);
+    let is_found = !report.findings.is_empty();
     let is_lost = !report.broken.is_empty() || report.findings.iter().any(|f| !f.replayed);
     match (report.stopped, is_lost, is_found) {
         (Stopped::Interrupted, ..) => Outcome::Interrupted,
@@ -132,6 +135,17 @@ fn exploration(
     exploring.run()
 }
 
+/// What decides what any episode shows, beside its seed and its stimulus.
+fn inputs_of_all(study: &Study, plan: &Plan, bench: &OpenBench) -> Result<Inputs, Problem> {
+    let mut inputs = Inputs::default();
+    inputs.add("program", program_hash()?.as_bytes());
+    inputs.add("plan", plan.source.text.as_bytes());
+    inputs.add_json("files", &bench.files);
+    bench.inputs(&mut inputs);
+    inputs_of(study, &mut inputs);
+    Ok(inputs)
+}
+
 /// The hash of all that decides what an episode shows, beside its seed and
 /// its stimulus.
 fn looked_at_by(
@@ -140,13 +154,8 @@ fn looked_at_by(
     bench: &OpenBench,
     code: &Option<PathBuf>,
 ) -> Result<String, Problem> {
-    let mut inputs = Inputs::default();
-    inputs.add("program", program_hash()?.as_bytes());
-    inputs.add("plan", plan.source.text.as_bytes());
-    inputs.add_json("files", &bench.files);
+    let mut inputs = inputs_of_all(study, plan, bench)?;
     inputs.add("code", &[u8::from(code.is_some())]);
-    bench.inputs(&mut inputs);
-    inputs_of(study, &mut inputs);
     if let Some(model) = &plan.data.model
         && let Work::Check { model, .. } = &study.entry(model)?.work
     {
@@ -154,20 +163,6 @@ fn looked_at_by(
         inputs.add("model", model.text.as_bytes());
     }
     Ok(inputs.hash())
-}
-
-fn only_disagreement(
-    study: &Study,
-    plan: &Plan,
-    bench: &OpenBench,
-    setting: &Setting,
-) -> Result<Explored, Problem> {
-    let begin = |title: &str, total: u64| setting.talk.begin(title, total);
-    let found = disagreement(study, plan, bench, &setting.interrupt, &begin)?;
-    Ok(Explored {
-        report: ExplorationReport::of_disagreement(bench, found),
-        findings: Vec::new(),
-    })
 }
 
 /// Runs the first episode of each finding again, and writes the files.

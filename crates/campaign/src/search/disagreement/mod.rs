@@ -1,42 +1,60 @@
 //! Search for contexts in which a formal model predicts one thing and the simulator shows another.
 //!
-//! Two stages. First episodes are spread, and then drawn to where a correlated beta process
+//! Three steps. First episodes are spread, and then drawn to where a correlated beta process
 //! expects the largest difference between the simulated rate and the predicted one, or knows
-//! least. Then the most suspicious contexts are tried again with fresh episodes only, all at once,
-//! until each is decided:
+//! least. What came out then cuts all contexts into regions. Then the regions are tried with
+//! fresh episodes only, which go where a difference may be shown soonest, until each is decided:
 //!
 //! ```text
 //! acquisition   |E r(x) - p(x)| + sd r(x)                r(x) simulated rate, p(x) prediction
-//! disagrees     the confidence sequence of the rate lies beyond [p - margin, p + margin]
+//!               1.96 sd r(x) - | |E r(x) - p(x)| - margin |   in turn, and evenly spread
+//! regions       boxes, cut where outcomes nearby less p(x) change most
+//! differs       the confidence sequence of a region's rate lies beyond [p - margin, p + margin]
 //! agrees        it lies within
 //! ```
 //!
 //! Source: R. Goetschalckx, P. Poupart and J. Hoey, "Continuous correlated beta processes" (2011)
-//! for the map; E. Even-Dar, S. Mannor and Y. Mansour (2006) for elimination of what is decided;
-//! the confidence sequences are those of [`stats::sequential`], at a level shared among the
-//! contexts (C. E. Bonferroni, 1936). Deviation: the process begins at the prediction, with the
-//! weight of two episodes, so that disagreement has to be shown. Cost: O(n) for each of 400
-//! candidates, O(n^2) to fit lengths; at most 400 predictions more than two an explored episode, and one
-//! for each place of a map. Guarantee: the probability that any context is wrongly said to disagree
-//! (or to agree) is at most 1 - confidence, however often one looks; the map is an estimate, and
-//! that a disagreement is found at all is not guaranteed.
+//! and B. Bryan and others, "Active learning for identifying function threshold boundaries" (2005),
+//! for the first step; `region.rs` and `confirmation.rs` name those of the others. Deviation: the
+//! process begins at the prediction, with the weight of two episodes, so that disagreement has to
+//! be shown. Cost: O(n) for each of 400 candidates, O(n^2) to fit lengths; at most 400 predictions
+//! more than two an explored episode, 128 a region, and one for each place of a map. Guarantee: the
+//! probability that any region is wrongly said to differ (or to agree) is at most 1 - confidence,
+//! however often one looks. A region is decided as a whole: contexts within one that agrees can
+//! differ in both directions. The map is an estimate, and that a difference is found at all is not
+//! guaranteed.
 
 mod confirmation;
+mod region;
 mod surrogate;
 
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
 use stimulus::{Point, Space};
 
-pub use confirmation::{Agreement, Confirmation, Finding};
+pub use confirmation::{Agreement, Confirmation, Finding, Question};
+pub use region::Region;
 
 use super::cube::{Cube, unordered};
 use crate::error::CampaignError;
 use crate::random::Random;
+use region::Expected;
 use surrogate::Surrogate;
 
 /// How many places the search chooses among, beside those that are spread evenly.
 const POOL: usize = 400;
+
+/// At how many places a difference is expected, where regions are cut.
+const PLACES: usize = 1000;
+
+/// Deviations within which a difference may lie, where the edge of what differs is looked for.
+const STRADDLE: f64 = 1.96;
+
+/// How many contexts of a region give the mean of its predictions.
+const PREDICTIONS: usize = 128;
+
+/// How often a context of a region is drawn again if constraints do not hold there.
+const PATIENCE: usize = 1000;
 
 /// What a model predicts for a context: a probability.
 pub type FormalPrediction<'a> = &'a dyn Fn(&Point) -> f64;
@@ -45,22 +63,22 @@ pub type FormalPrediction<'a> = &'a dyn Fn(&Point) -> f64;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DisagreementOptions {
-    /// Episodes for the first stage.
+    /// Episodes for the first step.
     pub explore: usize,
-    /// At most so many contexts are tried again.
-    pub contexts: usize,
+    /// All contexts are cut into at most so many regions.
+    pub regions: usize,
     /// Differences of probabilities up to this one do not matter.
     pub margin: f64,
-    /// Confidence that no context is wrongly decided.
+    /// Confidence that no region is wrongly decided.
     pub confidence: f64,
 }
 
 impl Default for DisagreementOptions {
-    /// 300 episodes, 8 contexts, a margin of 0.05, confidence 95 %.
+    /// 300 episodes, 8 regions, a margin of 0.05, confidence 95 %.
     fn default() -> Self {
         Self {
             explore: 300,
-            contexts: 8,
+            regions: 8,
             margin: 0.05,
             confidence: 0.95,
         }
@@ -80,18 +98,19 @@ impl Default for DisagreementOptions {
 /// // The model says that 95 of 100 succeed; in fact nearly none does when friction is low.
 /// let formal = |_: &stimulus::Point| 0.95;
 /// let mut simulator = Random::new(1, "simulator");
-/// let mut search = DisagreementSearch::new(space, 1, DisagreementOptions::default())?;
+/// let mut search = DisagreementSearch::new(space.clone(), 1, DisagreementOptions::default())?;
 /// for _ in 0..60 {
 ///     let contexts = search.ask(10, &formal);
 ///     let outcomes = contexts.into_iter().map(|context| {
 ///         let rate = if context.0[0] < 0.3 { 0.2 } else { 0.95 };
-///         (context, simulator.chance(rate))
+///         (context, Some(simulator.chance(rate)))
 ///     });
 ///     search.tell(&outcomes.collect::<Vec<_>>());
 /// }
 /// let worst = &search.findings()[0];
-/// assert_eq!(worst.agreement, Agreement::Disagrees);
-/// assert!(worst.context.0[0] < 0.3 && worst.interval.high < 0.9);
+/// assert_eq!(worst.agreement, Agreement::Differs);
+/// let [from, to] = worst.region.ranges(&space)[0];
+/// assert!(from == 0.0 && to < 0.4 && worst.interval.high < 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -111,6 +130,8 @@ pub struct DisagreementSearch {
     lengths: Vec<f64>,
     fitted_at: usize,
     confirmation: Option<Confirmation>,
+    /// Fresh episodes that run, with their regions.
+    fresh: Vec<(Point, usize)>,
 }
 
 /// One place of a map.
@@ -120,7 +141,7 @@ pub struct MapCell {
     pub context: Point,
     /// What the model predicts.
     pub predicted: f64,
-    /// The simulated rate as the first stage's outcomes suggest it (estimated).
+    /// The simulated rate as the first step's outcomes suggest it (estimated).
     pub simulated: f64,
     /// Standard deviation of that estimate.
     pub sd: f64,
@@ -152,31 +173,54 @@ impl DisagreementSearch {
             pool: Vec::new(),
             fitted_at: 0,
             confirmation: None,
+            fresh: Vec::new(),
         })
     }
 
     /// The next `count` contexts in which to run an episode; fewer or none when all is decided.
     pub fn ask(&mut self, count: usize, formal: FormalPrediction<'_>) -> Vec<Point> {
-        if self.rows.len() >= self.options.explore && self.confirmation.is_none() {
-            self.confirmation = Some(self.suspicious_contexts(formal));
+        let left = self.options.explore.saturating_sub(self.asked);
+        if left > 0 {
+            return self.explore(count.min(left), formal);
         }
-        match &mut self.confirmation {
-            Some(confirmation) => confirmation.ask(count),
-            None => self.explore(count, formal),
+        if self.confirmation.is_none() {
+            self.confirmation = Some(self.questions(formal));
         }
+        let mut points = Vec::with_capacity(count);
+        while points.len() < count {
+            let Some(index) = self.confirmation.as_mut().and_then(Confirmation::ask) else {
+                break;
+            };
+            let point = self.fresh_point(index);
+            self.fresh.push((point.clone(), index));
+            points.push(point);
+        }
+        points
     }
 
     /// What came out in contexts that were asked for: whether what the model gives a probability
-    /// for happened. Outcomes have to be told in the order of asking to come again the same.
-    pub fn tell(&mut self, outcomes: &[(Point, bool)]) {
-        for (context, success) in outcomes {
+    /// for happened, or `None` if that could not be judged. Outcomes have to be told in the order
+    /// of asking to come again the same.
+    pub fn tell(&mut self, outcomes: &[(Point, Option<bool>)]) {
+        for (context, outcome) in outcomes {
             if let Some(proposal) = self.cube.settle(context) {
-                self.rows.push(proposal.unit);
-                self.successes.push(*success);
-            } else if let Some(confirmation) = &mut self.confirmation {
-                confirmation.tell(context, *success);
+                if let Some(success) = outcome {
+                    self.rows.push(proposal.unit);
+                    self.successes.push(*success);
+                }
+            } else if let Some(place) = self.fresh.iter().position(|(p, _)| p == context) {
+                let (_, index) = self.fresh.remove(place);
+                if let Some(confirmation) = &mut self.confirmation {
+                    confirmation.tell(index, *outcome);
+                }
             }
         }
+    }
+
+    /// How many episodes led to the regions.
+    #[must_use]
+    pub fn explored(&self) -> usize {
+        self.asked
     }
 
     /// Whether there is nothing left to decide.
@@ -187,8 +231,8 @@ impl DisagreementSearch {
             .is_some_and(Confirmation::is_over)
     }
 
-    /// The contexts of the second stage: those that disagree first, then the undecided, each by
-    /// the size of the difference that is sure. Empty during the first stage.
+    /// The regions: those that differ first, then the undecided, each by the size of the difference
+    /// that is sure. Empty during the first step.
     #[must_use]
     pub fn findings(&self) -> Vec<Finding> {
         self.confirmation
@@ -197,7 +241,7 @@ impl DisagreementSearch {
             .unwrap_or_default()
     }
 
-    /// What the first stage suggests over two parameters (by their places), `steps` by `steps`
+    /// What the first step suggests over two parameters (by their places), `steps` by `steps`
     /// values each, row by row of the second one; the others are at their nominal values.
     /// Places where constraints do not hold are left out.
     #[must_use]
@@ -240,7 +284,7 @@ impl DisagreementSearch {
         self.cube.parameters().map(unordered).collect()
     }
 
-    /// The process of all outcomes of the first stage.
+    /// The process of all outcomes of the first step.
     fn surrogate(&self, formal: FormalPrediction<'_>) -> Surrogate {
         let mut surrogate = Surrogate::new(self.lengths.clone(), self.unordered());
         for (index, (row, success)) in self.rows.iter().zip(&self.successes).enumerate() {
@@ -328,11 +372,17 @@ impl DisagreementSearch {
         }
     }
 
-    /// The place of the pool where the difference may be largest (the first of equals).
+    /// The place of the pool where the difference may be largest or, every other time, where it is
+    /// least clear whether it is beyond the margin (the first of equals).
     fn suspicious_point(&mut self, surrogate: &Surrogate) -> Point {
+        let (margin, at_the_edge) = (self.options.margin, self.asked % 3 == 2);
         let score = |(row, predicted): &(Vec<f64>, f64)| {
             let beta = surrogate.at(row, *predicted);
-            (beta.mean() - predicted).abs() + beta.sd()
+            let difference = (beta.mean() - predicted).abs();
+            match at_the_edge {
+                true => STRADDLE * beta.sd() - (difference - margin).abs(),
+                false => difference + beta.sd(),
+            }
         };
         let scores = self.pool.iter().map(score).enumerate();
         let best = scores.rev().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -343,34 +393,76 @@ impl DisagreementSearch {
         }
     }
 
-    /// The contexts of the largest differences that the process is sure of, far from each other.
-    fn suspicious_contexts(&mut self, formal: FormalPrediction<'_>) -> Confirmation {
+    /// The regions that what was explored cuts all contexts into.
+    fn questions(&mut self, formal: FormalPrediction<'_>) -> Confirmation {
         let surrogate = self.fitted_surrogate(formal);
-        self.fill_pool(formal);
-        let tried = self.rows.iter().zip(self.predicted.iter().copied());
-        let pool = self.pool.iter().map(|(row, predicted)| (row, *predicted));
-        let mut scored: Vec<(f64, Vec<f64>, f64)> = (tried.chain(pool))
-            .map(|(row, predicted)| {
-                let beta = surrogate.at(row, predicted);
-                let sure = (beta.mean() - predicted).abs() - beta.sd();
-                (sure, row.clone(), predicted)
-            })
-            .collect();
-        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // Where a coordinate hardly matters its length is long; contexts may still lie apart in it.
-        let metric = surrogate.with_lengths_up_to(surrogate::START_LENGTH);
-        let mut chosen: Vec<(Vec<f64>, f64)> = Vec::new();
-        for (_, row, predicted) in scored {
-            let far = |other: &(Vec<f64>, f64)| metric.distance(&other.0, &row) > 0.5;
-            if chosen.len() < self.options.contexts.max(1) && chosen.iter().all(far) {
-                chosen.push((row, predicted));
+        let surrogate = surrogate.with_lengths_up_to(surrogate::LOCAL_LENGTH);
+        let space = &self.cube.space;
+        let rows = stats::design(PLACES, self.cube.dimensions(), self.seed);
+        let expected = rows.iter().map(|row| {
+            let unit = space.unit_of(&space.at(row));
+            Expected {
+                difference: surrogate.local_difference(&unit),
+                unit,
+            }
+        });
+        let expected: Vec<Expected> = expected.collect();
+        let DisagreementOptions {
+            regions,
+            margin,
+            confidence,
+            ..
+        } = self.options;
+        let regions = region::partition(space, &expected, regions, margin);
+        let questions = regions.into_iter().map(|region| {
+            let (predicted, predicted_error) = self.mean_prediction(&region, formal);
+            Question {
+                region,
+                predicted,
+                predicted_error,
+            }
+        });
+        Confirmation::new(questions.collect(), margin, confidence)
+    }
+
+    /// The mean of the predictions in a region, over evenly spread contexts, and twice the standard
+    /// error that as many random ones would have.
+    fn mean_prediction(&self, region: &Region, formal: FormalPrediction<'_>) -> (f64, f64) {
+        let space = &self.cube.space;
+        let rows = stats::design(PREDICTIONS, self.cube.dimensions(), self.seed);
+        let contexts = rows
+            .iter()
+            .map(|row| region::context_at(region, space, row));
+        let allowed = contexts.filter(|context| space.meets_constraints(context));
+        let values: Vec<f64> = allowed.map(|context| formal(&context)).collect();
+        let count = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let all_alike = values.windows(2).all(|pair| pair[0] == pair[1]);
+        match (values.first(), all_alike) {
+            // Nothing is known of a region without contexts, and nothing is lost.
+            (None, _) => (0.5, 1.0),
+            (Some(value), true) => (*value, 0.0),
+            _ => (mean, 2.0 * squares.sqrt() / count),
+        }
+    }
+
+    /// A context of a region, drawn from the declared distributions.
+    fn fresh_point(&mut self, index: usize) -> Point {
+        let dimensions = self.cube.dimensions();
+        let region = self.confirmation.as_ref().and_then(|it| it.region(index));
+        let region = region.cloned().unwrap_or_else(|| Region::whole(dimensions));
+        let space = &self.cube.space;
+        for _ in 0..PATIENCE {
+            let row: Vec<f64> = (0..dimensions).map(|_| self.random.open_unit()).collect();
+            let point = region::context_at(&region, space, &row);
+            if space.meets_constraints(&point) {
+                return point;
             }
         }
-        let contexts = chosen
-            .iter()
-            .map(|(row, predicted)| (self.cube.space.at(row), *predicted));
-        let contexts = contexts.collect();
-        Confirmation::of(contexts, self.options.margin, self.options.confidence)
+        // No context of the region is allowed, or hardly any: one that is explored already.
+        let inside = self.pool.iter().find(|(row, _)| region.holds(row));
+        inside.map_or_else(|| space.nominal(), |(row, _)| space.at(row))
     }
 
     fn spread_candidate(&mut self) -> Vec<f64> {
@@ -389,12 +481,12 @@ impl DisagreementOptions {
             let problem = "it must be at least 0 and below 1";
             return Err(CampaignError::setting("margin", problem));
         }
-        if self.explore == 0 || self.contexts == 0 {
+        if self.explore == 0 || self.regions == 0 {
             let problem = "it must be at least 1";
             let name = if self.explore == 0 {
                 "explore"
             } else {
-                "contexts"
+                "regions"
             };
             return Err(CampaignError::setting(name, problem));
         }

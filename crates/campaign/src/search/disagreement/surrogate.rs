@@ -18,6 +18,12 @@ const LENGTHS: [f64; 4] = [0.15, 0.4, 1.2, 8.0];
 /// How many episodes the prediction counts for.
 const PRIOR_WEIGHT: f64 = 2.0;
 
+/// How many episodes agreement counts for where regions are cut.
+const LOCAL_PRIOR_WEIGHT: f64 = 0.3;
+
+/// Lengths where regions are cut, at most.
+pub(super) const LOCAL_LENGTH: f64 = 0.15;
+
 /// A beta distribution of a rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Beta {
@@ -69,12 +75,6 @@ impl Surrogate {
         &self.lengths
     }
 
-    /// A process without data whose lengths are at most `longest`.
-    pub(super) fn with_lengths_up_to(&self, longest: f64) -> Self {
-        let lengths = self.lengths.iter().map(|length| length.min(longest));
-        Self::new(lengths.collect(), self.unordered.clone())
-    }
-
     /// The distance of two rows in lengths.
     pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let mut square = 0.0;
@@ -105,6 +105,32 @@ impl Surrogate {
             }
         }
         Beta { a, b }
+    }
+
+    /// The difference that is expected at a row from outcomes nearby alone, however many there are
+    /// elsewhere:
+    ///
+    /// ```text
+    /// sum_i w_i (y_i - p_i) / (sum_i w_i + 0.3),   w_i = k(x, x_i)^2 with lengths of at most 0.15
+    /// ```
+    ///
+    /// The process itself adds up weights, so that many outcomes in one corner reach far.
+    pub(super) fn local_difference(&self, row: &[f64]) -> f64 {
+        let (mut sum, mut weights) = (0.0, LOCAL_PRIOR_WEIGHT);
+        for (index, other) in self.rows.iter().enumerate() {
+            let weight = matern(self.distance(row, other)).powi(2);
+            sum += weight * (self.outcomes[index] - self.predicted[index]);
+            weights += weight;
+        }
+        sum / weights
+    }
+
+    /// The same process with lengths of at most so much.
+    pub(super) fn with_lengths_up_to(mut self, longest: f64) -> Self {
+        for length in &mut self.lengths {
+            *length = length.min(longest);
+        }
+        self
     }
 
     /// Chooses each coordinate's length in turn, twice.

@@ -2,7 +2,7 @@
 
 use super::counts::Reality;
 use super::file::CalibrationText;
-use super::report::ParameterReport;
+use super::report::{LineageReport, ParameterReport};
 use super::written;
 use crate::problem::{Problem, Source};
 use std::fmt::Write;
@@ -23,71 +23,98 @@ pub fn body(base: &Source, settings: &Settings) -> Result<String, Problem> {
     }
 }
 
+/// What the comments of a fitted set say.
+pub struct Written<'a> {
+    pub about: &'a CalibrationText,
+    pub reality: &'a Reality,
+    pub fitted: &'a [ParameterReport],
+    pub lineage: &'a LineageReport,
+    pub engine: &'a str,
+    /// Episodes that the posterior rests on.
+    pub episodes: usize,
+}
+
 /// Comments that say where the values are from.
-pub fn heading(about: &CalibrationText, reality: &Reality, fitted: &[ParameterReport]) -> String {
+pub fn heading(written: &Written<'_>) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_heading(&mut text, about, reality, fitted);
+    let _ = written.counts(&mut text);
+    let _ = written.values(&mut text);
+    let _ = written.origin(&mut text);
     text
 }
 
-fn write_heading(
-    text: &mut String,
-    about: &CalibrationText,
-    reality: &Reality,
-    fitted: &[ParameterReport],
-) -> std::fmt::Result {
-    writeln!(
-        text,
-        "# Written by `corroborate calibrate` from {}: agreement with what it was fitted to is a fit\n# and no independent confirmation.\n#\n# Fitted to the counts of {}:",
-        about.parameters.display(),
-        about.evidence
-    )?;
-    let counts = reality.fitted();
-    for it in counts.iter().filter(|mode| !mode.held_out) {
+impl Written<'_> {
+    fn counts(&self, text: &mut String) -> std::fmt::Result {
+        let about = self.about;
         writeln!(
             text,
-            "#   {} {}/{}",
-            it.mode, it.occurrences, it.opportunities
+            "# Written by `corroborate calibrate` from {}: agreement with what it was fitted to is a fit\n# and no independent confirmation.\n#\n# Fitted to the counts of {}:",
+            about.parameters.display(),
+            about.evidence
         )?;
+        let counts = self.reality.fitted();
+        for it in counts.iter().filter(|mode| !mode.held_out) {
+            writeln!(
+                text,
+                "#   {} {}/{}",
+                it.mode, it.occurrences, it.opportunities
+            )?;
+        }
+        if let (true, Some(group)) = (self.reality.kept_out, self.reality.held_out.first()) {
+            let names = self.reality.names(group).join(", ");
+            writeln!(text, "# without the runs of {names}.")?;
+        }
+        if about.hold_out.is_empty() {
+            return Ok(());
+        }
+        let held_out = about.hold_out.join(", ");
+        writeln!(text, "# Not fitted, only predicted: {held_out}.")
     }
-    if let (true, Some(group)) = (reality.kept_out, reality.held_out.first()) {
-        let names = reality.names(group).join(", ");
-        writeln!(text, "# without the runs of {names}.")?;
-    }
-    if !about.hold_out.is_empty() {
+
+    fn values(&self, text: &mut String) -> std::fmt::Result {
         writeln!(
             text,
-            "# Not fitted, only predicted: {}.",
-            about.hold_out.join(", ")
+            "# Fitted values (posterior mean), with their credible intervals and priors:"
         )?;
+        for it in self.fitted {
+            let unit = it
+                .unit
+                .as_ref()
+                .map_or(String::new(), |unit| format!(" {unit}"));
+            writeln!(
+                text,
+                "#   {}: {:.5}{unit} [{:.5}, {:.5}], prior {:.5} to {:.5}, sets {}",
+                it.name,
+                it.fitted,
+                it.low,
+                it.high,
+                it.prior[0],
+                it.prior[1],
+                it.sets.join(", ")
+            )?;
+        }
+        let known: Vec<&str> = self.about.known.keys().map(String::as_str).collect();
+        match known.is_empty() {
+            true => Ok(()),
+            false => writeln!(
+                text,
+                "# Taken as known, not fitted: values of {}.",
+                known.join(", ")
+            ),
+        }
     }
-    writeln!(
-        text,
-        "# Fitted values (posterior mean), with their credible intervals:"
-    )?;
-    for it in fitted {
-        let unit = it
-            .unit
-            .as_ref()
-            .map_or(String::new(), |unit| format!(" {unit}"));
+
+    fn origin(&self, text: &mut String) -> std::fmt::Result {
+        let lineage = self.lineage;
         writeln!(
             text,
-            "#   {}: {:.5}{unit} [{:.5}, {:.5}], sets {}",
-            it.name,
-            it.fitted,
-            it.low,
-            it.high,
-            it.sets.join(", ")
+            "# Made with {}, {} episodes and the study's seed {}, from (BLAKE3):",
+            self.engine, self.episodes, lineage.seed
         )?;
+        for it in std::iter::once(&lineage.calibration).chain(&lineage.files) {
+            writeln!(text, "#   {} ({})", it.file, it.hash)?;
+        }
+        writeln!(text)
     }
-    let known: Vec<&str> = about.known.keys().map(String::as_str).collect();
-    if !known.is_empty() {
-        writeln!(
-            text,
-            "# Taken as known, not fitted: values of {}.",
-            known.join(", ")
-        )?;
-    }
-    writeln!(text)
 }

@@ -32,8 +32,30 @@ pub struct CalibrationReport {
     pub held_out_runs: Vec<HeldOutRunsReport>,
     /// Whether the fitted set reproduces what was counted.
     pub reproduces: bool,
+    /// What it was made from.
+    pub lineage: LineageReport,
     /// The fitted parameter set, as TOML.
     pub parameter_set: String,
+}
+
+/// What a fitted set was made from: with the same files, seed and engine it comes out again.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct LineageReport {
+    /// The study's seed, as a text: readers round numbers beyond 2^53.
+    pub seed: String,
+    /// The file of the calibration and its hash (BLAKE3).
+    pub calibration: FileReport,
+    /// The tables that were counted, the scenario, and the parameters to begin with.
+    pub files: Vec<FileReport>,
+}
+
+/// A file with its hash.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct FileReport {
+    /// The file, relative to the study where it is one of the study's.
+    pub file: String,
+    /// The hash of its content.
+    pub hash: String,
 }
 
 /// One fitted parameter.

@@ -4,7 +4,7 @@ use super::conclusion::{held_out_runs, mode_reports, reproduces};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
 use super::parameter_set;
-use super::report::{CalibrationReport, DirectionReport, ParameterReport};
+use super::report::{CalibrationReport, DirectionReport, LineageReport, ParameterReport};
 use crate::command::Setting;
 use crate::command::rare::bench::{TestBench, simulation_problem};
 use crate::problem::{Problem, Source};
@@ -45,6 +45,7 @@ pub struct Work<'a> {
     pub inputs: Inputs,
     pub seeds: Seeds,
     pub setting: &'a Setting,
+    pub lineage: LineageReport,
 }
 
 impl Work<'_> {
@@ -63,10 +64,10 @@ impl Work<'_> {
         let held_out_runs = held_out_runs(&self.reality, &calibration)?;
         let parameters = self.parameters(&posterior, &fitted.0, level);
         let body = parameter_set::body(base, &settings)?;
-        let heading = parameter_set::heading(self.text, &self.reality, &parameters);
+        let heading = self.heading(&parameters, calibration.episodes().len());
         let directions = posterior.directions().into_iter();
         Ok(CalibrationReport {
-            format: "1.1".into(),
+            format: "1.2".into(),
             engine: self.bench.engine.clone(),
             evidence: self.text.evidence.clone(),
             guarantee: "estimated: posterior by response surfaces (logistic, quadratic) over seeded episodes; checked by episodes of the fitted set".into(),
@@ -82,10 +83,22 @@ impl Work<'_> {
                 })
                 .collect(),
             reproduces: reproduces(&modes, &held_out_runs),
+            lineage: self.lineage.clone(),
             parameter_set: heading + &body,
             parameters,
             modes,
             held_out_runs,
+        })
+    }
+
+    fn heading(&self, fitted: &[ParameterReport], episodes: usize) -> String {
+        parameter_set::heading(&parameter_set::Written {
+            about: self.text,
+            reality: &self.reality,
+            fitted,
+            lineage: &self.lineage,
+            engine: &self.bench.engine,
+            episodes,
         })
     }
 

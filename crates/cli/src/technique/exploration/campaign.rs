@@ -44,7 +44,7 @@ pub struct Exploring<'e, 's> {
     /// comparison.
     pub vary: bool,
     /// What earlier calls have run.
-    pub journal: &'e Journal,
+    pub journal: &'e Journal<Shown>,
     /// Set when the user wants it to end.
     pub interrupt: &'e Interrupt,
     /// Where progress is told.
@@ -80,7 +80,6 @@ impl Exploring<'_, '_> {
             broken: std::mem::take(&mut seen.broken),
             coverage: seen.coverage_report(confidence(study.about.confidence)?)?,
             model_tests: model_tests_report(self.of_model),
-            disagreement: None,
         };
         Ok(Explored {
             report,

@@ -1,7 +1,5 @@
 //! What an exploration gives: the form of `exploration.json`.
 
-use super::bench::OpenBench;
-use super::disagreement::DisagreementReport;
 use crate::study::{BenchFiles, Shows};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,10 +7,6 @@ use serde::Serialize;
 /// Said with every result of an exploration.
 pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new. They are witnesses and coverage; \
     how often they show something is no estimate of how often it happens.";
-
-/// Said with a search for disagreement.
-pub const CHOSEN_CONTEXTS: &str = "The contexts were chosen where model and bench were suspected to differ. The interval of \
-    a listed context holds for that context, from fresh episodes; over all contexts nothing is estimated.";
 
 /// What an exploration found and covered.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -43,44 +37,6 @@ pub struct ExplorationReport {
     pub coverage: CoverageReport,
     /// What the model gave.
     pub model_tests: ModelTestsReport,
-    /// Contexts in which model and bench differ, if they were looked for.
-    pub disagreement: Option<DisagreementReport>,
-}
-
-impl ExplorationReport {
-    /// The result of a search for disagreement alone.
-    pub fn of_disagreement(bench: &OpenBench, found: DisagreementReport) -> Self {
-        let nothing = SetReport {
-            covered: 0,
-            total: 0,
-            missing: Vec::new(),
-            unknown: Vec::new(),
-        };
-        Self {
-            format: "1.0".into(),
-            statement: CHOSEN_CONTEXTS.into(),
-            bench: bench.files.clone(),
-            engine: bench.engine.clone(),
-            model: Some(found.model.clone()),
-            episodes: found.episodes,
-            simulated_secs: found.simulated_secs,
-            stopped: Stopped::Budget,
-            sources: Vec::new(),
-            findings: Vec::new(),
-            broken: Vec::new(),
-            coverage: CoverageReport {
-                triggers: nothing,
-                crosses: Vec::new(),
-                states: None,
-                transitions: None,
-                not_expressed: Vec::new(),
-                code: None,
-                saturation: SaturationReport::default(),
-            },
-            model_tests: ModelTestsReport::default(),
-            disagreement: Some(found),
-        }
-    }
 }
 
 /// Why an exploration ended.

@@ -7,9 +7,9 @@
 //! next follows from what was shown, so an exploration that goes on asks for
 //! the same episodes; an episode that was another one is not taken.
 
-use super::episode::Shown;
 use crate::problem::Problem;
 use crate::store::hash_of;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,21 +18,21 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use stimulus::Stimulus;
 
-/// An exploration's journal.
+/// An exploration's journal, of episodes of which `T` is kept.
 #[derive(Debug)]
-pub struct Journal {
+pub struct Journal<T> {
     path: PathBuf,
     file: Mutex<File>,
-    known: BTreeMap<u64, Entry>,
+    known: BTreeMap<u64, Entry<T>>,
 }
 
 /// What an episode was and what it showed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Entry {
+struct Entry<T> {
     episode: u64,
     seed: u64,
     stimulus: String,
-    shown: Shown,
+    shown: T,
 }
 
 /// A line: the entry as text, and the hash of that text.
@@ -42,7 +42,7 @@ struct Line {
     entry: Box<serde_json::value::RawValue>,
 }
 
-impl Journal {
+impl<T: Clone + Serialize + DeserializeOwned> Journal<T> {
     /// Opens the journal in a folder. Episodes that were looked at with
     /// something else, of which `looked_at_by` is the hash, are forgotten.
     pub fn open(folder: &Path, looked_at_by: &str) -> Result<Self, Problem> {
@@ -66,7 +66,7 @@ impl Journal {
     }
 
     /// What an episode showed, if it was run with this seed and stimulus.
-    pub fn read(&self, episode: u64, seed: u64, stimulus: &Stimulus) -> Option<Shown> {
+    pub fn read(&self, episode: u64, seed: u64, stimulus: &Stimulus) -> Option<T> {
         let entry = self.known.get(&episode)?;
         let is_same = entry.seed == seed && entry.stimulus == short_hash(stimulus);
         is_same.then(|| entry.shown.clone())
@@ -78,7 +78,7 @@ impl Journal {
         episode: u64,
         seed: u64,
         stimulus: &Stimulus,
-        shown: &Shown,
+        shown: &T,
     ) -> Result<(), Problem> {
         let entry = Entry {
             episode,
@@ -103,7 +103,7 @@ fn short_hash(stimulus: &Stimulus) -> String {
     hash_of(stimulus.to_json().as_bytes())[..16].to_owned()
 }
 
-fn line_of(entry: &Entry) -> Result<Vec<u8>, serde_json::Error> {
+fn line_of<T: Serialize>(entry: &Entry<T>) -> Result<Vec<u8>, serde_json::Error> {
     let text = serde_json::value::to_raw_value(entry)?;
     let line = Line {
         hash: hash_of(text.get().as_bytes())[..16].to_owned(),
@@ -115,7 +115,7 @@ fn line_of(entry: &Entry) -> Result<Vec<u8>, serde_json::Error> {
 }
 
 /// The entries of whole lines behind the header; the last of each episode.
-fn entries(text: &[u8], header: &str) -> BTreeMap<u64, Entry> {
+fn entries<T: DeserializeOwned>(text: &[u8], header: &str) -> BTreeMap<u64, Entry<T>> {
     let mut known = BTreeMap::new();
     let Some(lines) = text.strip_prefix(header.as_bytes()) else {
         return known;
@@ -128,7 +128,7 @@ fn entries(text: &[u8], header: &str) -> BTreeMap<u64, Entry> {
     known
 }
 
-fn entry_of(line: &[u8]) -> Option<Entry> {
+fn entry_of<T: DeserializeOwned>(line: &[u8]) -> Option<Entry<T>> {
     let line: Line = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
     let text = line.entry.get();
     let is_ours = line.hash.len() == 16 && hash_of(text.as_bytes()).starts_with(&line.hash);
@@ -137,6 +137,7 @@ fn entry_of(line: &[u8]) -> Option<Entry> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::episode::Shown;
     use super::*;
     use stimulus::{AbstractTest, Action};
 
@@ -161,23 +162,23 @@ mod tests {
     #[test]
     fn what_was_shown_is_there_again_to_the_last_bit_and_for_the_same_episode_only() {
         let folder = tempfile::tempdir().unwrap();
-        let journal = Journal::open(folder.path(), "a").unwrap();
+        let journal = Journal::<Shown>::open(folder.path(), "a").unwrap();
         journal
             .add(2, u64::MAX, &stimulus("go"), &shown(0.1))
             .unwrap();
-        let journal = Journal::open(folder.path(), "a").unwrap();
+        let journal = Journal::<Shown>::open(folder.path(), "a").unwrap();
         assert_eq!(journal.read(2, u64::MAX, &stimulus("go")), Some(shown(0.1)));
         assert_eq!(journal.read(2, 7, &stimulus("go")), None);
         assert_eq!(journal.read(2, u64::MAX, &stimulus("stop")), None);
         assert_eq!(journal.read(1, u64::MAX, &stimulus("go")), None);
-        let journal = Journal::open(folder.path(), "b").unwrap();
+        let journal = Journal::<Shown>::open(folder.path(), "b").unwrap();
         assert_eq!(journal.read(2, u64::MAX, &stimulus("go")), None);
     }
 
     #[test]
     fn a_journal_cut_at_any_byte_keeps_its_whole_lines() {
         let folder = tempfile::tempdir().unwrap();
-        let journal = Journal::open(folder.path(), "a").unwrap();
+        let journal = Journal::<Shown>::open(folder.path(), "a").unwrap();
         for episode in 1..=3 {
             journal
                 .add(episode, 1, &stimulus("go"), &shown(0.5))
@@ -187,7 +188,7 @@ mod tests {
         for cut in 0..=whole.len() {
             std::fs::write(&journal.path, &whole[..cut]).unwrap();
             let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
-            let again = Journal::open(folder.path(), "a").unwrap();
+            let again = Journal::<Shown>::open(folder.path(), "a").unwrap();
             let there = (1..=3).filter(|n| again.read(*n, 1, &stimulus("go")).is_some());
             assert_eq!(there.count(), lines.saturating_sub(1), "cut at {cut}");
         }
@@ -195,7 +196,7 @@ mod tests {
         let place = whole.len() - 40;
         damaged[place] = damaged[place].wrapping_add(1);
         std::fs::write(&journal.path, &damaged).unwrap();
-        let again = Journal::open(folder.path(), "a").unwrap();
+        let again = Journal::<Shown>::open(folder.path(), "a").unwrap();
         assert!(again.read(3, 1, &stimulus("go")).is_none());
         assert!(again.read(2, 1, &stimulus("go")).is_some());
     }

@@ -30,7 +30,7 @@ mod triggers;
 pub use abstraction::Abstraction;
 pub use bench::OpenBench;
 pub use campaign::{Explored, Exploring};
-pub use disagreement::{DisagreementReport, disagreement};
+pub use disagreement::{Disagreement, DisagreementReport, Ended};
 pub use episode::Watching;
 pub use form::{ExplorationReport, Stopped};
 pub use formal::Formal;

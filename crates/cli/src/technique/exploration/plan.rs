@@ -273,6 +273,11 @@ pub struct DisagreementData {
     pub model: Option<String>,
     /// Episodes, at most.
     pub episodes: u64,
+    /// How many of them lead to the regions; two fifths, if absent.
+    pub explore: Option<u64>,
+    /// All contexts are cut into at most so many regions.
+    #[serde(default = "six")]
+    pub regions: usize,
     /// Difference that still counts as agreement; the requirement's margin
     /// if absent.
     pub margin: Option<f64>,
@@ -300,6 +305,10 @@ pub struct ConstantData {
 
 fn one() -> usize {
     1
+}
+
+fn six() -> usize {
+    6
 }
 
 fn one_f64() -> f64 {

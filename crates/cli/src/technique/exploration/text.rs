@@ -1,8 +1,6 @@
 //! The result of an exploration for people.
 
-use super::disagreement::DisagreementReport;
 use super::form::{ExplorationReport, SetReport, Stopped};
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Members of a list that are written out, at most.
@@ -21,14 +19,9 @@ pub fn as_text(report: &ExplorationReport) -> String {
         "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
         report.episodes, report.bench.evidence, report.engine, report.simulated_secs
     );
-    match &report.disagreement {
-        Some(disagreement) => disagreements(&mut text, disagreement),
-        None => {
-            findings(&mut text, report);
-            coverage(&mut text, report);
-            sources(&mut text, report);
-        }
-    }
+    findings(&mut text, report);
+    coverage(&mut text, report);
+    sources(&mut text, report);
     let _ = writeln!(text, "\n{}", report.statement);
     text
 }
@@ -171,40 +164,4 @@ fn sources(text: &mut String, report: &ExplorationReport) {
         .map(|(g, r)| format!("{g}: {r}"))
         .collect();
     list_of(text, "no test from the model", &without, without.len());
-}
-
-fn disagreements(text: &mut String, report: &DisagreementReport) {
-    let _ = writeln!(
-        text,
-        "\nContexts in which {} and the bench may part on requirement {}; differences up to {} do not matter",
-        report.model, report.requirement, report.margin
-    );
-    let joined = |values: &BTreeMap<String, f64>| {
-        let values = values
-            .iter()
-            .map(|(name, value)| format!("{name} = {value:.4}"));
-        values.collect::<Vec<_>>().join(", ")
-    };
-    for context in &report.contexts {
-        let constants = match context.constants.is_empty() {
-            true => "its own constants".to_owned(),
-            false => joined(&context.constants),
-        };
-        let _ = writeln!(
-            text,
-            "  {}: {}\n      model {:.4} with {constants}\n      bench {} of {}, in [{:.3}, {:.3}]",
-            context.agreement.to_uppercase(),
-            joined(&context.parameters),
-            context.predicted,
-            context.successes,
-            context.trials,
-            context.low,
-            context.high,
-        );
-    }
-    let _ = writeln!(
-        text,
-        "  With a probability of at least {} none of these contexts is wrongly decided.",
-        report.confidence
-    );
 }

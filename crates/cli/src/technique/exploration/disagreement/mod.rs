@@ -1,0 +1,186 @@
+//! The search for disagreement: contexts in which the formal model predicts
+//! one thing and the bench shows another.
+//!
+//! An episode ends as soon as the requirement is decided in it, and is kept
+//! in a journal, so that a call that was interrupted goes on where it stopped.
+//!
+//! A context is a point of declared parameters, which set the bench's data and,
+//! through declared constants, the model. For each context that is looked at
+//! the model is checked anew, once: declare choices rather than continuous
+//! ranges where models are large.
+
+mod contexts;
+mod predictions;
+mod report;
+mod text;
+
+use super::bench::OpenBench;
+use super::journal::Journal;
+use super::plan::{DisagreementData, Plan};
+use crate::problem::Problem;
+use crate::study::Study;
+use crate::talk::{Interrupt, Stage};
+use crate::technique::simulation::Seeds;
+use campaign::{DisagreementOptions, DisagreementSearch};
+use contexts::{Contexts, Outcome};
+use predictions::Predictions;
+use rayon::prelude::*;
+use stimulus::{Point, Stimulus};
+
+pub use report::{DisagreementReport, Ended};
+
+/// Episodes between two looks at what they showed.
+const BATCH: usize = 20;
+/// Places of the map in each direction.
+const MAP_STEPS: usize = 8;
+
+/// A search, ready to be done.
+pub struct Disagreement<'a> {
+    data: &'a DisagreementData,
+    options: DisagreementOptions,
+    contexts: Contexts<'a>,
+    formal: Predictions<'a>,
+    bench: &'a OpenBench,
+    seeds: Seeds,
+    interrupt: &'a Interrupt,
+}
+
+/// What was run.
+#[derive(Clone, Copy, Debug, Default)]
+struct Spent {
+    episodes: u64,
+    simulated_secs: f64,
+    is_interrupted: bool,
+}
+
+impl<'a> Disagreement<'a> {
+    /// Holds the plan against study, bench and model.
+    pub fn new(
+        study: &'a Study,
+        plan: &'a Plan,
+        bench: &'a OpenBench,
+        interrupt: &'a Interrupt,
+    ) -> Result<Self, Problem> {
+        let Some(data) = &plan.data.disagreement else {
+            return Err(plan
+                .mistake("", "it says nothing of disagreement")
+                .remedy("add a [disagreement] table with the requirement and the contexts"));
+        };
+        let margin = data.margin.or_else(|| {
+            let of = study.requirements.iter().find(|r| r.id == data.requirement);
+            of.map(|requirement| requirement.margin)
+        });
+        let explored = data.explore.unwrap_or(data.episodes * 2 / 5).max(1);
+        Ok(Self {
+            options: DisagreementOptions {
+                explore: usize::try_from(explored).unwrap_or(usize::MAX),
+                regions: data.regions,
+                margin: margin.unwrap_or(0.05),
+                confidence: study.about.confidence,
+            },
+            contexts: Contexts::new(study, plan, data, bench)?,
+            formal: Predictions::new(study, plan, data, interrupt)?,
+            seeds: Seeds::new(
+                study.about.seed,
+                &format!("disagree {}", plan.evidence(true)),
+            ),
+            data,
+            bench,
+            interrupt,
+        })
+    }
+
+    /// Episodes, at most.
+    pub fn episodes(&self) -> u64 {
+        self.data.episodes
+    }
+
+    /// Searches, going on from the journal.
+    pub fn run(
+        &self,
+        plan: &Plan,
+        journal: &Journal<Outcome>,
+        stage: &Stage,
+    ) -> Result<DisagreementReport, Problem> {
+        let bad = |e: campaign::CampaignError| plan.mistake("[disagreement]", e.to_string());
+        let space = self.contexts.space.clone();
+        let search = DisagreementSearch::new(space, self.seeds.of(0), self.options);
+        let mut search = search.map_err(bad)?;
+        let spent = self.batches(&mut search, journal, stage)?;
+        let predict = |context: &Point| self.formal.at(&self.contexts.space, context);
+        let map = search.map(0, 1, MAP_STEPS, &predict);
+        self.formal.check()?;
+        Ok(report::report(self, &search, &map, spent))
+    }
+
+    fn batches(
+        &self,
+        search: &mut DisagreementSearch,
+        journal: &Journal<Outcome>,
+        stage: &Stage,
+    ) -> Result<Spent, Problem> {
+        let mut spent = Spent::default();
+        while spent.episodes < self.data.episodes && !search.is_over() {
+            let left = self.data.episodes - spent.episodes;
+            let count = BATCH.min(usize::try_from(left).unwrap_or(BATCH));
+            let predict = |context: &Point| self.formal.at(&self.contexts.space, context);
+            let contexts = search.ask(count, &predict);
+            match self.formal.check() {
+                Err(_) if self.interrupt.is_set() => {
+                    spent.is_interrupted = true;
+                    break;
+                }
+                checked => checked?,
+            }
+            let outcomes = match self.outcomes(spent.episodes, &contexts, journal, stage) {
+                // Whole batches are counted: a part of one would depend on the threads. What of it
+                // was run is in the journal.
+                Err(_) if self.interrupt.is_set() => {
+                    spent.is_interrupted = true;
+                    break;
+                }
+                outcomes => outcomes?,
+            };
+            spent.episodes += outcomes.len() as u64;
+            spent.simulated_secs += outcomes.iter().map(|it| it.simulated_secs).sum::<f64>();
+            let told = contexts.into_iter().zip(outcomes);
+            let told: Vec<_> = told.map(|(context, it)| (context, it.held)).collect();
+            search.tell(&told);
+        }
+        Ok(spent)
+    }
+
+    /// What became of an episode in each context, from the journal if it is there.
+    fn outcomes(
+        &self,
+        before: u64,
+        contexts: &[Point],
+        journal: &Journal<Outcome>,
+        stage: &Stage,
+    ) -> Result<Vec<Outcome>, Problem> {
+        let stimuli: Result<Vec<Stimulus>, Problem> = contexts
+            .iter()
+            .map(|context| self.contexts.stimulus(context))
+            .collect();
+        let numbered: Vec<(u64, Stimulus)> = (before + 1..).zip(stimuli?).collect();
+        let known: Vec<Option<Outcome>> = numbered
+            .iter()
+            .map(|(number, stimulus)| journal.read(*number, self.seeds.of(*number), stimulus))
+            .collect();
+        stage.skip(known.iter().flatten().count() as u64);
+        let work = numbered.par_iter().zip(known);
+        // What predicts is of one thread.
+        let (seeds, bench, interrupt) = (&self.seeds, &self.contexts, self.interrupt);
+        let outcomes = work.map(|((number, stimulus), known)| {
+            if let Some(known) = known {
+                return Ok(known);
+            }
+            let seed = seeds.of(*number);
+            let outcome = bench.run(stimulus, seed, interrupt)?;
+            journal.add(*number, seed, stimulus, &outcome)?;
+            stage.advance();
+            Ok(outcome)
+        });
+        outcomes.collect()
+    }
+}
