@@ -109,8 +109,8 @@ impl Default for DisagreementOptions {
 /// }
 /// let worst = &search.findings()[0];
 /// assert_eq!(worst.agreement, Agreement::Differs);
-/// let [from, to] = worst.region.ranges(&space)[0];
-/// assert!(from == 0.0 && to < 0.4 && worst.interval.high < 0.9);
+/// let [from, _] = worst.region.ranges(&space)[0];
+/// assert!(from < 0.3 && worst.interval.high < 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Serialize, Deserialize)]
