@@ -76,9 +76,9 @@ impl Setup {
         Self {
             family,
             limit_steps: limit_steps.max(3),
-            simulated: random.one_of(&[200, 500, 1000]),
+            simulated: random.one_of(&[50, 100, 200, 500, 1000]),
             cohort: Cohort {
-                subjects: random.one_of(&[10, 20, 40]),
+                subjects: random.one_of(&[5, 10, 20, 40]),
                 attempts: 10,
                 correlation: random.one_of(&[0.0, 0.05, 0.1]),
                 by_subject: true,

@@ -1,4 +1,32 @@
-//! placeholder
+//! Synthetic studies whose truth is known, each with one planted fault: how often the fault is found, how
+//! well it is located, how often nothing is taken for something, and whether intervals hold the truth.
+//!
+//! * [`family`]: how the truth of a study is drawn: toys, tasks of several stages with retries, and the
+//!   handover's own model;
+//! * [`task`]: a task as a chain in the PRISM language and as a simulator of the same runs;
+//! * [`fault`]: the catalogue, and how each fault is planted in one asset;
+//! * [`formal`], [`judges`], [`trials`]: evidence from the model checker, from monitors on traces, and from
+//!   people whose attempts are alike;
+//! * [`study`]: one study, compared and diagnosed by the code of the product ([`evidence::compare`],
+//!   [`evidence::rank`]);
+//! * [`matrix`]: requirement models on traces of each system model;
+//! * [`theory`]: the power of the test that matches a fault, the bound to be measured against;
+//! * [`score`], [`coverage`], [`bench`], [`table`]: the figures.
+//!
+//! ```
+//! use corroborate_bench::family::Family;
+//! use corroborate_bench::fault::{Fault, Site};
+//! use corroborate_bench::score::score;
+//! use corroborate_bench::study::Synthetic;
+//!
+//! // The monitor takes "finished" for "done".
+//! let study = Synthetic::new(Family::Toy, Fault::WrongMonitor, 5, 1)?;
+//! let score = score(&study);
+//! assert_eq!(study.planted.site, Some(Site::Monitor));
+//! assert!(score.found && score.rank == Some(1));
+//! # Ok::<(), String>(())
+//! ```
+
 pub mod bench;
 pub mod coverage;
 pub mod family;

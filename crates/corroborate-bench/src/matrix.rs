@@ -14,7 +14,7 @@ use evidence::{
 use stats::Confidence;
 
 /// Paths that are sampled from the formal model.
-const PATHS: usize = 1000;
+const PATHS: usize = 400;
 
 /// The cells of one source of traces.
 #[must_use]

@@ -117,6 +117,7 @@ pub fn tables(lines: &[Line]) -> Vec<Table> {
         false_alarms(lines),
         localisation(lines),
         coverage(lines),
+        calibration(lines),
     ]
 }
 
@@ -133,7 +134,10 @@ fn of_fault(lines: &[Line], fault: Fault) -> impl Iterator<Item = &Score> {
 
 fn mean(values: impl Iterator<Item = f64>) -> Cell {
     let values: Vec<f64> = values.collect();
-    Cell::Number(values.iter().sum::<f64>() / values.len().max(1) as f64)
+    if values.is_empty() {
+        return text("none");
+    }
+    Cell::Number(values.iter().sum::<f64>() / values.len() as f64)
 }
 
 const WAYS: [fn(&Score) -> bool; 3] = [|s| s.found, |s| s.by_points, |s| s.by_overlap];
@@ -245,9 +249,6 @@ fn false_alarms(lines: &[Line]) -> Table {
         "planted: clustered subjects; the table has totals only".into(),
         &|line| clustered(line) && !line.by_subject,
     );
-    add("planted: calibration on the same data".into(), &|line| {
-        line.score.fault == Fault::CalibratedOnSame
-    });
     Table {
         name: "false_alarms",
         title: "How often a study without a fault is said to have a conflict anywhere.".into(),
@@ -320,5 +321,18 @@ fn coverage(lines: &[Line]) -> Table {
         title: "How often an interval of 95 % holds the truth.".into(),
         headings: vec!["kind of evidence", "covered"],
         rows,
+    }
+}
+
+fn calibration(lines: &[Line]) -> Table {
+    let calibrated = of_fault(lines, Fault::CalibratedOnSame);
+    Table {
+        name: "calibration",
+        title: "How often agreement with the data of the calibration is called independent.".into(),
+        headings: vec!["planted", "called independent"],
+        rows: vec![vec![
+            text(Fault::CalibratedOnSame.name()),
+            Cell::of(calibrated, |s| s.false_independence),
+        ]],
     }
 }
