@@ -32,6 +32,7 @@ pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
     clues.extend(matter.of_missing_modes());
     clues.extend(matter.of_other_methods());
     clues.extend(matter.of_forms());
+    clues.extend(matter.of_hidden_conflicts());
     clues.extend(more);
     share_with_tools(matter, &mut clues);
     // The strongest first, so that titles and arguments begin with it.
