@@ -72,13 +72,7 @@ fn a_study_in_order_has_no_strong_suspect_and_its_matrix_is_kept() {
 #[test]
 fn a_wrong_rate_in_the_model_is_named_first_by_its_file() {
     let study = Study::new();
-    let text = support::read(&study.path("model.prism"));
-    let line = text
-        .lines()
-        .find(|l| l.starts_with("const double"))
-        .expect("a rate");
-    let name = line.split(['=', ' ']).nth(2).expect("a name");
-    study.edit("model.prism", line, &format!("const double {name} = 0.5;"));
+    study.edit("model.prism", "pTouches = 0.95", "pTouches = 0.5");
     let (said, diagnosis) = diagnosed(&study);
     assert_eq!(said.code, 1, "{said:?}");
     let suspect = first(&diagnosis);

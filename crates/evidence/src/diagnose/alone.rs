@@ -46,7 +46,7 @@ impl Matter<'_> {
         shown.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (whole, most) = *shown.first()?;
         // The others may say that it is those that show it who are wrong.
-        let odds = self.apart(most, piece, subject) - self.apart(piece, piece, subject);
+        let odds = self.apart(most, piece, subject, None) - self.apart(piece, piece, subject, None);
         let score = whole / (1.0 + odds.exp());
         let words: Vec<String> = shown
             .iter()

@@ -29,6 +29,12 @@ use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Techn
 /// What is strong evidence, in decades.
 const STRONG: f64 = 1.0;
 
+/// The most that two models count against each other: they differ for certain, but only data say which is wrong.
+const MODELS: f64 = 2.0;
+
+/// The least probability of being the odd one out at which a piece is named.
+const NAMED: f64 = 0.01;
+
 /// How much likelier a model is wrong than the real system's data, as a natural logarithm.
 const DATA: f64 = std::f64::consts::LN_10;
 
@@ -58,6 +64,9 @@ impl<'a> Matter<'a> {
         let subject = &conflict.subject;
         let mut clues = Vec::new();
         let mut left = self.difference(one, other, subject);
+        if [one, other].map(|piece| piece.technique) == [Technique::ModelChecking; 2] {
+            left = left.min(MODELS);
+        }
         for (piece, against) in [(one, other), (other, one)] {
             if let Some((clue, rest)) = self.of_solver(piece, against, subject, left) {
                 left = rest;
@@ -270,17 +279,17 @@ impl<'a> Matter<'a> {
         subject: &Subject,
         left: f64,
     ) -> Vec<Clue> {
-        let weights = [one, other].map(|piece| self.apart(piece, one, subject));
+        let is_formal = |piece: &Evidence| piece.technique == Technique::ModelChecking;
+        let form = (is_formal(one) || is_formal(other)).then_some("property");
+        let weights = [one, other].map(|piece| self.apart(piece, one, subject, form));
         let greatest = weights[0].max(weights[1]);
         let shares = weights.map(|w| (w - greatest).exp());
         let total = shares[0] + shares[1];
         let both = [(one, other, shares[0]), (other, one, shares[1])];
-        let clues = both.into_iter().map(|(piece, against, share)| {
-            self.of_system(piece, against, subject, (left, share / total))
-        });
-        clues
-            .filter(|clue| clue.score > 0.0 || left <= 0.0)
-            .collect()
+        let shared = both.into_iter().map(|(a, b, share)| (a, b, share / total));
+        let named = shared.filter(|(.., share)| *share >= NAMED);
+        let clue = |(piece, against, share)| self.of_system(piece, against, subject, (left, share));
+        named.map(clue).collect()
     }
 
     fn of_system(
@@ -320,9 +329,22 @@ impl<'a> Matter<'a> {
         }
     }
 
-    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`.
-    pub(super) fn apart(&self, piece: &Evidence, like: &Evidence, subject: &Subject) -> f64 {
-        let rate = |e: &Evidence| rate_or_never(e, subject);
+    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`; judged by
+    /// `form` where they are.
+    pub(super) fn apart(
+        &self,
+        piece: &Evidence,
+        like: &Evidence,
+        subject: &Subject,
+        form: Option<&str>,
+    ) -> f64 {
+        let rate = |e: &Evidence| {
+            let mut judged = self.judged(e, subject).into_iter();
+            let by_form = judged.find(|judged| form == Some(judged.form.as_str()));
+            by_form
+                .map(|judged| judged.rate)
+                .or_else(|| rate_or_never(e, subject))
+        };
         let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
         let others: Vec<Rate> = pieces
             .filter(|e| e.id != piece.id)
@@ -345,7 +367,10 @@ impl<'a> Matter<'a> {
             .map(|d| d.count)
             .sum();
         let cell = self.cells.iter().find(|cell| {
-            cell.evidence == piece.id && &cell.subject == subject && cell.not_judged.is_none()
+            ['B', 'C'].contains(&cell.cell)
+                && cell.evidence == piece.id
+                && &cell.subject == subject
+                && cell.trials > 0
         });
         match (cell, differing) {
             (Some(cell), 0) => vec![format!(

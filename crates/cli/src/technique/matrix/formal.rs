@@ -18,6 +18,10 @@ use temporal::monitor::Verdict;
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.
 const SOLVED: f64 = 1e-6;
 
+/// A sampled answer that is farther off than would happen once in a thousand diagnoses is a clue: paths are
+/// cheap, so a level that cries wolf in one of twenty is not needed.
+const BY_CHANCE: f64 = 1e-3;
+
 /// A computed answer with what its model's paths show.
 struct Sampled {
     subject: Subject,
@@ -176,7 +180,6 @@ impl Diagnosing<'_> {
         }
         let p_values: Vec<f64> = sampled.iter().map(|s| s.p_value).collect();
         let corrected = stats::holm(&p_values);
-        let alpha = 1.0 - self.study.about.confidence;
         let inside = sampled.iter().filter(|s| {
             let interval = s.cell.interval;
             interval.is_some_and(|i| i.low <= s.computed && s.computed <= i.high)
@@ -185,7 +188,7 @@ impl Diagnosing<'_> {
         let off: Vec<(&Sampled, f64)> = sampled
             .iter()
             .zip(corrected)
-            .filter(|(_, p)| *p < alpha)
+            .filter(|(_, p)| *p < BY_CHANCE)
             .collect();
         gathered.in_order.push(format!(
             "{}: {} of {} computed answers lie in the interval of {} sampled paths; {} differ beyond chance",
