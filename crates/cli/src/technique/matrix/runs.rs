@@ -115,9 +115,8 @@ impl Diagnosing<'_> {
                 gathered.same.extend(pair);
                 property.filled(sum(&episodes.forms, form), level)?
             }
-            (_, Some(_)) => {
-                property.empty("no journal of these runs says what the property says of each".into())
-            }
+            (_, Some(_)) => property
+                .empty("no journal of these runs says what the property says of each".into()),
             (_, None) => property.empty(no_property(self.study, property.subject)),
         };
         gathered.cells.push(cell);
@@ -184,11 +183,7 @@ fn no_property(study: &Study, subject: &Subject) -> String {
 }
 
 /// On how many runs property and monitor differ, each way.
-fn differing(
-    place: &Place<'_>,
-    episodes: &Episodes,
-    (form, main): (usize, usize),
-) -> SameTraces {
+fn differing(place: &Place<'_>, episodes: &Episodes, (form, main): (usize, usize)) -> SameTraces {
     let mut differing = [0; 2];
     for (of_main, of_forms) in episodes.main.iter().zip(&episodes.forms) {
         let (Some(monitor), Some(property)) = (of_main.get(main), of_forms.get(form)) else {
