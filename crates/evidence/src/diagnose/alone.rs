@@ -47,7 +47,11 @@ impl Matter<'_> {
         let (whole, most) = *shown.first()?;
         // The others may say that it is those that show it who are wrong.
         let odds = self.apart(most, piece, subject, None) - self.apart(piece, piece, subject, None);
-        let score = whole / (1.0 + odds.exp());
+        // Where several show it, they are not all wrong.
+        let score = match shown.len() {
+            1 => whole / (1.0 + odds.exp()),
+            _ => whole,
+        };
         let words: Vec<String> = shown
             .iter()
             .map(|(_, e)| rate_in_words(e, subject))
