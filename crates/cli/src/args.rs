@@ -1,6 +1,7 @@
 //! The command line, as plain data.
 
 mod assurance;
+mod diagnose;
 mod engines;
 mod explore;
 mod rare;
@@ -11,6 +12,7 @@ mod simulate;
 mod watch;
 
 pub use assurance::{Assure, Verify};
+pub use diagnose::Diagnose;
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
 pub use rare::{Calibrate, Rare};
@@ -88,6 +90,8 @@ pub enum Command {
     Requirements(Requirements),
     /// Compare the pieces of evidence of a study that has been run.
     Compare(Compare),
+    /// Find which asset is to blame for what disagrees in a study.
+    Diagnose(Diagnose),
     /// Write the report of a study that has been run.
     Report(Report),
     /// Write a study's assurance case, and its evidence as statements.

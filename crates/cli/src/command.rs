@@ -4,6 +4,7 @@ mod assure;
 mod calibrate;
 mod check;
 mod compare;
+mod diagnose;
 mod engines;
 mod explore;
 mod init;
@@ -78,6 +79,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Watch(arguments) => watch::watch(arguments, setting),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),
+        Command::Diagnose(arguments) => diagnose::diagnose(arguments, setting),
         Command::Report(arguments) => report::report(arguments),
         Command::Assure(arguments) => assure::assure(arguments),
         Command::Verify(arguments) => verify::verify(arguments, setting),

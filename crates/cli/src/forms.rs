@@ -13,4 +13,4 @@ mod left_out;
 mod limits;
 mod path;
 
-pub use path::judged_on_traces;
+pub use path::{judged_on_paths, judged_on_traces};

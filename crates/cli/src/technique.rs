@@ -8,6 +8,7 @@ pub mod campaign;
 pub mod experiment;
 pub mod exploration;
 pub mod judging;
+pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod recording;

@@ -28,8 +28,10 @@
 //! Every comparison with the outcome *conflicts* between evidence that takes
 //! part is named in at least one discrepancy.
 
+mod alone;
 mod contrast;
 mod forms;
+mod hidden;
 mod matter;
 mod ranking;
 mod rates;

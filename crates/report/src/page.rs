@@ -97,6 +97,7 @@ fn sections(view: View) -> Markup {
         (section::matrix::render(view))
         (section::forest::render(view))
         (section::modes::render(view))
+        (section::suspects::render(view))
         (section::discrepancies::render(view))
         (section::comparisons::render(view))
         (section::further::render(view))

@@ -21,6 +21,7 @@ mod deep;
 mod kept;
 
 use super::assure::{self, ASSURANCE};
+use super::diagnose::DIAGNOSIS;
 use super::report::read_result;
 use super::run::STUDY;
 use super::{Done, Setting, json};
@@ -30,8 +31,9 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::store::Stored;
 use crate::study::Study;
+use crate::technique::matrix::inputs_of;
 use audit::{Audit, VerifyReport};
-use evidence::StudyResult;
+use evidence::{Diagnosis, StudyResult};
 use std::path::{Path, PathBuf};
 
 /// Verifies the results of a study.
@@ -129,6 +131,8 @@ fn figures(
         expected.produced_by.clone_from(&claimed.produced_by);
     }
     let file = results.join("study.json");
+    let compared = expected.clone();
+    expected.diagnosis = diagnosed(claimed, results, audit);
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
     let text = Source::read(&file)?.text;
@@ -138,10 +142,25 @@ fn figures(
         if !kept.is_as_kept() {
             audit.fault(&path, "/digest", "the hash of the content does not hold");
         }
-        let values = compare::values_at(&path, "/content", &expected, &kept.content, audit)?;
+        let values = compare::values_at(&path, "/content", &compared, &kept.content, audit)?;
         audit.checked(values, "values of comparison.json follow from the evidence");
     }
     Ok(())
+}
+
+/// The diagnosis that was kept beside the result, if it is of this evidence.
+fn diagnosed(claimed: &StudyResult, results: &Path, audit: &mut Audit) -> Option<Diagnosis> {
+    claimed.diagnosis.as_ref()?;
+    let path = results.join(DIAGNOSIS);
+    let kept = kept::read::<Stored<Diagnosis>>(&path, audit)?;
+    if !kept.is_as_kept() {
+        audit.fault(&path, "/digest", "the hash of the content does not hold");
+    }
+    if kept.inputs != inputs_of(claimed) {
+        audit.fault(&path, "/inputs", "it is a diagnosis of other evidence");
+    }
+    audit.not_checked("the diagnosis: nothing was sampled or judged again");
+    Some(kept.content)
 }
 
 /// What was written of the claimed result is what this program writes of it.

@@ -5,7 +5,7 @@
 //! LTL on finite traces (G. De Giacomo and M. Y. Vardi, "Linear temporal logic
 //! and linear dynamic logic on finite traces", IJCAI 2013).
 
-use crate::study::{FormulaRule, JudgingForm, Rule, Study};
+use crate::study::{FormulaRule, JudgingForm, Rule, Study, Vocabulary};
 use prism_lang::ast::{BinaryOp, Comparison, Expr, ExprKind, StepBound, TemporalOp, UnaryOp};
 use temporal::formula::{AtomId, AtomText, Bound, Ending, Formula, Interval, Parsed, TimeModel};
 
@@ -14,14 +14,27 @@ use temporal::formula::{AtomId, AtomText, Bound, Ending, Formula, Interval, Pars
 /// # Errors
 /// Why traces cannot be judged by it, as a clause.
 pub fn judged_on_traces(study: &Study, text: &str) -> Result<JudgingForm, String> {
+    judged_on_paths(&study.vocabulary, study.about.model.step_secs(), text)
+}
+
+/// The same, with propositions that mean to traces what `vocabulary` says, such
+/// as paths of a model.
+///
+/// # Errors
+/// Why traces cannot be judged by it, as a clause.
+pub fn judged_on_paths(
+    vocabulary: &Vocabulary,
+    step_secs: Option<f64>,
+    text: &str,
+) -> Result<JudgingForm, String> {
     let file = prism_lang::parse_properties(text).tree;
     let property = file.properties.first().ok_or("there is no property")?;
     let ExprKind::Probability { path, .. } = &property.formula.kind else {
         return Err("it asks for no probability of paths".into());
     };
     let mut reader = Reader {
-        study,
-        step_secs: study.about.model.step_secs(),
+        vocabulary,
+        step_secs,
         atoms: Vec::new(),
     };
     let formula = reader.formula(path)?;
@@ -47,7 +60,7 @@ pub fn judged_on_traces(study: &Study, text: &str) -> Result<JudgingForm, String
 }
 
 struct Reader<'a> {
-    study: &'a Study,
+    vocabulary: &'a Vocabulary,
     step_secs: Option<f64>,
     atoms: Vec<AtomText>,
 }
@@ -71,7 +84,7 @@ impl Reader<'_> {
     }
 
     fn atom(&mut self, name: &str) -> Result<Formula, String> {
-        let proposition = self.study.vocabulary.propositions.get(name);
+        let proposition = self.vocabulary.propositions.get(name);
         if proposition.is_none_or(|p| p.trace.is_none()) {
             return Err(format!("`{name}` is not bound to traces"));
         }

@@ -21,7 +21,7 @@ pub use driver::{Campaigning, Finished, Source};
 pub use estimates::estimates;
 pub use online::OnLine;
 pub use outside::OutsideCommand;
-pub use recount::recount;
+pub use recount::{form_verdicts, recount};
 pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 

@@ -79,6 +79,30 @@ impl Recordings {
         Ok(())
     }
 
+    /// The verdicts of other judges on every recording, in their order.
+    pub fn verdicts(
+        &self,
+        judges: &Judges<'_>,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<Vec<Verdict>>, Problem> {
+        let go_on = || match interrupt.is_set() {
+            true => Err(Problem::interrupted()),
+            false => Ok(()),
+        };
+        let trials = self.trials.iter();
+        trials
+            .map(|trial| {
+                go_on()?;
+                let judged = self.rules.judge(judges, &trial.path, &go_on)?;
+                let judgements = match judged.complete {
+                    true => judged.judgements,
+                    false => only_violations(judged.judgements),
+                };
+                Ok(judgements.iter().map(|it| it.findings.verdict).collect())
+            })
+            .collect()
+    }
+
     /// Judges every recording; `say` is told of those that are not complete.
     pub fn produce(
         &self,

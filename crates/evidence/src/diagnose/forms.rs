@@ -5,7 +5,8 @@
 //! From the runs on which the monitor and the sentence differ (`Evidence::form_differences`), the counts under the
 //! sentence are those of the monitor, less the runs that it took for kept or violated, plus those that the sentence
 //! does. They stand beside the monitor's as another way of judging. A form that differs from the sentence on any run
-//! is named; its score is how strongly the two rates on these runs differ.
+//! is named; its score is how strongly the two rates on these runs differ. Of a form on which no finding rests (a
+//! property on runs, a reading) it is how strongly the share of such runs differs from none, at most [`UNHARMFUL`].
 //!
 //! Runs on which neither is violated are not among the differences, so that runs covered by one of the two only and
 //! kept are missed: the counts are then off by as many.
@@ -54,6 +55,9 @@ pub(super) fn under_sentence(piece: &Evidence, subject: &Subject) -> Option<Rate
     })
 }
 
+/// The most that a form counts on which no finding rests.
+const UNHARMFUL: f64 = 1.0;
+
 impl Matter<'_> {
     /// Whether a form of a subject judges some run otherwise than its sentence; `None` where nothing was held
     /// against a sentence.
@@ -96,7 +100,11 @@ impl Matter<'_> {
             (Some(own), Some(meant)) if found.form == "monitor" => {
                 strength(own, meant, self.margin(subject))
             }
-            _ => 0.0,
+            // No finding rests on it; still it is certain on each of these runs.
+            _ => {
+                let rate = Rate::counted(differing, found.runs);
+                strength(Rate::Computed(0.0), rate, self.margin(subject)).min(UNHARMFUL)
+            }
         };
         let runs: Vec<String> = alike.iter().flat_map(|d| d.witnesses.clone()).collect();
         let shows = format!(

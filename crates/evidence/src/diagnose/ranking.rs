@@ -7,7 +7,7 @@
 //! the strongest counts. Suspects are ranked by score; of equal ones tools come first, then requirement
 //! models, then system models (the cheapest to look at first), then by the order of the ledger.
 //!
-//! The suspect's title and first words are those of its strongest clue.
+//! The suspect's title and first words are those of its strongest clue, the rest of the [`SAID`] strongest.
 
 use super::matter::{Clue, Matter};
 use super::shared::share_with_tools;
@@ -15,6 +15,9 @@ use super::strength::CERTAIN;
 use super::suspect::{Suspect, SuspectAsset};
 use crate::{Inaccuracy, Subject};
 use std::collections::BTreeMap;
+
+/// Clues whose argument is told, at most; all are among the symptoms.
+const SAID: usize = 6;
 
 /// Witnesses that are kept of a suspect, at most.
 const WITNESSES: usize = 5;
@@ -32,6 +35,7 @@ pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
     clues.extend(matter.of_missing_modes());
     clues.extend(matter.of_other_methods());
     clues.extend(matter.of_forms());
+    clues.extend(matter.of_hidden_conflicts());
     clues.extend(more);
     share_with_tools(matter, &mut clues);
     // The strongest first, so that titles and arguments begin with it.
@@ -94,11 +98,13 @@ fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
     let score = score(&clues);
     let mut clues = clues.into_iter();
     let mut suspect = Suspect::of(clues.next()?);
+    let mut said = 1;
     for clue in clues {
         if !suspect.subjects.contains(&clue.subject) {
             suspect.subjects.push(clue.subject);
         }
-        if !suspect.explanation.contains(&clue.explanation) {
+        if said < SAID && !suspect.explanation.contains(&clue.explanation) {
+            said += 1;
             suspect.explanation.push(' ');
             suspect.explanation.push_str(&clue.explanation);
         }
@@ -137,5 +143,5 @@ fn score(clues: &[Clue]) -> f64 {
         }
     }
     let modes: f64 = of_modes.values().sum();
-    modes.max(of_requirements).min(CERTAIN)
+    modes.max(of_requirements).clamp(0.0, CERTAIN) + 0.0
 }

@@ -17,8 +17,6 @@
 //!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Tables and recordings of
 //!   the real system are a tenth as likely to be wrong as models of it.
 //!
-//! A failure mode that a piece cannot express has the rate 0 there.
-//!
 //! # Source and guarantee
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
 //! the shares add up to the conflict. Each conflict gives at least one clue.
@@ -26,12 +24,16 @@
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
 use super::strength::{CERTAIN, Rate, ln_together, strength};
 use super::suspect::{Figure, SuspectAsset, SuspectKind, Symptom};
-use crate::{
-    Comparison, Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique,
-};
+use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Technique};
 
 /// What is strong evidence, in decades.
 const STRONG: f64 = 1.0;
+
+/// The most that two models count against each other: they differ for certain, but only data say which is wrong.
+const MODELS: f64 = 2.0;
+
+/// The least probability of being the odd one out at which a piece is named.
+const NAMED: f64 = 0.01;
 
 /// How much likelier a model is wrong than the real system's data, as a natural logarithm.
 const DATA: f64 = std::f64::consts::LN_10;
@@ -62,6 +64,9 @@ impl<'a> Matter<'a> {
         let subject = &conflict.subject;
         let mut clues = Vec::new();
         let mut left = self.difference(one, other, subject);
+        if [one, other].map(|piece| piece.technique) == [Technique::ModelChecking; 2] {
+            left = left.min(MODELS);
+        }
         for (piece, against) in [(one, other), (other, one)] {
             if let Some((clue, rest)) = self.of_solver(piece, against, subject, left) {
                 left = rest;
@@ -274,17 +279,17 @@ impl<'a> Matter<'a> {
         subject: &Subject,
         left: f64,
     ) -> Vec<Clue> {
-        let weights = [one, other].map(|piece| self.apart(piece, one, subject));
+        let is_formal = |piece: &Evidence| piece.technique == Technique::ModelChecking;
+        let form = (is_formal(one) || is_formal(other)).then_some("property");
+        let weights = [one, other].map(|piece| self.apart(piece, one, subject, form));
         let greatest = weights[0].max(weights[1]);
         let shares = weights.map(|w| (w - greatest).exp());
         let total = shares[0] + shares[1];
         let both = [(one, other, shares[0]), (other, one, shares[1])];
-        let clues = both.into_iter().map(|(piece, against, share)| {
-            self.of_system(piece, against, subject, (left, share / total))
-        });
-        clues
-            .filter(|clue| clue.score > 0.0 || left <= 0.0)
-            .collect()
+        let shared = both.into_iter().map(|(a, b, share)| (a, b, share / total));
+        let named = shared.filter(|(.., share)| *share >= NAMED);
+        let clue = |(piece, against, share)| self.of_system(piece, against, subject, (left, share));
+        named.map(clue).collect()
     }
 
     fn of_system(
@@ -324,9 +329,22 @@ impl<'a> Matter<'a> {
         }
     }
 
-    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`.
-    fn apart(&self, piece: &Evidence, like: &Evidence, subject: &Subject) -> f64 {
-        let rate = |e: &Evidence| rate_or_never(e, subject);
+    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`; judged by
+    /// `form` where they are.
+    pub(super) fn apart(
+        &self,
+        piece: &Evidence,
+        like: &Evidence,
+        subject: &Subject,
+        form: Option<&str>,
+    ) -> f64 {
+        let rate = |e: &Evidence| {
+            let mut judged = self.judged(e, subject).into_iter();
+            let by_form = judged.find(|judged| form == Some(judged.form.as_str()));
+            by_form
+                .map(|judged| judged.rate)
+                .or_else(|| rate_or_never(e, subject))
+        };
         let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
         let others: Vec<Rate> = pieces
             .filter(|e| e.id != piece.id)
@@ -349,7 +367,10 @@ impl<'a> Matter<'a> {
             .map(|d| d.count)
             .sum();
         let cell = self.cells.iter().find(|cell| {
-            cell.evidence == piece.id && &cell.subject == subject && cell.not_judged.is_none()
+            ['B', 'C'].contains(&cell.cell)
+                && cell.evidence == piece.id
+                && &cell.subject == subject
+                && cell.trials > 0
         });
         match (cell, differing) {
             (Some(cell), 0) => vec![format!(
@@ -374,133 +395,6 @@ impl<'a> Matter<'a> {
                 has && self.difference(e, against, subject) < STRONG
             })
             .map(|e| e.id.clone())
-    }
-
-    /// Clues against models that cannot express a failure mode that others show.
-    pub(super) fn of_missing_modes(&self) -> Vec<Clue> {
-        let mut clues = Vec::new();
-        for piece in self.speaking() {
-            for finding in &piece.findings {
-                let (Subject::FailureMode(mode), Measure::NotExpressible { reason }) =
-                    (&finding.subject, &finding.measure)
-                else {
-                    continue;
-                };
-                if piece.technique == Technique::ModelChecking {
-                    clues.extend(self.missing_mode(piece, mode, &finding.subject, reason));
-                }
-            }
-        }
-        clues
-    }
-
-    fn missing_mode(
-        &self,
-        piece: &Evidence,
-        mode: &str,
-        subject: &Subject,
-        reason: &str,
-    ) -> Option<Clue> {
-        let margin = self.margin(subject);
-        let others = self.speaking().filter(|e| e.conditions == piece.conditions);
-        let mut shown: Vec<(f64, &Evidence)> = others
-            .filter_map(|e| {
-                let measure = &e.finding(subject)?.measure;
-                let shows = matches!(measure, Measure::Counts { count, .. } if *count > 0);
-                let apart = strength(Rate::Computed(0.0), Rate::of(measure)?, margin);
-                shows.then_some((apart, e))
-            })
-            .collect();
-        shown.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (whole, most) = *shown.first()?;
-        // The others may say that it is those that show it who are wrong.
-        let odds = self.apart(most, piece, subject) - self.apart(piece, piece, subject);
-        let score = whole / (1.0 + odds.exp());
-        let words: Vec<String> = shown
-            .iter()
-            .map(|(_, e)| rate_in_words(e, subject))
-            .collect();
-        let runs = most
-            .finding(subject)
-            .map_or_else(Vec::new, |f| f.witnesses.clone());
-        let place = self.evidence.iter().position(|e| e.id == piece.id)?;
-        let mut later = self
-            .evidence
-            .iter()
-            .skip(place + 1)
-            .filter(|e| e.technique == piece.technique && !e.intermediate);
-        let mended = later.find(|e| {
-            e.finding(subject)
-                .is_some_and(|f| f.measure.estimate().is_some())
-        });
-        Some(Clue {
-            inaccuracy: Inaccuracy::SystemModel,
-            asset: system_model(piece),
-            subject: subject.clone(),
-            score,
-            title: format!("{} does not know {}", piece.id, name_of(subject)),
-            explanation: format!("It occurs: {}. {reason}", words.join(", ")),
-            symptom: Symptom::MissingMode {
-                mode: mode.to_owned(),
-                shown: shown.iter().map(|(_, e)| counts_of(e, subject)).collect(),
-            },
-            figures: vec![figure("against never occurring, decades", score)],
-            witnesses: self.witnesses(most, &runs, &format!("{} occurs", name_of(subject))),
-            ruled_out: Vec::new(),
-            resolved_by: mended.map(|e| e.id.clone()),
-        })
-    }
-
-    /// Clues against methods whose answer lies outside bounds that hold, although the evidence does not
-    /// rest on it.
-    pub(super) fn of_other_methods(&self) -> Vec<Clue> {
-        let mut clues = Vec::new();
-        for piece in self.speaking() {
-            for finding in &piece.findings {
-                let Measure::Probability { answer, others, .. } = &finding.measure else {
-                    continue;
-                };
-                // Of two answers, the one with bounds judges the other, whichever of them counts.
-                let holds = |a: &MethodAnswer| !matches!(a.guarantee, Guarantee::Estimated { .. });
-                let is_sound = holds(answer);
-                for other in others {
-                    let (answer, other) = match (holds(answer), holds(other)) {
-                        (false, true) => (other, answer),
-                        _ => (answer, other),
-                    };
-                    if let Some(distance) = super::tool::distance_from_bounds(answer, other) {
-                        let margin = self.margin(&finding.subject);
-                        let values = [answer.value, other.value].map(Rate::Computed);
-                        clues.push(Clue {
-                            inaccuracy: Inaccuracy::Tool,
-                            asset: solver(piece, &other.method),
-                            subject: finding.subject.clone(),
-                            score: strength(values[0], values[1], margin),
-                            title: format!(
-                                "{}'s {} is where `{}` stopped, not a probability",
-                                piece.id, other.value, other.method
-                            ),
-                            explanation: format!(
-                                "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`.",
-                                name_of(&finding.subject), other.method, answer.method
-                            ),
-                            symptom: Symptom::SolverStopped {
-                                subject: finding.subject.clone(),
-                                method: other.method.clone(),
-                                value: other.value,
-                                sound: answer.method.clone(),
-                                sound_value: answer.value,
-                            },
-                            figures: vec![figure("distance from the bounds", distance)],
-                            witnesses: Vec::new(),
-                            ruled_out: Vec::new(),
-                            resolved_by: is_sound.then(|| piece.id.clone()),
-                        });
-                    }
-                }
-            }
-        }
-        clues
     }
 }
 
@@ -538,7 +432,7 @@ fn changed<'e>(
     }
 }
 
-fn solver(piece: &Evidence, method: &str) -> SuspectAsset {
+pub(super) fn solver(piece: &Evidence, method: &str) -> SuspectAsset {
     SuspectAsset {
         kind: SuspectKind::Solver,
         file: None,
@@ -548,14 +442,14 @@ fn solver(piece: &Evidence, method: &str) -> SuspectAsset {
 }
 
 /// A piece with its counts; a computed value has none.
-fn counts_of(piece: &Evidence, subject: &Subject) -> (String, u64, u64) {
+pub(super) fn counts_of(piece: &Evidence, subject: &Subject) -> (String, u64, u64) {
     match piece.finding(subject).map(|f| &f.measure) {
         Some(Measure::Counts { count, trials, .. }) => (piece.id.clone(), *count, *trials),
         _ => (piece.id.clone(), 0, 0),
     }
 }
 
-fn figure(name: &str, value: f64) -> Figure {
+pub(super) fn figure(name: &str, value: f64) -> Figure {
     Figure {
         name: name.into(),
         value: value.min(CERTAIN),

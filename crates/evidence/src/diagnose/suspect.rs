@@ -225,6 +225,7 @@ pub enum JudgedBy {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Cell {
     /// `A` to `F`: properties on model paths, episodes, recordings; then monitors on the same.
+    #[schemars(with = "String")]
     pub cell: char,
     /// The traces.
     pub traces: Traces,

@@ -14,4 +14,5 @@ pub mod matrix;
 pub mod modes;
 pub mod provenance;
 pub mod published;
+pub mod suspects;
 pub mod verdict;

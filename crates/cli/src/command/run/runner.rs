@@ -3,6 +3,7 @@
 use super::prepare::{Prepared, counted_constants};
 use super::{terminal_width, use_colour};
 use crate::args::Format;
+use crate::command::diagnose::DIAGNOSIS;
 use crate::command::{Done, Setting, json};
 use crate::corroboration::{self, Piece};
 use crate::forms::differences;
@@ -10,6 +11,7 @@ use crate::problem::Problem;
 use crate::store::{Inputs, Store};
 use crate::study::{Entry, Study, Work};
 use crate::technique::campaign::{self, Until};
+use crate::technique::matrix::inputs_of;
 use crate::technique::model_checking::CountedConstant;
 use crate::technique::operation::Recordings;
 use crate::technique::simulation::Seeds;
@@ -284,6 +286,13 @@ impl Runner<'_> {
             inputs.add("file", source.text.as_bytes());
         }
         inputs.hash()
+    }
+
+    /// The result with the diagnosis that was made of the same evidence, if one was.
+    pub(super) fn diagnosed(&self, mut result: StudyResult) -> StudyResult {
+        let inputs = inputs_of(&result);
+        result.diagnosis = self.store.fresh(DIAGNOSIS, &inputs);
+        result
     }
 
     pub(super) fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {

@@ -8,6 +8,7 @@ use crate::study::Study;
 use crate::technique::judging::Judges;
 use evidence::{Finding, Measure, Subject};
 use std::path::Path;
+use temporal::monitor::Verdict;
 
 /// What a journal says.
 #[derive(Debug)]
@@ -67,6 +68,30 @@ pub fn recount(
     }
     recount.findings = tally.findings(study, intervals)?;
     Ok(Some(recount))
+}
+
+/// The verdicts of the monitors and of the forms on each of the first `episodes` that are kept in
+/// `folder`; `None` if it holds no journal.
+#[allow(
+    clippy::type_complexity,
+    reason = "two lists of the same form, one for each kind of form"
+)]
+pub fn form_verdicts(
+    folder: &Path,
+    episodes: u64,
+) -> Result<Option<(Vec<Vec<Verdict>>, Vec<Vec<Verdict>>)>, Problem> {
+    let path = folder.join("journal");
+    if !path.exists() {
+        return Ok(None);
+    }
+    let (records, _) = records(&path)?;
+    let wanted = usize::try_from(episodes).unwrap_or(usize::MAX);
+    let taken = records.into_iter().take(wanted);
+    let both = taken.map(|record| {
+        let main = record.judged.iter().map(|judged| judged.verdict).collect();
+        (main, record.forms)
+    });
+    Ok(Some(both.unzip()))
 }
 
 impl Recount {

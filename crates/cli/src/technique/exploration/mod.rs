@@ -27,13 +27,13 @@ mod tests_of_model;
 mod text;
 mod triggers;
 
-pub use abstraction::Abstraction;
+pub use abstraction::{AbstractTrace, Abstraction, Class};
 pub use bench::OpenBench;
 pub use campaign::{Explored, Exploring};
 pub use disagreement::{Disagreement, DisagreementReport, Ended};
 pub use episode::Watching;
 pub use form::{ExplorationReport, Stopped};
-pub use formal::Formal;
+pub use formal::{Formal, Meaning};
 pub use journal::Journal;
 pub use plan::{Plan, SourceKind};
 pub use shows::ShowsJudge;

@@ -1,0 +1,109 @@
+//! `corroborate diagnose`: which asset is to blame for what disagrees.
+
+use super::report::read_result;
+use super::run::{results_folder, terminal_width, use_colour};
+use super::{Done, Setting, json, use_threads};
+use crate::args::{Diagnose, Format};
+use crate::outcome::Outcome;
+use crate::problem::Problem;
+use crate::store::Store;
+use crate::study::{Study, Work};
+use crate::technique::matrix::{Effort, ModelPaths, as_text, diagnose as diagnosed, path_seeds};
+use evidence::{Diagnosis, StudyResult};
+use std::fmt::Write as _;
+
+/// Runs the command.
+pub fn diagnose(arguments: &Diagnose, setting: &Setting) -> Result<Done, Problem> {
+    use_threads(arguments.threads)?;
+    let study = Study::load(&arguments.study)?;
+    if let Some(path) = &arguments.show {
+        return show(&study, path, setting);
+    }
+    let folder = results_folder(&arguments.study, arguments.out.as_deref());
+    let mut result = read_result(&arguments.study, &folder)?;
+    is_of_these_files(&study, &result)?;
+    let effort = Effort {
+        paths: arguments.paths,
+        half_step: arguments.half_step,
+        engines: arguments.engines,
+    };
+    let store = Store::open(&folder)?;
+    let diagnosis = diagnosed(&study, &result, &folder, &effort, setting)?;
+    let output = match arguments.format {
+        Format::Json => json(&diagnosis)?,
+        Format::Text => as_text(&diagnosis),
+    };
+    let outcome = outcome(&diagnosis);
+    store.keep(DIAGNOSIS, &diagnosis.inputs, &diagnosis)?;
+    result.diagnosis = Some(diagnosis);
+    store.write("study.json", json(&result)?.as_bytes())?;
+    store.write("report.html", report::html(&result).as_bytes())?;
+    // Formed so that what cannot be written as text is found here, not when it is read.
+    let _ = report::text(&result, terminal_width(), use_colour());
+    Ok(Done { output, outcome })
+}
+
+/// The file that keeps a diagnosis beside the results.
+pub const DIAGNOSIS: &str = "diagnosis.json";
+
+fn outcome(diagnosis: &Diagnosis) -> Outcome {
+    let mut suspects = diagnosis.suspects.iter();
+    match suspects.any(|suspect| suspect.score >= 1.0 && suspect.resolved_by.is_none()) {
+        true => Outcome::Violated,
+        false => Outcome::Holds,
+    }
+}
+
+/// A diagnosis of other files than those that were run would be of nothing.
+fn is_of_these_files(study: &Study, result: &StudyResult) -> Result<(), Problem> {
+    for piece in &result.evidence {
+        for asset in &piece.assets {
+            let path = study.folder.join(&asset.path);
+            let bytes =
+                std::fs::read(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
+            if crate::store::hash_of(&bytes) != asset.hash {
+                let message = format!("{} has changed since {} was produced", asset.path, piece.id);
+                return Err(Problem::new("stale-result", message)
+                    .remedy("run `corroborate run` on the study again"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// One sampled path, step by step.
+fn show(study: &Study, named: &str, setting: &Setting) -> Result<Done, Problem> {
+    let wrong = || {
+        Problem::new(
+            "bad-path",
+            format!("`{named}` names no path of a formal model"),
+        )
+        .remedy("name the evidence and the path's number, from 1: E1:17")
+    };
+    let (id, number) = named.rsplit_once(':').ok_or_else(wrong)?;
+    let number: u64 = number.parse().ok().filter(|n| *n > 0).ok_or_else(wrong)?;
+    if !matches!(study.entry(id)?.work, Work::Check { .. }) {
+        return Err(wrong());
+    }
+    let paths = ModelPaths::of_entry(study, id, &setting.interrupt)?;
+    let mut output = format!("Path {number} of {id}: the steps that change what holds\n");
+    for step in paths.shown(path_seeds(study.about.seed, id).of(number)) {
+        let _ = writeln!(output, "{:>7}  {}", step.step, step.holds.join(" "));
+        let _ = writeln!(output, "         {}", step.state);
+    }
+    Ok(Done {
+        output,
+        outcome: Outcome::Holds,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(Diagnosis).into();
+        crate::command::tests::assert_schema_is_committed("diagnose.schema.json", &schema);
+    }
+}

@@ -1,0 +1,270 @@
+//! Tools: the same episodes with half the time step, and in the other engine.
+//!
+//! An episode with the same seed draws the same numbers, so the verdicts are paired: only episodes with two
+//! verdicts speak, and what counts is whether they go one way (a sign test). Contact is chaotic: single
+//! episodes that come out otherwise, some one way and some the other, are no fault.
+
+use super::{Diagnosing, Gathered};
+use crate::problem::Problem;
+use crate::study::{Entry, Work};
+use crate::technique::exploration::OpenBench;
+use crate::technique::judging::Judges;
+use crate::technique::simulation::{Campaign, Seeds};
+use evidence::{
+    Clue, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom, Witness, strength,
+};
+use rayon::prelude::*;
+use stimulus::Stimulus;
+use temporal::monitor::Verdict;
+use testbench::Unwatched;
+use trace::Trace;
+
+/// Verdicts of one episode, before and after a change, in the order of the monitors.
+type Pair = [Vec<Verdict>; 2];
+
+impl Diagnosing<'_> {
+    /// Runs episodes again as far as the effort says.
+    pub(super) fn repeated(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+        for (asked, option) in [
+            (self.effort.half_step, "--half-step"),
+            (self.effort.engines, "--engines"),
+        ] {
+            if asked.is_none() {
+                let said = "episodes with half the time step or in the other engine";
+                gathered
+                    .not_done
+                    .push(format!("{said}: not asked for ({option})"));
+            }
+        }
+        for entry in
+            self.entries(|work| matches!(work, Work::Simulate { .. } | Work::SimulateScene { .. }))
+        {
+            if let Some(episodes) = self.effort.half_step {
+                self.half_step(entry, episodes, gathered)?;
+            }
+            if let Some(episodes) = self.effort.engines {
+                self.other_engine(entry, episodes, gathered)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn half_step(
+        &self,
+        entry: &Entry,
+        episodes: u64,
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let library = self.setting.physics_library.as_deref();
+        let bench = OpenBench::of_entry(self.study, entry, library)?;
+        let (stimulus, key) = match &entry.work {
+            Work::SimulateScene { test, .. } => {
+                let mut tests = bench.own_tests().iter();
+                let wanted =
+                    |t: &&stimulus::AbstractTest| test.as_ref().is_none_or(|n| n == &t.name);
+                (tests.find(wanted).cloned(), "simulation.time_step_secs")
+            }
+            _ => (
+                bench.own_tests().first().cloned(),
+                "scenario.simulation.time_step_secs",
+            ),
+        };
+        let step_secs = key
+            .split('.')
+            .try_fold(toml::Value::Table(bench.data().clone()), |value, part| {
+                value.get(part).cloned()
+            });
+        let step_secs = step_secs.and_then(|value| value.as_float());
+        let (Some(test), Some(step_secs)) = (stimulus, step_secs) else {
+            let said = "it has no time step that can be set";
+            gathered
+                .not_done
+                .push(format!("half the time step of {}: {said}", entry.id));
+            return Ok(());
+        };
+        let whole = Stimulus::of(test);
+        let mut half = whole.clone();
+        half.settings.insert(key.into(), (step_secs / 2.0).into());
+        let run = |changed: usize, seed: u64| {
+            let stimulus = [&whole, &half][changed];
+            let run = bench.run(stimulus, seed, &self.setting.interrupt);
+            run.map(|run| run.trace)
+                .map_err(|error| Problem::new("simulation-failed", error.to_string()))
+        };
+        let pairs = self.pairs(entry, episodes, "half the time step", &run)?;
+        let asset = SuspectAsset {
+            kind: SuspectKind::TimeStep,
+            file: file_of(entry),
+            part: Some(format!("{key} = {step_secs}")),
+            evidence: vec![entry.id.clone()],
+        };
+        self.compared(entry, &asset, "half the time step", &pairs, gathered)
+    }
+
+    fn other_engine(
+        &self,
+        entry: &Entry,
+        episodes: u64,
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let Work::SimulateScene { scene, test, .. } = &entry.work else {
+            let said = "the handover's contacts are written for MuJoCo; scenes can be run in both";
+            gathered
+                .not_done
+                .push(format!("the other engine for {}: {said}", entry.id));
+            return Ok(());
+        };
+        let library = self.setting.physics_library.as_deref();
+        let test = test.as_deref();
+        let campaigns = [
+            Campaign::of_scene(self.study, scene, test, library)?,
+            Campaign::of_scene_in_rapier(self.study, scene, test)?,
+        ];
+        let run = |changed: usize, seed: u64| {
+            let run = campaigns[changed].run(seed, &mut Unwatched, &self.setting.interrupt);
+            run.map(|run| run.trace)
+        };
+        let changed = "Rapier in place of MuJoCo";
+        let pairs = self.pairs(entry, episodes, changed, &run)?;
+        let asset = SuspectAsset {
+            kind: SuspectKind::Engine,
+            file: None,
+            part: Some(changed.into()),
+            evidence: vec![entry.id.clone()],
+        };
+        self.compared(entry, &asset, changed, &pairs, gathered)
+    }
+
+    /// The verdicts of episodes as they are and changed.
+    fn pairs(
+        &self,
+        entry: &Entry,
+        episodes: u64,
+        title: &str,
+        run: &(dyn Fn(usize, u64) -> Result<Trace, Problem> + Sync),
+    ) -> Result<Vec<Pair>, Problem> {
+        let judges = Judges::new(self.study, |_| true)?;
+        let seeds = Seeds::new(self.study.about.seed, &entry.id);
+        let title = format!("{}: {title}", entry.id);
+        let stage = self.setting.talk.begin(&title, episodes);
+        let numbers = (1..=episodes).into_par_iter();
+        numbers
+            .map(|number| {
+                self.setting.go_on()?;
+                let verdicts = |changed| {
+                    let judged = judges.judge(&run(changed, seeds.of(number))?)?;
+                    Ok(judged.iter().map(|j| j.findings.verdict).collect())
+                };
+                let pair = [verdicts(0)?, verdicts(1)?];
+                stage.advance();
+                Ok(pair)
+            })
+            .collect()
+    }
+
+    fn compared(
+        &self,
+        entry: &Entry,
+        asset: &SuspectAsset,
+        changed: &str,
+        pairs: &[Pair],
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let judges = Judges::new(self.study, |_| true)?;
+        let monitors: Vec<_> = judges.monitors().collect();
+        let (mut differing, mut one_way) = (0, 0);
+        for (at, (subject, reading)) in monitors.into_iter().enumerate() {
+            if reading.is_some() || !self.is_own(subject) {
+                continue;
+            }
+            let way = |before, after| {
+                let of_pair = |pair: &&Pair| violated(pair, at) == [before, after];
+                pairs.iter().filter(of_pair).count() as u64
+            };
+            let (mended, broken) = (way(true, false), way(false, true));
+            differing += mended + broken;
+            let score = strength(
+                Rate::Computed(0.5),
+                Rate::counted(broken, mended + broken),
+                1e-6,
+            );
+            if score > 0.0 && mended + broken > 0 {
+                one_way += 1;
+                let clue = self.clue(entry, asset, changed, (subject, at, score), pairs);
+                gathered.clues.push(clue);
+            }
+        }
+        gathered.in_order.push(format!(
+            "{}, {changed}: of {} episodes, verdicts differ {differing} times; on {one_way} subjects they go one way",
+            entry.id,
+            pairs.len()
+        ));
+        Ok(())
+    }
+
+    fn clue(
+        &self,
+        entry: &Entry,
+        asset: &SuspectAsset,
+        changed: &str,
+        (subject, at, score): (&Subject, usize, f64),
+        pairs: &[Pair],
+    ) -> Clue {
+        let count = |which: usize| {
+            let all = pairs.iter().filter(|pair| violated(pair, at)[which]);
+            all.count() as u64
+        };
+        let before_after = [count(0), count(1)];
+        let numbered = (1_u64..).zip(pairs);
+        let differing: Vec<u64> = numbered
+            .filter(|(_, pair)| violated(pair, at)[0] != violated(pair, at)[1])
+            .map(|(number, _)| number)
+            .collect();
+        let [before, after] = before_after;
+        let of = pairs.len();
+        Clue {
+            inaccuracy: Inaccuracy::Tool,
+            asset: asset.clone(),
+            subject: subject.clone(),
+            score,
+            title: format!("{} comes out otherwise with {changed}", entry.id),
+            explanation: format!(
+                "{}: violated (or occurring) in {before} of {of} episodes as they are, in {after} with {changed}.",
+                subject.id()
+            ),
+            symptom: Symptom::RunsOtherwise {
+                subject: subject.clone(),
+                changed: changed.to_owned(),
+                violated: before_after,
+                episodes: of as u64,
+                differing: differing.len() as u64,
+            },
+            figures: Vec::new(),
+            witnesses: differing
+                .iter()
+                .take(3)
+                .map(|number| Witness {
+                    name: format!("{} episode {number}", entry.id),
+                    shows: format!("{} with another verdict than with {changed}", subject.id()),
+                    replay: format!("corroborate replay {} {}:{number}", self.named, entry.id),
+                })
+                .collect(),
+            ruled_out: Vec::new(),
+            resolved_by: None,
+        }
+    }
+}
+
+/// Whether a monitor is violated in an episode, before and after.
+fn violated(pair: &Pair, at: usize) -> [bool; 2] {
+    [0, 1].map(|which| pair[which].get(at) == Some(&Verdict::Violated))
+}
+
+fn file_of(entry: &Entry) -> Option<String> {
+    let path = match &entry.work {
+        Work::Simulate { scenario, .. } => scenario,
+        Work::SimulateScene { scene, .. } => scene,
+        _ => return None,
+    };
+    Some(path.to_string_lossy().replace('\\', "/"))
+}

@@ -1,0 +1,143 @@
+//! Clues that follow from one piece of evidence: failure modes that its model cannot express although
+//! others show them, whose rate is 0 there; and methods that stopped outside bounds that hold.
+
+use super::matter::{Clue, Matter, name_of, rate_in_words, system_model};
+use super::rates::{counts_of, figure, solver};
+use super::strength::{Rate, strength};
+use super::suspect::Symptom;
+use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique};
+
+impl Matter<'_> {
+    /// Clues against models that cannot express a failure mode that others show.
+    pub(super) fn of_missing_modes(&self) -> Vec<Clue> {
+        let mut clues = Vec::new();
+        for piece in self.speaking() {
+            for finding in &piece.findings {
+                let (Subject::FailureMode(mode), Measure::NotExpressible { reason }) =
+                    (&finding.subject, &finding.measure)
+                else {
+                    continue;
+                };
+                if piece.technique == Technique::ModelChecking {
+                    clues.extend(self.missing_mode(piece, mode, &finding.subject, reason));
+                }
+            }
+        }
+        clues
+    }
+
+    fn missing_mode(
+        &self,
+        piece: &Evidence,
+        mode: &str,
+        subject: &Subject,
+        reason: &str,
+    ) -> Option<Clue> {
+        let margin = self.margin(subject);
+        let others = self.speaking().filter(|e| e.conditions == piece.conditions);
+        let mut shown: Vec<(f64, &Evidence)> = others
+            .filter_map(|e| {
+                let measure = &e.finding(subject)?.measure;
+                let shows = matches!(measure, Measure::Counts { count, .. } if *count > 0);
+                let apart = strength(Rate::Computed(0.0), Rate::of(measure)?, margin);
+                shows.then_some((apart, e))
+            })
+            .collect();
+        shown.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (whole, most) = *shown.first()?;
+        // The others may say that it is those that show it who are wrong.
+        let odds = self.apart(most, piece, subject, None) - self.apart(piece, piece, subject, None);
+        // Where several show it, they are not all wrong.
+        let score = match shown.len() {
+            1 => whole / (1.0 + odds.exp()),
+            _ => whole,
+        };
+        let words: Vec<String> = shown
+            .iter()
+            .map(|(_, e)| rate_in_words(e, subject))
+            .collect();
+        let runs = most
+            .finding(subject)
+            .map_or_else(Vec::new, |f| f.witnesses.clone());
+        let place = self.evidence.iter().position(|e| e.id == piece.id)?;
+        let mut later = self
+            .evidence
+            .iter()
+            .skip(place + 1)
+            .filter(|e| e.technique == piece.technique && !e.intermediate);
+        let mended = later.find(|e| {
+            e.finding(subject)
+                .is_some_and(|f| f.measure.estimate().is_some())
+        });
+        Some(Clue {
+            inaccuracy: Inaccuracy::SystemModel,
+            asset: system_model(piece),
+            subject: subject.clone(),
+            score,
+            title: format!("{} does not know {}", piece.id, name_of(subject)),
+            explanation: format!("It occurs: {}. {reason}", words.join(", ")),
+            symptom: Symptom::MissingMode {
+                mode: mode.to_owned(),
+                shown: shown.iter().map(|(_, e)| counts_of(e, subject)).collect(),
+            },
+            figures: vec![figure("against never occurring, decades", score)],
+            witnesses: self.witnesses(most, &runs, &format!("{} occurs", name_of(subject))),
+            ruled_out: Vec::new(),
+            resolved_by: mended.map(|e| e.id.clone()),
+        })
+    }
+
+    /// Clues against methods whose answer lies outside bounds that hold, although the evidence does not
+    /// rest on it.
+    pub(super) fn of_other_methods(&self) -> Vec<Clue> {
+        let mut clues = Vec::new();
+        for piece in self.speaking() {
+            for finding in &piece.findings {
+                let Measure::Probability { answer, others, .. } = &finding.measure else {
+                    continue;
+                };
+                // Of two answers, the one with bounds judges the other, whichever of them counts.
+                let holds = |a: &MethodAnswer| !matches!(a.guarantee, Guarantee::Estimated { .. });
+                let is_sound = holds(answer);
+                for other in others {
+                    let (answer, other) = match (holds(answer), holds(other)) {
+                        (false, true) => (other, answer),
+                        _ => (answer, other),
+                    };
+                    if let Some(distance) = super::tool::distance_from_bounds(answer, other) {
+                        let margin = self.margin(&finding.subject);
+                        let values = [answer.value, other.value].map(Rate::Computed);
+                        clues.push(Clue {
+                            inaccuracy: Inaccuracy::Tool,
+                            asset: solver(piece, &other.method),
+                            subject: finding.subject.clone(),
+                            score: strength(values[0], values[1], margin),
+                            title: format!(
+                                "{}'s {} is where `{}` stopped, not a probability",
+                                piece.id, other.value, other.method
+                            ),
+                            explanation: format!(
+                                "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`.",
+                                name_of(&finding.subject),
+                                other.method,
+                                answer.method
+                            ),
+                            symptom: Symptom::SolverStopped {
+                                subject: finding.subject.clone(),
+                                method: other.method.clone(),
+                                value: other.value,
+                                sound: answer.method.clone(),
+                                sound_value: answer.value,
+                            },
+                            figures: vec![figure("distance from the bounds", distance)],
+                            witnesses: Vec::new(),
+                            ruled_out: Vec::new(),
+                            resolved_by: is_sound.then(|| piece.id.clone()),
+                        });
+                    }
+                }
+            }
+        }
+        clues
+    }
+}

@@ -1,0 +1,90 @@
+//! Disagreement that no conflict of the findings shows.
+//!
+//! # Definition
+//! A formal model and runs agree by property and monitor, but not by the property on both: what the
+//! requirement models do hides what the system models do. It speaks against the formal model with the
+//! strength `c(A, B)` (or `c(A, C)`), at most [`UNHARMFUL`], since no conflict hangs on it.
+
+use super::matter::{Clue, Matter, name_of, system_model};
+use super::strength::{Rate, strength};
+use super::suspect::{Cell, Figure, JudgedBy, Symptom};
+use crate::{Evidence, Inaccuracy, Subject, Technique};
+
+/// The most that a difference counts on which no conflict hangs.
+const UNHARMFUL: f64 = 2.0;
+
+/// What is strong evidence, in decades.
+const STRONG: f64 = 1.0;
+
+impl Matter<'_> {
+    /// Clues against system models that differ by the property on both, and do not conflict otherwise.
+    pub(super) fn of_hidden_conflicts(&self) -> Vec<Clue> {
+        let conflicts = self.conflicts();
+        let mut clues = Vec::new();
+        let formal: Vec<&Evidence> = self
+            .speaking()
+            .filter(|e| e.technique == Technique::ModelChecking)
+            .collect();
+        for cell in self
+            .cells
+            .iter()
+            .filter(|c| ['B', 'C'].contains(&c.cell) && c.trials > 0)
+        {
+            let Some(runs) = self.piece(&cell.evidence) else {
+                continue;
+            };
+            let is_open = |model: &Evidence| {
+                conflicts.iter().all(|c| {
+                    c.subject != cell.subject
+                        || ![&c.left, &c.right].contains(&&model.id)
+                        || ![&c.left, &c.right].contains(&&runs.id)
+                })
+            };
+            let models = formal
+                .iter()
+                .filter(|m| m.conditions == runs.conditions && is_open(m));
+            clues.extend(models.filter_map(|model| self.of_hidden(model, runs, cell)));
+        }
+        clues
+    }
+
+    fn of_hidden(&self, model: &Evidence, runs: &Evidence, cell: &Cell) -> Option<Clue> {
+        let subject = &cell.subject;
+        let is_own =
+            matches!(subject, Subject::Requirement(_)) && cell.judged_by == JudgedBy::Property;
+        let value = model.finding(subject)?.measure.estimate()?;
+        let margin = self.margin(subject);
+        let left = strength(
+            Rate::Computed(value),
+            Rate::counted(cell.count, cell.trials),
+            margin,
+        );
+        let (count, trials) = (cell.count, cell.trials);
+        (is_own && left >= STRONG).then(|| Clue {
+            inaccuracy: Inaccuracy::SystemModel,
+            asset: system_model(model),
+            subject: subject.clone(),
+            score: left.min(UNHARMFUL),
+            title: format!("{} and {} differ by the property of {}", model.id, runs.id, name_of(subject)),
+            explanation: format!(
+                "By the property of {} {} computes {value:.4}, and {count} of {trials} runs of {} keep it \
+                 ({left:.1} decades); their findings do not conflict, since the monitor asks for something else.",
+                name_of(subject), model.id, runs.id
+            ),
+            symptom: Symptom::RateDiffers {
+                subject: subject.clone(),
+                evidence: model.id.clone(),
+                value,
+                others: vec![(runs.id.clone(), count, trials)],
+            },
+            figures: vec![Figure {
+                name: "hidden disagreement, decades".into(),
+                value: left,
+                interval: None,
+            }],
+            witnesses: Vec::new(),
+            ruled_out: vec!["the requirement model: it is the same property".into()],
+            resolved_by: None,
+        })
+    }
+}

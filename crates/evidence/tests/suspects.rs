@@ -1,0 +1,353 @@
+//! Who is suspected first, on the handover's first three pieces of evidence and on planted faults.
+
+use evidence::*;
+use stats::{Confidence, Sample, wilson};
+
+fn counted(subject: Subject, count: u64, trials: u64) -> Finding {
+    let sample = Sample::new(count, trials).unwrap();
+    let interval = wilson(sample, Confidence::P95);
+    let interval = Interval {
+        low: interval.low,
+        high: interval.high,
+    };
+    finding(
+        subject,
+        Measure::Counts {
+            count,
+            trials,
+            effective_trials: None,
+            interval,
+        },
+    )
+}
+
+fn finding(subject: Subject, measure: Measure) -> Finding {
+    Finding {
+        subject,
+        measure,
+        undecided: 0,
+        witnesses: vec!["episode-00002.mcap".into()],
+        readings: vec![],
+    }
+}
+
+fn method(method: &str, value: f64, guarantee: Guarantee) -> MethodAnswer {
+    MethodAnswer {
+        method: method.into(),
+        value,
+        complement: None,
+        guarantee,
+        iterations: None,
+    }
+}
+
+fn bounded(value: f64) -> Guarantee {
+    let (low, high) = (value - 1e-9, (value + 1e-9).min(1.0));
+    Guarantee::Bounded { low, high }
+}
+
+fn computed(subject: Subject, value: f64) -> Finding {
+    let answer = method("sound", value, bounded(value));
+    finding(
+        subject,
+        Measure::Probability {
+            answer,
+            others: vec![],
+            credible: None,
+        },
+    )
+}
+
+fn requirement(id: &str) -> Subject {
+    Subject::Requirement(id.into())
+}
+
+fn mode(id: &str) -> Subject {
+    Subject::FailureMode(id.into())
+}
+
+fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> Evidence {
+    let role = match technique {
+        Technique::ModelChecking | Technique::Simulation => AssetRole::SystemModel,
+        _ => AssetRole::Data,
+    };
+    let text = String::new;
+    Evidence {
+        id: id.into(),
+        title: id.into(),
+        technique,
+        tool: Tool {
+            name: text(),
+            version: text(),
+            settings: text(),
+        },
+        assets: vec![Asset {
+            role,
+            path: file.into(),
+            hash: text(),
+        }],
+        conditions: "typical".into(),
+        changed: text(),
+        calibrated: vec![],
+        intermediate: false,
+        published: false,
+        reproduced_by: None,
+        findings,
+        form_differences: vec![],
+        clusters: None,
+        inputs: text(),
+    }
+}
+
+fn conflict(subject: Subject, left: &str, right: &str) -> Comparison {
+    Comparison {
+        subject,
+        left: left.into(),
+        right: right.into(),
+        outcome: Outcome::Conflicts,
+        independent: true,
+        difference: None,
+        difference_interval: None,
+        margin: 0.05,
+        p_difference: None,
+        p_difference_corrected: None,
+        p_equivalence: None,
+        probability_within_margin: None,
+        further_trials: vec![],
+        reason: String::new(),
+    }
+}
+
+fn requirements() -> Vec<Requirement> {
+    let of = |id: &str, margin| Requirement {
+        id: id.into(),
+        text: String::new(),
+        threshold: None,
+        sentence: None,
+        property: None,
+        monitor: None,
+        margin,
+        same_quantity_as: None,
+    };
+    vec![of("1a", 0.10), of("3", 0.05)]
+}
+
+fn modes() -> Vec<FailureMode> {
+    let of = |id: &str, margin| FailureMode {
+        id: id.into(),
+        name: id.into(),
+        meaning: String::new(),
+        margin,
+    };
+    vec![
+        of("grip", 0.05),
+        of("runtime_error", 0.02),
+        of("pressure", 0.05),
+    ]
+}
+
+fn ranked(evidence: &[Evidence], comparisons: &[Comparison], cells: &[Cell]) -> Vec<Suspect> {
+    let (requirements, failure_modes) = (requirements(), modes());
+    let matter = Matter {
+        requirements: &requirements,
+        failure_modes: &failure_modes,
+        evidence,
+        comparisons,
+        cells,
+        study: "handover",
+    };
+    rank(&matter, vec![])
+}
+
+fn missing(id: &str) -> Finding {
+    let reason = "The model does not express it.".to_owned();
+    finding(mode(id), Measure::NotExpressible { reason })
+}
+
+fn first_model() -> Evidence {
+    let findings = vec![
+        computed(requirement("1a"), 1.0),
+        computed(requirement("3"), 1.0),
+        missing("grip"),
+        missing("runtime_error"),
+    ];
+    piece("E1", Technique::ModelChecking, "models/v1.prism", findings)
+}
+
+fn untuned() -> Evidence {
+    let findings = vec![
+        counted(requirement("1a"), 80, 100),
+        counted(requirement("3"), 80, 80),
+        counted(mode("grip"), 20, 100),
+        counted(mode("runtime_error"), 0, 100),
+    ];
+    piece(
+        "E2",
+        Technique::Simulation,
+        "simulation/untuned.toml",
+        findings,
+    )
+}
+
+fn experiments() -> Evidence {
+    let findings = vec![
+        counted(requirement("1a"), 88, 100),
+        counted(requirement("3"), 88, 98),
+        counted(mode("grip"), 3, 100),
+        counted(mode("runtime_error"), 0, 100),
+    ];
+    piece(
+        "E3",
+        Technique::Experiment,
+        "experiments/modes.csv",
+        findings,
+    )
+}
+
+#[test]
+fn the_first_model_is_named_first_for_the_modes_it_lacks() {
+    let ledger = [first_model(), untuned(), experiments()];
+    let conflicts = [
+        conflict(requirement("1a"), "E1", "E2"),
+        conflict(requirement("1a"), "E1", "E3"),
+        conflict(mode("grip"), "E2", "E3"),
+    ];
+    let suspects = ranked(&ledger, &conflicts, &[]);
+    let first = &suspects[0];
+    assert_eq!(first.asset.file.as_deref(), Some("models/v1.prism"));
+    assert_eq!(first.asset.kind, SuspectKind::FormalModel);
+    assert!(first.score > 2.0, "{}", first.score);
+    let lacks = |symptom: &Symptom| {
+        matches!(symptom, Symptom::MissingMode { mode, shown }
+            if mode == "grip" && shown[0] == ("E2".to_owned(), 20, 100))
+    };
+    assert!(first.symptoms.iter().any(lacks), "{:?}", first.symptoms);
+    let replay = "corroborate replay handover E2:2";
+    assert!(
+        first.witnesses.iter().any(|w| w.replay == replay),
+        "{:?}",
+        first.witnesses
+    );
+    // Of simulation and experiments, which differ in grip failures, the simulation.
+    assert_eq!(
+        suspects[1].asset.file.as_deref(),
+        Some("simulation/untuned.toml")
+    );
+    let ranks: Vec<u32> = suspects.iter().map(|s| s.rank).collect();
+    assert_eq!(ranks, (1..=suspects.len() as u32).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_reading_that_removes_a_conflict_accuses_the_monitor_and_clears_the_models() {
+    let mut tuned = untuned();
+    tuned.findings = vec![counted(requirement("3"), 446, 446)];
+    tuned.findings[0].readings = vec![Reading {
+        name: "human".into(),
+        meaning: "by what the human does".into(),
+        count: 446,
+        trials: 493,
+        differing: 47,
+        witnesses: vec!["episode-00017.mcap".into()],
+    }];
+    let ledger = [experiments(), tuned];
+    let suspects = ranked(&ledger, &[conflict(requirement("3"), "E3", "E2")], &[]);
+    let first = &suspects[0];
+    assert_eq!(first.inaccuracy, Inaccuracy::RequirementModel);
+    assert_eq!(first.asset.part.as_deref(), Some("requirement 3, monitor"));
+    assert!(
+        first.ruled_out[0].contains("the system models"),
+        "{:?}",
+        first.ruled_out
+    );
+    assert_eq!(
+        first.witnesses[0].replay,
+        "corroborate replay handover E2:17"
+    );
+    assert_eq!(suspects.len(), 1, "{suspects:?}");
+}
+
+#[test]
+fn a_wrong_rate_accuses_the_one_that_differs_from_all_others() {
+    for (odd, file) in [(0, "models/v2.prism"), (1, "sim.toml"), (2, "counts.csv")] {
+        let rate = |place| if place == odd { 30 } else { 7 };
+        let ledger = [
+            piece(
+                "M",
+                Technique::ModelChecking,
+                "models/v2.prism",
+                vec![computed(mode("pressure"), rate(0) as f64 / 100.0)],
+            ),
+            piece(
+                "S",
+                Technique::Simulation,
+                "sim.toml",
+                vec![counted(mode("pressure"), 5 * rate(1), 500)],
+            ),
+            piece(
+                "X",
+                Technique::Experiment,
+                "counts.csv",
+                vec![counted(mode("pressure"), 3 * rate(2), 300)],
+            ),
+        ];
+        let ids = ["M", "S", "X"];
+        let others = (0..3).filter(|place| *place != odd);
+        let conflicts: Vec<Comparison> = others
+            .map(|other| conflict(mode("pressure"), ids[odd], ids[other]))
+            .collect();
+        let suspects = ranked(&ledger, &conflicts, &[]);
+        assert_eq!(
+            suspects[0].asset.file.as_deref(),
+            Some(file),
+            "{suspects:?}"
+        );
+        assert!(suspects[0].score > 2.0);
+    }
+}
+
+#[test]
+fn a_solver_that_stopped_early_is_named_before_the_models() {
+    let mut model = first_model();
+    model.findings = vec![computed(requirement("1a"), 0.0)];
+    let reason = "it stopped".to_owned();
+    model.findings[0].measure = Measure::Probability {
+        answer: method("prism-default", 0.5, Guarantee::Estimated { reason }),
+        others: vec![method("sound", 0.86, bounded(0.86))],
+        credible: None,
+    };
+    let ledger = [model, experiments()];
+    let suspects = ranked(&ledger, &[conflict(requirement("1a"), "E1", "E3")], &[]);
+    assert_eq!(suspects[0].asset.kind, SuspectKind::Solver, "{suspects:?}");
+    assert_eq!(suspects[0].inaccuracy, Inaccuracy::Tool);
+}
+
+#[test]
+fn the_same_property_on_runs_separates_requirement_from_system() {
+    let cell = |count| Cell {
+        cell: 'B',
+        traces: Traces::Simulator,
+        judged_by: JudgedBy::Property,
+        evidence: "E2".into(),
+        subject: requirement("1a"),
+        count,
+        trials: 100,
+        runs: 100,
+        undecided: 0,
+        interval: None,
+        not_judged: None,
+    };
+    let ledger = [first_model(), untuned()];
+    let conflicts = [conflict(requirement("1a"), "E1", "E2")];
+    // The property agrees with the model on the simulator's runs: the monitor is to blame.
+    let suspects = ranked(&ledger, &conflicts, &[cell(100)]);
+    let monitor = |s: &Suspect| s.asset.part.as_deref() == Some("requirement 1a, monitor");
+    let of_monitor = suspects
+        .iter()
+        .find(|s| monitor(s))
+        .expect("the monitor is named");
+    assert!(of_monitor.score > 1.0, "{}", of_monitor.score);
+    // It agrees with the monitor: the models are.
+    let suspects = ranked(&ledger, &conflicts, &[cell(80)]);
+    assert!(suspects.iter().all(|s| !monitor(s)), "{suspects:?}");
+    assert_eq!(suspects[0].asset.file.as_deref(), Some("models/v1.prism"));
+}
