@@ -3,7 +3,7 @@
 //!
 //! # Definition
 //! A conflict of two pieces `X`, `Y` on a subject has the strength `T = c(X, Y)` (see
-//! [`super::strength`]). Each piece may have judged its runs by other forms of the requirement, and a
+//! [`mod@super::strength`]). Each piece may have judged its runs by other forms of the requirement, and a
 //! model by other methods.
 //!
 //! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
@@ -482,7 +482,9 @@ impl<'a> Matter<'a> {
                             ),
                             explanation: format!(
                                 "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`.",
-                                name_of(&finding.subject), other.method, answer.method
+                                name_of(&finding.subject),
+                                other.method,
+                                answer.method
                             ),
                             symptom: Symptom::SolverStopped {
                                 subject: finding.subject.clone(),
