@@ -11,7 +11,7 @@
 //!   [`evidence::rank`]);
 //! * [`matrix`]: requirement models on traces of each system model;
 //! * [`theory`]: the power of the test that matches a fault, the bound to be measured against;
-//! * [`score`], [`coverage`], [`bench`], [`table`]: the figures.
+//! * [`score`], [`coverage`], [`mod@bench`], [`table`]: the figures.
 //!
 //! ```
 //! use corroborate_bench::family::Family;

@@ -52,7 +52,8 @@ fn a_study_is_the_same_each_time_and_another_with_another_number() {
 fn every_fault_can_be_planted_in_every_family_that_it_fits() {
     for family in [Family::Toy, Family::Serial] {
         for fault in Fault::ALL.into_iter().filter(|fault| fault.fits(family)) {
-            let study = Synthetic::new(family, fault, 11, 0).expect(fault.name());
+            let study = Synthetic::new(family, fault, 11, 0)
+                .unwrap_or_else(|error| panic!("{}: {error}", fault.name()));
             assert_eq!(
                 study.planted.site.is_some(),
                 fault.is_conflict(),

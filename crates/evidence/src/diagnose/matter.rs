@@ -88,7 +88,7 @@ impl<'a> Matter<'a> {
     /// of ours reproduce.
     pub(super) fn speaking(&self) -> impl Iterator<Item = &'a Evidence> {
         let all = self.evidence.iter();
-        all.filter(|e| !e.intermediate && !(e.published && e.reproduced_by.is_some()))
+        all.filter(|e| !(e.intermediate || e.published && e.reproduced_by.is_some()))
     }
 
     /// The conflicts between pieces that speak for themselves, each quantity once.
@@ -202,10 +202,10 @@ pub(super) fn system_model(piece: &Evidence) -> SuspectAsset {
         }
         _ => (SuspectKind::Data, AssetRole::Data),
     };
-    let files = piece.assets.iter().filter(|a| a.role == role);
+    let mut files = piece.assets.iter().filter(|a| a.role == role);
     SuspectAsset {
         kind,
-        file: files.last().map(|asset| asset.path.clone()),
+        file: files.next_back().map(|asset| asset.path.clone()),
         part: None,
         evidence: vec![piece.id.clone()],
     }
