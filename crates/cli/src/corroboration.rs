@@ -134,6 +134,13 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
     };
     let comparisons = evidence::compare(&to_compare);
     let conclusions = evidence::conclude(&to_compare, &comparisons);
+    let synthesis = evidence::synthesise(
+        &to_compare,
+        &comparisons,
+        &conclusions,
+        study.costs.clone(),
+        &study.weights,
+    );
     published.extend(published::reproductions(study, &evidence));
     let mut discrepancies =
         evidence::diagnose(&evidence, &comparisons, 1.0 - study.about.confidence);
@@ -150,6 +157,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         evidence,
         comparisons,
         conclusions,
+        synthesis,
         discrepancies,
         diagnosis: None,
         gaps,

@@ -3,7 +3,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `study.toml` | title, summary, levels of confidence, conditions, seed |
+//! | `study.toml` | title, summary, levels of confidence, conditions, seed, costs of trials, weights |
 //! | `parameters.toml` | each distance, speed and time once, with its unit (may be missing) |
 //! | `requirements.toml` | each requirement once, in all its forms; failure modes |
 //! | `vocabulary.toml` | each proposition, bound to model, traces and tables |
@@ -20,6 +20,7 @@ mod parameters;
 mod requirements;
 mod sentence_form;
 mod vocabulary;
+mod weighing;
 
 pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
@@ -58,6 +59,10 @@ pub struct Study {
     pub ledger: Vec<Entry>,
     /// The ledger's file, for diagnostics.
     pub ledger_source: Source,
+    /// What one further trial of each piece of evidence costs.
+    pub costs: evidence::TrialCosts,
+    /// How much each piece of evidence counts where evidence is combined.
+    pub weights: evidence::Weights,
 }
 
 /// The content of `study.toml`.
@@ -83,6 +88,11 @@ pub struct About {
     /// What the numbers of the formal models mean.
     #[serde(default)]
     pub model: ModelUnits,
+    /// What one further trial costs; without it every trial counts the same.
+    costs: Option<weighing::CostsText>,
+    /// How much a piece of evidence counts where evidence is combined; 1 unless declared.
+    #[serde(default)]
+    weights: BTreeMap<String, f64>,
 }
 
 /// What the numbers of the formal models mean.
@@ -130,8 +140,12 @@ impl Study {
         let (requirements, failure_modes, forms) =
             requirements::load(folder, &vocabulary, &parameters, step_secs)?;
         let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
+        let costs = weighing::trial_costs(&about, &ledger, &about_source)?;
+        let weights = weighing::weights(&about, &ledger, &about_source)?;
         Ok(Self {
             folder: folder.to_owned(),
+            costs,
+            weights,
             about,
             about_source,
             parameters,

@@ -43,13 +43,16 @@ mod decide;
 mod further;
 mod lineage;
 mod pair;
+mod programme;
 mod together;
 pub(crate) mod words;
 
 pub(crate) use belief::Belief;
+pub(crate) use further::is_open;
 pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
 pub(crate) use lineage::Lineage;
+pub use programme::{Programme, programme};
 pub use together::{Spreading, Together, compare_together};
 
 use crate::{
@@ -224,6 +227,8 @@ struct Draft {
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
     obstacle: Option<String>,
+    /// To which sides trials can be added.
+    open: (bool, bool),
 }
 
 fn draft(
@@ -259,6 +264,7 @@ fn draft(
         fit,
         pair,
         obstacle,
+        open: (is_open(left), is_open(right)),
     })
 }
 
@@ -399,23 +405,27 @@ impl Draft {
         if !levels.plans {
             return words;
         }
-        let plans = Planning::new(pair, levels, family).plans((1.0, 1.0));
+        let plans = Planning::new(pair, levels, family)
+            .with_open_sides(self.open)
+            .plans((1.0, 1.0));
         let sides = [
             (
                 &self.comparison.left,
                 pair.first(),
+                self.open.0,
                 plans.first.map(|plan| plan.trials.0),
             ),
             (
                 &self.comparison.right,
                 pair.second(),
+                self.open.1,
                 plans.second.map(|plan| plan.trials.1),
             ),
         ];
         self.comparison.further_trials = sides
             .into_iter()
-            .filter(|(_, belief, _)| belief.design_effect().is_some())
-            .map(|(evidence, _, trials)| FurtherTrials {
+            .filter(|(_, belief, open, _)| *open && belief.design_effect().is_some())
+            .map(|(evidence, _, _, trials)| FurtherTrials {
                 evidence: evidence.clone(),
                 trials,
             })

@@ -18,7 +18,8 @@
 //! A requirement without a threshold asks for certainty. Trials alone cannot show it, however many
 //! pass, while one failure denies it; a computed probability within [`CERTAINTY`] of 1 supports it.
 //!
-//! The common bound is the smallest one-sided lower limit of all current pieces at the level
+//! The common bound is the smallest one-sided lower limit of all current pieces (for a requirement of
+//! "at most": the largest upper limit) at the level
 //! `1 - alpha/k` with `k` the number of those that can err by sampling, so that all limits hold
 //! together with confidence `1 - alpha` (Bonferroni), whatever the dependence; where all are
 //! independent, at `(1 - alpha)^(1/k)` (Sidak). A limit that is known for certain takes no share.
@@ -30,6 +31,7 @@
 pub(crate) mod combined;
 pub(crate) mod coverage;
 mod stand;
+pub(crate) mod threshold;
 
 use crate::compare::words::{list, percent, points};
 use crate::compare::{Belief, Lineage, Study};
@@ -84,12 +86,17 @@ fn conclusion(
     let among = among_current(comparisons, &quantity, &pieces);
     let verdict = verdict(&stands, &independent, &among);
     let all_independent = independent.len() == pieces.len();
-    let bound = common_lower_bound(&pieces, threshold, study.levels.confidence, all_independent);
+    let bound = common_bound(
+        &pieces,
+        threshold.direction,
+        study.levels.confidence,
+        all_independent,
+    );
     Conclusion {
         requirement: requirement.id.clone(),
         verdict,
         statement: statement(verdict, &pieces, &stands, &among, threshold, bound, study),
-        common_lower_bound: bound,
+        common_lower_bound: bound.filter(|_| threshold.direction == Direction::AtLeast),
         rests_on: pieces
             .iter()
             .map(|piece| piece.evidence.id.clone())
@@ -138,7 +145,7 @@ fn current<'a>(
 
 /// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
 /// reproduced by another, under the conditions that most techniques share.
-fn latest_of_each_technique(
+pub(crate) fn latest_of_each_technique(
     evidence: &[Evidence],
     counts: impl Fn(&Evidence) -> bool,
 ) -> Vec<usize> {
@@ -227,16 +234,13 @@ fn verdict(stands: &[Stand], independent: &[usize], among: &[&Comparison]) -> Ve
     }
 }
 
-/// What all pieces support together, for a requirement of "at least".
-fn common_lower_bound(
+/// What all pieces support at once: "at least" or "at most" this, as the requirement asks.
+fn common_bound(
     pieces: &[Piece<'_>],
-    threshold: Threshold,
+    direction: Direction,
     confidence: Confidence,
     all_independent: bool,
 ) -> Option<f64> {
-    if threshold.direction == Direction::AtMost {
-        return None;
-    }
     let can_err = |piece: &&Piece<'_>| !matches!(piece.belief, Belief::Known { .. });
     let count = pieces.iter().filter(can_err).count();
     let level = if all_independent {
@@ -244,10 +248,15 @@ fn common_lower_bound(
     } else {
         confidence.simultaneous(count)
     };
-    pieces
-        .iter()
-        .map(|piece| piece.belief.lower_limit(level))
-        .reduce(f64::min)
+    let beliefs = pieces.iter().map(|piece| &piece.belief);
+    match direction {
+        Direction::AtLeast => beliefs
+            .map(|belief| belief.lower_limit(level))
+            .reduce(f64::min),
+        Direction::AtMost => beliefs
+            .map(|belief| belief.upper_limit(level))
+            .reduce(f64::max),
+    }
 }
 
 fn statement(
@@ -281,7 +290,9 @@ fn statement(
         words.push_str(" Trials alone cannot show certainty.");
     }
     if let Some(bound) = bound {
-        words.push_str(&common_statement(stands, bound, study.levels.confidence));
+        let ids: Vec<String> = stands.iter().map(|stand| stand.id.clone()).collect();
+        let common = common_statement(&ids, threshold.direction, bound, study.levels.confidence);
+        words.push_str(&format!(" {common}"));
     }
     words
 }
@@ -296,18 +307,24 @@ fn opening(verdict: Verdict, threshold: Threshold) -> String {
     }
 }
 
-fn common_statement(stands: &[Stand], bound: f64, confidence: Confidence) -> String {
-    let ids: Vec<String> = stands.iter().map(|stand| stand.id.clone()).collect();
-    let who = match ids.as_slice() {
+/// The common bound in a sentence that stays true when its number is rounded.
+fn common_statement(
+    ids: &[String],
+    direction: Direction,
+    bound: f64,
+    confidence: Confidence,
+) -> String {
+    let who = match ids {
         [only] => format!("{only} supports"),
-        [_, _] => format!("{} both support", list(&ids)),
-        _ => format!("{} all support", list(&ids)),
+        [_, _] => format!("{} both support", list(ids)),
+        _ => format!("{} all support", list(ids)),
     };
     let level = percent(confidence.level());
-    format!(
-        " {who} at least {} with {level} confidence.",
-        percent_down(bound)
-    )
+    let what = match direction {
+        Direction::AtLeast => format!("at least {}", percent_down(bound)),
+        Direction::AtMost => format!("at most {}", percent_up(bound)),
+    };
+    format!("{who} {what} with {level} confidence.")
 }
 
 /// A lower bound in percent, rounded down so that the sentence stays true.
@@ -320,6 +337,18 @@ fn percent_down(bound: f64) -> String {
         scale *= 10.0;
     }
     percent((bound * scale).floor() / scale)
+}
+
+/// An upper bound in percent, rounded up.
+fn percent_up(bound: f64) -> String {
+    if bound <= 0.0 {
+        return percent(0.0);
+    }
+    let mut scale = 1e3;
+    while bound < 1.0 / scale && scale < 1e12 {
+        scale *= 10.0;
+    }
+    percent(((bound * scale).ceil() / scale).min(1.0))
 }
 
 fn agreement(among: &[&Comparison], independent: bool) -> Vec<String> {

@@ -2,7 +2,7 @@
 
 use crate::{
     Asset, Comparison, Conclusion, CoverageGap, Diagnosis, Discrepancy, FailureMode, Finding,
-    FormDifference, Requirement, Subject, Technique, Tool,
+    FormDifference, Requirement, Subject, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -138,6 +138,9 @@ pub struct StudyResult {
     pub comparisons: Vec<Comparison>,
     /// One for each requirement.
     pub conclusions: Vec<Conclusion>,
+    /// What all evidence amounts to together, and what would decide the undecided.
+    #[serde(default)]
+    pub synthesis: Synthesis,
     /// Disagreements explained, most important first.
     pub discrepancies: Vec<Discrepancy>,
     /// What changing one asset at a time shows; `corroborate diagnose` finds it out.

@@ -8,7 +8,7 @@
 //! evidence are [`Comparison`]s with one of four [`Outcome`]s, and a
 //! disagreement is explained by [`Discrepancy`]s. [`compare_together`] looks at all pieces on a
 //! subject at once, [`undecided`] plans the trials that would decide, and [`combine`] gives the
-//! interval that independent pieces support together. A [`StudyResult`] holds all
+//! interval that independent pieces support together; [`synthesise`] does all of these. A [`StudyResult`] holds all
 //! of it and is what a report shows; everything here serialises, and
 //! [`StudyResult::json_schema`] describes the form.
 //!
@@ -23,15 +23,17 @@ mod interval;
 mod ledger;
 mod measure;
 mod requirement;
+mod synthesis;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
 pub use compare::{
-    DecisionPlan, Influences, Levels, PlannedTrials, Spreading, Study, Together, TrialCosts,
-    Undecided, compare, compare_together, undecided,
+    DecisionPlan, Influences, Levels, PlannedTrials, Programme, Spreading, Study, Together,
+    TrialCosts, Undecided, compare, compare_together, programme, undecided,
 };
-pub use conclude::combined::{Combined, Model, Weights, combine};
+pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
+pub use conclude::threshold::Deciding;
 pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::{
     CERTAIN, Cell, Clue, Contrast, Diagnosis, Figure, JudgedBy, Matter, Rate, SameTraces, Suspect,
@@ -45,6 +47,7 @@ pub use finding::{
 pub use interval::Interval;
 pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
+pub use synthesis::{Synthesis, synthesise};
 pub use verdict::{
     Comparison, Conclusion, CoverageGap, Discrepancy, FurtherTrials, Inaccuracy, Outcome, Verdict,
 };

@@ -13,7 +13,8 @@
 //! # let study = evidence::StudyResult {
 //! #     format: "1.0".into(), title: "A robot hands over".into(), summary: String::new(),
 //! #     confidence: 0.95, requirements: vec![], failure_modes: vec![], evidence: vec![],
-//! #     comparisons: vec![], conclusions: vec![], discrepancies: vec![], diagnosis: None, gaps: vec![],
+//! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), discrepancies: vec![],
+//! #     diagnosis: None, gaps: vec![],
 //! #     published: vec![], costs: vec![], produced_by: "example".into(),
 //! # };
 //! let page: String = report::html(&study);
@@ -27,6 +28,7 @@
 pub mod assurance;
 mod number;
 mod page;
+mod plan;
 mod plot;
 pub mod replay;
 mod section;

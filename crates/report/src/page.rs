@@ -14,13 +14,14 @@ const SCRIPT: &str = include_str!("script.js");
 const SCRIPT_HASH: &str = "YYBZcrAcuVMDv7a2n8ZDuvMtKc2Iocym0mjujSYP9ek=";
 
 /// Anchor and name of each section, in order.
-pub const SECTIONS: [(&str, &str); 12] = [
+pub const SECTIONS: [(&str, &str); 13] = [
     ("verdict", "Verdict"),
     ("matrix", "Matrix"),
     ("forest", "Evidence"),
     ("modes", "Failure modes"),
     ("discrepancies", "Conflicts"),
     ("comparisons", "Comparisons"),
+    ("further", "What would decide"),
     ("argument", "Argument"),
     ("ledger", "Ledger"),
     ("coverage", "Coverage"),
@@ -98,6 +99,7 @@ fn sections(view: View) -> Markup {
         (section::modes::render(view))
         (section::discrepancies::render(view))
         (section::comparisons::render(view))
+        (section::further::render(view))
         (section::assurance::render(view))
         (section::ledger::render(view))
         (section::coverage::render(view))

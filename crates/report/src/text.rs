@@ -8,6 +8,7 @@ use evidence::{Conclusion, Measure, Outcome, Requirement, StudyResult, Technique
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::number;
+use crate::plan;
 use crate::view::{View, merged, unbroken};
 use crate::words::{self, Mark};
 
@@ -15,6 +16,8 @@ use crate::words::{self, Mark};
 const LEAST_WIDTH: usize = 40;
 /// Discrepancies listed; the rest are counted.
 const DISCREPANCIES_SHOWN: usize = 8;
+/// Undecided pairs listed with what would decide them; the rest are counted.
+const PLANS_SHOWN: usize = 6;
 
 /// The summary.
 pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
@@ -27,7 +30,9 @@ pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
     page.heading(&study.title);
     verdicts(&mut page, study);
     matrix(&mut page, view);
+    combined(&mut page, study);
     outcomes(&mut page, study);
+    further(&mut page, view);
     discrepancies(&mut page, study);
     gaps(&mut page, view);
     page.text
@@ -255,6 +260,60 @@ fn figures(measure: &Measure, mark: &Mark, column: usize) -> String {
     };
     let fitting = options.iter().find(|text| text.width() <= room);
     fitting.or(options.last()).cloned().unwrap_or_default()
+}
+
+/// What the independent evidence supports together, where there is anything to say.
+fn combined(page: &mut Page, study: &StudyResult) {
+    let said: Vec<_> = study
+        .synthesis
+        .combined
+        .iter()
+        .filter(|one| one.verdict != evidence::Verdict::NotCovered)
+        .collect();
+    if said.is_empty() {
+        return;
+    }
+    page.heading("Independent evidence together");
+    for one in said {
+        let label = format!("{} ", pad(&clean(&one.requirement), 5));
+        page.item(&label, "2", &one.statement);
+    }
+}
+
+/// Further trials that would decide.
+fn further(page: &mut Page, view: View) {
+    let synthesis = &view.study.synthesis;
+    let current: Vec<_> = synthesis.undecided.iter().filter(|u| u.current).collect();
+    if current.is_empty() && synthesis.deciding.is_empty() {
+        return;
+    }
+    page.heading("What would decide");
+    page.item("", "", &plan::pricing(&synthesis.costs));
+    if let Some(programme) = &synthesis.programme {
+        page.item("= ", "33", &plan::programme(programme, &synthesis.costs));
+    }
+    let mut told = None;
+    for one in &synthesis.deciding {
+        // The cheapest of each requirement; the report has the others.
+        if told.replace(&one.requirement) != Some(&one.requirement) {
+            let words = plan::deciding(one, &synthesis.costs);
+            let text = format!("whether requirement {} holds: {words}", one.requirement);
+            page.item("+ ", "33", &text);
+        }
+    }
+    for one in current.iter().take(PLANS_SHOWN) {
+        let words = match one.plans.first() {
+            Some(first) => plan::plan(first, &synthesis.costs),
+            None => "no further trials alone".to_owned(),
+        };
+        let title = view.short_title(&one.subject);
+        let text = format!("{} and {} on {title}: {words}", one.left, one.right);
+        page.item("+ ", "33", &text);
+    }
+    let rest = current.len().saturating_sub(PLANS_SHOWN);
+    if rest > 0 {
+        page.item("  ", "", &format!("and {rest} more in the report"));
+    }
 }
 
 fn outcomes(page: &mut Page, study: &StudyResult) {

@@ -2,7 +2,8 @@
 //! every section uses.
 
 use evidence::{
-    Conclusion, Evidence, Interval, Measure, Requirement, StudyResult, Subject, Technique,
+    Combined, Conclusion, Evidence, Interval, Measure, Requirement, StudyResult, Subject,
+    Technique, Together,
 };
 use maud::{Markup, html};
 
@@ -20,6 +21,18 @@ impl<'a> View<'a> {
     /// The requirement with this identifier.
     pub fn requirement(&self, id: &str) -> Option<&'a Requirement> {
         self.study.requirements.iter().find(|r| r.id == id)
+    }
+
+    /// What the independent evidence on a requirement supports together.
+    pub fn combined(&self, requirement: &str) -> Option<&'a Combined> {
+        let mut combined = self.study.synthesis.combined.iter();
+        combined.find(|one| one.requirement == requirement)
+    }
+
+    /// All pieces of evidence on a subject, compared at once, where there are three or more.
+    pub fn together(&self, subject: &Subject) -> Option<&'a Together> {
+        let mut together = self.study.synthesis.together.iter();
+        together.find(|one| &one.subject == subject && one.evidence.len() > 2)
     }
 
     /// Every requirement, then every failure mode.

@@ -76,6 +76,17 @@ impl Belief {
         }
     }
 
+    /// The value that the rate does not exceed with `confidence`, one-sided, found as the lower limit.
+    pub fn upper_limit(&self, confidence: Confidence) -> f64 {
+        match self {
+            Self::Counts { effective, .. } => {
+                IntervalMethod::ClopperPearson.upper_limit(*effective, confidence)
+            }
+            Self::Known { bounds, .. } => bounds.high,
+            Self::Distribution { posterior, .. } => posterior.quantile_upper(confidence.alpha()),
+        }
+    }
+
     /// The posterior of the rate; `None` for a computed probability without uncertain constants.
     pub fn posterior(&self) -> Option<BetaPosterior> {
         match self {

@@ -90,6 +90,7 @@ pub(crate) struct Planning<'a> {
     agreement: Confidence,
     conflict: Confidence,
     power: f64,
+    open: (bool, bool),
 }
 
 impl<'a> Planning<'a> {
@@ -99,19 +100,29 @@ impl<'a> Planning<'a> {
             agreement: levels.agreement,
             conflict: levels.confidence.simultaneous(family),
             power: levels.power,
+            open: (true, true),
         }
+    }
+
+    /// The same where trials can be added only to the sides that are open.
+    pub fn with_open_sides(self, open: (bool, bool)) -> Self {
+        Self { open, ..self }
     }
 
     /// Plans at these costs of one trial of the first and of the second side.
     pub fn plans(&self, costs: (f64, f64)) -> Plans {
         let (first, second) = (self.pair.first(), self.pair.second());
         let counted = |belief: &Belief| belief.design_effect().is_some();
+        let can = (
+            self.open.0 && counted(first),
+            self.open.1 && counted(second),
+        );
         let alone =
             |possible: bool, share: f64| possible.then(|| self.along(share, costs)).flatten();
         Plans {
-            first: alone(counted(first), 1.0),
-            second: alone(counted(second), 0.0),
-            both: (counted(first) && counted(second))
+            first: alone(can.0, 1.0),
+            second: alone(can.1, 0.0),
+            both: (can.0 && can.1)
                 .then(|| self.along(self.best_share(costs)?, costs))
                 .flatten(),
         }

@@ -20,6 +20,15 @@ pub struct TrialCosts {
     pub unit: String,
     /// Cost of a trial by the evidence's identifier; 1 where none is given.
     pub per_trial: BTreeMap<String, f64>,
+    /// `true` if the study declares them; else every trial counts the same.
+    #[serde(default)]
+    pub declared: bool,
+}
+
+impl Default for TrialCosts {
+    fn default() -> Self {
+        Self::equal()
+    }
 }
 
 impl TrialCosts {
@@ -29,6 +38,7 @@ impl TrialCosts {
         Self {
             unit: "trials".to_owned(),
             per_trial: BTreeMap::new(),
+            declared: false,
         }
     }
 
@@ -51,6 +61,7 @@ impl TrialCosts {
         Self {
             unit: "s".to_owned(),
             per_trial: evidence.iter().filter_map(seconds).collect(),
+            declared: false,
         }
     }
 
@@ -63,7 +74,7 @@ impl TrialCosts {
         self
     }
 
-    fn of(&self, evidence: &str) -> f64 {
+    pub(crate) fn of(&self, evidence: &str) -> f64 {
         let declared = self.per_trial.get(evidence).copied();
         declared
             .filter(|cost| cost.is_finite() && *cost > 0.0)
@@ -102,7 +113,11 @@ pub struct Undecided {
     pub right: String,
     /// The unit of all costs.
     pub unit: String,
-    /// Plans, the cheapest first; none where up to 10^7 further trials would not decide.
+    /// `true` if both sides are current, so that a conclusion waits for the decision.
+    #[serde(default)]
+    pub current: bool,
+    /// Plans, the cheapest first; none where up to 10^7 further trials would not decide, or where
+    /// nobody can add trials to the side that needs them.
     pub plans: Vec<DecisionPlan>,
 }
 
@@ -125,21 +140,40 @@ pub fn undecided(
         .collect()
 }
 
+/// Whether trials can be added: not to what others published.
+pub(crate) fn is_open(piece: &Evidence) -> bool {
+    !piece.published && piece.reproduced_by.is_none()
+}
+
+/// Whether all are the latest evidence of their technique on the subject.
+fn is_current(study: &Study<'_>, subject: &Subject, ids: [&String; 2]) -> bool {
+    let current = crate::conclude::latest_of_each_technique(study.evidence, |piece| {
+        let finding = piece.finding(subject);
+        finding.is_some_and(|finding| Belief::of(&finding.measure).is_ok())
+    });
+    let is_among = |id: &String| {
+        let mut current = current.iter();
+        current.any(|&index| &study.evidence[index].id == id)
+    };
+    ids.into_iter().all(is_among)
+}
+
 fn plans(
     study: &Study<'_>,
     comparison: &Comparison,
     costs: &TrialCosts,
     family: usize,
 ) -> Option<Undecided> {
-    let belief = |id: &str| {
-        let piece = study.evidence.iter().find(|piece| piece.id == id)?;
-        Belief::of(&piece.finding(&comparison.subject)?.measure).ok()
-    };
+    let piece = |id: &str| study.evidence.iter().find(|piece| piece.id == id);
+    let belief = |piece: &Evidence| Belief::of(&piece.finding(&comparison.subject)?.measure).ok();
     let (left, right) = (&comparison.left, &comparison.right);
-    let pair = Pair::new(belief(left)?, belief(right)?, comparison.margin);
-    let found =
-        Planning::new(&pair, &study.levels, family).plans((costs.of(left), costs.of(right)));
-    let all = found.by_cost();
+    let (first, second) = (piece(left)?, piece(right)?);
+    let pair = Pair::new(belief(first)?, belief(second)?, comparison.margin);
+    let open = (is_open(first), is_open(second));
+    let all = Planning::new(&pair, &study.levels, family)
+        .with_open_sides(open)
+        .plans((costs.of(left), costs.of(right)))
+        .by_cost();
     let trials = |plan: &Plan| {
         [(left, plan.trials.0), (right, plan.trials.1)]
             .into_iter()
@@ -155,6 +189,7 @@ fn plans(
         left: left.clone(),
         right: right.clone(),
         unit: costs.unit.clone(),
+        current: is_current(study, &comparison.subject, [left, right]),
         plans: all
             .iter()
             .map(|plan| DecisionPlan {

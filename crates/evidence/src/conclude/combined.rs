@@ -13,6 +13,9 @@
 //!   then not used, but for those of 0.
 //! * Two pieces conflict: nothing is combined.
 //!
+//! Beside it stands the sound common statement, which combines nothing: what every current piece
+//! supports, all at once, at the study's level (see `conclude`).
+//!
 //! The verdict of the interval against the threshold: *satisfied* when all of it meets the
 //! threshold, *violated* when none of it does, *undecided* else.
 //!
@@ -24,7 +27,10 @@
 //! nothing of dependence that is not declared.
 
 use super::stand::Standing;
-use super::{Piece, among_current, current, independent, quantity, stand};
+use super::{
+    Piece, among_current, common_bound, common_statement, current, independent, quantity, stand,
+};
+use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
 use crate::{Comparison, Direction, Interval, Outcome, Requirement, Subject, Threshold, Verdict};
 use schemars::JsonSchema;
@@ -73,6 +79,21 @@ pub enum Model {
     RandomEffects,
 }
 
+/// What all current pieces of evidence support at once.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CommonBound {
+    /// Whether the rate is at least or at most the bound, as the requirement asks.
+    pub direction: Direction,
+    /// The bound.
+    pub value: f64,
+    /// The confidence with which all pieces support it at once.
+    pub confidence: f64,
+    /// The pieces, in the ledger's order.
+    pub pieces: Vec<String>,
+    /// All of it in a sentence.
+    pub statement: String,
+}
+
 /// What the independent evidence on a requirement supports together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Combined {
@@ -94,6 +115,10 @@ pub struct Combined {
     pub p_heterogeneity: Option<f64>,
     /// The verdict of the interval against the threshold.
     pub verdict: Verdict,
+    /// The sound common statement; `None` without evidence.
+    pub common: Option<CommonBound>,
+    /// What was combined, and to what, in a few sentences.
+    pub statement: String,
 }
 
 /// Combines the independent evidence on every requirement, in their order.
@@ -119,6 +144,7 @@ fn combined(
     let pieces = current(study.evidence, requirement, &quantity);
     let among = among_current(comparisons, &quantity, &pieces);
     let mut result = blank(requirement, pieces.is_empty());
+    result.common = common(study, &pieces, requirement, lineage, &quantity);
     let counts = chosen(&pieces, lineage, &quantity, weights, &mut result);
     let both = |c: &&&Comparison| {
         result.pieces.contains_key(&c.left) && result.pieces.contains_key(&c.right)
@@ -126,15 +152,97 @@ fn combined(
     let inside: Vec<&Comparison> = among.iter().filter(both).copied().collect();
     if inside.iter().any(|c| c.outcome == Outcome::Conflicts) {
         result.verdict = Verdict::Conflicting;
-        return result;
+    } else {
+        let all = |c: &&Comparison| c.outcome == Outcome::Corroborates;
+        result.corroborated = !inside.is_empty() && inside.iter().all(all);
+        estimate(&counts, study.levels.confidence, &mut result);
+        if let Some(interval) = result.interval {
+            result.verdict = verdict(interval, requirement.threshold);
+        }
     }
-    let all = |c: &&Comparison| c.outcome == Outcome::Corroborates;
-    result.corroborated = !inside.is_empty() && inside.iter().all(all);
-    estimate(&counts, study.levels.confidence, &mut result);
-    if let Some(interval) = result.interval {
-        result.verdict = verdict(interval, requirement.threshold);
-    }
+    result.statement = statement(&result, asked(requirement), study.levels.confidence);
     result
+}
+
+/// The threshold; a requirement without one asks for certainty.
+fn asked(requirement: &Requirement) -> Threshold {
+    requirement.threshold.unwrap_or(Threshold {
+        direction: Direction::AtLeast,
+        value: 1.0,
+    })
+}
+
+/// What every current piece supports.
+fn common(
+    study: &Study<'_>,
+    pieces: &[Piece<'_>],
+    requirement: &Requirement,
+    lineage: &Lineage<'_>,
+    quantity: &Subject,
+) -> Option<CommonBound> {
+    let direction = asked(requirement).direction;
+    let all_independent = independent(pieces, lineage, quantity).len() == pieces.len();
+    let confidence = study.levels.confidence;
+    let value = common_bound(pieces, direction, confidence, all_independent)?;
+    let pieces: Vec<String> = pieces.iter().map(|p| p.evidence.id.clone()).collect();
+    Some(CommonBound {
+        direction,
+        value,
+        confidence: confidence.level(),
+        statement: common_statement(&pieces, direction, value, confidence),
+        pieces,
+    })
+}
+
+fn statement(result: &Combined, threshold: Threshold, confidence: Confidence) -> String {
+    let mut sentences = vec![together_in_words(result, confidence)];
+    if result.interval.is_some() {
+        let asked = stand::in_words(threshold);
+        sentences.push(match result.verdict {
+            Verdict::Satisfied => format!("All of it meets the threshold ({asked})."),
+            Verdict::Violated => format!("None of it meets the threshold ({asked})."),
+            _ => format!("That leaves the threshold open ({asked})."),
+        });
+    }
+    sentences.join(" ")
+}
+
+/// What was combined, and to what.
+fn together_in_words(result: &Combined, confidence: Confidence) -> String {
+    let ids: Vec<String> = result.pieces.keys().cloned().collect();
+    let who = list(&ids);
+    let Some(Interval { low, high }) = result.interval else {
+        return match result.verdict {
+            Verdict::NotCovered => "No current evidence says anything about it.".to_owned(),
+            Verdict::Conflicting => {
+                format!("Nothing is combined: {who} are independent and conflict.")
+            }
+            _ => "Nothing is combined: no independent evidence is counted.".to_owned(),
+        };
+    };
+    let level = percent(confidence.level());
+    let range = format!("{} to {} ({level} interval)", percent(low), percent(high));
+    if ids.len() == 1 {
+        return format!("{who} is the only independent count: {range}.");
+    }
+    let p = p_value(result.p_heterogeneity.unwrap_or(1.0));
+    let mut words = match result.model {
+        Some(Model::RandomEffects) => format!(
+            "{who} scatter (p {p} of one rate); their mean rate is {range}, by random effects."
+        ),
+        _ => format!("{who} together support {range}; one rate fits them (p {p})."),
+    };
+    let weighted = result.pieces.iter().filter(|(_, weight)| **weight < 1.0);
+    let weights: Vec<String> = weighted
+        .map(|(id, weight)| format!("{id} counts {weight}"))
+        .collect();
+    if !weights.is_empty() && result.model == Some(Model::PowerPrior) {
+        words.push_str(&format!(" By declared weight {}.", list(&weights)));
+    }
+    if !result.corroborated {
+        words.push_str(" That they agree within the margin is not shown for every pair.");
+    }
+    words
 }
 
 /// Nothing combined yet.
@@ -153,6 +261,8 @@ fn blank(requirement: &Requirement, nothing: bool) -> Combined {
         } else {
             Verdict::Undecided
         },
+        common: None,
+        statement: String::new(),
     }
 }
 

@@ -101,6 +101,16 @@ fn doubts_of_counts(sample: EffectiveSample, threshold: f64) -> (f64, f64) {
     (below, at_least)
 }
 
+/// Whether counts show the rate to be below a threshold, and to be at least as high.
+pub(super) fn shown_below_and_above(
+    sample: EffectiveSample,
+    threshold: f64,
+    level: Confidence,
+) -> (bool, bool) {
+    let (below, at_least) = doubts_of_counts(sample, threshold);
+    (at_least <= level.alpha(), below <= level.alpha())
+}
+
 fn words(id: &str, belief: &Belief, threshold: Threshold, met: f64, missed: f64) -> String {
     match belief {
         Belief::Counts { sample, effective } => {

@@ -4,6 +4,7 @@
 use super::node::{Argument, Builder, Kind};
 use super::words::{among, citation, cited, claim, claim_point, compared, quantity, rests_on};
 use crate::number;
+use crate::plan;
 use crate::view::View;
 use crate::words;
 use evidence::{Conclusion, Evidence, Measure, Outcome, Requirement, Verdict};
@@ -85,6 +86,7 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
         let text = format!("Concluded: {}", conclusion.statement);
         builder.context(goal, Kind::Context, name, text);
     }
+    together(builder, goal, view, name);
     let pieces = rests_on(view, requirement);
     let verdict = conclusion.map_or(Verdict::NotCovered, |c| c.verdict);
     let (against, supporting): (Vec<_>, Vec<_>) = pieces
@@ -110,6 +112,21 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
     }
     deny(builder, goal, requirement, verdict, &against);
     conflicts(builder, goal, view, requirement, &pieces);
+}
+
+/// What the evidence supports together: combined, and all of it at once.
+fn together(builder: &mut Builder, goal: usize, view: View, name: &str) {
+    let Some(combined) = view.combined(name) else {
+        return;
+    };
+    if combined.interval.is_some() {
+        let text = format!("Combined: {}", combined.statement);
+        builder.context(goal, Kind::Context, &format!("{name}-combined"), text);
+    }
+    if let Some(common) = combined.common.as_ref().filter(|c| c.pieces.len() > 1) {
+        let text = format!("Common ground: {}", common.statement);
+        builder.context(goal, Kind::Context, &format!("{name}-common"), text);
+    }
 }
 
 /// Whether a finding is evidence against the requirement, as it is read in
@@ -192,7 +209,13 @@ fn holes(view: View, requirement: &Requirement, conclusion: Option<&Conclusion>)
     match conclusion.map(|c| c.verdict) {
         None => holes.push("A conclusion is drawn about it. Now: there is none.".to_owned()),
         Some(Verdict::Undecided) => {
-            holes.push("The evidence decides. Now: it does not.".to_owned());
+            let synthesis = &study.synthesis;
+            let mut plans = synthesis.deciding.iter();
+            let cheapest = plans.find(|one| one.requirement == requirement.id);
+            let what = cheapest.map_or(String::new(), |one| {
+                format!(" Would: {}.", plan::deciding(one, &synthesis.costs))
+            });
+            holes.push(format!("The evidence decides. Now: it does not.{what}"));
         }
         _ => {}
     }

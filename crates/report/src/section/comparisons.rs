@@ -64,6 +64,7 @@ fn card(view: View, subject: &Subject) -> Markup {
                 @if let Subject::Requirement(id) = subject {
                     @if let Some(requirement) = view.requirement(id) { p class="small" { (requirement.text) } }
                 }
+                (at_once(view, subject))
                 (heat(view, subject, &pairs))
                 details {
                     summary { "Figures and reasons" }
@@ -72,6 +73,24 @@ fn card(view: View, subject: &Subject) -> Markup {
                     }
                     (not_comparable(view, &pairs))
                 }
+            }
+        }
+    }
+}
+
+/// All pieces on the subject at once: the outcome in words, the test behind it.
+fn at_once(view: View, subject: &Subject) -> Markup {
+    html! {
+        @if let Some(all) = view.together(subject) {
+            p class="small" {
+                (chip(&words::comparison(all.outcome, all.independent)))
+                " all at once (" (view.links(&all.evidence)) ")"
+                @if let Some(spreading) = &all.heterogeneity {
+                    ": one rate for all has p " (number::p_value(spreading.p_corrected))
+                    ", corrected (Q = " (number::decimal(spreading.statistic, 1))
+                    " on " (spreading.degrees) ", I² " (number::percent(spreading.i_squared)) ")"
+                }
+                "."
             }
         }
     }

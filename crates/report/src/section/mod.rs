@@ -6,6 +6,7 @@ pub mod cost;
 pub mod coverage;
 pub mod discrepancies;
 pub mod forest;
+pub mod further;
 pub mod glossary;
 pub mod ledger;
 pub mod lineage;

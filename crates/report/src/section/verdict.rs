@@ -58,11 +58,16 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                     p class="asked" { (requirement.text) }
                 }
                 p class="statement" { (unbroken(&conclusion.statement)) }
+                @if let Some(combined) = view.combined(&conclusion.requirement) {
+                    p class="small" { b { "Together: " } (unbroken(&combined.statement)) }
+                }
                 p class="small" {
                     @if !conclusion.rests_on.is_empty() {
                         "Rests on " (view.links(&conclusion.rests_on)) ". "
                     }
-                    @if let Some(bound) = conclusion.common_lower_bound {
+                    @if let Some(common) = view.combined(&conclusion.requirement).and_then(|c| c.common.as_ref()) {
+                        (unbroken(&common.statement))
+                    } @else if let Some(bound) = conclusion.common_lower_bound {
                         "All of it together supports at least " (number::lower_bound(bound)) "."
                     }
                 }

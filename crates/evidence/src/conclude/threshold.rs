@@ -1,0 +1,220 @@
+//! For the requirements that are undecided: how many further trials would settle them.
+//!
+//! # Definition
+//! A requirement is settled by a piece of evidence that shows, at the level of the conclusions, that
+//! its threshold is met or that it is missed (see `conclude`). With `n` further trials, whose
+//! successes `Y` have the beta-binomial distribution of Jeffreys' posterior,
+//!
+//! ```text
+//! chance(n) = P(Y <= last y that shows the rate to be below) + P(Y >= first y that shows it to be above)
+//! ```
+//!
+//! The plan is an `n` with `chance(n)` of at least the wanted power, found by doubling and halving.
+//! Plans are made for each independent piece that counts and to which trials can be added. A
+//! requirement of certainty has none: no number of trials shows it.
+//!
+//! # Source
+//! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005).
+//!
+//! # Guarantee
+//! The chance is that of `stats::Predictive` (exact up to 65536 trials). Whole numbers make it a
+//! sawtooth, so that some smaller `n` may reach it, too. Clustered trials count at their design
+//! effect of today.
+
+use super::{Piece, current, independent, quantity};
+use crate::compare::{Belief, Study, TrialCosts, is_open};
+use crate::conclude::stand::shown_below_and_above;
+use crate::{Conclusion, Requirement, Verdict};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stats::{BetaPosterior, Confidence, EffectiveSample, Predictive};
+
+/// Trials beyond which no plan is made.
+const MOST_TRIALS: u64 = 10_000_000;
+
+/// Further trials of one piece of evidence that would settle a requirement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Deciding {
+    /// The requirement's identifier.
+    pub requirement: String,
+    /// The evidence to which they are added.
+    pub evidence: String,
+    /// How many; `None` if up to 10^7 would not settle it.
+    pub trials: Option<u64>,
+    /// What they cost, in the unit of the costs.
+    pub cost: Option<f64>,
+    /// The chance that they settle it, given what is known now.
+    pub chance: Option<f64>,
+}
+
+/// Plans for every requirement whose conclusion is undecided, the cheapest first.
+pub(crate) fn deciding(
+    study: &Study<'_>,
+    conclusions: &[Conclusion],
+    costs: &TrialCosts,
+) -> Vec<Deciding> {
+    let open = |requirement: &&Requirement| {
+        let is_open =
+            |c: &Conclusion| c.requirement == requirement.id && c.verdict == Verdict::Undecided;
+        conclusions.iter().any(is_open)
+    };
+    let requirements = study.requirements.iter().filter(open);
+    requirements
+        .flat_map(|requirement| plans(study, requirement, costs))
+        .collect()
+}
+
+fn plans(study: &Study<'_>, requirement: &Requirement, costs: &TrialCosts) -> Vec<Deciding> {
+    let Some(threshold) = requirement.threshold.map(|threshold| threshold.value) else {
+        return Vec::new();
+    };
+    if threshold <= 0.0 || threshold >= 1.0 {
+        return Vec::new();
+    }
+    let quantity = quantity(study.requirements, requirement);
+    let pieces = current(study.evidence, requirement, &quantity);
+    let free = independent(&pieces, &study.lineage(), &quantity);
+    let level = study.levels.confidence.simultaneous(free.len());
+    let plan = |piece: &Piece<'_>| {
+        let Belief::Counts { effective, .. } = &piece.belief else {
+            return None;
+        };
+        let effect = piece.belief.design_effect()?;
+        let id = &piece.evidence.id;
+        let found = least(*effective, effect, threshold, level, study.levels.power);
+        Some(Deciding {
+            requirement: requirement.id.clone(),
+            evidence: id.clone(),
+            trials: found.map(|(trials, _)| trials),
+            cost: found.map(|(trials, _)| trials as f64 * costs.of(id)),
+            chance: found.map(|(_, chance)| chance),
+        })
+    };
+    let open = free.into_iter().map(|index| &pieces[index]);
+    let mut plans: Vec<Deciding> = open
+        .filter(|piece| is_open(piece.evidence))
+        .filter_map(plan)
+        .collect();
+    let cost = |plan: &Deciding| plan.cost.unwrap_or(f64::INFINITY);
+    plans.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+    plans
+}
+
+/// Trials with at least this chance of settling it, and the chance.
+fn least(
+    known: EffectiveSample,
+    effect: f64,
+    threshold: f64,
+    level: Confidence,
+    power: f64,
+) -> Option<(u64, f64)> {
+    let posterior = BetaPosterior::jeffreys(known);
+    let chance = |trials: u64| {
+        let worth = (trials as f64 / effect).round() as u64;
+        chance(known, &Predictive::new(&posterior, worth), threshold, level)
+    };
+    let mut enough = 1;
+    while chance(enough) < power {
+        if enough >= MOST_TRIALS {
+            return None;
+        }
+        enough = (2 * enough).min(MOST_TRIALS);
+    }
+    let mut too_few = enough / 2;
+    // To within 1 in 100: more exactly, the sawtooth decides.
+    while enough - too_few > 1 && enough - too_few > enough / 100 {
+        let middle = u64::midpoint(too_few, enough);
+        if chance(middle) >= power {
+            enough = middle;
+        } else {
+            too_few = middle;
+        }
+    }
+    Some((enough, chance(enough)))
+}
+
+/// The chance that further trials settle a threshold.
+fn chance(known: EffectiveSample, next: &Predictive, threshold: f64, level: Confidence) -> f64 {
+    let after = |y: u64| EffectiveSample {
+        successes: known.successes + y as f64,
+        trials: known.trials + next.trials() as f64,
+    };
+    let shown = |y: u64| shown_below_and_above(after(y), threshold, level);
+    let all = next.trials();
+    // The more successes, the less is it shown to be below, and the more to be above.
+    let below = first(all, |y| !shown(y).0);
+    let above = first(all, |y| shown(y).1);
+    let mut chance = 0.0;
+    if below > 0 {
+        chance += next.probability(0, below - 1);
+    }
+    if above <= all {
+        chance += next.probability(above.max(below), all);
+    }
+    chance
+}
+
+/// The least of `0..=all` that `holds`, when it holds for all after that; `all + 1` if for none.
+fn first(all: u64, holds: impl Fn(u64) -> bool) -> u64 {
+    let (mut low, mut high) = (0, all + 1);
+    while low < high {
+        let middle = u64::midpoint(low, high);
+        if holds(middle) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stats::Sample;
+
+    fn sample(successes: u64, trials: u64) -> EffectiveSample {
+        Sample { successes, trials }.into()
+    }
+
+    /// By summing over every outcome.
+    #[test]
+    fn the_chance_is_the_sum_over_outcomes() {
+        for (successes, trials, threshold, further) in [
+            (17, 20, 0.95, 40),
+            (0, 5, 0.5, 30),
+            (5, 5, 0.6, 12),
+            (19, 20, 0.95, 300),
+        ] {
+            let known = sample(successes, trials);
+            let next = Predictive::new(&BetaPosterior::jeffreys(known), further);
+            let shown = |y: &u64| {
+                let after = sample(successes + y, trials + further);
+                let (below, above) = shown_below_and_above(after, threshold, Confidence::P95);
+                below || above
+            };
+            let all = (0..=further).filter(shown);
+            let expected: f64 = all.map(|y| next.probability(y, y)).sum();
+            let found = chance(known, &next, threshold, Confidence::P95);
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn clear_rates_take_few_trials_and_close_ones_many() {
+        let needed = |successes, trials| {
+            least(sample(successes, trials), 1.0, 0.9, Confidence::P95, 0.8).map(|found| found.0)
+        };
+        let (clear, close) = (needed(70, 80), needed(899, 1000));
+        assert!(clear < close && clear.is_some(), "{clear:?} {close:?}");
+        // Twice as many where two trials are worth one.
+        let plain = least(sample(35, 40), 1.0, 0.9, Confidence::P95, 0.8)
+            .unwrap()
+            .0;
+        let alike = least(sample(35, 40), 2.0, 0.9, Confidence::P95, 0.8)
+            .unwrap()
+            .0;
+        let ratio = alike as f64 / plain as f64;
+        assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
+    }
+}

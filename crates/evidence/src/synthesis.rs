@@ -1,0 +1,44 @@
+//! What all evidence amounts to together: one value that a study keeps and a report shows.
+
+use crate::compare::{Programme, Together, TrialCosts, Undecided, programme};
+use crate::conclude::combined::{Combined, Weights, combine};
+use crate::conclude::threshold::{Deciding, deciding};
+use crate::{Comparison, Conclusion, Study, compare_together, undecided};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// All evidence together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Synthesis {
+    /// All pieces on each subject, compared at once.
+    pub together: Vec<Together>,
+    /// What the independent evidence on each requirement supports together.
+    pub combined: Vec<Combined>,
+    /// What a further trial costs.
+    pub costs: TrialCosts,
+    /// Further trials that would decide each undecided pair.
+    pub undecided: Vec<Undecided>,
+    /// One set of further trials for all undecided pairs of current evidence.
+    pub programme: Option<Programme>,
+    /// Further trials that would decide each undecided requirement.
+    pub deciding: Vec<Deciding>,
+}
+
+/// Compares, combines and plans, given the pairs' comparisons and the conclusions of the same study.
+pub fn synthesise(
+    study: &Study<'_>,
+    comparisons: &[Comparison],
+    conclusions: &[Conclusion],
+    costs: TrialCosts,
+    weights: &Weights,
+) -> Synthesis {
+    let undecided = undecided(study, comparisons, &costs);
+    Synthesis {
+        together: compare_together(study, comparisons),
+        combined: combine(study, comparisons, weights),
+        programme: programme(&undecided, &costs),
+        deciding: deciding(study, conclusions, &costs),
+        undecided,
+        costs,
+    }
+}

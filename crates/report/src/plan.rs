@@ -1,0 +1,149 @@
+//! Further trials in words: what they are, what they cost, and the chance that they decide.
+
+use crate::number;
+use evidence::{Deciding, DecisionPlan, PlannedTrials, Programme, TrialCosts};
+
+/// Trials of several pieces: `120 more trials in E3 and 400 in E4`.
+pub fn trials(planned: &[PlannedTrials]) -> String {
+    let parts: Vec<String> = planned
+        .iter()
+        .enumerate()
+        .map(|(place, one)| {
+            let noun = match (place, one.trials) {
+                (0, 1) => " more trial",
+                (0, _) => " more trials",
+                _ => "",
+            };
+            format!("{}{noun} in {}", number::count(one.trials), one.evidence)
+        })
+        .collect();
+    match parts.as_slice() {
+        [] => "no trials".to_owned(),
+        [rest @ .., last] if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => parts.concat(),
+    }
+}
+
+/// What trials cost, where costs are declared: ` at 12.5 min`.
+fn at_cost(cost: f64, costs: &TrialCosts) -> String {
+    match costs.declared {
+        true => format!(" at {}", priced(cost, costs)),
+        false => String::new(),
+    }
+}
+
+/// A cost with its unit.
+fn priced(cost: f64, costs: &TrialCosts) -> String {
+    let decimals = match cost {
+        cost if cost >= 100.0 => 0,
+        cost if cost >= 1.0 => 1,
+        _ => 3,
+    };
+    format!("{} {}", number::decimal(cost, decimals), costs.unit)
+}
+
+/// One plan: `120 more trials in E3 at 30 min, with a chance of 81 %`.
+pub fn plan(plan: &DecisionPlan, costs: &TrialCosts) -> String {
+    format!(
+        "{}{}, with a chance of {}",
+        trials(&plan.trials),
+        at_cost(plan.cost, costs),
+        number::percent(plan.chance.min(0.999))
+    )
+}
+
+/// The trials that would settle a requirement, in the same words.
+pub fn deciding(one: &Deciding, costs: &TrialCosts) -> String {
+    let Some(count) = one.trials else {
+        return format!("no number of trials in {} alone", one.evidence);
+    };
+    let planned = PlannedTrials {
+        evidence: one.evidence.clone(),
+        trials: count,
+    };
+    format!(
+        "{}{}, with a chance of {}",
+        trials(&[planned]),
+        at_cost(one.cost.unwrap_or_default(), costs),
+        number::percent(one.chance.unwrap_or_default().min(0.999))
+    )
+}
+
+/// The whole programme in one sentence.
+pub fn programme(programme: &Programme, costs: &TrialCosts) -> String {
+    let pairs = |count: u64| match count {
+        1 => "1 undecided pair".to_owned(),
+        count => format!("{} undecided pairs", number::count(count)),
+    };
+    let mut words = match programme.pairs {
+        0 => String::new(),
+        count => format!(
+            "{}{} would serve {} of current evidence.",
+            trials(&programme.trials),
+            at_cost(programme.cost, costs),
+            pairs(count)
+        ),
+    };
+    if programme.beyond > 0 {
+        let rest = format!(
+            "{} no further trials alone would decide.",
+            pairs(programme.beyond)
+        );
+        words = format!("{words} {rest}").trim().to_owned();
+    }
+    words
+}
+
+/// How plans are priced.
+pub fn pricing(costs: &TrialCosts) -> String {
+    if !costs.declared {
+        return "No costs are declared (study.toml, [costs]), so every trial counts the same."
+            .to_owned();
+    }
+    let each: Vec<String> = costs
+        .per_trial
+        .iter()
+        .map(|(evidence, cost)| format!("{evidence} {}", priced(*cost, costs)))
+        .collect();
+    format!("A trial costs, as declared: {}.", each.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn planned(evidence: &str, trials: u64) -> PlannedTrials {
+        PlannedTrials {
+            evidence: evidence.into(),
+            trials,
+        }
+    }
+
+    #[test]
+    fn trials_are_named_once_and_priced_where_prices_are_known() {
+        let both = DecisionPlan {
+            trials: vec![planned("E3", 1), planned("E4", 12000)],
+            cost: 31.25,
+            chance: 0.8124,
+        };
+        let equal = TrialCosts::equal();
+        let free = plan(&both, &equal);
+        assert!(free.starts_with("1 more trial in E3 and 12"), "{free}");
+        assert!(free.ends_with("in E4, with a chance of 81.2 %"), "{free}");
+        let declared = TrialCosts {
+            unit: "min".into(),
+            declared: true,
+            ..equal.declare("E3", 15.0)
+        };
+        assert!(
+            plan(&both, &declared).contains(" at 31.3 min"),
+            "{}",
+            plan(&both, &declared)
+        );
+        assert_eq!(
+            pricing(&declared),
+            "A trial costs, as declared: E3 15.0 min."
+        );
+        assert_eq!(trials(&[]), "no trials");
+    }
+}

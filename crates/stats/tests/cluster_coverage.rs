@@ -1,0 +1,88 @@
+//! The table of coverage in `stats::clustered`, measured. Run it with
+//!
+//! ```text
+//! cargo test --release -p stats --test cluster_coverage -- --ignored --nocapture
+//! ```
+
+use stats::*;
+
+/// Uniform numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, 2014).
+struct Uniform(u64);
+
+impl Uniform {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Clusters whose rates have the beta distribution with this mean and correlation.
+    fn clusters(&mut self, count: usize, trials: u64, mean: f64, correlation: f64) -> Vec<Sample> {
+        let theta = correlation / (1.0 - correlation);
+        let rates = BetaPosterior::new(mean / theta, (1.0 - mean) / theta);
+        (0..count)
+            .map(|_| {
+                let u = self.next().clamp(1e-12, 1.0 - 1e-12);
+                let rate = rates.as_ref().map_or(mean, |rates| rates.quantile(u));
+                let successes = (0..trials).filter(|_| self.next() < rate).count() as u64;
+                Sample { successes, trials }
+            })
+            .collect()
+    }
+}
+
+const METHODS: [&str; 7] = [
+    "pooled", "anova", "robust", "korn-g", "wilson*", "jeff*", "betabin",
+];
+
+fn intervals(clusters: &[Sample]) -> [Interval; 7] {
+    let level = Confidence::P95;
+    let robust = ClusterRobust::of(clusters).unwrap();
+    let pooled = wilson(robust.total, level);
+    let anova = match clustering(clusters) {
+        Ok(found) => wilson(found.effective_sample(), level),
+        Err(_) => pooled,
+    };
+    [
+        pooled,
+        anova,
+        robust.interval(level),
+        robust.adjusted_interval(level),
+        wilson(robust.adjusted_sample(level), level),
+        jeffreys(robust.adjusted_sample(level), level),
+        BetaBinomial::fit(clusters).unwrap().interval(level),
+    ]
+}
+
+#[test]
+#[ignore = "prints the table of the documentation; minutes of work"]
+fn table() {
+    let repetitions = 1000;
+    println!(
+        "clusters trials rate  rho   {}",
+        METHODS.map(|m| format!("{m:>13}")).concat()
+    );
+    for (count, trials) in [(5, 10), (10, 10), (20, 10), (50, 10), (10, 50)] {
+        for mean in [0.5, 0.88, 0.97] {
+            for correlation in [0.0, 0.1, 0.3] {
+                let mut uniform = Uniform(count as u64 * 1000 + trials);
+                let (mut covered, mut width) = ([0; 7], [0.0; 7]);
+                for _ in 0..repetitions {
+                    let clusters = uniform.clusters(count, trials, mean, correlation);
+                    for (m, interval) in intervals(&clusters).into_iter().enumerate() {
+                        covered[m] += usize::from(interval.contains(mean));
+                        width[m] += interval.width();
+                    }
+                }
+                let cell = |m: usize| {
+                    let share = 100.0 * covered[m] as f64 / f64::from(repetitions);
+                    format!("{share:>6.1} ({:.2})", width[m] / f64::from(repetitions))
+                };
+                let cells: String = (0..7).map(|m| format!("{:>13}", cell(m))).collect();
+                println!("{count:>8} {trials:>6} {mean:>4}  {correlation:<4} {cells}");
+            }
+        }
+    }
+}
