@@ -4,7 +4,8 @@
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
-//!   transition, and what happens in each step.
+//!   transition, and what happens in each step;
+//! * [`interval_model`] bounds a property over all chains whose probabilities lie in intervals.
 //!
 //! Three methods ([`Method`]): sound (the default: floating point with bounds that hold, rounding included),
 //! an imitation of PRISM's default for reproducing published figures, and exact rational arithmetic. Path
@@ -43,7 +44,11 @@ mod exact;
 pub mod explore;
 pub mod graph;
 mod interval_iteration;
+<<<<<<< HEAD
 mod not_yet;
+=======
+pub mod interval_model;
+>>>>>>> 16baa66 (Carry uncertainty through: beta-binomial intervals of clustered trials, shares and robust bounds by interval models, verify --deep)
 pub mod paths;
 mod prism_default;
 mod product;

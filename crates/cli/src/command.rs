@@ -80,7 +80,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Compare(arguments) => compare::compare(arguments),
         Command::Report(arguments) => report::report(arguments),
         Command::Assure(arguments) => assure::assure(arguments),
-        Command::Verify(arguments) => verify::verify(arguments),
+        Command::Verify(arguments) => verify::verify(arguments, setting),
         Command::Init(arguments) => init::init(arguments),
         Command::Explain(arguments) => crate::explain::explain(arguments),
     }

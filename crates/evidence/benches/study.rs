@@ -75,6 +75,7 @@ fn computed(subject: usize) -> Measure {
                 solves: 1000,
                 spread: vec![],
                 quantiles: draws,
+                robust: None,
             }
         });
     Measure::Probability {

@@ -69,8 +69,35 @@ pub struct MethodAnswer {
 pub struct Spread {
     /// The model's constant.
     pub constant: String,
-    /// Share of the variance, 0 to 1.
+    /// What knowing this constant alone would take away from the variance, 0 to 1.
     pub share: f64,
+    /// What would be left of the variance if all other constants were known, 0 to 1.
+    #[serde(default)]
+    pub total: Option<f64>,
+    /// Standard error of `total`, and about that of `share`.
+    #[serde(default)]
+    pub error: Option<f64>,
+}
+
+/// A constant and the interval in which its counts leave it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConstantInterval {
+    /// The model's constant.
+    pub constant: String,
+    /// Where it lies, all constants at once at the study's level.
+    pub interval: Interval,
+}
+
+/// Bounds of a probability over every value of the constants within their intervals, by an interval
+/// model. They hold, and are conservative: the model's rows may be chosen free of each other.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RobustBounds {
+    /// The constants with their intervals, which hold at once at the study's level.
+    pub constants: Vec<ConstantInterval>,
+    /// The bounds; `None` where there are none.
+    pub interval: Option<Interval>,
+    /// Why there are no bounds.
+    pub reason: Option<String>,
 }
 
 /// A probability whose model has constants estimated from counts: the
@@ -88,6 +115,9 @@ pub struct CredibleInterval {
     /// Evenly spaced quantiles (0.5 % to 99.5 %) for drawing and comparing;
     /// equal weight each, ascending.
     pub quantiles: Vec<f64>,
+    /// Robust bounds beside the distribution.
+    #[serde(default)]
+    pub robust: Option<RobustBounds>,
 }
 
 /// What was found.
@@ -100,11 +130,11 @@ pub enum Measure {
         count: u64,
         /// Requirement: runs that were covered. Failure mode: opportunities.
         trials: u64,
-        /// Trials worth of information once clustering is allowed for;
-        /// `None` if runs are independent by construction.
+        /// Independent trials that say as much, once clustering is allowed for and for how few
+        /// clusters it is known from; `None` if runs are independent.
         effective_trials: Option<f64>,
-        /// Interval of the rate at the study's level, at the effective
-        /// number of trials.
+        /// Interval of the rate at the study's level: Wilson's or, of clustered trials, from the
+        /// variance between clusters.
         interval: Interval,
     },
     /// A computed probability.

@@ -41,8 +41,8 @@ pub use diagnose::{
     requirement_form, strength,
 };
 pub use finding::{
-    CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer, Reading, Spread,
-    Subject,
+    ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,
+    Reading, RobustBounds, Spread, Subject,
 };
 pub use interval::Interval;
 pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};

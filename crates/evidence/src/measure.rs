@@ -1,6 +1,6 @@
 //! From counts, solves and answers to measures: each number with its uncertainty.
 //!
-//! * Counts: Wilson's interval, at the effective number of trials where trials come in clusters.
+//! * Counts: Wilson's interval; where trials come in clusters, that of `stats::clustered`.
 //! * Solves of a model at points of its constants' posteriors: the distribution of its answer.
 //! * Two answers of one method: their quotient, with the bounds that theirs imply.
 //!
@@ -8,7 +8,7 @@
 //! quotient hold, since each division is rounded outwards.
 
 use crate::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Spread};
-use stats::{Confidence, EffectiveSample, Sample, StatsError};
+use stats::{ClusterMethod, Confidence, EffectiveSample, Sample, SharesDesign, StatsError};
 
 impl Measure {
     /// Counts with Wilson's interval at the effective number of trials.
@@ -51,12 +51,19 @@ impl Measure {
     /// # Ok::<(), stats::StatsError>(())
     /// ```
     pub fn of_clusters(by_subject: &[Sample], level: Confidence) -> Result<Self, StatsError> {
-        let total = stats::pool(by_subject)?;
-        if total.trials == 0 {
-            return Err(StatsError::NoTrials);
-        }
-        let effective = stats::clustering(by_subject).ok();
-        Self::of_counts(total, effective.map(|c| c.effective_size), level)
+        let rate = stats::clustered_rate(by_subject, level)?;
+        Ok(Self::Counts {
+            count: rate.total.successes,
+            trials: rate.total.trials,
+            effective_trials: match rate.method {
+                ClusterMethod::Independent => None,
+                ClusterMethod::Profile | ClusterMethod::OneEach => Some(rate.worth.trials),
+            },
+            interval: Interval {
+                low: rate.interval.low,
+                high: rate.interval.high,
+            },
+        })
     }
 }
 
@@ -75,7 +82,7 @@ impl CredibleInterval {
         let draws = stats::Draws::new(values)?;
         // A result that no constant moves has no variance to share.
         let shares = stats::variance_shares(points, values).unwrap_or_default();
-        let mut spread: Vec<Spread> = constants
+        let spread: Vec<Spread> = constants
             .iter()
             .zip(shares)
             .map(|(constant, share)| Spread {
@@ -83,23 +90,76 @@ impl CredibleInterval {
                 // The squared correlation is the linear part of the first-order index
                 // and thus never above it; the estimate of the whole may be.
                 share: share.first_order.max(share.squared_correlation),
+                total: None,
+                error: None,
             })
             .collect();
+        Ok(Self::of_draws(&draws, values.len(), spread, level))
+    }
+
+    /// What a model's answers at the rows of a design say: their distribution, and each constant's
+    /// share in its variance, alone and with the others (`stats::propagation`).
+    ///
+    /// # Errors
+    /// Those of [`SharesDesign::analyse`].
+    ///
+    /// ```
+    /// use evidence::CredibleInterval;
+    /// use stats::{BetaPosterior, Confidence, Sample, SharesDesign};
+    /// let constants = [(7, 98), (2, 100)].map(|(successes, trials)| {
+    ///     BetaPosterior::jeffreys(Sample { successes, trials })
+    /// });
+    /// let design = SharesDesign::new(&constants, 500, 1);
+    /// let values: Vec<f64> = design.rows().iter().map(|x| (1.0 - x[0]) * (1.0 - x[1])).collect();
+    /// let found = CredibleInterval::of_design(&["p", "q"], &design, &values, Confidence::P95)?;
+    /// assert_eq!(found.spread[0].constant, "p");
+    /// assert!(found.spread[0].total > Some(0.7));
+    /// # Ok::<(), stats::StatsError>(())
+    /// ```
+    pub fn of_design(
+        constants: &[&str],
+        design: &SharesDesign,
+        values: &[f64],
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let found = design.analyse(values)?;
+        let spread = constants
+            .iter()
+            .zip(&found.shares)
+            .map(|(constant, share)| Spread {
+                constant: (*constant).to_owned(),
+                share: share.first_order,
+                total: Some(share.total),
+                error: Some(share.total_error.max(share.first_order_error)),
+            })
+            .collect();
+        // Each row, exchanged columns or not, is a draw of the constants.
+        let draws = stats::Draws::new(values)?;
+        Ok(Self::of_draws(&draws, values.len(), spread, level))
+    }
+
+    fn of_draws(
+        draws: &stats::Draws,
+        solves: usize,
+        mut spread: Vec<Spread>,
+        level: Confidence,
+    ) -> Self {
         spread.sort_by(|a, b| b.share.total_cmp(&a.share));
         let interval = draws.interval(level);
-        Ok(Self {
+        Self {
             // A sum of many ones may round to more than one.
             mean: draws.mean().clamp(draws.quantile(0.0), draws.quantile(1.0)),
             interval: Interval {
                 low: interval.low,
                 high: interval.high,
             },
-            solves: values.len() as u64,
+            solves: solves as u64,
             spread,
             quantiles: (0..100)
                 .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
                 .collect(),
-        })
+            robust: None,
+        }
     }
 }
 

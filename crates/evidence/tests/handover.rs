@@ -133,6 +133,8 @@ fn credible(function: fn(&[f64]) -> f64) -> CredibleInterval {
         .map(|index| Spread {
             constant: CONSTANTS[index].0.to_owned(),
             share: share(index),
+            total: None,
+            error: None,
         })
         .collect();
     CredibleInterval {
@@ -146,6 +148,7 @@ fn credible(function: fn(&[f64]) -> f64) -> CredibleInterval {
         quantiles: (0..100)
             .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
             .collect(),
+        robust: None,
     }
 }
 

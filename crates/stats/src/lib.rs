@@ -13,7 +13,7 @@
 //! | Do two rates agree within a margin? | [`tost`], [`score_equivalence`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`random_effects_interval`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
-//! | Are trials of one person alike? | [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
+//! | Are trials of one person alike? | [`clustered_rate`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
@@ -45,6 +45,7 @@ pub mod binomial;
 pub mod boschloo;
 pub mod cluster;
 pub mod cluster_robust;
+pub mod clustered;
 pub mod combination;
 pub mod counts;
 pub mod design;
@@ -72,6 +73,7 @@ pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_s
 pub use boschloo::boschloo_exact;
 pub use cluster::{Clustering, clustering};
 pub use cluster_robust::ClusterRobust;
+pub use clustered::{ClusterMethod, ClusteredRate, clustered_rate};
 pub use combination::{power_prior, random_effects_interval};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};

@@ -41,6 +41,7 @@ fn intervals(clusters: &[Sample]) -> [Interval; 7] {
     let level = Confidence::P95;
     let robust = ClusterRobust::of(clusters).unwrap();
     let pooled = wilson(robust.total, level);
+    let rate = clustered_rate(clusters, level).unwrap();
     let anova = match clustering(clusters) {
         Ok(found) => wilson(found.effective_sample(), level),
         Err(_) => pooled,
@@ -51,8 +52,8 @@ fn intervals(clusters: &[Sample]) -> [Interval; 7] {
         robust.interval(level),
         robust.adjusted_interval(level),
         wilson(robust.adjusted_sample(level), level),
-        jeffreys(robust.adjusted_sample(level), level),
-        BetaBinomial::fit(clusters).unwrap().interval(level),
+        wilson(rate.worth, level),
+        rate.interval,
     ]
 }
 

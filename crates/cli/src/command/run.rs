@@ -16,7 +16,7 @@ use prepare::{all_assets, prepare, untils};
 use runner::Runner;
 use std::path::{Path, PathBuf};
 
-pub use prepare::assets;
+pub use prepare::{assets, counted_constants};
 pub use runner::STUDY;
 
 /// Runs a study.

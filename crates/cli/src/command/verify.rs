@@ -11,18 +11,19 @@
 //!
 //! # Guarantee
 //! A figure that was changed anywhere between the evidence and the page is found, whatever else was
-//! changed to fit. So is a count of tables or of journals. What is not derived again, because it would
-//! have to be solved, judged or simulated, is listed as such. Nothing is written.
+//! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
+//! recordings judged again, too. What is not derived again is listed as such. Nothing is written.
 
 mod audit;
 mod compare;
 mod counts;
+mod deep;
 mod kept;
 
 use super::assure::{self, ASSURANCE};
 use super::report::read_result;
 use super::run::STUDY;
-use super::{Done, json};
+use super::{Done, Setting, json};
 use crate::args::{Format, Verify};
 use crate::corroboration::{self, Piece};
 use crate::outcome::Outcome;
@@ -34,14 +35,15 @@ use evidence::StudyResult;
 use std::path::{Path, PathBuf};
 
 /// Verifies the results of a study.
-pub fn verify(arguments: &Verify) -> Result<Done, Problem> {
+pub fn verify(arguments: &Verify, setting: &Setting) -> Result<Done, Problem> {
     let results = &arguments.results;
     let folder = study_folder(arguments)?;
     let study = Study::load(&folder)?;
     let claimed = read_result(&folder, results)?;
     let mut audit = Audit::default();
     assets(&study, &claimed, results, &mut audit);
-    let pieces = kept::pieces(&study, results, &claimed, &mut audit)?;
+    let deep = arguments.deep.then_some(setting);
+    let pieces = kept::pieces(&study, results, &claimed, deep, &mut audit)?;
     match pieces {
         Some(pieces) => figures(&study, pieces, &claimed, results, &mut audit)?,
         None => audit.not_checked("comparisons and conclusions: not all evidence could be read"),

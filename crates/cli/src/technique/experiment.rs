@@ -10,6 +10,7 @@
 //! Where two tables speak of the same count, they must agree.
 
 mod by_subject;
+mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;
 
@@ -17,7 +18,7 @@ use super::{Produced, confidence, counts};
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Study, SubjectForm};
-use evidence::{ClusterTests, Cost, Finding, Measure, Subject, Technique, Tool};
+use evidence::{Cost, Finding, Measure, Subject, Technique, Tool};
 use std::collections::BTreeMap;
 use std::path::Path;
 use trace::Table;
@@ -133,9 +134,19 @@ impl Tables {
                 }
             }
             Subject::FailureMode(id) => {
+                let by_subject = self.cohort_counts(study, form)?;
                 match self.failure_modes.iter().find(|row| &row.mode == id) {
                     Some(row) if row.opportunities > 0 => {
-                        counts(row.occurrences, row.opportunities, None, level)
+                        let size = by_subject.map(|counts| effective(&counts, row, level));
+                        counts(
+                            row.occurrences,
+                            row.opportunities,
+                            size.transpose()?.flatten(),
+                            level,
+                        )
+                    }
+                    None if by_subject.is_some() => {
+                        clustered(&by_subject.unwrap_or_default(), level)
                     }
                     Some(_) => Ok(not_covered("No trial gave it an opportunity.")),
                     None => Ok(not_covered("The tables do not speak of it.")),
@@ -319,106 +330,6 @@ impl Cohort {
             })
             .collect()
     }
-
-    /// Tests of independence of everything in the table: of successes between
-    /// groups, and of numbers with each other.
-    fn tests(&self, study: &Study) -> Result<Option<ClusterTests>, Problem> {
-        let first = study.forms.subjects.iter().find_map(|form| {
-            let proposition = form.experiment.as_ref()?;
-            let binding = study.vocabulary.propositions.get(proposition)?;
-            let column = binding.column.as_ref()?;
-            matches!(form.subject, Subject::Requirement(_)).then_some(&column.text)
-        });
-        let Some(column) = first else {
-            return Ok(None);
-        };
-        let by_subject = self.counts(column)?;
-        // One subject, or no variation at all, leaves nothing to test.
-        let Ok(clustering) = stats::clustering(&by_subject) else {
-            return Ok(None);
-        };
-        let mut tests = vec![format!(
-            "Intraclass correlation of {column} {:.3} (F = {:.2}, p = {:.3}): {} trials are worth {:.1} independent ones.",
-            clustering.intraclass_correlation,
-            clustering.f_statistic,
-            clustering.p_value,
-            clustering.total.trials,
-            clustering.effective_size
-        )];
-        tests.extend(self.rank_tests());
-        Ok(Some(ClusterTests {
-            intraclass_correlation: clustering.intraclass_correlation,
-            effective_trials: clustering.effective_size,
-            tests,
-        }))
-    }
-
-    /// Kruskal-Wallis of each column of numbers by each column of categories,
-    /// and Spearman between columns of numbers.
-    fn rank_tests(&self) -> Vec<String> {
-        let mut numbers: Vec<(&str, Vec<f64>)> = Vec::new();
-        let mut categories: Vec<(&str, Vec<&str>)> = Vec::new();
-        // The first column names the subject; codes of failures are no group.
-        for column in self.table.columns().skip(1) {
-            match column.as_numbers() {
-                Ok(values) if column.header() != "attempts" => {
-                    numbers.push((column.header(), values))
-                }
-                Ok(_) => {}
-                Err(_) => {
-                    let cells = column.as_texts();
-                    if cells.iter().all(|c| !c.is_empty() && !c.contains(' ')) {
-                        categories.push((column.header(), cells));
-                    }
-                }
-            }
-        }
-        let mut tests = Vec::new();
-        for (category, labels) in &categories {
-            for (number, values) in &numbers {
-                tests.extend(kruskal_wallis_in_words(category, labels, number, values));
-            }
-        }
-        for (place, (left, left_values)) in numbers.iter().enumerate() {
-            for (right, right_values) in &numbers[place + 1..] {
-                tests.extend(spearman_in_words(left, left_values, right, right_values));
-            }
-        }
-        tests
-    }
-}
-
-fn kruskal_wallis_in_words(
-    category: &str,
-    labels: &[&str],
-    number: &str,
-    values: &[f64],
-) -> Option<String> {
-    let mut groups: Vec<(&str, Vec<f64>)> = Vec::new();
-    for (label, value) in labels.iter().zip(values) {
-        match groups.iter_mut().find(|(known, _)| known == label) {
-            Some((_, group)) => group.push(*value),
-            None => groups.push((label, vec![*value])),
-        }
-    }
-    let groups: Vec<Vec<f64>> = groups.into_iter().map(|(_, group)| group).collect();
-    let test = stats::kruskal_wallis(&groups).ok()?;
-    let exact = match stats::kruskal_wallis_exact(&groups) {
-        Ok(p) => format!("; exact p = {p:.3}"),
-        Err(_) => String::new(),
-    };
-    Some(format!(
-        "Kruskal-Wallis of {number} by {category}: H({}) = {:.3}, p = {:.3}{exact}.",
-        test.degrees, test.statistic, test.p_value
-    ))
-}
-
-fn spearman_in_words(left: &str, x: &[f64], right: &str, y: &[f64]) -> Option<String> {
-    let test = stats::spearman(x, y).ok()?;
-    Some(format!(
-        "Spearman of {left} and {right}: rho = {:.3}, p = {:.3}.",
-        test.rho, test.p_value
-    ))
 }
 
 fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem> {
@@ -534,6 +445,22 @@ fn clustered(by_subject: &[stats::Sample], level: stats::Confidence) -> Result<M
         Err(stats::StatsError::NoTrials) => Ok(not_covered("There are no trials.")),
         found => found.map_err(|error| Problem::new("bad-counts", error.to_string())),
     }
+}
+
+/// What the opportunities of a row are worth in independent ones, where occurrences are known by
+/// subject but opportunities only in all: as many for each trial as the trials are.
+fn effective(
+    by_subject: &[stats::Sample],
+    row: &ModeRow,
+    level: stats::Confidence,
+) -> Result<Option<f64>, Problem> {
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let rate = stats::clustered_rate(by_subject, level).map_err(bad)?;
+    let share = rate.worth.trials / rate.total.trials as f64;
+    Ok(match rate.method {
+        stats::ClusterMethod::Independent => None,
+        _ => Some(row.opportunities as f64 * share),
+    })
 }
 
 fn not_covered(reason: &str) -> Measure {

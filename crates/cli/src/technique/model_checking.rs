@@ -12,6 +12,7 @@
 mod answer;
 mod at_constants;
 mod point_values;
+mod robust;
 mod uncertainty;
 
 pub use answer::{explore, sharp_complement};
@@ -60,8 +61,8 @@ struct Question<'a> {
 pub struct CountedConstant {
     /// Its name.
     pub name: String,
-    /// The counts.
-    pub sample: stats::Sample,
+    /// The counts, at what they are worth in independent trials.
+    pub sample: stats::EffectiveSample,
     /// Whose rate the counts are.
     pub subject: Subject,
     /// Whether it keeps its value; then only its bearing is found out.

@@ -101,7 +101,11 @@ fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
         .map(|spread| {
             (
                 spread.constant.as_str(),
-                if varies { spread.share } else { 0.0 },
+                if varies {
+                    spread.total.unwrap_or(0.0).max(spread.share)
+                } else {
+                    0.0
+                },
             )
         })
         .collect()

@@ -1,12 +1,12 @@
 //! The ledger: every piece of evidence, how it came about, what it found.
 
-use evidence::{ClusterTests, Evidence, Finding, Measure, MethodAnswer, Reading};
+use evidence::{ClusterTests, Evidence, Finding, Measure, MethodAnswer, Reading, RobustBounds};
 use maud::{Markup, html};
 
 use super::lineage;
 use crate::number;
 use crate::plot::glyph;
-use crate::view::{View, figures, section, short_hash};
+use crate::view::{View, figures, range, section, short_hash};
 use crate::words;
 
 /// The section.
@@ -175,11 +175,32 @@ fn measure_detail(measure: &Measure) -> Markup {
                                 code { (spread.constant) } " " (number::percent(spread.share))
                             }
                             "."
+                            @if let Some(first) = credible.spread.first() {
+                                " Measuring " code { (first.constant) } " better would narrow it most."
+                            }
                         }
                     }
+                    @if let Some(robust) = &credible.robust { (robust_bounds(robust)) }
                 }
             },
             Measure::NotExpressible { reason } | Measure::NotCovered { reason } => p { (reason) },
+        }
+    }
+}
+
+/// Bounds over every value of the constants, or why there are none.
+fn robust_bounds(robust: &RobustBounds) -> Markup {
+    html! {
+        p {
+            @match (&robust.interval, &robust.reason) {
+                (Some(interval), _) => {
+                    "Whatever the constants within their intervals: " (range(*interval))
+                    ". These bounds hold for all of them at once (interval model) and are conservative."
+                },
+                (None, reason) => {
+                    "No robust bounds: " (reason.as_deref().unwrap_or("the reason is not known")) "."
+                },
+            }
         }
     }
 }

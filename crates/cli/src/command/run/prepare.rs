@@ -184,10 +184,7 @@ fn is_a_failure(study: &Study, proposition: &str) -> bool {
 }
 
 /// The constants whose counts are uncertain, with the counts.
-pub(super) fn counted_constants(
-    entry: &Entry,
-    before: &[Piece],
-) -> Result<Vec<CountedConstant>, Problem> {
+pub fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConstant>, Problem> {
     let mut counted = Vec::new();
     // A step on the way is not compared, so its uncertainty is not asked for.
     if entry.intermediate {
@@ -207,7 +204,13 @@ pub(super) fn counted_constants(
         let Some(finding) = finding else {
             continue;
         };
-        let Measure::Counts { count, trials, .. } = finding.measure else {
+        let Measure::Counts {
+            count,
+            trials,
+            effective_trials,
+            ..
+        } = finding.measure
+        else {
             return Err(Problem::new(
                 "bad-calibration",
                 format!(
@@ -220,8 +223,12 @@ pub(super) fn counted_constants(
             )
             .remedy("calibrate from evidence that counts"));
         };
-        let sample = stats::Sample::new(count, trials)
-            .map_err(|error| Problem::new("bad-counts", error.to_string()))?;
+        let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+        let whole = stats::Sample::new(count, trials).map_err(bad)?;
+        let sample = match effective_trials {
+            Some(size) => stats::EffectiveSample::at_size(whole, size).map_err(bad)?,
+            None => whole.into(),
+        };
         counted.push(CountedConstant {
             name: constant.clone(),
             sample,

@@ -45,11 +45,17 @@ pub fn check(
         }
         Work::Judge { .. } => {
             intervals(study, path, produced, audit)?;
-            audit.not_checked(&format!("{}: recordings were not judged again", entry.id));
+            audit.not_checked(&format!(
+                "{}: recordings were not judged again (--deep does)",
+                entry.id
+            ));
         }
         Work::Check { .. } => {
             answers(path, produced, audit);
-            audit.not_checked(&format!("{}: the model was not solved again", entry.id));
+            audit.not_checked(&format!(
+                "{}: the model was not solved again (--deep does)",
+                entry.id
+            ));
         }
     }
     Ok(())

@@ -1,8 +1,8 @@
 //! The evidence that is kept, and whether it is what was kept.
 
 use super::audit::Audit;
-use super::{compare, counts};
-use crate::command::json;
+use super::{compare, counts, deep};
+use crate::command::{Setting, json};
 use crate::corroboration::{self, Piece};
 use crate::problem::Problem;
 use crate::store::{Stored, hash_of};
@@ -18,6 +18,7 @@ pub fn pieces(
     study: &Study,
     results: &Path,
     claimed: &StudyResult,
+    deep: Option<&Setting>,
     audit: &mut Audit,
 ) -> Result<Option<Vec<Piece>>, Problem> {
     let mut pieces: Vec<Piece> = Vec::new();
@@ -29,7 +30,19 @@ pub fn pieces(
             continue;
         };
         as_kept(&path, &stored, audit)?;
-        counts::check(study, entry, results, &path, &stored.content, audit)?;
+        match deep {
+            Some(setting) if deep::can(entry) => {
+                deep::check(
+                    study,
+                    entry,
+                    &pieces,
+                    (&path, &stored.content),
+                    setting,
+                    audit,
+                )?;
+            }
+            _ => counts::check(study, entry, results, &path, &stored.content, audit)?,
+        }
         let assets = assets(study, entry, claimed)?;
         let mut piece = corroboration::piece(study, entry, assets, stored.inputs, stored.content);
         piece.drifted = drifted(study, entry, &pieces)?;

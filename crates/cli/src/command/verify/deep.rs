@@ -1,0 +1,60 @@
+//! What `verify --deep` derives again: answers of formal models by solving them, verdicts on recordings
+//! by judging them. Both are determined by their inputs, so every value must be the same.
+
+use super::audit::Audit;
+use super::compare;
+use crate::command::Setting;
+use crate::command::run::counted_constants;
+use crate::corroboration::Piece;
+use crate::problem::Problem;
+use crate::study::{Entry, Study, Work};
+use crate::technique::Produced;
+use crate::technique::model_checking::Compiled;
+use crate::technique::operation::Recordings;
+use std::path::Path;
+
+/// Whether an entry is derived again here.
+pub fn can(entry: &Entry) -> bool {
+    matches!(entry.work, Work::Check { .. } | Work::Judge { .. })
+}
+
+/// Holds an entry's findings against those that its model or its recordings give now.
+pub fn check(
+    study: &Study,
+    entry: &Entry,
+    before: &[Piece],
+    (path, produced): (&Path, &Produced),
+    setting: &Setting,
+    audit: &mut Audit,
+) -> Result<(), Problem> {
+    let (mut again, what) = match &entry.work {
+        Work::Check { model, methods } => {
+            let counted = counted_constants(entry, before)?;
+            let compiled = Compiled::new(study, model)?;
+            let begin = |title: &str, total: u64| setting.talk.begin(title, total);
+            let again =
+                compiled.produce(&entry.id, methods, &counted, &setting.interrupt, &begin)?;
+            (
+                again,
+                "values of evidence follow from solving its model again",
+            )
+        }
+        Work::Judge { recordings, .. } => {
+            let recordings = Recordings::find(study, recordings)?;
+            let title = format!("{}: recordings", entry.id);
+            let stage = setting.talk.begin(&title, recordings.count());
+            let say = |line: &str| setting.talk.say(line);
+            let again = recordings.produce(study, &entry.id, &setting.interrupt, &stage, &say)?;
+            (
+                again,
+                "values of evidence follow from judging its recordings again",
+            )
+        }
+        _ => return Ok(()),
+    };
+    // Times differ from run to run.
+    again.cost = produced.cost.clone();
+    let values = compare::values_at(path, "/content", &again, produced, audit)?;
+    audit.checked(values, what);
+    Ok(())
+}

@@ -1,0 +1,142 @@
+//! What a cohort's table says of its trials: whether those of one subject are alike, and whether groups
+//! or other columns matter.
+
+use super::Cohort;
+use crate::problem::Problem;
+use crate::study::Study;
+use crate::technique::confidence;
+use evidence::{ClusterTests, Subject};
+
+impl Cohort {
+    /// Tests of independence of everything in the table: of successes between
+    /// groups, and of numbers with each other.
+    pub(super) fn tests(&self, study: &Study) -> Result<Option<ClusterTests>, Problem> {
+        let first = study.forms.subjects.iter().find_map(|form| {
+            let proposition = form.experiment.as_ref()?;
+            let binding = study.vocabulary.propositions.get(proposition)?;
+            let column = binding.column.as_ref()?;
+            matches!(form.subject, Subject::Requirement(_)).then_some(&column.text)
+        });
+        let Some(column) = first else {
+            return Ok(None);
+        };
+        let by_subject = self.counts(column)?;
+        // One subject, or no variation at all, leaves nothing to test.
+        let Ok(clustering) = stats::clustering(&by_subject) else {
+            return Ok(None);
+        };
+        let mut tests = vec![format!(
+            "Intraclass correlation of {column} {:.3} (F = {:.2}, p = {:.3}): {} trials are worth {:.1} independent ones.",
+            clustering.intraclass_correlation,
+            clustering.f_statistic,
+            clustering.p_value,
+            clustering.total.trials,
+            clustering.effective_size
+        )];
+        tests.extend(self.cluster_tests(column, &by_subject, confidence(study.about.confidence)?));
+        tests.extend(self.rank_tests());
+        Ok(Some(ClusterTests {
+            intraclass_correlation: clustering.intraclass_correlation,
+            effective_trials: clustering.effective_size,
+            tests,
+        }))
+    }
+
+    /// The interval that counts, by the beta-binomial model, and the one without a model beside it.
+    fn cluster_tests(
+        &self,
+        column: &str,
+        by_subject: &[stats::Sample],
+        level: stats::Confidence,
+    ) -> Vec<String> {
+        let mut tests = Vec::new();
+        let (Ok(rate), Ok(fit), Ok(robust)) = (
+            stats::clustered_rate(by_subject, level),
+            stats::BetaBinomial::fit(by_subject),
+            stats::ClusterRobust::of(by_subject),
+        ) else {
+            return tests;
+        };
+        tests.push(format!(
+            "{column} by the beta-binomial model of {} subjects: interval {}, worth {:.1} independent \
+             trials in comparisons; intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
+            rate.clusters,
+            rate.interval,
+            rate.worth.trials,
+            fit.intraclass_correlation,
+            fit.p_value
+        ));
+        tests.push(format!(
+            "{column} by the variance between subjects, without a model: interval {}.",
+            robust.interval(level)
+        ));
+        tests
+    }
+
+    /// Kruskal-Wallis of each column of numbers by each column of categories,
+    /// and Spearman between columns of numbers.
+    fn rank_tests(&self) -> Vec<String> {
+        let mut numbers: Vec<(&str, Vec<f64>)> = Vec::new();
+        let mut categories: Vec<(&str, Vec<&str>)> = Vec::new();
+        // The first column names the subject; codes of failures are no group.
+        for column in self.table.columns().skip(1) {
+            match column.as_numbers() {
+                Ok(values) if column.header() != "attempts" => {
+                    numbers.push((column.header(), values))
+                }
+                Ok(_) => {}
+                Err(_) => {
+                    let cells = column.as_texts();
+                    if cells.iter().all(|c| !c.is_empty() && !c.contains(' ')) {
+                        categories.push((column.header(), cells));
+                    }
+                }
+            }
+        }
+        let mut tests = Vec::new();
+        for (category, labels) in &categories {
+            for (number, values) in &numbers {
+                tests.extend(kruskal_wallis_in_words(category, labels, number, values));
+            }
+        }
+        for (place, (left, left_values)) in numbers.iter().enumerate() {
+            for (right, right_values) in &numbers[place + 1..] {
+                tests.extend(spearman_in_words(left, left_values, right, right_values));
+            }
+        }
+        tests
+    }
+}
+
+fn kruskal_wallis_in_words(
+    category: &str,
+    labels: &[&str],
+    number: &str,
+    values: &[f64],
+) -> Option<String> {
+    let mut groups: Vec<(&str, Vec<f64>)> = Vec::new();
+    for (label, value) in labels.iter().zip(values) {
+        match groups.iter_mut().find(|(known, _)| known == label) {
+            Some((_, group)) => group.push(*value),
+            None => groups.push((label, vec![*value])),
+        }
+    }
+    let groups: Vec<Vec<f64>> = groups.into_iter().map(|(_, group)| group).collect();
+    let test = stats::kruskal_wallis(&groups).ok()?;
+    let exact = match stats::kruskal_wallis_exact(&groups) {
+        Ok(p) => format!("; exact p = {p:.3}"),
+        Err(_) => String::new(),
+    };
+    Some(format!(
+        "Kruskal-Wallis of {number} by {category}: H({}) = {:.3}, p = {:.3}{exact}.",
+        test.degrees, test.statistic, test.p_value
+    ))
+}
+
+fn spearman_in_words(left: &str, x: &[f64], right: &str, y: &[f64]) -> Option<String> {
+    let test = stats::spearman(x, y).ok()?;
+    Some(format!(
+        "Spearman of {left} and {right}: rho = {:.3}, p = {:.3}.",
+        test.rho, test.p_value
+    ))
+}

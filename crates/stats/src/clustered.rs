@@ -1,0 +1,272 @@
+//! The interval of a rate whose trials come in clusters (subjects, sessions), chosen by measured
+//! coverage, and the sample with which such a rate is compared.
+//!
+//! # Definition
+//! With two or more clusters, not all of a single trial: the profile-likelihood interval of the
+//! beta-binomial model's mean, with Student's `t` at `k - 1` degrees ([`mod@crate::beta_binomial`]),
+//! widened to the rate of all trials where that lies outside. In comparisons the rate counts as `n*`
+//! independent trials: as many as leave Wilson's interval of the same rate equally wide, at most `N`.
+//! So intervals and comparisons rest on the same variance.
+//!
+//! Where all outcomes are the same (0 of n, n of n) the interval is that of one trial for each
+//! cluster: nothing is known of how clusters differ, and ten subjects without a failure in ten trials
+//! each may be ten of whom one in four always fails.
+//!
+//! A single cluster, or a single trial in each: Wilson's, trials taken as independent. Of a single
+//! subject it then speaks of that subject.
+//!
+//! # Why this one
+//! Coverage in percent and, in brackets, mean width of 95 % intervals over 1000 draws of clusters for
+//! each row (measured by `tests/cluster_coverage.rs`). *Pooled*: Wilson's, clusters ignored. *ANOVA*:
+//! Wilson's at the effective size by analysis of variance. *Robust* and *adjusted*:
+//! [`mod@crate::cluster_robust`]. *Profile*: this one, the only one that never covers less than 94 %.
+//!
+//! | clusters x trials | rate | correlation | pooled | ANOVA | robust | adjusted | profile |
+//! |---|---|---|---|---|---|---|---|
+//! | 5 x 10 | 0.5 | 0 | 92.2 (0.26) | 93.7 (0.29) | 93.0 (0.34) | 99.9 (0.44) | 100.0 (0.45) |
+//! | 5 x 10 | 0.5 | 0.1 | 81.0 (0.26) | 90.8 (0.34) | 94.8 (0.46) | 98.8 (0.53) | 99.5 (0.53) |
+//! | 5 x 10 | 0.5 | 0.3 | 63.6 (0.26) | 87.9 (0.43) | 96.2 (0.60) | 97.5 (0.68) | 98.6 (0.63) |
+//! | 5 x 10 | 0.88 | 0 | 95.3 (0.18) | 96.0 (0.20) | 96.4 (0.27) | 99.9 (0.32) | 99.9 (0.39) |
+//! | 5 x 10 | 0.88 | 0.1 | 86.0 (0.18) | 89.7 (0.23) | 98.1 (0.36) | 99.4 (0.38) | 99.4 (0.46) |
+//! | 5 x 10 | 0.88 | 0.3 | 68.5 (0.17) | 80.7 (0.28) | 99.2 (0.49) | 99.8 (0.48) | 99.7 (0.54) |
+//! | 5 x 10 | 0.97 | 0 | 93.4 (0.11) | 93.9 (0.11) | 98.1 (0.30) | 100.0 (0.28) | 99.9 (0.44) |
+//! | 5 x 10 | 0.97 | 0.1 | 88.3 (0.11) | 94.4 (0.13) | 99.3 (0.39) | 100.0 (0.36) | 100.0 (0.49) |
+//! | 5 x 10 | 0.97 | 0.3 | 84.3 (0.10) | 94.4 (0.14) | 99.3 (0.48) | 99.9 (0.45) | 99.8 (0.53) |
+//! | 10 x 10 | 0.5 | 0 | 94.7 (0.19) | 95.7 (0.20) | 95.1 (0.21) | 99.3 (0.25) | 99.3 (0.25) |
+//! | 10 x 10 | 0.5 | 0.1 | 83.3 (0.19) | 93.1 (0.25) | 95.5 (0.29) | 96.8 (0.32) | 96.7 (0.31) |
+//! | 10 x 10 | 0.5 | 0.3 | 65.6 (0.19) | 92.4 (0.34) | 95.9 (0.40) | 96.9 (0.45) | 96.0 (0.40) |
+//! | 10 x 10 | 0.88 | 0 | 95.9 (0.13) | 96.5 (0.14) | 96.1 (0.15) | 99.6 (0.17) | 99.0 (0.17) |
+//! | 10 x 10 | 0.88 | 0.1 | 85.8 (0.13) | 93.4 (0.17) | 96.4 (0.21) | 98.3 (0.22) | 97.4 (0.22) |
+//! | 10 x 10 | 0.88 | 0.3 | 70.0 (0.12) | 87.9 (0.22) | 94.5 (0.29) | 95.8 (0.30) | 95.6 (0.29) |
+//! | 10 x 10 | 0.97 | 0 | 96.4 (0.07) | 97.0 (0.08) | 96.6 (0.11) | 99.7 (0.11) | 99.2 (0.13) |
+//! | 10 x 10 | 0.97 | 0.1 | 91.0 (0.07) | 96.1 (0.09) | 97.5 (0.16) | 99.1 (0.15) | 98.9 (0.18) |
+//! | 10 x 10 | 0.97 | 0.3 | 84.3 (0.07) | 95.7 (0.11) | 98.0 (0.23) | 99.5 (0.22) | 98.9 (0.22) |
+//! | 20 x 10 | 0.5 | 0 | 95.8 (0.14) | 96.8 (0.14) | 96.4 (0.15) | 98.3 (0.16) | 97.8 (0.16) |
+//! | 20 x 10 | 0.5 | 0.1 | 81.4 (0.14) | 94.2 (0.19) | 96.6 (0.20) | 96.9 (0.21) | 96.6 (0.20) |
+//! | 20 x 10 | 0.5 | 0.3 | 68.3 (0.14) | 93.5 (0.25) | 95.7 (0.28) | 96.8 (0.30) | 95.3 (0.27) |
+//! | 20 x 10 | 0.88 | 0 | 96.6 (0.09) | 96.6 (0.10) | 96.2 (0.10) | 98.2 (0.11) | 98.2 (0.10) |
+//! | 20 x 10 | 0.88 | 0.1 | 86.6 (0.09) | 95.1 (0.12) | 96.4 (0.14) | 97.5 (0.14) | 97.3 (0.14) |
+//! | 20 x 10 | 0.88 | 0.3 | 69.8 (0.09) | 91.7 (0.17) | 94.4 (0.19) | 95.2 (0.20) | 95.9 (0.19) |
+//! | 20 x 10 | 0.97 | 0 | 93.7 (0.05) | 94.3 (0.05) | 95.7 (0.06) | 99.0 (0.06) | 97.8 (0.06) |
+//! | 20 x 10 | 0.97 | 0.1 | 83.9 (0.05) | 90.3 (0.07) | 97.6 (0.08) | 99.2 (0.08) | 98.8 (0.09) |
+//! | 20 x 10 | 0.97 | 0.3 | 65.8 (0.05) | 80.5 (0.09) | 97.6 (0.12) | 99.5 (0.12) | 98.3 (0.12) |
+//! | 50 x 10 | 0.5 | 0 | 95.2 (0.09) | 96.2 (0.09) | 96.4 (0.09) | 97.2 (0.10) | 96.8 (0.09) |
+//! | 50 x 10 | 0.5 | 0.1 | 83.5 (0.09) | 94.1 (0.12) | 94.8 (0.12) | 95.2 (0.13) | 94.8 (0.12) |
+//! | 50 x 10 | 0.5 | 0.3 | 65.5 (0.09) | 93.3 (0.17) | 94.2 (0.17) | 95.1 (0.18) | 94.4 (0.17) |
+//! | 50 x 10 | 0.88 | 0 | 95.5 (0.06) | 95.8 (0.06) | 94.9 (0.06) | 96.5 (0.06) | 96.3 (0.06) |
+//! | 50 x 10 | 0.88 | 0.1 | 84.8 (0.06) | 93.5 (0.08) | 94.2 (0.08) | 94.9 (0.08) | 94.4 (0.08) |
+//! | 50 x 10 | 0.88 | 0.3 | 69.5 (0.06) | 94.0 (0.11) | 94.5 (0.11) | 95.9 (0.12) | 95.0 (0.11) |
+//! | 50 x 10 | 0.97 | 0 | 95.2 (0.03) | 95.7 (0.03) | 95.5 (0.03) | 97.3 (0.03) | 95.5 (0.03) |
+//! | 50 x 10 | 0.97 | 0.1 | 84.1 (0.03) | 93.5 (0.04) | 94.2 (0.04) | 95.6 (0.05) | 95.4 (0.05) |
+//! | 50 x 10 | 0.97 | 0.3 | 69.7 (0.03) | 90.3 (0.06) | 92.3 (0.06) | 93.5 (0.06) | 95.5 (0.06) |
+//! | 10 x 50 | 0.5 | 0 | 94.5 (0.09) | 96.2 (0.09) | 94.5 (0.10) | 98.3 (0.11) | 98.6 (0.11) |
+//! | 10 x 50 | 0.5 | 0.1 | 57.6 (0.09) | 92.7 (0.20) | 95.1 (0.24) | 95.8 (0.25) | 96.3 (0.24) |
+//! | 10 x 50 | 0.5 | 0.3 | 37.4 (0.09) | 92.4 (0.32) | 95.9 (0.38) | 96.5 (0.41) | 96.0 (0.37) |
+//! | 10 x 50 | 0.88 | 0 | 95.1 (0.06) | 96.1 (0.06) | 94.9 (0.06) | 98.6 (0.07) | 98.6 (0.08) |
+//! | 10 x 50 | 0.88 | 0.1 | 59.3 (0.06) | 90.6 (0.13) | 94.9 (0.16) | 95.4 (0.16) | 96.7 (0.18) |
+//! | 10 x 50 | 0.88 | 0.3 | 37.7 (0.06) | 86.9 (0.21) | 92.9 (0.26) | 93.1 (0.27) | 96.9 (0.27) |
+//! | 10 x 50 | 0.97 | 0 | 95.0 (0.03) | 96.0 (0.03) | 96.2 (0.04) | 98.6 (0.04) | 99.1 (0.04) |
+//! | 10 x 50 | 0.97 | 0.1 | 58.5 (0.03) | 85.4 (0.07) | 90.1 (0.09) | 91.2 (0.09) | 97.8 (0.14) |
+//! | 10 x 50 | 0.97 | 0.3 | 34.2 (0.03) | 71.2 (0.10) | 86.2 (0.16) | 83.1 (0.15) | 98.7 (0.21) |
+//!
+//! # Source
+//! D. A. Williams (1975); D. Bates and D. Watts (1988) for Student's quantile in a profile.
+//!
+//! # Guarantee
+//! Asymptotic in the number of clusters; the table says how nearly with few of them (too wide with
+//! five). Cost: some thousands of likelihoods, a few milliseconds.
+
+use crate::beta_binomial::BetaBinomial;
+use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
+use crate::heterogeneity::pool;
+use crate::interval::wilson;
+
+/// How the interval of a clustered rate was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClusterMethod {
+    /// By the profile likelihood of the beta-binomial model.
+    Profile,
+    /// One trial for each cluster, because all outcomes are the same.
+    OneEach,
+    /// As independent trials: a single cluster, or a single trial in each.
+    Independent,
+}
+
+/// A rate of clustered trials with its interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClusteredRate {
+    /// All trials together.
+    pub total: Sample,
+    /// Number of clusters that have trials.
+    pub clusters: usize,
+    /// How the interval was found.
+    pub method: ClusterMethod,
+    /// The interval.
+    pub interval: Interval,
+    /// The rate at the number of independent trials that it is worth in comparisons.
+    pub worth: EffectiveSample,
+}
+
+/// The rate of clusters, one sample each; those without trials are skipped.
+///
+/// # Errors
+/// [`StatsError::MoreSuccessesThanTrials`] for a contradictory count, [`StatsError::NoTrials`] without
+/// any trial.
+///
+/// ```
+/// use stats::{Confidence, Sample, clustered_rate};
+/// let subjects = [9, 10, 8, 7, 9, 10, 10, 6, 9, 10].map(|successes| Sample { successes, trials: 10 });
+/// let rate = clustered_rate(&subjects, Confidence::P95)?;
+/// // Independent trials would give [0.802, 0.930].
+/// assert!(rate.interval.low < 0.76 && rate.interval.high > 0.94);
+/// assert!(rate.worth.trials > 35.0 && rate.worth.trials < 60.0);
+/// # Ok::<(), stats::StatsError>(())
+/// ```
+pub fn clustered_rate(
+    clusters: &[Sample],
+    confidence: Confidence,
+) -> Result<ClusteredRate, StatsError> {
+    let total = pool(clusters)?;
+    if total.trials == 0 {
+        return Err(StatsError::NoTrials);
+    }
+    let counted = || clusters.iter().filter(|cluster| cluster.trials > 0);
+    let found = counted().count();
+    let rate = |method, interval, worth| ClusteredRate {
+        total,
+        clusters: found,
+        method,
+        interval,
+        worth,
+    };
+    if found < 2 || counted().all(|cluster| cluster.trials == 1) {
+        let interval = wilson(total, confidence);
+        return Ok(rate(ClusterMethod::Independent, interval, total.into()));
+    }
+    let method = if total.successes == 0 || total.failures() == 0 {
+        ClusterMethod::OneEach
+    } else {
+        ClusterMethod::Profile
+    };
+    let profile = BetaBinomial::fit(clusters)?.interval(confidence);
+    let pooled = total.successes as f64 / total.trials as f64;
+    let interval = Interval {
+        low: profile.low.min(pooled),
+        high: profile.high.max(pooled),
+    };
+    let worth = as_wide_as(interval, total, confidence)?;
+    Ok(rate(method, interval, worth))
+}
+
+/// The rate at the number of trials, at most all, at which Wilson's interval is as wide as this one.
+fn as_wide_as(
+    interval: Interval,
+    total: Sample,
+    confidence: Confidence,
+) -> Result<EffectiveSample, StatsError> {
+    let (mut few, mut many) = (1e-3, total.trials as f64);
+    let is_wider = |size: f64| {
+        let sample = EffectiveSample::at_size(total, size)?;
+        Ok::<bool, StatsError>(wilson(sample, confidence).width() > interval.width())
+    };
+    if is_wider(many)? {
+        return Ok(total.into());
+    }
+    while many - few > 1e-9 * many {
+        let middle = (few * many).sqrt();
+        if middle <= few || middle >= many {
+            break;
+        }
+        if is_wider(middle)? {
+            few = middle;
+        } else {
+            many = middle;
+        }
+    }
+    EffectiveSample::at_size(total, many)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(counts: &[(u64, u64)]) -> Vec<Sample> {
+        counts
+            .iter()
+            .map(|&(successes, trials)| Sample { successes, trials })
+            .collect()
+    }
+
+    fn found(counts: &[(u64, u64)]) -> ClusteredRate {
+        clustered_rate(&samples(counts), Confidence::P95).unwrap()
+    }
+
+    #[test]
+    fn ends_count_once_for_each_cluster_from_five_trials_to_a_hundred_million() {
+        for each in [1_u64, 2, 100, 20_000_000] {
+            for successes in [0, each] {
+                let mut counts = vec![(successes, each); 5];
+                counts.push((0, 0));
+                let rate = found(&counts);
+                assert_eq!(rate.clusters, 5);
+                let Interval { low, high } = rate.interval;
+                // Clopper and Pearson, 0 of 5: scipy 1.16, beta.ppf(.975, 1, 5). With one trial in
+                // each, trials are independent, and it is Wilson's: z^2/(5 + z^2).
+                let expected = if each == 1 {
+                    0.4344824767
+                } else {
+                    0.5218237501
+                };
+                assert!((high - low - expected).abs() < 1e-6, "{low} {high}");
+                assert!(if successes == 0 {
+                    low == 0.0
+                } else {
+                    high == 1.0
+                });
+                assert!(
+                    rate.worth.trials > 3.0 && rate.worth.trials <= 5.0,
+                    "{rate:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_worth_leaves_intervals_as_wide() {
+        for counts in [
+            vec![
+                (60_000_000, 100_000_000),
+                (40_000_000, 100_000_000),
+                (50_000_000, 100_000_000),
+            ],
+            vec![(9, 10), (10, 10), (3, 10), (8, 10)],
+            vec![(0, 5), (1, 5), (0, 5), (0, 5), (0, 5), (0, 5)],
+        ] {
+            let rate = found(&counts);
+            assert_eq!(rate.method, ClusterMethod::Profile);
+            let same = wilson(rate.worth, Confidence::P95).width();
+            assert!((same - rate.interval.width()).abs() < 1e-6, "{rate:?}");
+            assert!(rate.worth.trials < 0.9 * rate.total.trials as f64);
+        }
+        // Clusters that scatter as little as independent trials are worth nearly all of them.
+        let plain: Vec<(u64, u64)> = (0..100).map(|i| (50 + (i % 7) - 3, 100)).collect();
+        assert!(found(&plain).worth.trials > 8_000.0);
+    }
+
+    #[test]
+    fn one_subject_and_one_trial_each_are_independent_trials() {
+        let one = found(&[(3, 4)]);
+        assert_eq!(
+            (one.method, one.worth.trials),
+            (ClusterMethod::Independent, 4.0)
+        );
+        let each = found(&[(1, 1), (0, 1), (1, 1)]);
+        assert_eq!(
+            (each.method, each.worth.trials),
+            (ClusterMethod::Independent, 3.0)
+        );
+        assert!(clustered_rate(&[], Confidence::P95).is_err());
+        assert!(clustered_rate(&samples(&[(0, 0)]), Confidence::P95).is_err());
+        assert!(clustered_rate(&samples(&[(5, 4)]), Confidence::P95).is_err());
+    }
+}
