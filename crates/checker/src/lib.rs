@@ -44,11 +44,8 @@ mod exact;
 pub mod explore;
 pub mod graph;
 mod interval_iteration;
-<<<<<<< HEAD
 mod not_yet;
-=======
 pub mod interval_model;
->>>>>>> 16baa66 (Carry uncertainty through: beta-binomial intervals of clustered trials, shares and robust bounds by interval models, verify --deep)
 pub mod paths;
 mod prism_default;
 mod product;
