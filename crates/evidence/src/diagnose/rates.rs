@@ -482,7 +482,9 @@ impl<'a> Matter<'a> {
                             ),
                             explanation: format!(
                                 "For {}, `{}` is at least {distance:.2e} from the bounds of `{}`.",
-                                name_of(&finding.subject), other.method, answer.method
+                                name_of(&finding.subject),
+                                other.method,
+                                answer.method
                             ),
                             symptom: Symptom::SolverStopped {
                                 subject: finding.subject.clone(),
