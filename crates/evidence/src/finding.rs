@@ -117,7 +117,7 @@ pub struct CredibleInterval {
     pub quantiles: Vec<f64>,
     /// Robust bounds beside the distribution.
     #[serde(default)]
-    pub robust: Option<RobustBounds>,
+    pub robust: Option<Box<RobustBounds>>,
 }
 
 /// What was found.

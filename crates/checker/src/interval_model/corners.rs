@@ -75,7 +75,10 @@ impl IntervalModel {
                 format!("{count} constants have too many corners (at most {MOST_CONSTANTS})");
             return Err(IntervalModelError::Box(message));
         }
-        if let Some(bad) = constants.iter().find(|c| !(c.low <= c.high)) {
+        if let Some(bad) = constants
+            .iter()
+            .find(|c| c.low.is_nan() || c.high.is_nan() || c.low > c.high)
+        {
             let message = format!("`{}` has no interval", bad.name);
             return Err(IntervalModelError::Box(message));
         }

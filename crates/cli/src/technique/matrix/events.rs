@@ -264,13 +264,13 @@ impl Runs<'_> {
 }
 
 fn formal_model(piece: &Evidence) -> SuspectAsset {
-    let files = piece
+    let mut files = piece
         .assets
         .iter()
         .filter(|a| a.role == AssetRole::SystemModel);
     SuspectAsset {
         kind: SuspectKind::FormalModel,
-        file: files.last().map(|asset| asset.path.clone()),
+        file: files.next_back().map(|asset| asset.path.clone()),
         part: None,
         evidence: vec![piece.id.clone()],
     }

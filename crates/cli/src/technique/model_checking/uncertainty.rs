@@ -107,7 +107,7 @@ impl Compiled<'_> {
                 let found = CredibleInterval::of_design(&names, &design, &values, level)
                     .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
                 *credible = Some(CredibleInterval {
-                    robust: Some(robust[place].clone()),
+                    robust: Some(Box::new(robust[place].clone())),
                     ..found
                 });
             }
