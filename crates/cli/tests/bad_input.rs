@@ -128,7 +128,7 @@ fn counts_that_are_none() {
     for count in ["1e30", "-3", "many", "99999999999999999999"] {
         refuses(
             |s| {
-                s.edit("attempts.csv", "1,19,", &format!("1,{count},"));
+                s.edit("attempts.csv", "\n1,4,", &format!("\n1,{count},"));
             },
             "bad-table",
             "study/attempts.csv, line 2",
@@ -136,7 +136,7 @@ fn counts_that_are_none() {
     }
     refuses(
         |s| {
-            s.edit("attempts.csv", "1,19,", "1,25,");
+            s.edit("attempts.csv", "\n1,4,", "\n1,9,");
         },
         "bad-counts",
         "study/attempts.csv, line 2",
@@ -154,7 +154,7 @@ fn counts_that_are_none() {
 fn a_row_with_too_few_cells() {
     refuses(
         |s| {
-            s.edit("attempts.csv", "20,M\n", "20\n");
+            s.edit("attempts.csv", "1,4,5,M\n", "1,4,5\n");
         },
         "bad-table",
         "study/attempts.csv, line 2",
@@ -177,7 +177,7 @@ fn a_row_that_stands_twice() {
     );
     refuses(
         |s| {
-            s.edit("attempts.csv", "2,20,20,", "1,20,20,");
+            s.edit("attempts.csv", "\n2,5,5,", "\n1,5,5,");
         },
         "duplicate-row",
         "study/attempts.csv, line 3",
@@ -189,7 +189,7 @@ fn a_row_that_stands_twice() {
 fn a_code_that_nothing_counts() {
     refuses(
         |s| {
-            s.edit("attempts.csv", "2,20,20,", "2,20,20,Q");
+            s.edit("attempts.csv", "\n2,5,5,", "\n2,5,5,Q");
         },
         "unknown-code",
         "study/attempts.csv, line 3, column \"failure_modes\"",
@@ -214,7 +214,7 @@ fn a_cohort_without_attempts() {
 fn tables_that_contradict_each_other() {
     refuses(
         |s| {
-            s.edit("attempts.csv", ",M\n", ",\n");
+            s.edit("attempts.csv", "1,4,5,M\n", "1,4,5,\n");
         },
         "tables-disagree",
         "study/attempts.csv",

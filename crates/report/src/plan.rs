@@ -123,7 +123,7 @@ mod tests {
     fn trials_are_named_once_and_priced_where_prices_are_known() {
         let both = DecisionPlan {
             trials: vec![planned("E3", 1), planned("E4", 12000)],
-            cost: 31.25,
+            cost: 31.5,
             chance: 0.8124,
         };
         let equal = TrialCosts::equal();
@@ -139,7 +139,7 @@ mod tests {
             ..equal.declare("E3", 15.0)
         };
         assert!(
-            plan(&both, &declared).contains(" at 31.3 min"),
+            plan(&both, &declared).contains(" at 31.5 min"),
             "{}",
             plan(&both, &declared)
         );
