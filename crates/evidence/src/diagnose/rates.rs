@@ -3,7 +3,7 @@
 //!
 //! # Definition
 //! A conflict of two pieces `X`, `Y` on a subject has the strength `T = c(X, Y)` (see
-//! [`super::strength`]). Each piece may have judged its runs by other forms of the requirement, and a
+//! [`mod@super::strength`]). Each piece may have judged its runs by other forms of the requirement, and a
 //! model by other methods.
 //!
 //! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
