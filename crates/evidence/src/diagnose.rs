@@ -43,7 +43,7 @@ mod system;
 mod tool;
 
 pub use contrast::{SameTraces, contrasts};
-pub use matter::{Clue, Matter, requirement_form};
+pub use matter::{Clue, Matter, requirement_form, system_model};
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, strength};
 pub use suspect::{

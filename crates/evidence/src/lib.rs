@@ -38,7 +38,7 @@ pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::{
     CERTAIN, Cell, Clue, Contrast, Diagnosis, Figure, JudgedBy, Matter, Rate, SameTraces, Suspect,
     SuspectAsset, SuspectKind, Symptom, Traces, Witness, contrasts, diagnose, rank,
-    requirement_form, strength,
+    requirement_form, strength, system_model,
 };
 pub use finding::{
     ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,

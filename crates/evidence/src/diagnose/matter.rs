@@ -194,7 +194,7 @@ impl<'a> Matter<'a> {
 
 /// The system model on which a piece of evidence rests: of several files the one that was named last,
 /// since parameters follow their scenario.
-pub(super) fn system_model(piece: &Evidence) -> SuspectAsset {
+pub fn system_model(piece: &Evidence) -> SuspectAsset {
     let (kind, role) = match piece.technique {
         Technique::ModelChecking => (SuspectKind::FormalModel, AssetRole::SystemModel),
         Technique::Simulation if !piece.published => {

@@ -11,8 +11,8 @@ use crate::technique::campaign::form_verdicts;
 use crate::technique::exploration::{Abstraction, Class, Formal, Plan};
 use crate::technique::judging::Judges;
 use evidence::{
-    AssetRole, Clue, Evidence, Figure, Inaccuracy, Interval, Measure, Rate, Subject, SuspectAsset,
-    SuspectKind, Symptom, Witness, strength,
+    Clue, Evidence, Figure, Inaccuracy, Interval, Measure, Rate, Subject, Symptom, Witness,
+    strength, system_model,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -182,7 +182,7 @@ impl Diagnosing<'_> {
         let names = |class: Class| held(class).split_whitespace().map(str::to_owned).collect();
         Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: formal_model(model),
+            asset: system_model(model),
             score: if knows { whole.min(KNOWN) } else { whole },
             title: format!(
                 "{} does not know a step that {count} of {of} runs of {id} take",
@@ -260,19 +260,6 @@ impl Runs<'_> {
         let most = counts.into_iter().max_by_key(|(_, count)| *count)?;
         let is_most = most.1 as f64 >= MOST * numbers.len() as f64;
         is_most.then(|| most.0.clone())
-    }
-}
-
-fn formal_model(piece: &Evidence) -> SuspectAsset {
-    let mut files = piece
-        .assets
-        .iter()
-        .filter(|a| a.role == AssetRole::SystemModel);
-    SuspectAsset {
-        kind: SuspectKind::FormalModel,
-        file: files.next_back().map(|asset| asset.path.clone()),
-        part: None,
-        evidence: vec![piece.id.clone()],
     }
 }
 
