@@ -1,8 +1,8 @@
 //! A part of the robot in the loop with a simulated rest: some topics from outside, some from the test bench.
 //!
 //! The bench publishes its topics at the pace of the wall clock; what comes from outside meanwhile and what the bench
-//! published itself go into one stream, in the order in which they happened. So a monitor sees the whole system, and
-//! the same stream can be recorded.
+//! published itself go into one stream, whose times never go back. So a monitor sees the whole system, and the same
+//! stream can be recorded.
 
 use crate::clock::{Clock, duration};
 use crate::pace::{Pacer, Punctuality};
@@ -45,7 +45,10 @@ pub struct Bridge {
     clock: Clock,
     pacer: Pacer,
     published: Vec<(PublicationId, Arc<Topic>)>,
+    /// Time of the newest message of the stream, of either side.
     last_nanos: i64,
+    /// When the newest message from outside arrived.
+    arrived_nanos: i64,
     sent: i64,
 }
 
@@ -60,6 +63,7 @@ impl Bridge {
             pacer: Pacer::start(clock, 0, 0),
             published: Vec::new(),
             last_nanos: i64::MIN,
+            arrived_nanos: i64::MIN,
             sent: 0,
         }
     }
@@ -116,8 +120,7 @@ impl Bridge {
     ) -> Result<(), LiveError> {
         let mut next = self.source.next(timeout)?;
         while let Some(incoming) = next {
-            self.last_nanos = self.last_nanos.max(nanos_of(&incoming));
-            take(incoming);
+            self.hand_over(incoming, take);
             next = self.source.next(Duration::ZERO)?;
         }
         Ok(())
@@ -137,8 +140,7 @@ impl Bridge {
             let remaining = self.pacer.remaining_nanos(bench_nanos);
             match self.source.next(duration(remaining).min(WAIT_AT_MOST))? {
                 Some(incoming) => {
-                    self.last_nanos = self.last_nanos.max(nanos_of(&incoming));
-                    take(incoming);
+                    self.hand_over(incoming, take);
                     // A flood from outside must not hold the bench up.
                     if remaining <= 0 && self.caught_up_to(bench_nanos) {
                         break;
@@ -153,7 +155,20 @@ impl Bridge {
 
     /// Whether all that arrived before bench time `bench_nanos` was due has been handed over.
     fn caught_up_to(&self, bench_nanos: i64) -> bool {
-        self.last_nanos >= self.pacer.due_nanos(bench_nanos)
+        self.arrived_nanos >= self.pacer.due_nanos(bench_nanos)
+    }
+
+    /// Takes something from outside into the stream. The source stamps arrivals in a thread of its own, so the bench may
+    /// have published between a stamp and now: such an arrival gets the time of what it stands behind.
+    fn hand_over(&mut self, mut incoming: Incoming, take: &mut dyn FnMut(Incoming)) {
+        let nanos = match &mut incoming {
+            Incoming::Message(message) => &mut message.received_nanos,
+            Incoming::Event { at_nanos, .. } => at_nanos,
+        };
+        self.arrived_nanos = self.arrived_nanos.max(*nanos);
+        self.last_nanos = self.last_nanos.max(*nanos);
+        *nanos = self.last_nanos;
+        take(incoming);
     }
 
     /// Publishes a message of the bench, stamped with the present time, and hands it to `take` too.
@@ -202,12 +217,5 @@ impl Bridge {
     /// Ends the source.
     pub fn stop(&mut self) {
         self.source.stop();
-    }
-}
-
-fn nanos_of(incoming: &Incoming) -> i64 {
-    match incoming {
-        Incoming::Message(message) => message.received_nanos,
-        Incoming::Event { at_nanos, .. } => *at_nanos,
     }
 }

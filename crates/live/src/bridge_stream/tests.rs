@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Clock, LossCause, Origin, Publisher, Source, Totals};
+use crate::{Bridge, Clock, LossCause, Origin, Publisher, Source, Totals};
 use std::collections::VecDeque;
 use std::sync::Mutex;
 
@@ -161,4 +161,66 @@ fn a_bench_that_fails_ends_the_stream_with_its_error() {
     let fail = |_: &mut BridgeFeed, _: &[PublicationId]| Err(LiveError::Transport("broken".into()));
     let mut stream = LiveStream::of_bench(bridge, &[], fail).expect("a thread");
     assert_eq!(told(&mut stream), ["Transport(\"broken\")"]);
+}
+
+/// A bridge with one topic of its own to an outside that says `byte`s, each stamped `nanos` before now.
+fn bridge_with_waiting(waiting: &[(u8, i64)]) -> (Bridge, PublicationId) {
+    let clock = Clock::start();
+    let now = clock.now_nanos();
+    let message = |&(byte, nanos_ago): &(u8, i64)| {
+        Incoming::Message(Message {
+            topic: outside_topic(0, "/a"),
+            publish_nanos: None,
+            received_nanos: now - nanos_ago,
+            sequence: None,
+            data: vec![byte],
+        })
+    };
+    let script = Script {
+        clock,
+        topics: Vec::new(),
+        coming: waiting.iter().map(message).collect(),
+    };
+    let mut bridge = Bridge::new(Box::new(script), Box::new(Kept(Messages::default(), 0)));
+    let command = bridge
+        .advertise(&Outgoing::ros2("/command", "t"))
+        .expect("advertised");
+    (bridge, command)
+}
+
+#[test]
+fn times_do_not_go_back_where_an_arrival_was_stamped_before_a_publication() {
+    let (mut bridge, command) = bridge_with_waiting(&[(1, 1_000_000)]);
+    let mut times = Vec::new();
+    let mut take = |incoming| {
+        if let Incoming::Message(message) = incoming {
+            times.push(message.received_nanos);
+        }
+    };
+    bridge
+        .publish(command, vec![9], &mut take)
+        .expect("published");
+    bridge.listen(Duration::ZERO, &mut take).expect("listening");
+    assert_eq!(times.len(), 2);
+    assert_eq!(
+        times[1], times[0],
+        "the arrival stands behind the publication"
+    );
+}
+
+#[test]
+fn a_late_bench_that_publishes_is_still_given_all_that_waits() {
+    let waiting: Vec<(u8, i64)> = (0..50).map(|byte| (byte, 1_000_000)).collect();
+    let (mut bridge, command) = bridge_with_waiting(&waiting);
+    bridge.start(0, 0);
+    let mut count = 0;
+    let mut take = |incoming| {
+        count += usize::from(matches!(incoming, Incoming::Message(_)));
+    };
+    bridge
+        .publish(command, vec![9], &mut take)
+        .expect("published");
+    // Due before the bench began, so it is late; the arrivals are older still.
+    bridge.advance(-500_000, &mut take).expect("listening");
+    assert_eq!(count, 51);
 }
