@@ -1,9 +1,12 @@
 //! From a model to its reachable states and transitions.
 //!
 //! Definition: in a state, the choices are the enabled commands without action and, for each action, one
-//! enabled command of every module that has commands with that action. A choice's outcomes are the products
-//! of its commands' updates. With `k` choices each is taken with probability `1/k`. Outcomes of probability 0
-//! are dropped, outcomes with the same target are merged, a state without choices gets a self-loop.
+//! enabled command of every module that has commands with that action (in general: the events of `events`).
+//! A choice's outcomes are the products of its commands' updates. In an `mdp` or `lts`, choices are what a
+//! scheduler chooses from; in a `dtmc` with `k` choices each is taken with probability `1/k`; in a `ctmc` they
+//! race: rates of synchronised commands are multiplied, rates of choices add up. Outcomes of probability 0 are
+//! dropped, outcomes with the same target are merged (in a chain over all choices, else within a choice), a
+//! state without choices gets a self-loop.
 //!
 //! Source: the semantics of the PRISM language (Kwiatkowska, Norman, Parker, "PRISM 4.0: Verification of
 //! Probabilistic Real-time Systems", CAV 2011, and the tool's description of its language); uniform choice in
@@ -19,17 +22,19 @@
 mod code;
 mod command;
 mod error;
+mod events;
 mod fault;
 mod intern;
+mod rewards;
 
 use std::ops::Range;
 
 use prism_lang::resolved::{Init, Model, ModelType};
 use prism_lang::{Arithmetic, Expr, Span};
 
-use crate::state_space::{Csr, LabelStates, Layout, StateSpace, describe};
+use crate::state_space::{Csr, LabelStates, Layout, NO_ACTION, StateSpace, describe};
 use code::Code;
-use command::{Commands, CompiledCommand};
+use command::{CompiledCommand, CompiledEvent, compile, probability};
 pub use error::ExploreError;
 use fault::{bad_probability, check_sum, in_range, no_value};
 use intern::Interner;
@@ -58,7 +63,7 @@ impl Default for ExploreOptions {
 /// Builds the reachable state space of a model.
 ///
 /// # Errors
-/// If the model is no `dtmc`, leaves a variable's range, has probabilities that do not sum to 1, or too many states.
+/// If the model leaves a variable's range, has probabilities that do not sum to 1, or too many states.
 ///
 /// ```
 /// use checker::explore::explore;
@@ -84,14 +89,6 @@ pub fn explore_with<N: Arithmetic>(
     options: ExploreOptions,
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<StateSpace<N>, ExploreError> {
-    if model.model_type != ModelType::Dtmc {
-        return Err(ExploreError::Unsupported(model.model_type));
-    }
-    if model.composition.is_some() {
-        return Err(ExploreError::UnsupportedConstruct(
-            "`system ... endsystem` cannot be explored yet: let the modules synchronise on all actions that they share",
-        ));
-    }
     if !model.parameters.is_empty() {
         return Err(ExploreError::UnsupportedConstruct(
             "a model with open constants cannot be explored yet: give each constant a value",
@@ -115,14 +112,26 @@ struct Explorer<'m, N> {
     model: &'m Model,
     limit: usize,
     layout: Layout,
-    commands: Commands<'m, N>,
+    events: Vec<CompiledEvent<'m, N>>,
     interner: Interner,
     matrix: Csr<N>,
+    choice_start: Vec<usize>,
+    choice_action: Vec<u32>,
+    rewards: rewards::Builder<'m, N>,
     deadlocks: Vec<usize>,
     labelled_transitions: u64,
     /// The greatest number of roundings behind an entry; `None` if an error is unknown.
     roundings: Option<u32>,
     scratch: Scratch<N>,
+}
+
+/// A transition before those with the same target are merged.
+#[derive(Clone, Debug)]
+struct Outcome<N> {
+    target: u32,
+    probability: N,
+    roundings: Option<u32>,
+    action: u32,
 }
 
 /// What is known of the state that is being expanded.
@@ -145,10 +154,12 @@ struct Scratch<N> {
     next_partial: Vec<(N, Option<u32>)>,
     partial_targets: Vec<u64>,
     next_targets: Vec<u64>,
-    /// Outcomes of all choices: target, probability, roundings.
-    outcomes: Vec<(u32, N, Option<u32>)>,
-    /// Target (high half) and action (low half, 0 for none) of all outcomes.
+    /// Outcomes of the choice, in a chain of all choices.
+    outcomes: Vec<Outcome<N>>,
+    /// Target (high half) and action (low half) of all outcomes.
     labelled: Vec<u64>,
+    /// Actions and probabilities of the outcomes with one target.
+    merged: Vec<(u32, N)>,
 }
 
 impl<'m, N: Arithmetic> Explorer<'m, N> {
@@ -156,9 +167,12 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         let layout = Layout::new(&model.variables);
         Self {
             limit: options.max_states.min(u32::MAX as usize - 1),
-            commands: Commands::new(model),
+            events: compile(model),
             interner: Interner::new(layout.words()),
             matrix: Csr::with_capacity(0),
+            choice_start: Vec::new(),
+            choice_action: Vec::new(),
+            rewards: rewards::Builder::new(model),
             deadlocks: Vec::new(),
             labelled_transitions: 0,
             roundings: Some(0),
@@ -177,6 +191,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 next_targets: Vec::new(),
                 outcomes: Vec::new(),
                 labelled: Vec::new(),
+                merged: Vec::new(),
             },
             layout,
             model,
@@ -250,7 +265,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         Ok(index)
     }
 
-    /// Finds all transitions of a state and appends its row.
+    /// Finds all transitions of a state and appends its rows.
     fn expand(&mut self, state: usize) -> Result<(), ExploreError> {
         self.scratch
             .packed
@@ -259,40 +274,46 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             .unpack(&self.scratch.packed, &mut self.scratch.values);
         self.scratch.outcomes.clear();
         self.scratch.labelled.clear();
-        let mut choices = 0i64;
-        for index in 0..self.commands.alone.len() {
-            self.scratch.updates.clear();
-            self.scratch.writes.clear();
-            let command = &mut self.commands.alone[index];
-            if let Some(updates) = enabled(command, &mut self.scratch, self.model)? {
-                let span = command.source.span;
-                choices += 1;
-                self.scratch.picked.clear();
-                self.scratch.picked.push(updates);
-                self.choose(0, span)?;
-            }
+        self.rewards.state(&self.scratch.values);
+        if self.has_choices() {
+            self.choice_start.push(self.matrix.num_rows());
         }
-        for action in 0..self.commands.together.len() {
-            choices += self.synchronise(action)?;
+        let mut choices = 0i64;
+        for event in 0..self.events.len() {
+            choices += self.synchronise(event)?;
         }
         if choices == 0 {
             self.deadlocks.push(state);
             self.labelled_transitions += 1;
             self.matrix.push_row([(state as u32, N::one())]);
-            return Ok(());
+            self.rewards.deadlock();
+            if self.has_choices() {
+                self.choice_action.push(NO_ACTION);
+            }
+        } else if !self.has_choices() {
+            let labelled = &mut self.scratch.labelled;
+            labelled.sort_unstable();
+            labelled.dedup();
+            self.labelled_transitions += labelled.len() as u64;
+            self.finish_row(choices);
         }
-        self.finish_row(choices)
+        Ok(())
     }
 
-    /// Makes the choices of an action; returns how many there are.
-    fn synchronise(&mut self, action: usize) -> Result<i64, ExploreError> {
-        if !self.find_ready(action)? {
+    fn has_choices(&self) -> bool {
+        self.model.model_type.has_choices()
+    }
+
+    /// Makes the choices of an event; returns how many there are.
+    fn synchronise(&mut self, event: usize) -> Result<i64, ExploreError> {
+        if !self.find_ready(event)? {
             return Ok(0);
         }
-        self.find_options(action)?;
-        let span = self.commands.together[action][0][0].source.span;
+        self.find_options(event)?;
+        let CompiledEvent { action, ref slots } = self.events[event];
+        let span = slots[0][0].source.span;
         let options = std::mem::take(&mut self.scratch.options);
-        let modules = self.commands.together[action].len();
+        let modules = slots.len();
         let mut picks = vec![0; modules];
         let mut choices = 0;
         loop {
@@ -301,7 +322,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 self.scratch.picked.push(ranges[*pick].clone());
             }
             choices += 1;
-            self.choose(action as u32 + 1, span)?;
+            self.choose(action, span)?;
             let Some(module) = (0..modules).find(|m| picks[*m] + 1 < options[*m].len()) else {
                 break;
             };
@@ -312,9 +333,9 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         Ok(choices)
     }
 
-    /// Finds the enabled commands of each module for an action; false if some module has none.
-    fn find_ready(&mut self, action: usize) -> Result<bool, ExploreError> {
-        let modules = &self.commands.together[action];
+    /// Finds the enabled commands of each slot of an event; false if some slot has none.
+    fn find_ready(&mut self, event: usize) -> Result<bool, ExploreError> {
+        let modules = &self.events[event].slots;
         let ready = &mut self.scratch.ready;
         ready.resize(modules.len().max(ready.len()), Vec::new());
         for (commands, ready) in modules.iter().zip(ready) {
@@ -332,12 +353,12 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
     }
 
     /// Evaluates the updates of the enabled commands.
-    fn find_options(&mut self, action: usize) -> Result<(), ExploreError> {
+    fn find_options(&mut self, event: usize) -> Result<(), ExploreError> {
         let ready = std::mem::take(&mut self.scratch.ready);
         let mut options = std::mem::take(&mut self.scratch.options);
         self.scratch.updates.clear();
         self.scratch.writes.clear();
-        let modules = &mut self.commands.together[action];
+        let modules = &mut self.events[event].slots;
         options.resize(modules.len().max(options.len()), Vec::new());
         for ((commands, ready), ranges) in modules.iter_mut().zip(&ready).zip(&mut options) {
             ranges.clear();
@@ -394,52 +415,91 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
                 let state = describe(&self.model.variables, &self.scratch.values);
                 return Err(ExploreError::Underflow { state, span });
             }
+            if !probability.is_non_negative() {
+                let value = probability.to_f64();
+                let state = describe(&self.model.variables, &self.scratch.values);
+                return Err(ExploreError::NotAProbability { value, state, span });
+            }
             let target = self.intern(target)?;
             self.scratch
                 .labelled
                 .push(u64::from(target) << 32 | u64::from(action));
-            let outcome = (target, probability.clone(), *roundings);
-            self.scratch.outcomes.push(outcome);
+            self.scratch.outcomes.push(Outcome {
+                target,
+                probability: probability.clone(),
+                roundings: *roundings,
+                action,
+            });
         }
         self.scratch.partial = partial;
         self.scratch.partial_targets = targets;
+        if self.has_choices() {
+            self.choice_action.push(action);
+            self.rewards.row(action, &self.scratch.values);
+            self.labelled_transitions += self.finish_row(1) as u64;
+        }
         Ok(())
     }
 
-    /// Merges outcomes with the same target, weighs the choices equally and appends the row.
-    fn finish_row(&mut self, choices: i64) -> Result<(), ExploreError> {
-        let labelled = &mut self.scratch.labelled;
-        labelled.sort_unstable();
-        labelled.dedup();
-        self.labelled_transitions += labelled.len() as u64;
-        let outcomes = &mut self.scratch.outcomes;
-        outcomes.sort_by_key(|(target, ..)| *target);
+    /// Merges outcomes with the same target, in a `dtmc` weighs the choices equally, and appends the row; returns
+    /// the number of its entries.
+    fn finish_row(&mut self, choices: i64) -> usize {
+        let Scratch {
+            outcomes,
+            merged,
+            values,
+            ..
+        } = &mut self.scratch;
+        // Only a uniform choice weighs; rates add up.
+        let choices = if self.model.model_type == ModelType::Ctmc {
+            1
+        } else {
+            choices
+        };
         let weight = N::from_i64(choices);
         let division = u32::from(!N::EXACT && choices.count_ones() != 1);
-        let mut merged = outcomes.drain(..).peekable();
-        while let Some((target, mut sum, mut roundings)) = merged.next() {
-            while let Some((_, more, more_roundings)) = merged.next_if(|(t, ..)| *t == target) {
-                sum = sum.add(&more);
-                let worst = roundings.zip(more_roundings).map(|(a, b)| a.max(b));
+        let of_entries = !self.model.model_type.has_choices() && self.rewards.of_transitions();
+        outcomes.sort_by_key(|o| o.target);
+        let before = self.matrix.column.len();
+        for group in outcomes.chunk_by(|a, b| a.target == b.target) {
+            let mut sum = group[0].probability.clone();
+            let mut roundings = group[0].roundings;
+            for more in &group[1..] {
+                sum = sum.add(&more.probability);
+                let worst = roundings.zip(more.roundings).map(|(a, b)| a.max(b));
                 roundings = worst.map(|w| w + u32::from(!N::EXACT));
             }
             if choices > 1 {
                 // The weight is at least 2.
                 sum = sum.div(&weight).unwrap_or(sum);
             }
-            self.matrix.column.push(target);
+            self.matrix.column.push(group[0].target);
             self.matrix.value.push(sum);
             let total = roundings.map(|r| r + division);
             self.roundings = self.roundings.zip(total).map(|(a, b)| a.max(b));
+            if of_entries {
+                merged.clear();
+                merged.extend(group.iter().map(|o| (o.action, o.probability.clone())));
+                self.rewards.entry(merged, values);
+            }
         }
+        outcomes.clear();
         self.matrix.row_start.push(self.matrix.column.len());
-        Ok(())
+        self.matrix.column.len() - before
     }
 
-    fn finish(self, num_initial: usize) -> StateSpace<N> {
+    fn finish(mut self, num_initial: usize) -> StateSpace<N> {
         let labels = self.model.labels.iter();
+        if self.has_choices() {
+            self.choice_start.push(self.matrix.num_rows());
+        }
         StateSpace {
+            kind: self.model.model_type,
             matrix: self.matrix,
+            choice_start: self.choice_start,
+            choice_action: self.choice_action,
+            actions: self.model.actions.clone(),
+            rewards: self.rewards.finish(),
             variables: self.model.variables.clone(),
             layout: self.layout,
             packed: self.interner.packed,
@@ -491,18 +551,6 @@ fn holds<N>(
     }
 }
 
-/// The updates of a command if it is enabled.
-fn enabled<N: Arithmetic>(
-    command: &mut CompiledCommand<'_, N>,
-    scratch: &mut Scratch<N>,
-    model: &Model,
-) -> Result<Option<Range<usize>>, ExploreError> {
-    if !holds(command, &scratch.values, model)? {
-        return Ok(None);
-    }
-    evaluate(command, scratch, model).map(Some)
-}
-
 /// The updates of an enabled command, those of probability 0 left out: a range of `scratch.updates`.
 fn evaluate<N: Arithmetic>(
     command: &mut CompiledCommand<'_, N>,
@@ -512,7 +560,8 @@ fn evaluate<N: Arithmetic>(
     let first = scratch.updates.len();
     let mut sum = N::zero();
     for (index, update) in command.updates.iter_mut().enumerate() {
-        let probability = update.probability.value(&scratch.values, &mut scratch.key);
+        let probability =
+            (update.probability).value(&scratch.values, &mut scratch.key, probability);
         let probability = probability.map_err(|bad| {
             let span = command.source.updates[index].probability.span;
             bad_probability(bad, span, &scratch.values, model)

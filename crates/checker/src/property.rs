@@ -9,6 +9,7 @@
 //! PCTL*); Baier and Katoen 2008, chapter 10. Guarantee: that of the technique; a comparison that its bounds
 //! leave open is an error and never a guess.
 
+use prism_lang::resolved::ModelType;
 use prism_lang::{Bound, Comparison, Path, Property, StateFormula};
 use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
 use temporal::ltl::{Ltl, StepBound};
@@ -33,6 +34,12 @@ impl<'a, E: Engine> Checker<'a, E> {
         options: &'a Options<'a>,
     ) -> Result<Self, CheckError> {
         validate(options)?;
+        if space.kind != ModelType::Dtmc {
+            let kind = space.kind.keyword();
+            return Err(CheckError::Unsupported(format!(
+                "properties of models of type `{kind}` cannot be computed yet: only those of a `dtmc` can"
+            )));
+        }
         E::check_entries(&space.matrix)?;
         if space.initial_states().is_empty() {
             return Err(CheckError::NoInitialState);

@@ -28,6 +28,18 @@ pub const SMALLEST_VALUE: f64 = 1e-150;
 /// Smallest transition probability for which floating point is used.
 pub const SMALLEST_ENTRY: f64 = 1e-150;
 
+/// A bound of the relative error that this many roundings leave; infinite if their number is not known.
+pub fn error_of_roundings(roundings: Option<u32>) -> f64 {
+    match roundings {
+        None => f64::INFINITY,
+        Some(0) => 0.0,
+        Some(n) => {
+            let nu = f64::from(n) * UNIT;
+            (nu / (1.0 - nu)).next_up().next_up()
+        }
+    }
+}
+
 /// An interval that contains a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {

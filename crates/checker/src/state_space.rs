@@ -1,159 +1,50 @@
 //! The reachable states of a model and the transitions between them, in compact form.
 //!
 //! States are packed: a variable with range `low..=high` takes the bits that `high - low` needs, and never
-//! straddles two 64-bit words. Transitions are a sparse matrix in compressed rows.
+//! straddles two 64-bit words. Transitions are a sparse matrix in compressed rows: one row for each state of a
+//! chain (`dtmc`, `ctmc`), one for each choice of a state where there are choices (`mdp`, `lts`).
 //!
-//! Cost: 8 bytes per state and word, plus 4 bytes and one number per transition and one offset per state.
+//! Cost: 8 bytes per state and word, plus 4 bytes and one number per transition and one offset per row.
+
+mod layout;
+mod matrix;
+mod rewards;
 
 use std::fmt;
 
-use prism_lang::resolved::{Variable, VariableKind};
+use prism_lang::resolved::{ActionId, ModelType, Variable, VariableKind};
 use prism_lang::{EvalError, Expr, VarIndex};
 
-/// A square sparse matrix in compressed sparse rows; columns of a row ascend.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Csr<N> {
-    /// Where each row starts in `column` and `value`; one entry more than there are rows.
-    pub row_start: Vec<usize>,
-    /// Columns of the entries, row by row.
-    pub column: Vec<u32>,
-    /// Values of the entries, row by row.
-    pub value: Vec<N>,
-}
+pub(crate) use layout::Layout;
+pub use matrix::Csr;
+pub use rewards::{Rewards, TransitionRewards};
 
-impl<N> Csr<N> {
-    /// A matrix from rows of `(column, value)`; entries must have distinct columns within a row.
-    pub fn from_rows(rows: Vec<Vec<(u32, N)>>) -> Self {
-        let mut matrix = Self::with_capacity(rows.len());
-        for mut row in rows {
-            row.sort_by_key(|(column, _)| *column);
-            matrix.push_row(row);
-        }
-        matrix
-    }
+use crate::explore::ExploreError;
+use crate::rounding::error_of_roundings;
 
-    /// A matrix without rows, with room for this many.
-    pub(crate) fn with_capacity(rows: usize) -> Self {
-        let mut row_start = Vec::with_capacity(rows + 1);
-        row_start.push(0);
-        Self {
-            row_start,
-            column: Vec::new(),
-            value: Vec::new(),
-        }
-    }
-
-    /// Appends a row whose columns ascend.
-    pub(crate) fn push_row(&mut self, row: impl IntoIterator<Item = (u32, N)>) {
-        for (column, value) in row {
-            self.column.push(column);
-            self.value.push(value);
-        }
-        self.row_start.push(self.column.len());
-    }
-
-    /// The number of rows.
-    pub fn num_rows(&self) -> usize {
-        self.row_start.len().saturating_sub(1)
-    }
-
-    /// The number of entries.
-    pub fn num_entries(&self) -> usize {
-        self.column.len()
-    }
-
-    /// The entries of a row: `(column, value)`, columns ascending.
-    ///
-    /// # Panics
-    /// If there is no such row.
-    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, &N)> {
-        let range = self.row_start[row]..self.row_start[row + 1];
-        let columns = self.column[range.clone()].iter().map(|c| *c as usize);
-        columns.zip(&self.value[range])
-    }
-}
-
-/// Where each variable lies in a packed state.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Layout {
-    fields: Vec<Field>,
-    words: usize,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Field {
-    word: usize,
-    shift: u32,
-    mask: u64,
-    low: i64,
-}
-
-impl Layout {
-    pub(crate) fn new(variables: &[Variable]) -> Self {
-        let (mut fields, mut word, mut used) = (Vec::with_capacity(variables.len()), 0, 0);
-        for variable in variables {
-            let (low, high) = variable.kind.bounds();
-            let width = 64 - (high.wrapping_sub(low) as u64).leading_zeros();
-            if used + width > 64 {
-                (word, used) = (word + 1, 0);
-            }
-            fields.push(Field {
-                word,
-                shift: used % 64,
-                mask: u64::MAX.checked_shr(64 - width).unwrap_or(0),
-                low,
-            });
-            used += width;
-        }
-        Self {
-            fields,
-            words: word + 1,
-        }
-    }
-
-    /// Words per state.
-    pub(crate) fn words(&self) -> usize {
-        self.words
-    }
-
-    /// Packs values that lie in their ranges.
-    pub(crate) fn pack(&self, values: &[i64], packed: &mut [u64]) {
-        packed.fill(0);
-        for (field, value) in self.fields.iter().zip(values) {
-            packed[field.word] |= (value.wrapping_sub(field.low) as u64) << field.shift;
-        }
-    }
-
-    /// Overwrites one variable with a value that lies in its range.
-    pub(crate) fn store(&self, variable: VarIndex, value: i64, packed: &mut [u64]) {
-        let field = self.fields[variable];
-        let word = &mut packed[field.word];
-        *word &= !(field.mask << field.shift);
-        *word |= (value.wrapping_sub(field.low) as u64) << field.shift;
-    }
-
-    pub(crate) fn unpack(&self, packed: &[u64], values: &mut [i64]) {
-        for (field, value) in self.fields.iter().zip(values) {
-            *value = field.value(packed);
-        }
-    }
-}
-
-impl Field {
-    fn value(&self, packed: &[u64]) -> i64 {
-        let bits = (packed[self.word] >> self.shift) & self.mask;
-        self.low.wrapping_add(bits as i64)
-    }
-}
-
-/// The reachable part of a model: states, initial states, deadlocks and the transition matrix.
+/// The reachable part of a model: states, initial states, deadlocks, transitions, labels and rewards.
 ///
-/// Each row of `matrix` sums to 1 (exactly in an exact domain). States are numbered in the order of a
-/// breadth-first search from the initial states, which come first.
+/// States are numbered in the order of a breadth-first search from the initial states, which come first.
+///
+/// * `dtmc`: row `s` of the matrix has the probabilities of state `s` and sums to 1 (exactly in an exact domain).
+/// * `ctmc`: row `s` has the rates of state `s`; a self-loop keeps its rate.
+/// * `mdp`: row `c` has the probabilities of choice `c`; the choices of state `s` are
+///   [`StateSpace::choices`]`(s)`, each with its [`StateSpace::action`].
+/// * `lts`: as `mdp`, each row with the one target of the choice.
+///
+/// A state in which nothing is enabled is given a self-loop of probability 1 (of rate 1 in a `ctmc`), as PRISM
+/// does, and listed in [`StateSpace::deadlocks`].
 #[derive(Clone, Debug)]
 pub struct StateSpace<N> {
-    /// Transition probabilities: row and column are state numbers.
+    /// Which kind of model this is the state space of.
+    pub kind: ModelType,
+    /// Transition probabilities or rates: columns are state numbers, rows are states (chains) or choices.
     pub matrix: Csr<N>,
+    /// Where the choices of each state start: one entry more than there are states. Empty for chains.
+    pub choice_start: Vec<usize>,
+    /// The action of each row: of a choice; [`NO_ACTION`] if it has none. Empty for chains.
+    pub choice_action: Vec<u32>,
+    pub(crate) actions: Vec<String>,
     pub(crate) variables: Vec<Variable>,
     pub(crate) layout: Layout,
     pub(crate) packed: Vec<u64>,
@@ -161,9 +52,16 @@ pub struct StateSpace<N> {
     pub(crate) deadlocks: Vec<usize>,
     pub(crate) labelled_transitions: u64,
     pub(crate) labels: Vec<(String, LabelStates)>,
+    pub(crate) rewards: Vec<RewardsOf<N>>,
     /// The greatest number of roundings behind an entry of the matrix; `None` if an error is unknown.
     pub(crate) roundings: Option<u32>,
 }
+
+/// The action of a choice that has none, in [`StateSpace::choice_action`].
+pub const NO_ACTION: u32 = u32::MAX;
+
+/// A reward structure's name, and its values or why it has none.
+pub(crate) type RewardsOf<N> = (Option<String>, Result<Rewards<N>, ExploreError>);
 
 /// Where a label holds: by its definition, or by a list made beforehand.
 #[derive(Clone, Debug)]
@@ -173,7 +71,7 @@ pub(crate) enum LabelStates {
 }
 
 impl<N> StateSpace<N> {
-    /// A state space without variables, from its matrix: for models that were not written in the PRISM language.
+    /// A `dtmc` without variables, from its matrix: for models that were not written in the PRISM language.
     ///
     /// `labels` give each label's states (one flag per state).
     pub fn from_matrix(
@@ -181,35 +79,129 @@ impl<N> StateSpace<N> {
         initial: Vec<usize>,
         labels: Vec<(String, Vec<bool>)>,
     ) -> Self {
+        Self::from_parts(ModelType::Dtmc, matrix, Vec::new(), initial, labels)
+    }
+
+    /// A model of any kind without variables, from its matrix and (`mdp`, `lts`) where each state's choices
+    /// start in it, which must be empty for chains. Its choices have no action; its matrix is taken as exact.
+    ///
+    /// ```
+    /// use checker::state_space::{Csr, StateSpace};
+    /// use prism_lang::resolved::ModelType;
+    /// // State 0 chooses between staying for sure and a fair coin.
+    /// let rows = vec![vec![(0, 1.0)], vec![(0, 0.5), (1, 0.5)], vec![(1, 1.0)]];
+    /// let matrix = Csr::from_rows(rows);
+    /// let space = StateSpace::from_parts(ModelType::Mdp, matrix, vec![0, 2, 3], vec![0], Vec::new());
+    /// assert_eq!((space.num_states(), space.num_choices()), (2, 3));
+    /// assert_eq!(space.choices(0), 0..2);
+    /// assert_eq!(space.action(0), None);
+    /// ```
+    pub fn from_parts(
+        kind: ModelType,
+        matrix: Csr<N>,
+        choice_start: Vec<usize>,
+        initial: Vec<usize>,
+        labels: Vec<(String, Vec<bool>)>,
+    ) -> Self {
         let layout = Layout::new(&[]);
-        let packed = vec![0; matrix.num_rows() * layout.words()];
-        let labelled_transitions = matrix.num_entries() as u64;
+        let has_choices = !choice_start.is_empty();
+        let states = if has_choices {
+            choice_start.len() - 1
+        } else {
+            matrix.num_rows()
+        };
+        let choices = if has_choices { matrix.num_rows() } else { 0 };
         let listed = |(name, states)| (name, LabelStates::Listed(states));
         Self {
-            matrix,
-            variables: Vec::new(),
+            kind,
+            packed: vec![0; states * layout.words()],
             layout,
-            packed,
+            labelled_transitions: matrix.num_entries() as u64,
+            matrix,
+            choice_start,
+            choice_action: vec![NO_ACTION; choices],
+            actions: Vec::new(),
+            variables: Vec::new(),
             initial,
             deadlocks: Vec::new(),
-            labelled_transitions,
             labels: labels.into_iter().map(listed).collect(),
+            rewards: Vec::new(),
             roundings: Some(0),
         }
     }
 
+    /// The same with one more reward structure.
+    #[must_use]
+    pub fn with_rewards(mut self, name: Option<String>, rewards: Rewards<N>) -> Self {
+        self.rewards.push((name, Ok(rewards)));
+        self
+    }
+
     /// The number of reachable states.
     pub fn num_states(&self) -> usize {
+        match self.choice_start.len() {
+            0 => self.matrix.num_rows(),
+            entries => entries - 1,
+        }
+    }
+
+    /// The number of rows of the matrix: choices, or states of a chain.
+    pub fn num_choices(&self) -> usize {
         self.matrix.num_rows()
     }
 
-    /// The number of pairs of states with a positive probability, self-loops of deadlocks included.
+    /// The rows of the matrix that belong to a state: its choices; one row in a chain.
+    ///
+    /// # Panics
+    /// If there is no such state.
+    pub fn choices(&self, state: usize) -> std::ops::Range<usize> {
+        match self.choice_start.len() {
+            0 => state..state + 1,
+            _ => self.choice_start[state]..self.choice_start[state + 1],
+        }
+    }
+
+    /// The action of a choice (of a row of the matrix), if it has one; an index of [`StateSpace::actions`].
+    pub fn action(&self, choice: usize) -> Option<ActionId> {
+        let action = *self.choice_action.get(choice)?;
+        (action != NO_ACTION).then_some(action as usize)
+    }
+
+    /// The names of the model's actions.
+    pub fn actions(&self) -> &[String] {
+        &self.actions
+    }
+
+    /// The number of reward structures.
+    pub fn num_rewards(&self) -> usize {
+        self.rewards.len()
+    }
+
+    /// The index of the reward structure of this name.
+    pub fn reward_index(&self, name: &str) -> Option<usize> {
+        let named = |(n, _): &RewardsOf<N>| n.as_deref() == Some(name);
+        self.rewards.iter().position(named)
+    }
+
+    /// A reward structure, by its index in the model.
+    ///
+    /// # Errors
+    /// If one of its rewards has no (finite) value in some state, it has none at all; other structures do.
+    ///
+    /// # Panics
+    /// If there is no such structure.
+    pub fn rewards(&self, index: usize) -> Result<&Rewards<N>, &ExploreError> {
+        self.rewards[index].1.as_ref()
+    }
+
+    /// The number of entries of the matrix, self-loops of deadlocks included: in a chain, pairs of states with a
+    /// positive probability or rate; otherwise pairs of a choice and a target.
     pub fn num_transitions(&self) -> usize {
         self.matrix.num_entries()
     }
 
     /// The number of triples of source, target and action (commands without action count as one action): what
-    /// PRISM's explicit engine reports as transitions.
+    /// PRISM's explicit engine reports as transitions of a chain. With choices, the entries of the matrix.
     pub fn num_labelled_transitions(&self) -> u64 {
         self.labelled_transitions
     }
@@ -255,7 +247,7 @@ impl<N> StateSpace<N> {
     /// If there is no such state or variable.
     pub fn value(&self, state: usize, variable: VarIndex) -> i64 {
         let words = self.layout.words();
-        self.layout.fields[variable].value(&self.packed[state * words..(state + 1) * words])
+        (self.layout).value(variable, &self.packed[state * words..(state + 1) * words])
     }
 
     /// A state as PRISM writes it: `(name=value,...)`, with `true` and `false` for truth values.
@@ -275,14 +267,7 @@ impl<N> StateSpace<N> {
     /// error of at most `n u / (1 - n u)` with `u = 2^-53` (Higham, "Accuracy and Stability of Numerical
     /// Algorithms", 2002, lemma 3.1).
     pub fn relative_error(&self) -> f64 {
-        match self.roundings {
-            None => f64::INFINITY,
-            Some(0) => 0.0,
-            Some(n) => {
-                let nu = f64::from(n) * f64::EPSILON / 2.0;
-                (nu / (1.0 - nu)).next_up().next_up()
-            }
-        }
+        error_of_roundings(self.roundings)
     }
 
     /// The states in which a predicate holds: one flag per state.
@@ -375,39 +360,6 @@ impl std::error::Error for StateError {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use prism_lang::Span;
-
-    fn variable(name: &str, low: i64, high: i64) -> Variable {
-        Variable {
-            name: name.to_owned(),
-            module: None,
-            kind: VariableKind::Int { low, high },
-            init: low,
-            span: Span::default(),
-        }
-    }
-
-    #[test]
-    fn packing_keeps_values_at_the_ends_of_every_range() {
-        let variables = [
-            variable("fixed", 7, 7),
-            variable("small", -3, 4),
-            variable("wide", i64::MIN, i64::MAX),
-            variable("half", 0, i64::MAX),
-            variable("last", -1, 0),
-        ];
-        let layout = Layout::new(&variables);
-        assert_eq!(layout.words(), 3);
-        let lows: Vec<i64> = variables.iter().map(|v| v.kind.bounds().0).collect();
-        let highs: Vec<i64> = variables.iter().map(|v| v.kind.bounds().1).collect();
-        for values in [lows, highs, vec![7, 0, -1, 1, -1]] {
-            let mut packed = vec![u64::MAX; layout.words()];
-            layout.pack(&values, &mut packed);
-            let mut unpacked = vec![0; values.len()];
-            layout.unpack(&packed, &mut unpacked);
-            assert_eq!(unpacked, values);
-        }
-    }
 
     #[test]
     fn labels_of_a_matrix_are_found() {

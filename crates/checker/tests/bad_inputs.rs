@@ -76,16 +76,8 @@ fn found_in_model(text: &str) -> Vec<Mark> {
             message.len() > 30 && message.contains(':'),
             "no remedy: {message}"
         );
-        let line = match error.span() {
-            Some(span) => line_and_column(text, span.start).0,
-            // The type of the model stands where it stands.
-            None => {
-                text.lines()
-                    .position(|l| l.starts_with("mdp"))
-                    .expect("a place")
-                    + 1
-            }
-        };
+        let span = error.span().expect("a place");
+        let line = line_and_column(text, span.start).0;
         all.push((line, Severity::Error, code_of(&error).to_owned()));
     }
     all
@@ -98,7 +90,6 @@ fn code_of(error: &ExploreError) -> &'static str {
         ExploreError::NotAProbability { .. } => "not-a-probability",
         ExploreError::NoValue { .. } => "no-value",
         ExploreError::NoInitialState { .. } => "no-initial-state",
-        ExploreError::Unsupported(_) => "unsupported",
         other => panic!("no file of conformance/bad is for {other}"),
     }
 }

@@ -3,11 +3,13 @@
 //! A probability is computed exactly and rounded once, whatever the domain; where it depends on the state, the
 //! result is remembered for the values of the variables that occur in it.
 
-use prism_lang::resolved::{Command, Model};
+use prism_lang::resolved::{Command, Model, ModelType};
 use prism_lang::{Arithmetic, EvalError, EvalErrorKind, Expr, Number, Rational, VarIndex};
 use rustc_hash::FxHashMap;
 
 use super::code::Code;
+use super::events::events;
+use crate::state_space::NO_ACTION;
 
 /// A probability and by how much it may be off.
 #[derive(Clone, Debug)]
@@ -17,10 +19,11 @@ pub(super) struct Rounded<N> {
     pub(super) roundings: Option<u32>,
 }
 
-/// Why a probability cannot be used.
-pub(super) enum BadProbability {
+/// Why a number cannot be used.
+pub(super) enum BadNumber {
     NoValue(EvalError),
-    Negative(f64),
+    /// Negative, infinite or not a number where that is not allowed.
+    OutOfBounds(f64),
     Underflow,
 }
 
@@ -50,7 +53,7 @@ pub(super) enum Probability<'m, N> {
 }
 
 impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
-    pub(super) fn new(source: &'m Command) -> Self {
+    pub(super) fn new(source: &'m Command, sum_known: bool) -> Self {
         let updates: Vec<_> = source
             .updates
             .iter()
@@ -67,7 +70,7 @@ impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
             guard: Code::new(&source.guard),
             updates,
             source,
-            sum_known: false,
+            sum_known,
         }
     }
 
@@ -80,10 +83,10 @@ impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Probability<'m, N> {
-    fn new(expr: &'m Expr) -> Self {
+    pub(super) fn new(expr: &'m Expr) -> Self {
         let variables = expr.variables();
         if variables.is_empty()
-            && let Ok(value) = evaluate(expr, &[])
+            && let Ok(value) = probability(expr, &[])
         {
             return Self::Constant(value);
         }
@@ -95,12 +98,13 @@ impl<'m, N: Arithmetic> Probability<'m, N> {
         }
     }
 
-    /// The probability in a state. `key` is scratch space.
+    /// The number in a state, which `compute` gets from the expression. `key` is scratch space.
     pub(super) fn value(
         &mut self,
         state: &[i64],
         key: &mut Vec<i64>,
-    ) -> Result<Rounded<N>, BadProbability> {
+        compute: fn(&Expr, &[i64]) -> Result<Rounded<N>, BadNumber>,
+    ) -> Result<Rounded<N>, BadNumber> {
         match self {
             Self::Constant(value) => Ok(value.clone()),
             Self::Dependent {
@@ -113,7 +117,7 @@ impl<'m, N: Arithmetic> Probability<'m, N> {
                 if let Some(value) = known.get(key.as_slice()) {
                     return Ok(value.clone());
                 }
-                let value = evaluate(expr, state)?;
+                let value = compute(expr, state)?;
                 known.insert(key.clone(), value.clone());
                 Ok(value)
             }
@@ -121,21 +125,41 @@ impl<'m, N: Arithmetic> Probability<'m, N> {
     }
 }
 
-/// Computes a probability exactly (as far as it is rational) and brings it into the domain.
-fn evaluate<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounded<N>, BadProbability> {
-    let number: Number = expr.eval_number(state).map_err(BadProbability::NoValue)?;
+/// A probability or rate, computed exactly (as far as it is rational) and brought into the domain.
+pub(super) fn probability<N: Arithmetic>(
+    expr: &Expr,
+    state: &[i64],
+) -> Result<Rounded<N>, BadNumber> {
+    let number: Number = expr.eval_number(state).map_err(BadNumber::NoValue)?;
     if !number.is_non_negative() {
-        return Err(BadProbability::Negative(number.to_f64()));
+        return Err(BadNumber::OutOfBounds(number.to_f64()));
     }
-    let value = N::from_literal(&number).ok_or({
-        BadProbability::NoValue(EvalError {
+    if !N::EXACT && !Arithmetic::is_zero(&number) && number.to_f64() < f64::MIN_POSITIVE {
+        return Err(BadNumber::Underflow);
+    }
+    rounded(expr, &number)
+}
+
+/// A reward: as a probability, but it may be negative, and is 0 where it is too small for a double.
+pub(super) fn reward<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounded<N>, BadNumber> {
+    let number: Number = expr.eval_number(state).map_err(BadNumber::NoValue)?;
+    if !number.to_f64().is_finite() {
+        return Err(BadNumber::OutOfBounds(number.to_f64()));
+    }
+    let mut reward: Rounded<N> = rounded(expr, &number)?;
+    if !N::EXACT && !Arithmetic::is_zero(&number) && number.to_f64().abs() < f64::MIN_POSITIVE {
+        reward.roundings = None;
+    }
+    Ok(reward)
+}
+
+fn rounded<N: Arithmetic>(expr: &Expr, number: &Number) -> Result<Rounded<N>, BadNumber> {
+    let value = N::from_literal(number).ok_or({
+        BadNumber::NoValue(EvalError {
             kind: EvalErrorKind::NotRational,
             span: expr.span,
         })
     })?;
-    if !N::EXACT && !Arithmetic::is_zero(&number) && number.to_f64() < f64::MIN_POSITIVE {
-        return Err(BadProbability::Underflow);
-    }
     let roundings = if N::EXACT {
         Some(0)
     } else {
@@ -147,30 +171,27 @@ fn evaluate<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounded<N>, Bad
     Ok(Rounded { value, roundings })
 }
 
-/// All commands, in the order in which choices are made.
-pub(super) struct Commands<'m, N> {
-    /// Commands without action.
-    pub(super) alone: Vec<CompiledCommand<'m, N>>,
-    /// For each action, for each module that knows it: the commands of that action.
-    pub(super) together: Vec<Vec<Vec<CompiledCommand<'m, N>>>>,
+/// An event whose slots' commands are compiled.
+pub(super) struct CompiledEvent<'m, N> {
+    /// The action; [`NO_ACTION`] if it has none.
+    pub(super) action: u32,
+    pub(super) slots: Vec<Vec<CompiledCommand<'m, N>>>,
 }
 
-impl<'m, N: Arithmetic> Commands<'m, N> {
-    pub(super) fn new(model: &'m Model) -> Self {
-        let of_action = |action| {
-            let mut modules: Vec<Vec<_>> = Vec::new();
-            for module in &model.modules {
-                let commands = module.commands.iter().filter(|c| c.action == action);
-                modules.push(commands.map(CompiledCommand::new).collect());
-            }
-            modules.retain(|m| !m.is_empty());
-            modules
-        };
-        Self {
-            alone: of_action(None).into_iter().flatten().collect(),
-            together: (0..model.actions.len())
-                .map(|a| of_action(Some(a)))
+/// All events of a model, in the order in which choices are made.
+pub(super) fn compile<N: Arithmetic>(model: &Model) -> Vec<CompiledEvent<'_, N>> {
+    // Rates need not sum to anything.
+    let sum_known = model.model_type == ModelType::Ctmc;
+    let compiled = |c| CompiledCommand::new(c, sum_known);
+    let mut all = Vec::new();
+    for event in events(model) {
+        let slots = event.slots.into_iter();
+        all.push(CompiledEvent {
+            action: event.action.map_or(NO_ACTION, |a| a as u32),
+            slots: slots
+                .map(|s| s.into_iter().map(compiled).collect())
                 .collect(),
-        }
+        });
     }
+    all
 }

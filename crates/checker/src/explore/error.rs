@@ -2,14 +2,11 @@
 
 use std::fmt;
 
-use prism_lang::resolved::ModelType;
 use prism_lang::{EvalError, Span};
 
 /// Why a state space could not be built. Spans are places in the model's text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExploreError {
-    /// The model is of a type that is not supported.
-    Unsupported(ModelType),
     /// The model has a construct that cannot be explored yet.
     UnsupportedConstruct(&'static str),
     /// An update takes a variable out of its range.
@@ -36,7 +33,7 @@ pub enum ExploreError {
         /// The command.
         span: Span,
     },
-    /// A probability is negative or not a number.
+    /// A probability (a rate) is negative, infinite or not a number.
     NotAProbability {
         /// Its value.
         value: f64,
@@ -50,6 +47,15 @@ pub enum ExploreError {
         /// The state in which that happens, written out.
         state: String,
         /// The probability's expression, or the command.
+        span: Span,
+    },
+    /// A reward is infinite or not a number. The structure that it belongs to has no values then.
+    NotAReward {
+        /// Its value.
+        value: f64,
+        /// The state in which that happens, written out.
+        state: String,
+        /// The item of the reward structure.
         span: Span,
     },
     /// An expression has no value.
@@ -85,6 +91,7 @@ impl ExploreError {
             Self::OutOfRange { span, .. }
             | Self::ProbabilitySum { span, .. }
             | Self::NotAProbability { span, .. }
+            | Self::NotAReward { span, .. }
             | Self::Underflow { span, .. }
             | Self::NoInitialState { span } => Some(*span),
             Self::NoValue { error, .. } => Some(error.span),
@@ -96,11 +103,6 @@ impl ExploreError {
 impl fmt::Display for ExploreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unsupported(model_type) => write!(
-                f,
-                "models of type `{}` cannot be explored yet: only `dtmc` can",
-                model_type.keyword()
-            ),
             Self::UnsupportedConstruct(what) => write!(f, "{what}"),
             Self::OutOfRange {
                 variable,
@@ -120,6 +122,10 @@ impl fmt::Display for ExploreError {
             Self::NotAProbability { value, state, .. } => write!(
                 f,
                 "in state {state}, this probability is {value}, not a number between 0 and 1: check its expression"
+            ),
+            Self::NotAReward { value, state, .. } => write!(
+                f,
+                "in state {state}, this reward is {value}, not a finite number: check its expression"
             ),
             Self::Underflow { state, .. } => write!(
                 f,

@@ -3,7 +3,7 @@
 use prism_lang::resolved::Model;
 use prism_lang::{Arithmetic, EvalError, EvalErrorKind, Expr, Span};
 
-use super::command::BadProbability;
+use super::command::BadNumber;
 use super::error::ExploreError;
 use crate::state_space::describe;
 
@@ -54,17 +54,32 @@ pub(super) fn in_range(
 }
 
 pub(super) fn bad_probability(
-    bad: BadProbability,
+    bad: BadNumber,
     span: Span,
     values: &[i64],
     model: &Model,
 ) -> ExploreError {
     let state = describe(&model.variables, values);
     match bad {
-        BadProbability::NoValue(error) => ExploreError::NoValue { error, state },
-        BadProbability::Negative(value) => ExploreError::NotAProbability { value, state, span },
-        BadProbability::Underflow => ExploreError::Underflow { state, span },
+        BadNumber::NoValue(error) => ExploreError::NoValue { error, state },
+        BadNumber::OutOfBounds(value) => ExploreError::NotAProbability { value, state, span },
+        BadNumber::Underflow => ExploreError::Underflow { state, span },
     }
+}
+
+pub(super) fn bad_reward(
+    bad: BadNumber,
+    span: Span,
+    values: &[i64],
+    model: &Model,
+) -> ExploreError {
+    let state = describe(&model.variables, values);
+    let value = match bad {
+        BadNumber::NoValue(error) => return ExploreError::NoValue { error, state },
+        BadNumber::OutOfBounds(value) => value,
+        BadNumber::Underflow => 0.0,
+    };
+    ExploreError::NotAReward { value, state, span }
 }
 
 /// Why an expression has no value: its slow evaluation tells.

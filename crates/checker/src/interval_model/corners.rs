@@ -4,6 +4,7 @@ use super::degrees::obstacle;
 use super::{IntervalModel, Range};
 use crate::explore::{ExploreError, ExploreOptions, explore_with};
 use crate::state_space::{Csr, StateSpace};
+use prism_lang::resolved::ModelType;
 use prism_lang::{Constants, Number, Rational, Value, ast, resolve_with};
 use std::fmt;
 
@@ -126,6 +127,12 @@ fn explored(
         let words: Vec<String> = found.into_iter().map(|d| d.message).collect();
         IntervalModelError::Corner(words.join("; "))
     })?;
+    if model.model_type != ModelType::Dtmc {
+        let kind = model.model_type.keyword();
+        let message =
+            format!("models of type `{kind}` have no interval model yet: only `dtmc` has");
+        return Err(IntervalModelError::Form(message));
+    }
     let go_on = |_: usize| !cancelled();
     explore_with(&model, ExploreOptions { max_states }, &go_on).map_err(|error| match error {
         ExploreError::Cancelled => IntervalModelError::Cancelled,
@@ -147,7 +154,13 @@ fn as_ranges(space: StateSpace<f64>) -> StateSpace<Range> {
         column: space.matrix.column,
     };
     StateSpace {
+        kind: space.kind,
         matrix,
+        choice_start: space.choice_start,
+        choice_action: space.choice_action,
+        actions: space.actions,
+        // Rewards have no ranges yet.
+        rewards: Vec::new(),
         variables: space.variables,
         layout: space.layout,
         packed: space.packed,
