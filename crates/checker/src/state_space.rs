@@ -15,7 +15,7 @@ use std::fmt;
 use prism_lang::resolved::{ActionId, ModelType, Variable, VariableKind};
 use prism_lang::{EvalError, Expr, VarIndex};
 
-pub(crate) use layout::Layout;
+pub(crate) use layout::{Field, Layout};
 pub use matrix::Csr;
 pub use rewards::{Rewards, TransitionRewards};
 

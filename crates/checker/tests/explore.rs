@@ -319,7 +319,14 @@ fn exact_exploring_refuses_what_is_not_exact() {
 #[test]
 fn exploring_can_be_limited_and_cancelled() {
     let counter = model("dtmc module m x : [0..999999]; [] x<999999 -> (x'=x+1); endmodule");
-    let limited = explore_with::<f64>(&counter, ExploreOptions { max_states: 1000 }, &|_| true);
+    let limited = explore_with::<f64>(
+        &counter,
+        ExploreOptions {
+            max_states: 1000,
+            ..ExploreOptions::default()
+        },
+        &|_| true,
+    );
     assert_eq!(
         limited.unwrap_err(),
         ExploreError::TooManyStates { limit: 1000 }

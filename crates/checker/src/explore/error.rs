@@ -70,6 +70,13 @@ pub enum ExploreError {
         /// The limit.
         limit: usize,
     },
+    /// States and transitions take more memory than allowed.
+    TooMuchMemory {
+        /// The limit in bytes.
+        limit: usize,
+        /// How many states were found until then.
+        states: usize,
+    },
     /// `init ... endinit` has too many candidates to try.
     TooManyCandidates {
         /// The limit.
@@ -135,6 +142,11 @@ impl fmt::Display for ExploreError {
             Self::TooManyStates { limit } => write!(
                 f,
                 "the model has more than {limit} reachable states: make it smaller, or raise the limit"
+            ),
+            Self::TooMuchMemory { limit, states } => write!(
+                f,
+                "the first {states} states take more than {} MiB: make the model smaller, or raise the limit",
+                limit >> 20
             ),
             Self::TooManyCandidates { limit } => write!(
                 f,

@@ -1,11 +1,10 @@
 //! The faults that a state can show, each written out with the state.
 
-use prism_lang::resolved::Model;
-use prism_lang::{Arithmetic, EvalError, EvalErrorKind, Expr, Span};
+use prism_lang::{Arithmetic, EvalError, Expr, Span, VarIndex};
 
+use super::code::Compiler;
 use super::command::BadNumber;
 use super::error::ExploreError;
-use crate::state_space::describe;
 
 /// How far from 1 the probabilities of a command may sum up, in a domain that is not exact.
 const SUM_TOLERANCE: f64 = 1e-12;
@@ -13,8 +12,8 @@ const SUM_TOLERANCE: f64 = 1e-12;
 pub(super) fn check_sum<N: Arithmetic>(
     sum: &N,
     span: Span,
-    values: &[i64],
-    model: &Model,
+    state: &[u64],
+    compiler: Compiler<'_>,
 ) -> Result<(), ExploreError> {
     let fits = if N::EXACT {
         *sum == N::one()
@@ -26,40 +25,40 @@ pub(super) fn check_sum<N: Arithmetic>(
     }
     Err(ExploreError::ProbabilitySum {
         sum: sum.to_f64(),
-        state: describe(&model.variables, values),
+        state: compiler.describe(state),
         span,
     })
 }
 
-pub(super) fn in_range(
-    variable: usize,
-    value: i64,
-    span: Span,
-    values: &[i64],
-    model: &Model,
-) -> Result<(), ExploreError> {
-    let declared = &model.variables[variable];
+/// An assignment that takes a variable out of its range.
+pub(super) fn out_of_range(
+    variable: VarIndex,
+    source: &Expr,
+    state: &[u64],
+    compiler: Compiler<'_>,
+) -> ExploreError {
+    let declared = &compiler.model.variables[variable];
     let (low, high) = declared.kind.bounds();
-    if low <= value && value <= high {
-        return Ok(());
+    match compiler.slowly(source, state) {
+        Ok(value) => ExploreError::OutOfRange {
+            variable: declared.name.clone(),
+            value,
+            low,
+            high,
+            state: compiler.describe(state),
+            span: source.span,
+        },
+        Err(error) => no_value(error, state, compiler),
     }
-    Err(ExploreError::OutOfRange {
-        variable: declared.name.clone(),
-        value,
-        low,
-        high,
-        state: describe(&model.variables, values),
-        span,
-    })
 }
 
 pub(super) fn bad_probability(
     bad: BadNumber,
     span: Span,
-    values: &[i64],
-    model: &Model,
+    state: &[u64],
+    compiler: Compiler<'_>,
 ) -> ExploreError {
-    let state = describe(&model.variables, values);
+    let state = compiler.describe(state);
     match bad {
         BadNumber::NoValue(error) => ExploreError::NoValue { error, state },
         BadNumber::OutOfBounds(value) => ExploreError::NotAProbability { value, state, span },
@@ -70,10 +69,10 @@ pub(super) fn bad_probability(
 pub(super) fn bad_reward(
     bad: BadNumber,
     span: Span,
-    values: &[i64],
-    model: &Model,
+    state: &[u64],
+    compiler: Compiler<'_>,
 ) -> ExploreError {
-    let state = describe(&model.variables, values);
+    let state = compiler.describe(state);
     let value = match bad {
         BadNumber::NoValue(error) => return ExploreError::NoValue { error, state },
         BadNumber::OutOfBounds(value) => value,
@@ -82,18 +81,9 @@ pub(super) fn bad_reward(
     ExploreError::NotAReward { value, state, span }
 }
 
-/// Why an expression has no value: its slow evaluation tells.
-pub(super) fn no_value(expr: &Expr, values: &[i64], model: &Model) -> ExploreError {
-    let slow = match expr.ty {
-        prism_lang::ast::Type::Bool => expr.eval_bool(values).map(i64::from),
-        _ => expr.eval_int(values),
-    };
-    let ill_typed = EvalError {
-        kind: EvalErrorKind::IllTyped,
-        span: expr.span,
-    };
+pub(super) fn no_value(error: EvalError, state: &[u64], compiler: Compiler<'_>) -> ExploreError {
     ExploreError::NoValue {
-        error: slow.err().unwrap_or(ill_typed),
-        state: describe(&model.variables, values),
+        error,
+        state: compiler.describe(state),
     }
 }

@@ -4,12 +4,12 @@
 //! one of its value where the guard holds. Guarantee: each number is rounded once from its exact value, sums and
 //! means are counted as roundings ([`Rewards::relative_error`]).
 
-use prism_lang::resolved::{Model, RewardStructure};
+use prism_lang::resolved::RewardStructure;
 use prism_lang::{Arithmetic, Span};
 
 use super::ExploreError;
-use super::code::Code;
-use super::command::{BadNumber, Probability, Rounded, reward};
+use super::code::{Code, Compiler};
+use super::command::{Probability, Rounded, reward};
 use super::fault::{bad_reward, no_value};
 use crate::rounding::error_of_roundings;
 use crate::state_space::{NO_ACTION, Rewards, RewardsOf, TransitionRewards};
@@ -37,18 +37,26 @@ struct Structure<'m, N> {
 
 /// All reward structures of a model.
 pub(super) struct Builder<'m, N> {
-    model: &'m Model,
+    compiler: Compiler<'m>,
     structures: Vec<Structure<'m, N>>,
-    key: Vec<i64>,
 }
 
 impl<'m, N: Arithmetic> Builder<'m, N> {
-    pub(super) fn new(model: &'m Model) -> Self {
+    pub(super) fn new(compiler: Compiler<'m>) -> Self {
+        let structures = compiler.model.rewards.iter();
         Self {
-            model,
-            structures: model.rewards.iter().map(Structure::new).collect(),
-            key: Vec::new(),
+            structures: structures.map(|s| Structure::new(s, compiler)).collect(),
+            compiler,
         }
+    }
+
+    /// The bytes that the rewards so far take.
+    pub(super) fn bytes(&self) -> usize {
+        let numbers = self
+            .structures
+            .iter()
+            .map(|s| s.state.len() + s.transition.len());
+        numbers.sum::<usize>() * size_of::<N>()
     }
 
     /// Whether some transition may have a reward.
@@ -57,19 +65,19 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
     }
 
     /// Appends the rewards of a state.
-    pub(super) fn state(&mut self, values: &[i64]) {
+    pub(super) fn state(&mut self, state: &[u64]) {
         for structure in &mut self.structures {
-            let sum = structure.sum(None, values, &mut self.key, self.model);
+            let sum = structure.sum(None, state, self.compiler);
             structure.roundings = worst(structure.roundings, sum.roundings);
             structure.state.push(sum.value);
         }
     }
 
     /// Appends the rewards of a row whose transitions all have this action.
-    pub(super) fn row(&mut self, action: u32, values: &[i64]) {
+    pub(super) fn row(&mut self, action: u32, state: &[u64]) {
         for structure in &mut self.structures {
             if structure.has_transitions {
-                let sum = structure.sum(Some(action), values, &mut self.key, self.model);
+                let sum = structure.sum(Some(action), state, self.compiler);
                 structure.roundings = worst(structure.roundings, sum.roundings);
                 structure.transition.push(sum.value);
             }
@@ -77,10 +85,10 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
     }
 
     /// Appends the rewards of an entry of a chain's matrix: the mean over the actions merged in it.
-    pub(super) fn entry(&mut self, merged: &[(u32, N)], values: &[i64]) {
+    pub(super) fn entry(&mut self, merged: &[(u32, N)], state: &[u64]) {
         for structure in &mut self.structures {
             if structure.has_transitions {
-                let mean = structure.mean(merged, values, &mut self.key, self.model);
+                let mean = structure.mean(merged, state, self.compiler);
                 structure.roundings = worst(structure.roundings, mean.roundings);
                 structure.transition.push(mean.value);
             }
@@ -97,20 +105,20 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
     }
 
     pub(super) fn finish(self) -> Vec<RewardsOf<N>> {
-        let has_choices = self.model.model_type.has_choices();
+        let has_choices = self.compiler.model.model_type.has_choices();
         let structures = self.structures.into_iter();
         structures.map(|s| s.finish(has_choices)).collect()
     }
 }
 
 impl<'m, N: Arithmetic> Structure<'m, N> {
-    fn new(source: &'m RewardStructure) -> Self {
+    fn new(source: &'m RewardStructure, compiler: Compiler<'_>) -> Self {
         let items: Vec<Item<'m, N>> = (source.items.iter())
             .map(|item| Item {
                 transition: item.transition.map(|a| a.map_or(NO_ACTION, |a| a as u32)),
-                guard: Code::new(&item.guard),
+                guard: compiler.code(&item.guard),
                 guard_source: &item.guard,
-                value: Probability::new(&item.value),
+                value: Probability::new(&item.value, compiler),
                 span: item.span,
             })
             .collect();
@@ -126,13 +134,7 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
     }
 
     /// The sum of the items for states, or for an action, in a state.
-    fn sum(
-        &mut self,
-        of: Option<u32>,
-        values: &[i64],
-        key: &mut Vec<i64>,
-        model: &Model,
-    ) -> Rounded<N> {
+    fn sum(&mut self, of: Option<u32>, state: &[u64], compiler: Compiler<'_>) -> Rounded<N> {
         let mut sum = Rounded {
             value: N::zero(),
             roundings: Some(0),
@@ -141,7 +143,7 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
             return sum;
         }
         for item in self.items.iter_mut().filter(|i| i.transition == of) {
-            match item.earned(values, key, model) {
+            match item.earned(state, compiler) {
                 Ok(None) => {}
                 Ok(Some(more)) => sum = plus(sum, more),
                 Err(error) => self.error = Some(error),
@@ -151,15 +153,9 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
     }
 
     /// The mean reward over actions, weighted with their probabilities.
-    fn mean(
-        &mut self,
-        merged: &[(u32, N)],
-        values: &[i64],
-        key: &mut Vec<i64>,
-        model: &Model,
-    ) -> Rounded<N> {
+    fn mean(&mut self, merged: &[(u32, N)], state: &[u64], compiler: Compiler<'_>) -> Rounded<N> {
         let of_each: Vec<Rounded<N>> = (merged.iter())
-            .map(|(action, _)| self.sum(Some(*action), values, key, model))
+            .map(|(action, _)| self.sum(Some(*action), state, compiler))
             .collect();
         let Some(first) = of_each.first() else {
             return Rounded {
@@ -214,17 +210,21 @@ impl<N: Arithmetic> Item<'_, N> {
     /// What it earns in a state, if its guard holds.
     fn earned(
         &mut self,
-        values: &[i64],
-        key: &mut Vec<i64>,
-        model: &Model,
+        state: &[u64],
+        compiler: Compiler<'_>,
     ) -> Result<Option<Rounded<N>>, ExploreError> {
-        match self.guard.value(values) {
-            None => Err(no_value(self.guard_source, values, model)),
-            Some(0) => Ok(None),
-            Some(_) => (self.value.value(values, key, reward))
-                .map(Some)
-                .map_err(|bad: BadNumber| bad_reward(bad, self.span, values, model)),
+        let holds = match self.guard.value(state) {
+            Some(value) => value,
+            None => (compiler.slowly(self.guard_source, state))
+                .map_err(|error| no_value(error, state, compiler))?,
+        };
+        if holds == 0 {
+            return Ok(None);
         }
+        let value = self.value.value(state, compiler, reward);
+        value
+            .map(Some)
+            .map_err(|bad| bad_reward(bad, self.span, state, compiler))
     }
 }
 

@@ -134,7 +134,15 @@ fn explored(
         return Err(IntervalModelError::Form(message));
     }
     let go_on = |_: usize| !cancelled();
-    explore_with(&model, ExploreOptions { max_states }, &go_on).map_err(|error| match error {
+    explore_with(
+        &model,
+        ExploreOptions {
+            max_states,
+            ..ExploreOptions::default()
+        },
+        &go_on,
+    )
+    .map_err(|error| match error {
         ExploreError::Cancelled => IntervalModelError::Cancelled,
         error => IntervalModelError::Corner(error.to_string()),
     })

@@ -13,12 +13,14 @@ pub(crate) struct Layout {
     words: usize,
 }
 
+/// The bits of one variable: its value less `low`.
 #[derive(Clone, Copy, Debug)]
-struct Field {
-    word: usize,
-    shift: u32,
-    mask: u64,
+pub(crate) struct Field {
+    pub(crate) word: usize,
+    pub(crate) shift: u32,
+    pub(crate) mask: u64,
     low: i64,
+    high: i64,
 }
 
 impl Layout {
@@ -35,6 +37,7 @@ impl Layout {
                 shift: used % 64,
                 mask: u64::MAX.checked_shr(64 - width).unwrap_or(0),
                 low,
+                high,
             });
             used += width;
         }
@@ -57,12 +60,14 @@ impl Layout {
         }
     }
 
-    /// Overwrites one variable with a value that lies in its range.
-    pub(crate) fn store(&self, variable: VarIndex, value: i64, packed: &mut [u64]) {
-        let field = self.fields[variable];
-        let word = &mut packed[field.word];
-        *word &= !(field.mask << field.shift);
-        *word |= (value.wrapping_sub(field.low) as u64) << field.shift;
+    /// The number of variables.
+    pub(crate) fn len(&self) -> usize {
+        self.fields.len()
+    }
+
+    /// The bits of a variable.
+    pub(crate) fn field(&self, variable: VarIndex) -> Field {
+        self.fields[variable]
     }
 
     /// The value of one variable.
@@ -78,7 +83,19 @@ impl Layout {
 }
 
 impl Field {
-    fn value(&self, packed: &[u64]) -> i64 {
+    /// The least and the greatest value.
+    pub(crate) fn bounds(&self) -> (i64, i64) {
+        (self.low, self.high)
+    }
+
+    /// The bits, at their place, of a value that lies in the range.
+    pub(crate) fn bits(&self, value: i64) -> u64 {
+        (value.wrapping_sub(self.low) as u64) << self.shift
+    }
+
+    /// The variable's value in a packed state.
+    #[inline]
+    pub(crate) fn value(&self, packed: &[u64]) -> i64 {
         let bits = (packed[self.word] >> self.shift) & self.mask;
         self.low.wrapping_add(bits as i64)
     }

@@ -1,0 +1,193 @@
+//! From numbered transitions to the rows of the matrix.
+//!
+//! Definition: a chain's row merges the outcomes of all choices with the same target, each weighted with one
+//! over the number of choices in a `dtmc`; otherwise each choice's outcomes are merged into a row of its own.
+//! Columns ascend. Cost: sorting of each row. Guarantee: every rounding is counted.
+
+use prism_lang::Arithmetic;
+use prism_lang::resolved::ModelType;
+
+use super::batch::{Batch, UNKNOWN};
+use super::code::Compiler;
+use super::rewards;
+use crate::state_space::{Csr, NO_ACTION};
+
+/// A transition before those with the same target are merged.
+#[derive(Clone, Debug)]
+struct Outcome<N> {
+    target: u32,
+    action: u32,
+    roundings: u32,
+    probability: N,
+}
+
+/// The rows so far.
+pub(super) struct Assembly<'m, N> {
+    kind: ModelType,
+    pub(super) matrix: Csr<N>,
+    pub(super) choice_start: Vec<usize>,
+    pub(super) choice_action: Vec<u32>,
+    pub(super) rewards: rewards::Builder<'m, N>,
+    pub(super) deadlocks: Vec<usize>,
+    pub(super) labelled_transitions: u64,
+    /// The greatest number of roundings behind an entry.
+    roundings: u32,
+    states: usize,
+    outcomes: Vec<Outcome<N>>,
+    merged: Vec<(u32, N)>,
+}
+
+impl<'m, N: Arithmetic> Assembly<'m, N> {
+    pub(super) fn new(compiler: Compiler<'m>) -> Self {
+        Self {
+            kind: compiler.model.model_type,
+            matrix: Csr::with_capacity(0),
+            choice_start: Vec::new(),
+            choice_action: Vec::new(),
+            rewards: rewards::Builder::new(compiler),
+            deadlocks: Vec::new(),
+            labelled_transitions: 0,
+            roundings: 0,
+            states: 0,
+            outcomes: Vec::new(),
+            merged: Vec::new(),
+        }
+    }
+
+    /// The number of states whose rows are there.
+    pub(super) fn states(&self) -> usize {
+        self.states
+    }
+
+    /// The greatest number of roundings behind an entry of the matrix; `None` if an error is unknown.
+    pub(super) fn roundings(&self) -> Option<u32> {
+        (self.roundings < UNKNOWN).then_some(self.roundings)
+    }
+
+    /// The bytes that it takes.
+    pub(super) fn bytes(&self) -> usize {
+        let entry = size_of::<u32>() + size_of::<N>();
+        self.matrix.num_entries() * entry
+            + (self.matrix.row_start.len() + self.choice_start.len()) * size_of::<usize>()
+            + self.choice_action.len() * size_of::<u32>()
+            + self.rewards.bytes()
+    }
+
+    /// Appends the rows of the batch's states, whose targets are numbered.
+    pub(super) fn append(&mut self, batch: &Batch<N>, words: usize) {
+        let mut choice = 0;
+        let mut outcome = 0;
+        for (end, state) in batch.ends.iter().zip(batch.states.chunks_exact(words)) {
+            let end = *end as usize;
+            self.rewards.state(state);
+            if self.kind.has_choices() {
+                self.choice_start.push(self.matrix.num_rows());
+            }
+            if choice == end {
+                self.deadlock();
+            } else if self.kind.has_choices() {
+                for (stop, action) in &batch.choices[choice..end] {
+                    self.collect(outcome..*stop as usize, *action, batch);
+                    outcome = *stop as usize;
+                    self.choice_action.push(*action);
+                    self.rewards.row(*action, state);
+                    let entries = self.matrix.num_entries();
+                    self.finish_row(1, state);
+                    self.labelled_transitions += (self.matrix.num_entries() - entries) as u64;
+                }
+            } else {
+                for (stop, action) in &batch.choices[choice..end] {
+                    self.collect(outcome..*stop as usize, *action, batch);
+                    outcome = *stop as usize;
+                }
+                self.finish_row(end - choice, state);
+            }
+            choice = end;
+            self.states += 1;
+        }
+    }
+
+    /// A self-loop where nothing is enabled.
+    fn deadlock(&mut self) {
+        self.deadlocks.push(self.states);
+        self.labelled_transitions += 1;
+        self.matrix.push_row([(self.states as u32, N::one())]);
+        self.rewards.deadlock();
+        if self.kind.has_choices() {
+            self.choice_action.push(NO_ACTION);
+        }
+    }
+
+    fn collect(&mut self, range: std::ops::Range<usize>, action: u32, batch: &Batch<N>) {
+        for at in range {
+            self.outcomes.push(Outcome {
+                target: batch.numbers[at],
+                action,
+                roundings: batch.roundings[at],
+                probability: batch.probabilities[at].clone(),
+            });
+        }
+    }
+
+    /// Merges outcomes with the same target, in a `dtmc` weighs the choices equally, and appends the row.
+    fn finish_row(&mut self, choices: usize, state: &[u64]) {
+        let weighted = self.kind == ModelType::Dtmc && choices > 1;
+        let division = u32::from(weighted && !N::EXACT && !choices.is_power_of_two());
+        let of_entries = !self.kind.has_choices() && self.rewards.of_transitions();
+        let weight = N::from_i64(choices as i64);
+        sort(&mut self.outcomes);
+        for group in self.outcomes.chunk_by(|a, b| a.target == b.target) {
+            let mut sum = group[0].probability.clone();
+            let mut roundings = group[0].roundings;
+            for more in &group[1..] {
+                sum = sum.add(&more.probability);
+                roundings = roundings.max(more.roundings) + u32::from(!N::EXACT);
+            }
+            if weighted {
+                // The weight is at least 2.
+                sum = sum.div(&weight).unwrap_or(sum);
+            }
+            self.matrix.column.push(group[0].target);
+            self.matrix.value.push(sum);
+            self.roundings = self.roundings.max(roundings + division);
+            if !self.kind.has_choices() {
+                self.labelled_transitions += distinct_actions(group);
+            }
+            if of_entries {
+                self.merged.clear();
+                let actions = group.iter().map(|o| (o.action, o.probability.clone()));
+                self.merged.extend(actions);
+                self.rewards.entry(&self.merged, state);
+            }
+        }
+        self.outcomes.clear();
+        self.matrix.row_start.push(self.matrix.column.len());
+    }
+}
+
+/// Sorts by target, keeping the order of the same ones.
+fn sort<N>(outcomes: &mut [Outcome<N>]) {
+    const FEW: usize = 20;
+    if outcomes.len() > FEW {
+        outcomes.sort_by_key(|o| o.target);
+        return;
+    }
+    for end in 1..outcomes.len() {
+        let mut at = end;
+        while at > 0 && outcomes[at - 1].target > outcomes[at].target {
+            outcomes.swap(at - 1, at);
+            at -= 1;
+        }
+    }
+}
+
+/// The number of different actions.
+fn distinct_actions<N>(group: &[Outcome<N>]) -> u64 {
+    if let [_] = group {
+        return 1;
+    }
+    let mut actions: Vec<u32> = group.iter().map(|o| o.action).collect();
+    actions.sort_unstable();
+    actions.dedup();
+    actions.len() as u64
+}

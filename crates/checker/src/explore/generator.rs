@@ -1,0 +1,478 @@
+//! The transitions of a state: its enabled events, and for each choice the products of the commands' updates.
+//!
+//! Definition: as in [`super`]. An event with one slot gives a choice for each enabled command; one with several
+//! slots a choice for each way to pick an enabled command from every slot. The outcomes of a choice are built
+//! in place: each command multiplies what the commands before it gave. Right-hand sides read the state itself,
+//! so that assignments are simultaneous.
+//!
+//! Cost: the guards' tables ([`super::guards`]), plus a few word operations for each assignment of each outcome.
+//! Guarantee: outcomes come in the order of events, commands and updates, whatever the domain.
+
+use prism_lang::resolved::{Command, Model};
+use prism_lang::{Arithmetic, Span};
+
+use super::ExploreError;
+use super::batch::{Batch, UNKNOWN};
+use super::code::Compiler;
+use super::command::{CompiledCommand, CompiledUpdate, Rounded, probability};
+use super::events::events;
+use super::fault::{bad_probability, check_sum, no_value, out_of_range};
+use super::guards::Guards;
+use crate::state_space::{Layout, NO_ACTION};
+
+/// Commands of an event's slot, as bits of some words.
+type SlotBits = Vec<(usize, u64)>;
+
+/// Something that can happen.
+#[derive(Clone)]
+enum Group {
+    /// Each enabled command of these bits happens alone, with its action.
+    Alone(SlotBits),
+    /// One command of each slot, with this action.
+    Together(u32, Vec<SlotBits>),
+}
+
+/// Finds the transitions of states, one after the other. Tables that it fills on the way are its own.
+#[derive(Clone)]
+pub(super) struct Generator<'m, N> {
+    pub(super) compiler: Compiler<'m>,
+    commands: Vec<CompiledCommand<'m, N>>,
+    /// The action of each command that happens alone.
+    actions: Vec<u32>,
+    groups: Vec<Group>,
+    guards: Guards,
+    enabled: Vec<u64>,
+    /// For each slot of an event its enabled commands, and which of them is picked.
+    ready: Vec<Vec<usize>>,
+    picks: Vec<usize>,
+    kept: Kept<N>,
+}
+
+impl<'m, N: Arithmetic> Generator<'m, N> {
+    pub(super) fn new(model: &'m Model, layout: &'m Layout) -> Self {
+        let compiler = Compiler { model, layout };
+        let mut sources: Vec<&'m Command> = Vec::new();
+        let mut actions = Vec::new();
+        let mut groups: Vec<Group> = Vec::new();
+        // The same slot may take part in several events.
+        let mut placed: Vec<(*const Command, std::ops::Range<usize>)> = Vec::new();
+        for event in events(model) {
+            let action = event.action.map_or(NO_ACTION, |a| a as u32);
+            let alone = event.slots.len() == 1;
+            let slots = event.slots.into_iter().map(|slot| {
+                let first = slot
+                    .first()
+                    .map_or(std::ptr::null(), |c| std::ptr::from_ref(*c));
+                let known = placed.iter().find(|(p, _)| *p == first && !alone);
+                let range = known.map(|(_, range)| range.clone()).unwrap_or_else(|| {
+                    let start = sources.len();
+                    sources.extend(slot);
+                    actions.resize(sources.len(), action);
+                    placed.push((first, start..sources.len()));
+                    start..sources.len()
+                });
+                bits(range)
+            });
+            let mut slots: Vec<SlotBits> = slots.collect();
+            match (alone, groups.last_mut()) {
+                (true, Some(Group::Alone(before))) => join(before, &slots[0]),
+                (true, _) => groups.push(Group::Alone(slots.remove(0))),
+                (false, _) => groups.push(Group::Together(action, slots)),
+            }
+        }
+        let guards = sources.iter().map(|c| compiler.code(&c.guard)).collect();
+        let compiled = |c: &&'m Command| CompiledCommand::new(c, model.model_type, compiler);
+        Self {
+            compiler,
+            commands: sources.iter().map(compiled).collect(),
+            actions,
+            groups,
+            enabled: vec![0; sources.len().div_ceil(64)],
+            guards: Guards::new(guards, layout),
+            ready: Vec::new(),
+            picks: Vec::new(),
+            kept: Kept {
+                targets: Vec::new(),
+                probabilities: Vec::new(),
+                roundings: Vec::new(),
+            },
+        }
+    }
+
+    /// Fills the rest of a batch whose states are given, up to the first state with an error.
+    pub(super) fn fill(&mut self, batch: &mut Batch<N>) {
+        let words = self.compiler.layout.words();
+        let states = std::mem::take(&mut batch.states);
+        for state in states.chunks_exact(words) {
+            if let Err(error) = self.expand(state, batch) {
+                batch.error = Some(error);
+                break;
+            }
+            batch.ends.push(batch.choices.len() as u32);
+        }
+        batch.states = states;
+    }
+
+    fn expand(&mut self, state: &[u64], batch: &mut Batch<N>) -> Result<(), ExploreError> {
+        let mut enabled = std::mem::take(&mut self.enabled);
+        let result = self.expand_into(state, &mut enabled, batch);
+        self.enabled = enabled;
+        result
+    }
+
+    fn expand_into(
+        &mut self,
+        state: &[u64],
+        enabled: &mut [u64],
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        self.guards.tabulated(state, enabled);
+        self.evaluate_rest(state, enabled)?;
+        let groups = std::mem::take(&mut self.groups);
+        let mut result = Ok(());
+        for group in &groups {
+            result = match group {
+                Group::Alone(bits) => self.alone(bits, state, enabled, batch),
+                Group::Together(action, slots) => {
+                    self.together(*action, slots, state, enabled, batch)
+                }
+            };
+            if result.is_err() {
+                break;
+            }
+        }
+        self.groups = groups;
+        result
+    }
+
+    /// Evaluates what the tables leave open, and disables what does not hold.
+    fn evaluate_rest(&self, state: &[u64], enabled: &mut [u64]) -> Result<(), ExploreError> {
+        for (word, has_rest) in self.guards.has_rest.iter().enumerate() {
+            let mut open = enabled[word] & has_rest;
+            while open != 0 {
+                let bit = open.trailing_zeros();
+                open &= open - 1;
+                let command = word * 64 + bit as usize;
+                let mut holds = true;
+                for part in &self.guards.rest[command] {
+                    match part.value(state) {
+                        Some(0) => holds = false,
+                        Some(_) => continue,
+                        None => {
+                            let guard = &self.commands[command].source.guard;
+                            let value = self.compiler.slowly(guard, state);
+                            holds = value.map_err(|e| no_value(e, state, self.compiler))? != 0;
+                        }
+                    }
+                    break;
+                }
+                if !holds {
+                    enabled[word] &= !(1 << bit);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A choice for each enabled command.
+    fn alone(
+        &mut self,
+        bits: &SlotBits,
+        state: &[u64],
+        enabled: &[u64],
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        for (word, mask) in bits {
+            let mut open = enabled[*word] & mask;
+            while open != 0 {
+                let command = word * 64 + open.trailing_zeros() as usize;
+                open &= open - 1;
+                let first = batch.probabilities.len();
+                self.start(state, batch);
+                self.apply(command, state, first, batch)?;
+                self.finish(self.actions[command], batch);
+            }
+        }
+        Ok(())
+    }
+
+    /// A choice for each way to pick an enabled command of every slot.
+    fn together(
+        &mut self,
+        action: u32,
+        slots: &[SlotBits],
+        state: &[u64],
+        enabled: &[u64],
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let is_ready = |slot: &SlotBits| slot.iter().any(|(word, mask)| enabled[*word] & mask != 0);
+        if !slots.iter().all(is_ready) {
+            return Ok(());
+        }
+        self.find_ready(slots, enabled);
+        self.picks.clear();
+        self.picks.resize(slots.len(), 0);
+        loop {
+            let first = batch.probabilities.len();
+            self.start(state, batch);
+            for slot in 0..slots.len() {
+                self.apply(self.ready[slot][self.picks[slot]], state, first, batch)?;
+            }
+            self.check_products(state, first, batch)?;
+            self.finish(action, batch);
+            let next = (0..slots.len()).find(|s| self.picks[*s] + 1 < self.ready[*s].len());
+            let Some(slot) = next else {
+                return Ok(());
+            };
+            self.picks[slot] += 1;
+            self.picks[..slot].fill(0);
+        }
+    }
+
+    fn find_ready(&mut self, slots: &[SlotBits], enabled: &[u64]) {
+        self.ready
+            .resize(slots.len().max(self.ready.len()), Vec::new());
+        for (slot, ready) in slots.iter().zip(&mut self.ready) {
+            ready.clear();
+            for (word, mask) in slot {
+                let mut open = enabled[*word] & mask;
+                while open != 0 {
+                    ready.push(word * 64 + open.trailing_zeros() as usize);
+                    open &= open - 1;
+                }
+            }
+        }
+    }
+
+    /// Begins a choice: the state itself, for sure.
+    fn start(&self, state: &[u64], batch: &mut Batch<N>) {
+        batch.targets.extend_from_slice(state);
+        batch.probabilities.push(N::one());
+        batch.roundings.push(0);
+    }
+
+    fn finish(&self, action: u32, batch: &mut Batch<N>) {
+        batch
+            .choices
+            .push((batch.probabilities.len() as u32, action));
+    }
+
+    /// Multiplies the outcomes from `first` on with the updates of a command.
+    fn apply(
+        &mut self,
+        command: usize,
+        state: &[u64],
+        first: usize,
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let words = self.compiler.layout.words();
+        let before = batch.probabilities.len() - first;
+        let mut compiled = std::mem::take(&mut self.commands[command].updates);
+        let mut sum = N::zero();
+        let sum_known = self.commands[command].sum_known;
+        let mut result = Ok(());
+        let mut place = first;
+        let several = compiled.len() > 1;
+        if several {
+            self.kept.keep(first, words, batch);
+        }
+        for (index, update) in compiled.iter_mut().enumerate() {
+            let factor = match update.probability.value(state, self.compiler, probability) {
+                Ok(factor) => factor,
+                Err(bad) => {
+                    result = Err(bad_probability(
+                        bad,
+                        self.place(command, index),
+                        state,
+                        self.compiler,
+                    ));
+                    break;
+                }
+            };
+            if !sum_known {
+                sum = sum.add(&factor.value);
+            }
+            if factor.value.is_zero() {
+                continue;
+            }
+            if several {
+                self.kept.restore(place, words, batch);
+            }
+            result = self.outcomes(update, &factor, state, place..place + before, batch);
+            if result.is_err() {
+                break;
+            }
+            place += before;
+        }
+        batch.targets.truncate(place * words);
+        batch.probabilities.truncate(place);
+        batch.roundings.truncate(place);
+        self.commands[command].updates = compiled;
+        result?;
+        if !sum_known {
+            let known = &mut self.commands[command];
+            known.sum_known = known.is_constant;
+            check_sum(
+                &sum,
+                self.commands[command].source.span,
+                state,
+                self.compiler,
+            )?;
+        }
+        Ok(())
+    }
+
+    fn place(&self, command: usize, update: usize) -> Span {
+        let command = self.commands[command].source;
+        let update = command.updates.get(update);
+        update.map_or(command.span, |u| u.probability.span)
+    }
+
+    /// Multiplies outcomes with one update.
+    fn outcomes(
+        &self,
+        update: &CompiledUpdate<'m, N>,
+        factor: &Rounded<N>,
+        state: &[u64],
+        outcomes: std::ops::Range<usize>,
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let words = self.compiler.layout.words();
+        for increment in &update.increments {
+            let value = increment.field.value(state);
+            if value < increment.low || value > increment.high {
+                let (variable, source) = (increment.variable, increment.source);
+                return Err(out_of_range(variable, source, state, self.compiler));
+            }
+        }
+        let is_one = factor.value == N::one();
+        for outcome in outcomes.clone() {
+            let target = &mut batch.targets[outcome * words..(outcome + 1) * words];
+            for mask in &update.masks {
+                let word = &mut target[mask.word];
+                *word = (*word & mask.keep | mask.set).wrapping_add(mask.add);
+            }
+            if !is_one {
+                let probability = &mut batch.probabilities[outcome];
+                let roundings = &mut batch.roundings[outcome];
+                let behind = factor.roundings.unwrap_or(UNKNOWN);
+                if *probability == N::one() {
+                    *probability = factor.value.clone();
+                    *roundings = behind;
+                } else {
+                    *probability = probability.mul(&factor.value);
+                    *roundings += behind + u32::from(!N::EXACT);
+                }
+            }
+        }
+        self.compute(update, state, outcomes, batch)
+    }
+
+    /// Assigns what must be computed to some outcomes.
+    fn compute(
+        &self,
+        update: &CompiledUpdate<'m, N>,
+        state: &[u64],
+        outcomes: std::ops::Range<usize>,
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let words = self.compiler.layout.words();
+        for computed in &update.computed {
+            let value = match computed.code.value(state) {
+                Some(value) => value,
+                None => (self.compiler.slowly(computed.source, state))
+                    .map_err(|error| no_value(error, state, self.compiler))?,
+            };
+            let (low, high) = computed.field.bounds();
+            if !computed.fits && (value < low || value > high) {
+                return Err(out_of_range(
+                    computed.variable,
+                    computed.source,
+                    state,
+                    self.compiler,
+                ));
+            }
+            let bits = computed.field.bits(value);
+            for outcome in outcomes.clone() {
+                batch.targets[outcome * words + computed.field.word] |= bits;
+            }
+        }
+        Ok(())
+    }
+
+    /// Products of positive numbers must not become 0 or infinite.
+    fn check_products(
+        &self,
+        state: &[u64],
+        first: usize,
+        batch: &Batch<N>,
+    ) -> Result<(), ExploreError> {
+        if N::EXACT {
+            return Ok(());
+        }
+        for probability in &batch.probabilities[first..] {
+            let value = probability.to_f64();
+            if !(f64::MIN_POSITIVE..=f64::MAX).contains(&value) {
+                let command = self.ready[0][self.picks[0]];
+                let span = self.commands[command].source.span;
+                let bad = if value < f64::MIN_POSITIVE {
+                    super::command::BadNumber::Underflow
+                } else {
+                    super::command::BadNumber::OutOfBounds(value)
+                };
+                return Err(bad_probability(bad, span, state, self.compiler));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The outcomes of the commands before, which every update of a command multiplies.
+#[derive(Clone)]
+struct Kept<N> {
+    targets: Vec<u64>,
+    probabilities: Vec<N>,
+    roundings: Vec<u32>,
+}
+
+impl<N: Clone> Kept<N> {
+    fn keep(&mut self, first: usize, words: usize, batch: &Batch<N>) {
+        self.targets.clear();
+        self.targets
+            .extend_from_slice(&batch.targets[first * words..]);
+        self.probabilities.clear();
+        self.probabilities
+            .extend_from_slice(&batch.probabilities[first..]);
+        self.roundings.clear();
+        self.roundings.extend_from_slice(&batch.roundings[first..]);
+    }
+
+    /// Puts them at a place, which is where the outcomes so far end, or begin.
+    fn restore(&self, place: usize, words: usize, batch: &mut Batch<N>) {
+        batch.targets.truncate(place * words);
+        batch.probabilities.truncate(place);
+        batch.roundings.truncate(place);
+        batch.targets.extend_from_slice(&self.targets);
+        batch.probabilities.extend_from_slice(&self.probabilities);
+        batch.roundings.extend_from_slice(&self.roundings);
+    }
+}
+
+/// A range of commands as bits of words.
+fn bits(range: std::ops::Range<usize>) -> SlotBits {
+    let mut bits: SlotBits = Vec::new();
+    for command in range {
+        join(&mut bits, &[(command / 64, 1 << (command % 64))]);
+    }
+    bits
+}
+
+/// Adds bits of commands that come later.
+fn join(bits: &mut SlotBits, more: &[(usize, u64)]) {
+    for (word, mask) in more {
+        match bits.last_mut() {
+            Some((last, bits)) if last == word => *bits |= mask,
+            _ => bits.push((*word, *mask)),
+        }
+    }
+}
