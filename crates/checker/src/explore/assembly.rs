@@ -183,11 +183,6 @@ fn sort<N>(outcomes: &mut [Outcome<N>]) {
 
 /// The number of different actions.
 fn distinct_actions<N>(group: &[Outcome<N>]) -> u64 {
-    if let [_] = group {
-        return 1;
-    }
-    let mut actions: Vec<u32> = group.iter().map(|o| o.action).collect();
-    actions.sort_unstable();
-    actions.dedup();
-    actions.len() as u64
+    let is_new = |at: usize| group[..at].iter().all(|o| o.action != group[at].action);
+    (0..group.len()).filter(|at| is_new(*at)).count() as u64
 }

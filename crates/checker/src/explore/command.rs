@@ -38,6 +38,8 @@ pub(super) struct CompiledCommand<'m, N> {
     pub(super) sum_known: bool,
     /// Whether all probabilities are the same in every state.
     pub(super) is_constant: bool,
+    /// The probability, if there is one update and it happens for sure or at a constant rate.
+    pub(super) simple: Option<Rounded<N>>,
 }
 
 /// One outcome of a command.
@@ -104,11 +106,21 @@ impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
         let never =
             |p: &Probability<'_, N>| matches!(p, Probability::Constant(c) if c.value.is_zero());
         updates.retain(|u| !never(&u.probability));
+        let simple = match &updates[..] {
+            [only] => match &only.probability {
+                Probability::Constant(p) if kind == ModelType::Ctmc || p.value == N::one() => {
+                    Some(p.clone())
+                }
+                _ => None,
+            },
+            _ => None,
+        };
         Self {
             updates,
             source,
             sum_known: kind == ModelType::Ctmc,
             is_constant,
+            simple,
         }
     }
 }
@@ -162,6 +174,15 @@ impl<'m, N: Arithmetic> CompiledUpdate<'m, N> {
                     });
                 }
             },
+        }
+    }
+
+    /// Assigns constants and adds increments.
+    #[inline]
+    pub(super) fn apply_masks(&self, target: &mut [u64]) {
+        for mask in &self.masks {
+            let word = &mut target[mask.word];
+            *word = (*word & mask.keep | mask.set).wrapping_add(mask.add);
         }
     }
 

@@ -18,6 +18,7 @@ use super::command::{CompiledCommand, CompiledUpdate, Rounded, probability};
 use super::events::events;
 use super::fault::{bad_probability, check_sum, no_value, out_of_range};
 use super::guards::Guards;
+use super::intern::append;
 use crate::state_space::{Layout, NO_ACTION};
 
 /// Commands of an event's slot, as bits of some words.
@@ -187,9 +188,14 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
             while open != 0 {
                 let command = word * 64 + open.trailing_zeros() as usize;
                 open &= open - 1;
-                let first = batch.probabilities.len();
-                self.start(state, batch);
-                self.apply(command, state, first, batch)?;
+                match &self.commands[command].simple {
+                    Some(factor) => self.apply_simple(command, factor, state, batch)?,
+                    None => {
+                        let first = batch.probabilities.len();
+                        self.start(state, batch);
+                        self.apply(command, state, first, batch)?;
+                    }
+                }
                 self.finish(self.actions[command], batch);
             }
         }
@@ -246,7 +252,7 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
 
     /// Begins a choice: the state itself, for sure.
     fn start(&self, state: &[u64], batch: &mut Batch<N>) {
-        batch.targets.extend_from_slice(state);
+        append(&mut batch.targets, state);
         batch.probabilities.push(N::one());
         batch.roundings.push(0);
     }
@@ -255,6 +261,25 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         batch
             .choices
             .push((batch.probabilities.len() as u32, action));
+    }
+
+    /// The one outcome of a command with one update of a constant probability.
+    fn apply_simple(
+        &self,
+        command: usize,
+        factor: &Rounded<N>,
+        state: &[u64],
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let update = &self.commands[command].updates[0];
+        self.check_increments(update, state)?;
+        let at = batch.probabilities.len();
+        let from = batch.targets.len();
+        append(&mut batch.targets, state);
+        update.apply_masks(&mut batch.targets[from..]);
+        batch.probabilities.push(factor.value.clone());
+        batch.roundings.push(factor.roundings.unwrap_or(UNKNOWN));
+        self.compute(update, state, at..at + 1, batch)
     }
 
     /// Multiplies the outcomes from `first` on with the updates of a command.
@@ -338,20 +363,11 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         batch: &mut Batch<N>,
     ) -> Result<(), ExploreError> {
         let words = self.compiler.layout.words();
-        for increment in &update.increments {
-            let value = increment.field.value(state);
-            if value < increment.low || value > increment.high {
-                let (variable, source) = (increment.variable, increment.source);
-                return Err(out_of_range(variable, source, state, self.compiler));
-            }
-        }
+        self.check_increments(update, state)?;
         let is_one = factor.value == N::one();
         for outcome in outcomes.clone() {
             let target = &mut batch.targets[outcome * words..(outcome + 1) * words];
-            for mask in &update.masks {
-                let word = &mut target[mask.word];
-                *word = (*word & mask.keep | mask.set).wrapping_add(mask.add);
-            }
+            update.apply_masks(target);
             if !is_one {
                 let probability = &mut batch.probabilities[outcome];
                 let roundings = &mut batch.roundings[outcome];
@@ -366,6 +382,23 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
             }
         }
         self.compute(update, state, outcomes, batch)
+    }
+
+    /// Whether all increments stay in range.
+    #[inline]
+    fn check_increments(
+        &self,
+        update: &CompiledUpdate<'m, N>,
+        state: &[u64],
+    ) -> Result<(), ExploreError> {
+        for increment in &update.increments {
+            let value = increment.field.value(state);
+            if value < increment.low || value > increment.high {
+                let (variable, source) = (increment.variable, increment.source);
+                return Err(out_of_range(variable, source, state, self.compiler));
+            }
+        }
+        Ok(())
     }
 
     /// Assigns what must be computed to some outcomes.

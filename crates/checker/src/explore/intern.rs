@@ -74,7 +74,7 @@ impl Interner {
             // A slot with the right hash is nearly always the right one.
             if slot != FREE
                 && (slot >> 32) as u32 == self.hashes[at]
-                && self.state(slot as u32 as usize) == state
+                && same(self.state(slot as u32 as usize), state)
             {
                 numbers.push(slot as u32);
             } else {
@@ -114,7 +114,7 @@ impl Interner {
                 FREE => break,
                 found
                     if (found >> 32) as u32 == hash
-                        && self.state(found as u32 as usize) == state =>
+                        && same(self.state(found as u32 as usize), state) =>
                 {
                     return found as u32;
                 }
@@ -123,7 +123,7 @@ impl Interner {
         }
         let index = self.count as u32;
         self.slots[slot] = u64::from(hash) << 32 | u64::from(index);
-        self.packed.extend_from_slice(state);
+        append(&mut self.packed, state);
         self.count += 1;
         if self.count * 3 > self.slots.len() * 2 && self.shift > 0 {
             self.grow();
@@ -144,6 +144,26 @@ impl Interner {
             slots[slot] = *taken;
         }
         self.slots = slots;
+    }
+}
+
+/// Whether two states of the same length are the same; short ones are compared without a call.
+#[inline]
+fn same(a: &[u64], b: &[u64]) -> bool {
+    match (a, b) {
+        ([a], [b]) => a == b,
+        ([a, c], [b, d]) => (a ^ b) | (c ^ d) == 0,
+        _ => a == b,
+    }
+}
+
+/// Appends a state; short ones without a call.
+#[inline]
+pub(super) fn append(states: &mut Vec<u64>, state: &[u64]) {
+    match *state {
+        [word] => states.push(word),
+        [first, second] => states.extend([first, second]),
+        _ => states.extend_from_slice(state),
     }
 }
 

@@ -154,6 +154,9 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
 
     /// The mean reward over actions, weighted with their probabilities.
     fn mean(&mut self, merged: &[(u32, N)], state: &[u64], compiler: Compiler<'_>) -> Rounded<N> {
+        if let [(action, _)] = merged {
+            return self.sum(Some(*action), state, compiler);
+        }
         let of_each: Vec<Rounded<N>> = (merged.iter())
             .map(|(action, _)| self.sum(Some(*action), state, compiler))
             .collect();
