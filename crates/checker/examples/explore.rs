@@ -1,10 +1,12 @@
 //! Explores a model and prints its size, the time it took and the peak of the memory.
 //!
+//! With `NO_REWARDS` in the environment, reward structures are left out.
+//!
 //! `cargo run --release -p checker --example explore -- MODEL [name=value,...]`
 
 use std::time::Instant;
 
-use checker::explore::explore;
+use checker::explore::{ExploreOptions, explore_with};
 use prism_lang::{Constants, parse_model, resolve};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,7 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tree = parsed.map_err(|found| format!("{found:?}"))?;
     let model = resolve(&tree, &constants).map_err(|found| format!("{found:?}"))?;
     let start = Instant::now();
-    let space = explore::<f64>(&model)?;
+    let options = ExploreOptions {
+        rewards: std::env::var_os("NO_REWARDS").map(|_| Vec::new()),
+        ..ExploreOptions::default()
+    };
+    let space = explore_with::<f64>(&model, options, &|_| true)?;
     let seconds = start.elapsed().as_secs_f64();
     println!(
         "{path}: {} states, {} choices, {} transitions, {} deadlocks; {seconds:.3} s, {:.2} M states/s, {:.1} M transitions/s{}",

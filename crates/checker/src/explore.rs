@@ -30,6 +30,7 @@ mod generator;
 mod guards;
 mod initial;
 mod intern;
+mod plan;
 mod quotient;
 mod rewards;
 
@@ -48,20 +49,23 @@ use intern::Interner;
 const BATCH: usize = 256;
 
 /// How far to explore.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExploreOptions {
     /// More reachable states than this are an error.
     pub max_states: usize,
     /// More bytes than this for states and transitions are an error.
     pub max_bytes: usize,
+    /// The reward structures to evaluate, by their index in the model; `None` for all of them.
+    pub rewards: Option<Vec<usize>>,
 }
 
 impl Default for ExploreOptions {
-    /// At most 100 million states, in memory of any size.
+    /// At most 100 million states, in memory of any size, with all reward structures.
     fn default() -> Self {
         Self {
             max_states: 100_000_000,
             max_bytes: usize::MAX,
+            rewards: None,
         }
     }
 }
@@ -130,11 +134,11 @@ struct Explorer<'m, N> {
 impl<'m, N: Arithmetic> Explorer<'m, N> {
     fn new(compiler: Compiler<'m>, options: ExploreOptions) -> Self {
         Self {
-            options,
             compiler,
             generator: Generator::new(compiler.model, compiler.layout),
             interner: Interner::new(compiler.layout.words()),
-            assembly: Assembly::new(compiler),
+            assembly: Assembly::new(compiler, options.rewards.as_deref()),
+            options,
         }
     }
 
@@ -185,7 +189,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             choice_start: assembly.choice_start,
             choice_action: assembly.choice_action,
             actions: model.actions.clone(),
-            rewards: assembly.rewards.finish(),
+            rewards: assembly.rewards.finish(self.interner.len()),
             variables: model.variables.clone(),
             layout: self.compiler.layout.clone(),
             packed: self.interner.packed,

@@ -38,13 +38,13 @@ pub(super) struct Assembly<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Assembly<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>) -> Self {
+    pub(super) fn new(compiler: Compiler<'m>, rewards: Option<&[usize]>) -> Self {
         Self {
             kind: compiler.model.model_type,
             matrix: Csr::with_capacity(0),
             choice_start: Vec::new(),
             choice_action: Vec::new(),
-            rewards: rewards::Builder::new(compiler),
+            rewards: rewards::Builder::new(compiler, rewards),
             deadlocks: Vec::new(),
             labelled_transitions: 0,
             roundings: 0,

@@ -58,6 +58,8 @@ pub enum ExploreError {
         /// The item of the reward structure.
         span: Span,
     },
+    /// The rewards of a structure that the search was told to leave out.
+    RewardsLeftOut,
     /// An expression has no value.
     NoValue {
         /// What went wrong, and in which expression.
@@ -137,6 +139,10 @@ impl fmt::Display for ExploreError {
             Self::Underflow { state, .. } => write!(
                 f,
                 "in state {state}, this probability is positive but too small for a double: use the exact method"
+            ),
+            Self::RewardsLeftOut => write!(
+                f,
+                "this reward structure was left out when the model was explored: explore with it"
             ),
             Self::NoValue { error, state } => write!(f, "in state {state}, {error}"),
             Self::TooManyStates { limit } => write!(

@@ -15,23 +15,11 @@ use super::ExploreError;
 use super::batch::{Batch, UNKNOWN};
 use super::code::Compiler;
 use super::command::{CompiledCommand, CompiledUpdate, Rounded, probability};
-use super::events::events;
 use super::fault::{bad_probability, check_sum, no_value, out_of_range};
 use super::guards::Guards;
 use super::intern::append;
-use crate::state_space::{Layout, NO_ACTION};
-
-/// Commands of an event's slot, as bits of some words.
-type SlotBits = Vec<(usize, u64)>;
-
-/// Something that can happen.
-#[derive(Clone)]
-enum Group {
-    /// Each enabled command of these bits happens alone, with its action.
-    Alone(SlotBits),
-    /// One command of each slot, with this action.
-    Together(u32, Vec<SlotBits>),
-}
+use super::plan::{Group, Plan, SlotBits};
+use crate::state_space::Layout;
 
 /// Finds the transitions of states, one after the other. Tables that it fills on the way are its own.
 #[derive(Clone)]
@@ -52,44 +40,17 @@ pub(super) struct Generator<'m, N> {
 impl<'m, N: Arithmetic> Generator<'m, N> {
     pub(super) fn new(model: &'m Model, layout: &'m Layout) -> Self {
         let compiler = Compiler { model, layout };
-        let mut sources: Vec<&'m Command> = Vec::new();
-        let mut actions = Vec::new();
-        let mut groups: Vec<Group> = Vec::new();
-        // The same slot may take part in several events.
-        let mut placed: Vec<(*const Command, std::ops::Range<usize>)> = Vec::new();
-        for event in events(model) {
-            let action = event.action.map_or(NO_ACTION, |a| a as u32);
-            let alone = event.slots.len() == 1;
-            let slots = event.slots.into_iter().map(|slot| {
-                let first = slot
-                    .first()
-                    .map_or(std::ptr::null(), |c| std::ptr::from_ref(*c));
-                let known = placed.iter().find(|(p, _)| *p == first && !alone);
-                let range = known.map(|(_, range)| range.clone()).unwrap_or_else(|| {
-                    let start = sources.len();
-                    sources.extend(slot);
-                    actions.resize(sources.len(), action);
-                    placed.push((first, start..sources.len()));
-                    start..sources.len()
-                });
-                bits(range)
-            });
-            let mut slots: Vec<SlotBits> = slots.collect();
-            match (alone, groups.last_mut()) {
-                (true, Some(Group::Alone(before))) => join(before, &slots[0]),
-                (true, _) => groups.push(Group::Alone(slots.remove(0))),
-                (false, _) => groups.push(Group::Together(action, slots)),
-            }
-        }
-        let guards = sources.iter().map(|c| compiler.code(&c.guard)).collect();
+        let plan = Plan::new(model);
+        let guards = plan.commands.iter().map(|c| compiler.code(&c.guard));
+        let guards = Guards::new(guards.collect(), layout);
         let compiled = |c: &&'m Command| CompiledCommand::new(c, model.model_type, compiler);
         Self {
             compiler,
-            commands: sources.iter().map(compiled).collect(),
-            actions,
-            groups,
-            enabled: vec![0; sources.len().div_ceil(64)],
-            guards: Guards::new(guards, layout),
+            commands: plan.commands.iter().map(compiled).collect(),
+            actions: plan.actions,
+            groups: plan.groups,
+            enabled: vec![0; guards.words()],
+            guards,
             ready: Vec::new(),
             picks: Vec::new(),
             kept: Kept {
@@ -211,8 +172,8 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         enabled: &[u64],
         batch: &mut Batch<N>,
     ) -> Result<(), ExploreError> {
-        let is_ready = |slot: &SlotBits| slot.iter().any(|(word, mask)| enabled[*word] & mask != 0);
-        if !slots.iter().all(is_ready) {
+        let is_ready = |(word, mask): &(usize, u64)| enabled[*word] & mask != 0;
+        if !slots.iter().all(|slot| slot.iter().any(is_ready)) {
             return Ok(());
         }
         self.find_ready(slots, enabled);
@@ -222,7 +183,18 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
             let first = batch.probabilities.len();
             self.start(state, batch);
             for slot in 0..slots.len() {
-                self.apply(self.ready[slot][self.picks[slot]], state, first, batch)?;
+                let command = self.ready[slot][self.picks[slot]];
+                match &self.commands[command] {
+                    CompiledCommand {
+                        simple: Some(factor),
+                        updates,
+                        ..
+                    } => {
+                        let outcomes = first..batch.probabilities.len();
+                        self.outcomes(&updates[0], factor, state, outcomes, batch)?;
+                    }
+                    _ => self.apply(command, state, first, batch)?,
+                }
             }
             self.check_products(state, first, batch)?;
             self.finish(action, batch);
@@ -488,24 +460,5 @@ impl<N: Clone> Kept<N> {
         batch.targets.extend_from_slice(&self.targets);
         batch.probabilities.extend_from_slice(&self.probabilities);
         batch.roundings.extend_from_slice(&self.roundings);
-    }
-}
-
-/// A range of commands as bits of words.
-fn bits(range: std::ops::Range<usize>) -> SlotBits {
-    let mut bits: SlotBits = Vec::new();
-    for command in range {
-        join(&mut bits, &[(command / 64, 1 << (command % 64))]);
-    }
-    bits
-}
-
-/// Adds bits of commands that come later.
-fn join(bits: &mut SlotBits, more: &[(usize, u64)]) {
-    for (word, mask) in more {
-        match bits.last_mut() {
-            Some((last, bits)) if last == word => *bits |= mask,
-            _ => bits.push((*word, *mask)),
-        }
     }
 }

@@ -17,6 +17,9 @@ use crate::state_space::{Field, Layout};
 /// Bits of a piece of the state.
 const PIECE_BITS: u32 = 12;
 
+/// Marks an entry that has been computed; no command has this bit of the last word.
+const KNOWN: u64 = 1 << 63;
+
 /// A piece of the packed state with its table.
 #[derive(Clone, Debug)]
 struct Piece {
@@ -25,9 +28,9 @@ struct Piece {
     mask: u64,
     /// Parts of guards that read only this piece, with their commands.
     parts: Vec<(usize, Code)>,
-    /// For each content, the commands that it does not disable; empty if there are no parts.
+    /// For each content, the commands that it does not disable, and [`KNOWN`] in the last word once that has
+    /// been computed; empty if there are no parts.
     table: Vec<u64>,
-    known: Vec<bool>,
 }
 
 /// The guards of all commands.
@@ -44,7 +47,8 @@ pub(super) struct Guards {
 impl Guards {
     /// The guards, compiled, one for each command.
     pub(super) fn new(guards: Vec<Code>, layout: &Layout) -> Self {
-        let words = guards.len().div_ceil(64);
+        // One bit more than there are commands, for the mark.
+        let words = guards.len() / 64 + 1;
         let mut made = Self {
             pieces: pieces(layout),
             rest: Vec::new(),
@@ -59,11 +63,11 @@ impl Guards {
             }
             made.rest.push(rest);
         }
+        made.all[words - 1] |= KNOWN;
         made.pieces.retain(|p| !p.parts.is_empty());
         for piece in &mut made.pieces {
             let contents = piece.mask as usize + 1;
             piece.table = vec![0; contents * words];
-            piece.known = vec![false; contents];
         }
         made
     }
@@ -94,6 +98,11 @@ impl Guards {
         self.pieces.iter().position(holds)
     }
 
+    /// Words for one bit for each command (and one more).
+    pub(super) fn words(&self) -> usize {
+        self.all.len()
+    }
+
     /// The commands that the tables do not disable, as bits, in `enabled`.
     #[inline]
     pub(super) fn tabulated(&mut self, state: &[u64], enabled: &mut [u64]) {
@@ -101,10 +110,11 @@ impl Guards {
         let words = enabled.len();
         for piece in &mut self.pieces {
             let content = (state[piece.word] >> piece.shift & piece.mask) as usize;
-            if !piece.known[content] {
+            let range = content * words..(content + 1) * words;
+            if piece.table[range.end - 1] & KNOWN == 0 {
                 piece.fill(content, state, &self.all);
             }
-            let entry = &piece.table[content * words..(content + 1) * words];
+            let entry = &piece.table[range];
             for (enabled, entry) in enabled.iter_mut().zip(entry) {
                 *enabled &= entry;
             }
@@ -129,7 +139,6 @@ impl Piece {
                 entry[command / 64] &= !(1 << (command % 64));
             }
         }
-        self.known[content] = true;
     }
 }
 
@@ -153,7 +162,6 @@ fn pieces(layout: &Layout) -> Vec<Piece> {
                 mask: field.mask,
                 parts: Vec::new(),
                 table: Vec::new(),
-                known: Vec::new(),
             }),
         }
     }

@@ -28,6 +28,7 @@ struct Item<'m, N> {
 struct Structure<'m, N> {
     source: &'m RewardStructure,
     items: Vec<Item<'m, N>>,
+    has_states: bool,
     has_transitions: bool,
     state: Vec<N>,
     transition: Vec<N>,
@@ -42,10 +43,12 @@ pub(super) struct Builder<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Builder<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>) -> Self {
-        let structures = compiler.model.rewards.iter();
+    pub(super) fn new(compiler: Compiler<'m>, wanted: Option<&[usize]>) -> Self {
+        let structures = compiler.model.rewards.iter().enumerate();
+        let is_wanted = |index| wanted.is_none_or(|w| w.contains(&index));
+        let structure = |(index, s)| Structure::new(s, is_wanted(index), compiler);
         Self {
-            structures: structures.map(|s| Structure::new(s, compiler)).collect(),
+            structures: structures.map(structure).collect(),
             compiler,
         }
     }
@@ -66,7 +69,7 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
 
     /// Appends the rewards of a state.
     pub(super) fn state(&mut self, state: &[u64]) {
-        for structure in &mut self.structures {
+        for structure in self.structures.iter_mut().filter(|s| s.has_states) {
             let sum = structure.sum(None, state, self.compiler);
             structure.roundings = worst(structure.roundings, sum.roundings);
             structure.state.push(sum.value);
@@ -104,32 +107,32 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
         }
     }
 
-    pub(super) fn finish(self) -> Vec<RewardsOf<N>> {
+    pub(super) fn finish(self, states: usize) -> Vec<RewardsOf<N>> {
         let has_choices = self.compiler.model.model_type.has_choices();
         let structures = self.structures.into_iter();
-        structures.map(|s| s.finish(has_choices)).collect()
+        structures.map(|s| s.finish(states, has_choices)).collect()
     }
 }
 
 impl<'m, N: Arithmetic> Structure<'m, N> {
-    fn new(source: &'m RewardStructure, compiler: Compiler<'_>) -> Self {
-        let items: Vec<Item<'m, N>> = (source.items.iter())
-            .map(|item| Item {
-                transition: item.transition.map(|a| a.map_or(NO_ACTION, |a| a as u32)),
-                guard: compiler.code(&item.guard),
-                guard_source: &item.guard,
-                value: Probability::new(&item.value, compiler),
-                span: item.span,
-            })
-            .collect();
+    fn new(source: &'m RewardStructure, wanted: bool, compiler: Compiler<'_>) -> Self {
+        let items = source.items.iter().filter(|_| wanted).map(|item| Item {
+            transition: item.transition.map(|a| a.map_or(NO_ACTION, |a| a as u32)),
+            guard: compiler.code(&item.guard),
+            guard_source: &item.guard,
+            value: Probability::new(&item.value, compiler),
+            span: item.span,
+        });
+        let items: Vec<Item<'m, N>> = items.collect();
         Self {
             source,
+            has_states: items.iter().any(|i| i.transition.is_none()),
             has_transitions: items.iter().any(|i| i.transition.is_some()),
             items,
             state: Vec::new(),
             transition: Vec::new(),
             roundings: Some(0),
-            error: None,
+            error: (!wanted).then_some(ExploreError::RewardsLeftOut),
         }
     }
 
@@ -190,7 +193,7 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
         }
     }
 
-    fn finish(self, has_choices: bool) -> RewardsOf<N> {
+    fn finish(mut self, states: usize, has_choices: bool) -> RewardsOf<N> {
         let name = self.source.name.clone();
         if let Some(error) = self.error {
             return (name, Err(error));
@@ -200,6 +203,7 @@ impl<'m, N: Arithmetic> Structure<'m, N> {
             (true, true) => TransitionRewards::Row(self.transition),
             (true, false) => TransitionRewards::Entry(self.transition),
         };
+        self.state.resize(states, N::zero());
         let rewards = Rewards {
             state: self.state,
             transition,
