@@ -35,7 +35,7 @@ mod quotient;
 mod rewards;
 
 use prism_lang::Arithmetic;
-use prism_lang::resolved::Model;
+use prism_lang::resolved::{Model, ModelType};
 
 use crate::state_space::{LabelStates, Layout, StateSpace};
 use assembly::Assembly;
@@ -57,6 +57,9 @@ pub struct ExploreOptions {
     pub max_bytes: usize,
     /// The reward structures to evaluate, by their index in the model; `None` for all of them.
     pub rewards: Option<Vec<usize>>,
+    /// What is done with a `dtmc` whose commands' probabilities do not sum to 1: by default that is an error;
+    /// else they are weights, and each state's are divided by their sum (PRISM's switch `-noprobchecks`).
+    pub probabilities_are_weights: bool,
 }
 
 impl Default for ExploreOptions {
@@ -66,7 +69,15 @@ impl Default for ExploreOptions {
             max_states: 100_000_000,
             max_bytes: usize::MAX,
             rewards: None,
+            probabilities_are_weights: false,
         }
+    }
+}
+
+impl ExploreOptions {
+    /// Whether the rows of such a model are divided by their sums.
+    fn weights(&self, kind: ModelType) -> bool {
+        self.probabilities_are_weights && kind == ModelType::Dtmc
     }
 }
 
@@ -135,9 +146,9 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
     fn new(compiler: Compiler<'m>, options: ExploreOptions) -> Self {
         Self {
             compiler,
-            generator: Generator::new(compiler.model, compiler.layout),
+            generator: Generator::new(compiler, &options),
             interner: Interner::new(compiler.layout.words()),
-            assembly: Assembly::new(compiler, options.rewards.as_deref()),
+            assembly: Assembly::new(compiler, &options),
             options,
         }
     }

@@ -1,6 +1,6 @@
 //! State spaces of all kinds of models, compositions and rewards, on models small enough to be worked out by hand.
 
-use checker::explore::{ExploreError, explore};
+use checker::explore::{ExploreError, ExploreOptions, explore, explore_with};
 use checker::state_space::{StateSpace, TransitionRewards};
 use prism_lang::resolved::ModelType;
 use prism_lang::{Constants, Rational, parse_model, resolve};
@@ -235,4 +235,40 @@ fn rates_and_probabilities_that_are_none_are_refused() {
         refused(range),
         ExploreError::OutOfRange { value: 3, .. }
     ));
+}
+
+#[test]
+fn weights_are_divided_by_their_sum_on_request_only() {
+    let text = "dtmc module m x : [0..2]; [] x=0 -> 2+x:(x'=1); [] x=0 -> 6-x:(x'=2); endmodule
+        rewards [] true : 1; endrewards";
+    let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+    assert!(matches!(
+        explore::<Rational>(&model),
+        Err(ExploreError::ProbabilitySum { .. })
+    ));
+    let options = ExploreOptions {
+        probabilities_are_weights: true,
+        rewards: Some(Vec::new()),
+        ..ExploreOptions::default()
+    };
+    let space: StateSpace<Rational> = explore_with(&model, options, &|_| true).unwrap();
+    let row: Vec<_> = space.matrix.row(0).map(|(_, p)| p.clone()).collect();
+    assert_eq!(row, [q(1, 4), q(3, 4)]);
+    assert_eq!(space.rewards(0), Err(&ExploreError::RewardsLeftOut));
+}
+
+#[test]
+fn memory_is_limited_with_a_message() {
+    let text = "ctmc module m x : [0..999999]; [] x<999999 -> 2:(x'=x+1); endmodule";
+    let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+    let options = ExploreOptions {
+        max_bytes: 4 << 20,
+        ..ExploreOptions::default()
+    };
+    let error = explore_with::<f64>(&model, options, &|_| true).unwrap_err();
+    let ExploreError::TooMuchMemory { states, limit } = error else {
+        panic!("{error}")
+    };
+    // At least 8 bytes for the state, 12 for its transition, 8 for the row.
+    assert!(states > 10_000 && states * 28 < limit, "{states}");
 }

@@ -9,7 +9,7 @@ use prism_lang::resolved::ModelType;
 
 use super::batch::{Batch, UNKNOWN};
 use super::code::Compiler;
-use super::rewards;
+use super::{ExploreOptions, rewards};
 use crate::state_space::{Csr, NO_ACTION};
 
 /// A transition before those with the same target are merged.
@@ -24,6 +24,8 @@ struct Outcome<N> {
 /// The rows so far.
 pub(super) struct Assembly<'m, N> {
     kind: ModelType,
+    /// Whether rows are divided by their sums.
+    weights: bool,
     pub(super) matrix: Csr<N>,
     pub(super) choice_start: Vec<usize>,
     pub(super) choice_action: Vec<u32>,
@@ -38,13 +40,14 @@ pub(super) struct Assembly<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Assembly<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>, rewards: Option<&[usize]>) -> Self {
+    pub(super) fn new(compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
         Self {
             kind: compiler.model.model_type,
+            weights: options.weights(compiler.model.model_type),
             matrix: Csr::with_capacity(0),
             choice_start: Vec::new(),
             choice_action: Vec::new(),
-            rewards: rewards::Builder::new(compiler, rewards),
+            rewards: rewards::Builder::new(compiler, options.rewards.as_deref()),
             deadlocks: Vec::new(),
             labelled_transitions: 0,
             roundings: 0,
@@ -129,12 +132,26 @@ impl<'m, N: Arithmetic> Assembly<'m, N> {
         }
     }
 
+    /// What the probabilities of a row are divided by, and how many roundings that takes.
+    fn weight(&self, choices: usize) -> (Option<N>, u32) {
+        if self.weights {
+            let each = self.outcomes.iter().map(|o| &o.probability);
+            let sum = each.fold(N::zero(), |sum, p| sum.add(p));
+            let roundings = self.outcomes.iter().map(|o| o.roundings).max().unwrap_or(0);
+            let own = u32::from(!N::EXACT) * (self.outcomes.len() as u32 + 1);
+            return (Some(sum), roundings + own);
+        }
+        if self.kind != ModelType::Dtmc || choices < 2 {
+            return (None, 0);
+        }
+        let division = u32::from(!N::EXACT && !choices.is_power_of_two());
+        (Some(N::from_i64(choices as i64)), division)
+    }
+
     /// Merges outcomes with the same target, in a `dtmc` weighs the choices equally, and appends the row.
     fn finish_row(&mut self, choices: usize, state: &[u64]) {
-        let weighted = self.kind == ModelType::Dtmc && choices > 1;
-        let division = u32::from(weighted && !N::EXACT && !choices.is_power_of_two());
+        let (weight, division) = self.weight(choices);
         let of_entries = !self.kind.has_choices() && self.rewards.of_transitions();
-        let weight = N::from_i64(choices as i64);
         sort(&mut self.outcomes);
         for group in self.outcomes.chunk_by(|a, b| a.target == b.target) {
             let mut sum = group[0].probability.clone();
@@ -143,9 +160,9 @@ impl<'m, N: Arithmetic> Assembly<'m, N> {
                 sum = sum.add(&more.probability);
                 roundings = roundings.max(more.roundings) + u32::from(!N::EXACT);
             }
-            if weighted {
-                // The weight is at least 2.
-                sum = sum.div(&weight).unwrap_or(sum);
+            if let Some(weight) = &weight {
+                // The weight is positive.
+                sum = sum.div(weight).unwrap_or(sum);
             }
             self.matrix.column.push(group[0].target);
             self.matrix.value.push(sum);

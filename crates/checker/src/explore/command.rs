@@ -5,7 +5,7 @@
 //! Assignments of constants and increments become masks and summands of the packed state.
 
 use prism_lang::ast::BinaryOp;
-use prism_lang::resolved::{Command, ModelType, Update};
+use prism_lang::resolved::{Command, Update};
 use prism_lang::{Arithmetic, EvalError, EvalErrorKind, Expr, Number, Rational, VarIndex};
 use rustc_hash::FxHashMap;
 
@@ -94,7 +94,8 @@ pub(super) enum Probability<'m, N> {
 }
 
 impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
-    pub(super) fn new(source: &'m Command, kind: ModelType, compiler: Compiler<'_>) -> Self {
+    /// Compiles a command; with `sums`, its probabilities must sum to 1.
+    pub(super) fn new(source: &'m Command, sums: bool, compiler: Compiler<'_>) -> Self {
         let updates = source
             .updates
             .iter()
@@ -108,9 +109,7 @@ impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
         updates.retain(|u| !never(&u.probability));
         let simple = match &updates[..] {
             [only] => match &only.probability {
-                Probability::Constant(p) if kind == ModelType::Ctmc || p.value == N::one() => {
-                    Some(p.clone())
-                }
+                Probability::Constant(p) if !sums || p.value == N::one() => Some(p.clone()),
                 _ => None,
             },
             _ => None,
@@ -118,7 +117,7 @@ impl<'m, N: Arithmetic> CompiledCommand<'m, N> {
         Self {
             updates,
             source,
-            sum_known: kind == ModelType::Ctmc,
+            sum_known: !sums,
             is_constant,
             simple,
         }

@@ -8,10 +8,9 @@
 //! Cost: the guards' tables ([`super::guards`]), plus a few word operations for each assignment of each outcome.
 //! Guarantee: outcomes come in the order of events, commands and updates, whatever the domain.
 
-use prism_lang::resolved::{Command, Model};
+use prism_lang::resolved::{Command, ModelType};
 use prism_lang::{Arithmetic, Span};
 
-use super::ExploreError;
 use super::batch::{Batch, UNKNOWN};
 use super::code::Compiler;
 use super::command::{CompiledCommand, CompiledUpdate, Rounded, probability};
@@ -19,7 +18,7 @@ use super::fault::{bad_probability, check_sum, no_value, out_of_range};
 use super::guards::Guards;
 use super::intern::append;
 use super::plan::{Group, Plan, SlotBits};
-use crate::state_space::Layout;
+use super::{ExploreError, ExploreOptions};
 
 /// Finds the transitions of states, one after the other. Tables that it fills on the way are its own.
 #[derive(Clone)]
@@ -38,12 +37,14 @@ pub(super) struct Generator<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Generator<'m, N> {
-    pub(super) fn new(model: &'m Model, layout: &'m Layout) -> Self {
-        let compiler = Compiler { model, layout };
-        let plan = Plan::new(model);
+    pub(super) fn new(compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
+        let plan = Plan::new(compiler.model);
+        let kind = compiler.model.model_type;
+        // Rates and weights need not sum to anything.
+        let sums = kind != ModelType::Ctmc && !options.weights(kind);
         let guards = plan.commands.iter().map(|c| compiler.code(&c.guard));
-        let guards = Guards::new(guards.collect(), layout);
-        let compiled = |c: &&'m Command| CompiledCommand::new(c, model.model_type, compiler);
+        let guards = Guards::new(guards.collect(), compiler.layout);
+        let compiled = |c: &&'m Command| CompiledCommand::new(c, sums, compiler);
         Self {
             compiler,
             commands: plan.commands.iter().map(compiled).collect(),
