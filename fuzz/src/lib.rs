@@ -34,6 +34,7 @@ pub fn model(bytes: &[u8]) {
         Ok(model) => {
             let limits = ExploreOptions {
                 max_states: FEW_STATES,
+                ..ExploreOptions::default()
             };
             // Both ends are fine: a state space, or an error that says why not.
             let _ = explore_with::<f64>(&model, limits, &|_| true);

@@ -78,36 +78,41 @@ impl<'m, N: Arithmetic> Assembly<'m, N> {
 
     /// Appends the rows of the batch's states, whose targets are numbered.
     pub(super) fn append(&mut self, batch: &Batch<N>, words: usize) {
-        let mut choice = 0;
-        let mut outcome = 0;
+        let (mut choice, mut outcome) = (0, 0);
         for (end, state) in batch.ends.iter().zip(batch.states.chunks_exact(words)) {
-            let end = *end as usize;
+            let choices = &batch.choices[choice..*end as usize];
+            let first = outcome;
+            outcome = choices.last().map_or(first, |(stop, _)| *stop as usize);
             self.rewards.state(state);
             if self.kind.has_choices() {
                 self.choice_start.push(self.matrix.num_rows());
             }
-            if choice == end {
+            if outcome == first {
+                // Nothing is enabled, or all rates are 0.
                 self.deadlock();
             } else if self.kind.has_choices() {
-                for (stop, action) in &batch.choices[choice..end] {
-                    self.collect(outcome..*stop as usize, *action, batch);
-                    outcome = *stop as usize;
-                    self.choice_action.push(*action);
-                    self.rewards.row(*action, state);
-                    let entries = self.matrix.num_entries();
-                    self.finish_row(1, state);
-                    self.labelled_transitions += (self.matrix.num_entries() - entries) as u64;
-                }
+                self.choices(choices, first, state, batch);
             } else {
-                for (stop, action) in &batch.choices[choice..end] {
-                    self.collect(outcome..*stop as usize, *action, batch);
-                    outcome = *stop as usize;
-                }
-                self.finish_row(end - choice, state);
+                self.collect(choices, first, batch);
+                self.finish_row(choices.len(), state);
             }
-            choice = end;
+            choice = *end as usize;
             self.states += 1;
         }
+    }
+
+    /// Appends a row for each choice, whose outcomes start at `first`.
+    fn choices(&mut self, choices: &[(u32, u32)], first: usize, state: &[u64], batch: &Batch<N>) {
+        let before = self.matrix.num_entries();
+        let mut first = first;
+        for choice in choices {
+            self.collect(std::slice::from_ref(choice), first, batch);
+            first = choice.0 as usize;
+            self.choice_action.push(choice.1);
+            self.rewards.row(choice.1, state);
+            self.finish_row(1, state);
+        }
+        self.labelled_transitions += (self.matrix.num_entries() - before) as u64;
     }
 
     /// A self-loop where nothing is enabled.
@@ -121,14 +126,19 @@ impl<'m, N: Arithmetic> Assembly<'m, N> {
         }
     }
 
-    fn collect(&mut self, range: std::ops::Range<usize>, action: u32, batch: &Batch<N>) {
-        for at in range {
-            self.outcomes.push(Outcome {
-                target: batch.numbers[at],
-                action,
-                roundings: batch.roundings[at],
-                probability: batch.probabilities[at].clone(),
-            });
+    /// Gathers the outcomes of choices, which start at `first`.
+    fn collect(&mut self, choices: &[(u32, u32)], first: usize, batch: &Batch<N>) {
+        let mut at = first;
+        for (stop, action) in choices {
+            while at < *stop as usize {
+                self.outcomes.push(Outcome {
+                    target: batch.numbers[at],
+                    action: *action,
+                    roundings: batch.roundings[at],
+                    probability: batch.probabilities[at].clone(),
+                });
+                at += 1;
+            }
         }
     }
 
