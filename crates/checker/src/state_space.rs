@@ -137,6 +137,12 @@ impl<N> StateSpace<N> {
         self
     }
 
+    /// Adds labels with a flag for each state.
+    pub(crate) fn list_labels(&mut self, labels: impl IntoIterator<Item = (String, Vec<bool>)>) {
+        let listed = |(name, states)| (name, LabelStates::Listed(states));
+        self.labels.extend(labels.into_iter().map(listed));
+    }
+
     /// The number of reachable states.
     pub fn num_states(&self) -> usize {
         match self.choice_start.len() {

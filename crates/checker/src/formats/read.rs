@@ -1,0 +1,446 @@
+//! State spaces from PRISM's explicit files.
+//!
+//! Lines that start with `#` are comments, but two are heeded: `# Transitions (DTMC)` names the kind of the model,
+//! `# Reward structure "name"` a reward structure. Without the first, a file with choices is an `mdp`, one
+//! without a `dtmc`. A state without transitions gets a self-loop and is a deadlock.
+//!
+//! Deviation from PRISM: the probabilities of a row must sum to 1 to within 1e-9 (PRISM: 1e-5), for what is
+//! missing would be lost. Cost: linear in the files, plus sorting of rows.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use prism_lang::resolved::{ModelType, Variable, VariableKind};
+use prism_lang::{Arithmetic, Number, Span};
+
+use crate::state_space::{
+    Csr, Layout, NO_ACTION, Rewards, RewardsOf, StateSpace, TransitionRewards,
+};
+
+/// How far from 1 the probabilities of a row may sum up.
+const SUM_TOLERANCE: f64 = 1e-9;
+
+/// The texts of explicit files.
+#[derive(Clone, Debug, Default)]
+pub struct ExplicitFiles<'t> {
+    /// The kind of the model; `None`: as the file says.
+    pub kind: Option<ModelType>,
+    /// Transitions (`.tra`).
+    pub transitions: &'t str,
+    /// Values of the variables (`.sta`), if known.
+    pub states: Option<&'t str>,
+    /// Labels (`.lab`); without them, state 0 is the initial one.
+    pub labels: Option<&'t str>,
+    /// State and transition rewards (`.srew`, `.trew`), a pair for each structure; either may be empty.
+    pub rewards: Vec<(&'t str, &'t str)>,
+}
+
+/// Why explicit files could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExplicitError {
+    /// The kind of file: `tra`, `sta`, `lab`, `srew` or `trew`.
+    pub file: &'static str,
+    /// The line, from 1.
+    pub line: usize,
+    /// What is wrong, and what to do.
+    pub message: String,
+}
+
+impl fmt::Display for ExplicitError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            ".{} file, line {}: {}",
+            self.file, self.line, self.message
+        )
+    }
+}
+
+impl std::error::Error for ExplicitError {}
+
+type Read<T> = Result<T, ExplicitError>;
+
+/// A line that is no comment, split at blanks.
+struct Line<'t> {
+    file: &'static str,
+    number: usize,
+    words: Vec<&'t str>,
+}
+
+impl Line<'_> {
+    fn error(&self, message: impl Into<String>) -> ExplicitError {
+        ExplicitError {
+            file: self.file,
+            line: self.number,
+            message: message.into(),
+        }
+    }
+
+    fn index(&self, word: usize, limit: usize, what: &str) -> Read<usize> {
+        let text = self.words.get(word).copied().unwrap_or("nothing");
+        let value: Option<usize> = text.parse().ok();
+        value.filter(|v| *v < limit).ok_or_else(|| {
+            self.error(format!(
+                "`{text}` is no {what}: give a number below {limit}, as the first line says"
+            ))
+        })
+    }
+
+    fn number<N: Arithmetic>(&self, word: usize) -> Read<N> {
+        let text = self.words.get(word).copied().unwrap_or("nothing");
+        let value = parse::<N>(text);
+        value.ok_or_else(|| self.error(format!("`{text}` is no number: write 0.25 or 1/4")))
+    }
+}
+
+fn parse<N: Arithmetic>(text: &str) -> Option<N> {
+    let (negative, digits) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text),
+    };
+    let (above, below) = match digits.split_once('/') {
+        Some((above, below)) => (Number::parse(above)?, Number::parse(below)?),
+        None => (Number::parse(digits)?, Number::from_i64(1)),
+    };
+    let value = above.div(&below)?;
+    let value = if negative {
+        Number::zero().sub(&value)
+    } else {
+        value
+    };
+    N::from_literal(&value)
+}
+
+fn lines<'t>(file: &'static str, text: &'t str) -> impl Iterator<Item = Line<'t>> {
+    let each = text.lines().enumerate().map(|(at, line)| (at, line.trim()));
+    let some = each.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    some.map(move |(at, line)| Line {
+        file,
+        number: at + 1,
+        words: line.split_whitespace().collect(),
+    })
+}
+
+fn empty(file: &'static str) -> ExplicitError {
+    ExplicitError {
+        file,
+        line: 1,
+        message: "the file has no first line with the numbers of states and transitions".to_owned(),
+    }
+}
+
+/// Reads a state space.
+///
+/// # Errors
+/// The first line that is wrong, with its number.
+///
+/// ```
+/// use checker::formats::{ExplicitFiles, read_explicit};
+/// let files = ExplicitFiles {
+///     transitions: "2 3\n0 0 0.25\n0 1 0.75\n1 1 1\n",
+///     labels: Some("0=\"init\" 1=\"done\"\n0: 0\n1: 1\n"),
+///     ..ExplicitFiles::default()
+/// };
+/// let space = read_explicit::<f64>(&files)?;
+/// assert_eq!((space.num_states(), space.num_transitions()), (2, 3));
+/// assert_eq!(space.label("done"), Ok(vec![false, true]));
+/// # Ok::<(), checker::formats::ExplicitError>(())
+/// ```
+pub fn read_explicit<N: Arithmetic>(files: &ExplicitFiles<'_>) -> Read<StateSpace<N>> {
+    let (mut space, deadlocks) = transitions(files)?;
+    space.deadlocks = deadlocks;
+    let states = space.num_states();
+    if let Some(text) = files.states {
+        (space.variables, space.layout, space.packed) = values(text, states)?;
+    }
+    if let Some(text) = files.labels {
+        let mut labels = labels(text, states)?;
+        if let Some(flags) = labels.remove("init") {
+            space.initial = (0..states).filter(|s| flags[*s]).collect();
+        }
+        labels.remove("deadlock");
+        space.list_labels(labels);
+    }
+    for (of_states, of_transitions) in &files.rewards {
+        let rewards = rewards(of_states, of_transitions, &space)?;
+        space.rewards.push(rewards);
+    }
+    Ok(space)
+}
+
+/// The kind that a comment names.
+fn named_kind(text: &str) -> Option<ModelType> {
+    let head = text.lines().find(|l| l.starts_with("# Transitions"))?;
+    let kinds = [
+        ModelType::Dtmc,
+        ModelType::Ctmc,
+        ModelType::Mdp,
+        ModelType::Lts,
+    ];
+    let named = |k: &ModelType| head.contains(&format!("({})", k.keyword().to_uppercase()));
+    kinds.into_iter().find(named)
+}
+
+/// A transition: target, value, action.
+type Entry<'t, N> = (u32, N, Option<&'t str>);
+
+fn transitions<N: Arithmetic>(files: &ExplicitFiles<'_>) -> Read<(StateSpace<N>, Vec<usize>)> {
+    let mut lines = lines("tra", files.transitions);
+    let head = lines.next().ok_or_else(|| empty("tra"))?;
+    let counts = head.words.iter().map(|w| w.parse::<usize>().ok());
+    let counts: Option<Vec<usize>> = counts.collect();
+    let Some(counts @ ([_, _] | [_, _, _])) = counts.as_deref() else {
+        let message = "expected the numbers of states, (of choices,) and of transitions";
+        return Err(head.error(message));
+    };
+    let (states, has_choices) = (counts[0], counts.len() == 3);
+    // Each state has a transition; this also keeps a wrong number from taking all memory.
+    if states > files.transitions.len() || states >= u32::MAX as usize {
+        return Err(head.error(format!("there are not enough lines for {states} states")));
+    }
+    let guess = if has_choices {
+        ModelType::Mdp
+    } else {
+        ModelType::Dtmc
+    };
+    let kind = files
+        .kind
+        .or(named_kind(files.transitions))
+        .unwrap_or(guess);
+    if kind.has_choices() != has_choices {
+        let message = format!(
+            "a `{}` does not have a first line like this",
+            kind.keyword()
+        );
+        return Err(head.error(message));
+    }
+    let mut rows: Vec<BTreeMap<usize, Vec<Entry<'_, N>>>> = vec![BTreeMap::new(); states];
+    for line in lines {
+        let from = line.index(0, states, "state")?;
+        let at = usize::from(has_choices);
+        let choice = if has_choices {
+            line.index(1, counts[1], "choice")?
+        } else {
+            0
+        };
+        let target = line.index(at + 1, states, "state")?;
+        let value = match kind {
+            ModelType::Lts => N::one(),
+            _ => line.number::<N>(at + 2)?,
+        };
+        if !value.is_non_negative() {
+            return Err(line.error("this is negative: give a probability or a rate"));
+        }
+        let action = line
+            .words
+            .get(at + 3 - usize::from(kind == ModelType::Lts))
+            .copied();
+        if !value.is_zero() {
+            rows[from]
+                .entry(choice)
+                .or_default()
+                .push((target as u32, value, action));
+        }
+    }
+    assemble(kind, rows, &head)
+}
+
+fn assemble<N: Arithmetic>(
+    kind: ModelType,
+    rows: Vec<BTreeMap<usize, Vec<Entry<'_, N>>>>,
+    head: &Line<'_>,
+) -> Read<(StateSpace<N>, Vec<usize>)> {
+    let mut matrix = Csr::with_capacity(rows.len());
+    let (mut starts, mut choice_action, mut deadlocks) = (vec![0], Vec::new(), Vec::new());
+    let mut actions: Vec<String> = Vec::new();
+    for (state, choices) in rows.into_iter().enumerate() {
+        if choices.is_empty() {
+            deadlocks.push(state);
+            matrix.push_row([(state as u32, N::one())]);
+            choice_action.push(NO_ACTION);
+        }
+        for (choice, mut row) in choices {
+            row.sort_by_key(|(target, ..)| *target);
+            if let Some(twice) = row.windows(2).find(|w| w[0].0 == w[1].0) {
+                let target = twice[0].0;
+                let message = format!(
+                    "state {state} has two transitions to {target} in choice {choice}: add them up"
+                );
+                return Err(head.error(message));
+            }
+            let sum = row.iter().map(|(_, p, _)| p.to_f64()).sum::<f64>();
+            if !matches!(kind, ModelType::Ctmc | ModelType::Lts)
+                && (sum - 1.0).abs() > SUM_TOLERANCE
+            {
+                let message = format!(
+                    "the probabilities of state {state}, choice {choice}, sum to {sum}, not to 1: give more digits"
+                );
+                return Err(head.error(message));
+            }
+            choice_action.push(match row[0].2 {
+                None => NO_ACTION,
+                Some(name) => number_of(name, &mut actions),
+            });
+            matrix.push_row(row.into_iter().map(|(target, value, _)| (target, value)));
+        }
+        starts.push(matrix.num_rows());
+    }
+    let chain = !kind.has_choices();
+    let initial = vec![0];
+    let starts = if chain { Vec::new() } else { starts };
+    let mut space = StateSpace::from_parts(kind, matrix, starts, initial, Vec::new());
+    if !chain {
+        (space.choice_action, space.actions) = (choice_action, actions);
+    }
+    Ok((space, deadlocks))
+}
+
+/// The number of a name, which is added if it is new.
+fn number_of(name: &str, names: &mut Vec<String>) -> u32 {
+    let known = names.iter().position(|n| n == name);
+    known.unwrap_or_else(|| {
+        names.push(name.to_owned());
+        names.len() - 1
+    }) as u32
+}
+
+/// Variables, their layout, and the packed states.
+fn values(text: &str, states: usize) -> Read<(Vec<Variable>, Layout, Vec<u64>)> {
+    let mut lines = lines("sta", text);
+    let head = lines.next().ok_or_else(|| empty("sta"))?;
+    let list = |text: &str| -> Vec<String> {
+        let inner = text.trim().trim_start_matches('(').trim_end_matches(')');
+        inner
+            .split(',')
+            .map(|w| w.trim().to_owned())
+            .filter(|w| !w.is_empty())
+            .collect()
+    };
+    let names = list(&head.words.concat());
+    let mut rows = vec![None; states];
+    let mut are_bools = vec![true; names.len()];
+    for line in lines {
+        let whole = line.words.concat();
+        let (number, tuple) = whole.split_once(':').unwrap_or(("", &whole));
+        let number: Option<usize> = number.parse().ok();
+        let Some(place) = number.and_then(|n| rows.get_mut(n)) else {
+            return Err(line.error(format!(
+                "expected `state:(values)` with a state below {states}"
+            )));
+        };
+        let mut values = Vec::new();
+        for (word, is_bool) in list(tuple).iter().zip(&mut are_bools) {
+            *is_bool &= matches!(word.as_str(), "true" | "false");
+            let value = match word.as_str() {
+                "true" => Some(1),
+                "false" => Some(0),
+                word => word.parse::<i64>().ok(),
+            };
+            values.push(value.ok_or_else(|| line.error(format!("`{word}` is no value")))?);
+        }
+        if values.len() != names.len() {
+            return Err(line.error(format!("expected {} values", names.len())));
+        }
+        *place = Some(values);
+    }
+    let rows: Option<Vec<Vec<i64>>> = rows.into_iter().collect();
+    let rows = rows.ok_or_else(|| head.error("some state has no line: add it"))?;
+    let variables = names.into_iter().enumerate().map(|(v, name)| {
+        let each = || rows.iter().map(|r| r[v]);
+        let (low, high) = (each().min().unwrap_or(0), each().max().unwrap_or(0));
+        Variable {
+            name,
+            module: None,
+            kind: match are_bools[v] {
+                true => VariableKind::Bool,
+                false => VariableKind::Int { low, high },
+            },
+            init: low,
+            span: Span::default(),
+        }
+    });
+    let variables: Vec<Variable> = variables.collect();
+    let layout = Layout::new(&variables);
+    let words = layout.words();
+    let mut packed = vec![0; states * words];
+    for (row, place) in rows.iter().zip(packed.chunks_exact_mut(words)) {
+        layout.pack(row, place);
+    }
+    Ok((variables, layout, packed))
+}
+
+fn labels(text: &str, states: usize) -> Read<BTreeMap<String, Vec<bool>>> {
+    let mut lines = lines("lab", text);
+    let head = lines.next().ok_or_else(|| empty("lab"))?;
+    let mut names: BTreeMap<usize, &str> = BTreeMap::new();
+    for word in &head.words {
+        let parts = word.split_once('=').and_then(|(number, name)| {
+            let name = name.strip_prefix('"')?.strip_suffix('"')?;
+            Some((number.parse().ok()?, name))
+        });
+        let (number, name) =
+            parts.ok_or_else(|| head.error(format!("`{word}` is not like 0=\"init\"")))?;
+        names.insert(number, name);
+    }
+    let mut found: BTreeMap<String, Vec<bool>> = BTreeMap::new();
+    for name in names.values() {
+        found.insert((*name).to_owned(), vec![false; states]);
+    }
+    for line in lines {
+        let text = line.words[0].trim_end_matches(':');
+        let state: Option<usize> = text.parse().ok().filter(|s| *s < states);
+        let state = state.ok_or_else(|| line.error(format!("`{text}` is no state")))?;
+        for word in &line.words[1..] {
+            let name = word.parse().ok().and_then(|n: usize| names.get(&n));
+            let name =
+                name.ok_or_else(|| line.error(format!("`{word}` is no label of the first line")))?;
+            if let Some(flags) = found.get_mut(*name) {
+                flags[state] = true;
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The name in a comment such as `# Reward structure "time"`.
+fn reward_name(text: &str) -> Option<String> {
+    let head = text.lines().find(|l| l.starts_with("# Reward structure"))?;
+    head.split('"').nth(1).map(str::to_owned)
+}
+
+fn rewards<N: Arithmetic>(
+    of_states: &str,
+    of_transitions: &str,
+    space: &StateSpace<N>,
+) -> Read<RewardsOf<N>> {
+    let states = space.num_states();
+    let mut rewards = Rewards::of_states(vec![N::zero(); states]);
+    // An unwritten reward may be rounded, as may the matrix.
+    for line in lines("srew", of_states).skip(1) {
+        let state = line.index(0, states, "state")?;
+        rewards.state[state] = line.number(1)?;
+    }
+    let has_choices = space.kind.has_choices();
+    let mut each: Vec<N> = Vec::new();
+    let at = usize::from(has_choices);
+    for line in lines("trew", of_transitions).skip(1) {
+        each.resize(space.num_transitions(), N::zero());
+        let rows = space.choices(line.index(0, states, "state")?);
+        let choice = if has_choices {
+            line.index(1, rows.len(), "choice")?
+        } else {
+            0
+        };
+        let target = line.index(at + 1, states, "state")?;
+        let row = rows.start + choice;
+        let entries = space.matrix.row_start[row]..space.matrix.row_start[row + 1];
+        let found = space.matrix.column[entries.clone()].binary_search(&(target as u32));
+        let found = found.map_err(|_| line.error("there is no such transition"))?;
+        each[entries.start + found] = line.number(at + 2)?;
+    }
+    if !each.is_empty() {
+        rewards.transition = TransitionRewards::Entry(each);
+    }
+    let name = reward_name(of_states).or_else(|| reward_name(of_transitions));
+    Ok((name, Ok(rewards)))
+}
