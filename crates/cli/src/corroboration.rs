@@ -160,6 +160,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         synthesis,
         discrepancies,
         diagnosis: None,
+        disagreement: None,
         gaps,
         published,
         costs,

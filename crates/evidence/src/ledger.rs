@@ -1,8 +1,8 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, Discrepancy, FailureMode, Finding,
-    FormDifference, Requirement, Subject, Synthesis, Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, Discrepancy,
+    FailureMode, Finding, FormDifference, Requirement, Subject, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -146,6 +146,9 @@ pub struct StudyResult {
     /// What changing one asset at a time shows; `corroborate diagnose` finds it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Diagnosis>,
+    /// Contexts in which model and simulation part; `corroborate explore --disagreement` finds them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disagreement: Option<DisagreementMap>,
     /// What nothing or too little covers.
     pub gaps: Vec<CoverageGap>,
     /// Figures of the source publication beside ours.

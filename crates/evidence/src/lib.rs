@@ -18,6 +18,7 @@ mod asset;
 mod compare;
 mod conclude;
 mod diagnose;
+mod disagreement;
 mod finding;
 mod interval;
 mod ledger;
@@ -39,6 +40,10 @@ pub use diagnose::{
     CERTAIN, Cell, Clue, Contrast, Diagnosis, Figure, JudgedBy, Matter, Rate, SameTraces, Suspect,
     SuspectAsset, SuspectKind, Symptom, Traces, Witness, contrasts, diagnose, rank,
     requirement_form, strength, system_model,
+};
+pub use disagreement::{
+    ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
+    RegionShares, SearchEnd,
 };
 pub use finding::{
     ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,

@@ -1,6 +1,6 @@
 //! From counts, solves and answers to measures: each number with its uncertainty.
 //!
-//! * Counts: Wilson's interval; where trials come in clusters, at their effective number (`stats::clustering`).
+//! * Counts: Wilson's interval; where trials come in clusters, that of `stats::clustered`.
 //! * Solves of a model at points of its constants' posteriors: the distribution of its answer.
 //! * Two answers of one method: their quotient, with the bounds that theirs imply.
 //!
@@ -8,7 +8,7 @@
 //! quotient hold, since each division is rounded outwards.
 
 use crate::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Spread};
-use stats::{Confidence, EffectiveSample, Sample, SharesDesign, StatsError};
+use stats::{ClusterMethod, Confidence, EffectiveSample, Sample, SharesDesign, StatsError};
 
 impl Measure {
     /// Counts with Wilson's interval at the effective number of trials.
@@ -51,14 +51,19 @@ impl Measure {
     /// # Ok::<(), stats::StatsError>(())
     /// ```
     pub fn of_clusters(by_subject: &[Sample], level: Confidence) -> Result<Self, StatsError> {
-        let total = stats::pool(by_subject)?;
-        if total.trials == 0 {
-            return Err(StatsError::NoTrials);
-        }
-        // `stats::clustered_rate` covers better with few clusters and is wider: what a study concludes
-        // from it has to be looked at before it takes this one's place.
-        let effective = stats::clustering(by_subject).ok();
-        Self::of_counts(total, effective.map(|c| c.effective_size), level)
+        let rate = stats::clustered_rate(by_subject, level)?;
+        Ok(Self::Counts {
+            count: rate.total.successes,
+            trials: rate.total.trials,
+            effective_trials: match rate.method {
+                ClusterMethod::Independent => None,
+                ClusterMethod::Profile | ClusterMethod::OneEach => Some(rate.worth.trials),
+            },
+            interval: Interval {
+                low: rate.interval.low,
+                high: rate.interval.high,
+            },
+        })
     }
 }
 

@@ -14,7 +14,8 @@
 //! #     format: "1.0".into(), title: "A robot hands over".into(), summary: String::new(),
 //! #     confidence: 0.95, requirements: vec![], failure_modes: vec![], evidence: vec![],
 //! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), discrepancies: vec![],
-//! #     diagnosis: None, gaps: vec![],
+//! #     diagnosis: None,
+//! #     disagreement: None, gaps: vec![],
 //! #     published: vec![], costs: vec![], produced_by: "example".into(),
 //! # };
 //! let page: String = report::html(&study);

@@ -98,6 +98,7 @@ fn sections(view: View) -> Markup {
         (section::forest::render(view))
         (section::modes::render(view))
         (section::suspects::render(view))
+        (section::parting::render(view))
         (section::discrepancies::render(view))
         (section::comparisons::render(view))
         (section::further::render(view))

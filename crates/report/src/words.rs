@@ -2,8 +2,8 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, CERTAINTY, Direction, Guarantee, Inaccuracy, Measure, Outcome, Requirement,
-    Technique, Threshold, Verdict,
+    AssetRole, CERTAINTY, Direction, Guarantee, Inaccuracy, Measure, Outcome, RegionOutcome,
+    Requirement, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -54,6 +54,15 @@ pub fn outcome(outcome: Outcome) -> Mark {
         Outcome::Conflicts => mark("≠", "conflicts", "bad"),
         Outcome::Inconclusive => mark("?", "inconclusive", "open"),
         Outcome::NotComparable => mark("–", "not comparable", "none"),
+    }
+}
+
+/// What became of a region of contexts.
+pub fn region(outcome: RegionOutcome) -> Mark {
+    match outcome {
+        RegionOutcome::Differs => mark("≠", "differs", "bad"),
+        RegionOutcome::Undecided => mark("?", "undecided", "open"),
+        RegionOutcome::Agrees => mark("≈", "agrees", "good"),
     }
 }
 

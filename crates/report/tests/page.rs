@@ -153,6 +153,33 @@ fn absent_evidence_is_told_apart() {
 }
 
 #[test]
+fn regions_and_squares_of_a_map_stand_where_their_contexts_do() {
+    let mut study = fixture::study();
+    let page = report::html(&study);
+    let map = study.disagreement.as_ref().expect("the fixture has a map");
+    let drawn = &page[page.find("<figure class=\"parting\"").expect("a map")..];
+    let drawn = &drawn[..drawn.find("</figure>").expect("its end")];
+    assert_eq!(count(drawn, "<rect"), map.map.len() + map.regions.len());
+    // Two of six columns lie far below the model, and hold their full colour.
+    assert_eq!(count(drawn, "class=\"low\""), 12);
+    assert_eq!(count(drawn, "fill-opacity=\"1.00\""), 12);
+    // From 0.7 of 0.9 rad to the end, over the whole height.
+    let frame = "class=\"frame differs\" x=\"77.78\" y=\"0.00\" width=\"22.22\" height=\"100.00\"";
+    assert_eq!(count(drawn, frame), 1, "{drawn}");
+    let text = visible(&page);
+    for said in [
+        "head turned away 0.7 to 0.9 rad",
+        "3/58",
+        "70 to 87 points",
+        "about 413 more episodes",
+    ] {
+        assert!(text.contains(said), "{said} is not in {text}");
+    }
+    study.disagreement = None;
+    assert!(!report::html(&study).contains("Where they part"));
+}
+
+#[test]
 fn hostile_text_stays_text() {
     let page = report::html(&fixture::hostile());
     assert_eq!(count(&page, "<script"), 1);

@@ -3,13 +3,12 @@
 //!
 //! # Definition
 //! With two or more clusters, not all of a single trial: the profile-likelihood interval of the
-//! beta-binomial model's mean, with Student's `t` at `k - 1` degrees ([`mod@crate::beta_binomial`]),
-//! widened to the rate of all trials where that lies outside. In comparisons the rate counts as `n*`
+//! beta-binomial model's mean ([`mod@crate::beta_binomial`]), widened to the rate of all trials where that lies outside. In comparisons the rate counts as `n*`
 //! independent trials: as many as leave Wilson's interval of the same rate equally wide, at most `N`.
 //! So intervals and comparisons rest on the same variance.
 //!
-//! Where all outcomes are the same (0 of n, n of n) the interval is that of one trial for each
-//! cluster: nothing is known of how clusters differ, and ten subjects without a failure in ten trials
+//! Where all outcomes are the same (0 of n, n of n) it counts as one trial for each cluster, with
+//! Wilson's interval: nothing is known of how clusters differ, and ten subjects without a failure in ten trials
 //! each may be ten of whom one in four always fails.
 //!
 //! A single cluster, or a single trial in each: Wilson's, trials taken as independent. Of a single
@@ -70,7 +69,7 @@
 //! | 10 x 50 | 0.97 | 0.3 | 34.2 (0.03) | 71.2 (0.10) | 86.2 (0.16) | 83.1 (0.15) | 98.7 (0.21) |
 //!
 //! # Source
-//! D. A. Williams (1975); D. Bates and D. Watts (1988) for Student's quantile in a profile.
+//! D. A. Williams (1975).
 //!
 //! # Guarantee
 //! Asymptotic in the number of clusters; the table says how nearly with few of them (too wide with
@@ -118,8 +117,8 @@ pub struct ClusteredRate {
 /// let subjects = [9, 10, 8, 7, 9, 10, 10, 6, 9, 10].map(|successes| Sample { successes, trials: 10 });
 /// let rate = clustered_rate(&subjects, Confidence::P95)?;
 /// // Independent trials would give [0.802, 0.930].
-/// assert!((rate.interval.low - 0.7234).abs() < 1e-4 && (rate.interval.high - 0.9542).abs() < 1e-4);
-/// assert!((rate.worth.trials - 31.18).abs() < 0.01);
+/// assert!((rate.interval.low - 0.7446).abs() < 1e-4 && (rate.interval.high - 0.9494).abs() < 1e-4);
+/// assert!((rate.worth.trials - 39.54).abs() < 0.01);
 /// # Ok::<(), stats::StatsError>(())
 /// ```
 pub fn clustered_rate(
@@ -143,11 +142,14 @@ pub fn clustered_rate(
         let interval = wilson(total, confidence);
         return Ok(rate(ClusterMethod::Independent, interval, total.into()));
     }
-    let method = if total.successes == 0 || total.failures() == 0 {
-        ClusterMethod::OneEach
-    } else {
-        ClusterMethod::Profile
-    };
+    if total.successes == 0 || total.failures() == 0 {
+        let worth = EffectiveSample::at_size(total, found as f64)?;
+        return Ok(rate(
+            ClusterMethod::OneEach,
+            wilson(worth, confidence),
+            worth,
+        ));
+    }
     let profile = BetaBinomial::fit(clusters)?.interval(confidence);
     let pooled = total.successes as f64 / total.trials as f64;
     let interval = Interval {
@@ -155,7 +157,7 @@ pub fn clustered_rate(
         high: profile.high.max(pooled),
     };
     let worth = as_wide_as(interval, total, confidence)?;
-    Ok(rate(method, interval, worth))
+    Ok(rate(ClusterMethod::Profile, interval, worth))
 }
 
 /// The rate at the number of trials, at most all, at which Wilson's interval is as wide as this one.
@@ -210,24 +212,15 @@ mod tests {
                 let rate = found(&counts);
                 assert_eq!(rate.clusters, 5);
                 let Interval { low, high } = rate.interval;
-                // One trial in each of five: 1 - exp(-t^2 / (2 * 5)) with t = 2.7764451, Student's at 4
-                // degrees (scipy 1.16). With one trial in each, trials are independent, and it is
-                // Wilson's: z^2/(5 + z^2).
-                let expected = if each == 1 {
-                    0.4344824767
-                } else {
-                    0.5373871453
-                };
+                // Wilson's of five trials: z^2/(5 + z^2).
+                let expected = 0.4344824767;
                 assert!((high - low - expected).abs() < 1e-6, "{low} {high}");
                 assert!(if successes == 0 {
                     low == 0.0
                 } else {
                     high == 1.0
                 });
-                assert!(
-                    rate.worth.trials > 3.0 && rate.worth.trials <= 5.0,
-                    "{rate:?}"
-                );
+                assert_eq!(rate.worth.trials, 5.0);
             }
         }
     }

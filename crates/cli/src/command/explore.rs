@@ -3,6 +3,8 @@
 
 mod disagreement;
 
+pub use disagreement::kept_map;
+
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};
 use crate::outcome::Outcome;

@@ -62,7 +62,7 @@ fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<Study
     if !arguments.only.is_empty() {
         return Ok((only_some(&pieces, arguments.format)?, None));
     }
-    let result = runner.diagnosed(runner.compared(pieces)?);
+    let result = runner.completed(runner.compared(pieces)?);
     let done = runner.write(&result, arguments.format)?;
     Ok((done, Some(result)))
 }

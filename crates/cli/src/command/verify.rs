@@ -22,6 +22,7 @@ mod kept;
 
 use super::assure::{self, ASSURANCE};
 use super::diagnose::DIAGNOSIS;
+use super::explore::kept_map;
 use super::report::read_result;
 use super::run::STUDY;
 use super::{Done, Setting, json};
@@ -33,7 +34,7 @@ use crate::store::Stored;
 use crate::study::Study;
 use crate::technique::matrix::inputs_of;
 use audit::{Audit, VerifyReport};
-use evidence::{Diagnosis, StudyResult};
+use evidence::{Diagnosis, DisagreementMap, StudyResult};
 use std::path::{Path, PathBuf};
 
 /// Verifies the results of a study.
@@ -133,6 +134,7 @@ fn figures(
     let file = results.join("study.json");
     let compared = expected.clone();
     expected.diagnosis = diagnosed(claimed, results, audit);
+    expected.disagreement = mapped(study, claimed, results, audit);
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
     let text = Source::read(&file)?.text;
@@ -161,6 +163,25 @@ fn diagnosed(claimed: &StudyResult, results: &Path, audit: &mut Audit) -> Option
     }
     audit.not_checked("the diagnosis: nothing was sampled or judged again");
     Some(kept.content)
+}
+
+/// The map of disagreement beside the result, if it is of these assets.
+fn mapped(
+    study: &Study,
+    claimed: &StudyResult,
+    results: &Path,
+    audit: &mut Audit,
+) -> Option<DisagreementMap> {
+    claimed.disagreement.as_ref()?;
+    audit.not_checked("the map of disagreement: no episode was run again");
+    match kept_map(study, results) {
+        Ok(map) => map,
+        Err(problem) => {
+            let file = results.join("study.json");
+            audit.fault(&file, "/disagreement", problem.to_string());
+            None
+        }
+    }
 }
 
 /// What was written of the claimed result is what this program writes of it.

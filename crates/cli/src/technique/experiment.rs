@@ -137,8 +137,13 @@ impl Tables {
                 let by_subject = self.cohort_counts(study, form)?;
                 match self.failure_modes.iter().find(|row| &row.mode == id) {
                     Some(row) if row.opportunities > 0 => {
-                        let size = by_subject.and_then(|counts| effective(&counts, row));
-                        counts(row.occurrences, row.opportunities, size, level)
+                        let size = by_subject.map(|counts| effective(&counts, row, level));
+                        counts(
+                            row.occurrences,
+                            row.opportunities,
+                            size.transpose()?.flatten(),
+                            level,
+                        )
                     }
                     None if by_subject.is_some() => {
                         clustered(&by_subject.unwrap_or_default(), level)
@@ -444,10 +449,18 @@ fn clustered(by_subject: &[stats::Sample], level: stats::Confidence) -> Result<M
 
 /// What the opportunities of a row are worth in independent ones, where occurrences are known by
 /// subject but opportunities only in all: as many for each trial as the trials are.
-fn effective(by_subject: &[stats::Sample], row: &ModeRow) -> Option<f64> {
-    let clustering = stats::clustering(by_subject).ok()?;
-    let share = clustering.effective_size / clustering.total.trials as f64;
-    Some(row.opportunities as f64 * share)
+fn effective(
+    by_subject: &[stats::Sample],
+    row: &ModeRow,
+    level: stats::Confidence,
+) -> Result<Option<f64>, Problem> {
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let rate = stats::clustered_rate(by_subject, level).map_err(bad)?;
+    let share = rate.worth.trials / rate.total.trials as f64;
+    Ok(match rate.method {
+        stats::ClusterMethod::Independent => None,
+        _ => Some(row.opportunities as f64 * share),
+    })
 }
 
 fn not_covered(reason: &str) -> Measure {

@@ -12,6 +12,7 @@ pub mod ledger;
 pub mod lineage;
 pub mod matrix;
 pub mod modes;
+pub mod parting;
 pub mod provenance;
 pub mod published;
 pub mod suspects;

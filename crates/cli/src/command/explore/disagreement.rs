@@ -1,14 +1,18 @@
 //! `corroborate explore --disagreement`: where formal model and bench part.
 
 use crate::args::Format;
+use crate::command::run::assets;
 use crate::command::{Done, Setting, json};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::study::Study;
-use crate::technique::exploration::{
-    Disagreement, DisagreementReport, Ended, Journal, OpenBench, Plan,
-};
+use crate::technique::asset;
+use crate::technique::exploration::{Disagreement, Journal, OpenBench, Plan, disagreement_text};
+use evidence::{Asset, AssetRole, DisagreementMap, SearchEnd};
 use std::path::Path;
+
+/// The file of the map, in the folder of an exploration.
+const DISAGREEMENT: &str = "disagreement.json";
 
 /// What is searched.
 pub struct Search<'a> {
@@ -21,7 +25,13 @@ pub struct Search<'a> {
 impl Search<'_> {
     /// Searches, and writes what was found.
     pub fn done(&self, format: Format, setting: &Setting) -> Result<Done, Problem> {
-        let search = Disagreement::new(self.study, self.plan, self.bench, &setting.interrupt)?;
+        let search = Disagreement::new(
+            self.study,
+            self.plan,
+            self.bench,
+            self.assets()?,
+            &setting.interrupt,
+        )?;
         let looked_at_by = super::inputs_of_all(self.study, self.plan, self.bench)?.hash();
         let journal = Journal::open(&self.folder.join("disagreement"), &looked_at_by)?;
         let stage = setting
@@ -29,25 +39,62 @@ impl Search<'_> {
             .begin("looking for disagreement", search.episodes());
         let report = search.run(self.plan, &journal, &stage)?;
         drop(stage);
-        let path = self.folder.join("disagreement.json");
+        let path = self.folder.join(DISAGREEMENT);
         write_whole(&path, json(&report)?.as_bytes())?;
         setting.talk.say(&format!("{} is written", path.display()));
         Ok(Done {
             output: match format {
                 Format::Json => json(&report)?,
-                Format::Text => report.text(),
+                Format::Text => disagreement_text(&report),
             },
             outcome: outcome(&report),
         })
     }
 }
 
-fn outcome(report: &DisagreementReport) -> Outcome {
+impl Search<'_> {
+    /// The files that simulation, model and search rest on, each once.
+    fn assets(&self) -> Result<Vec<Asset>, Problem> {
+        let plan = Path::new(&self.plan.file);
+        let mut found = vec![asset(&self.study.folder, AssetRole::Data, plan)?];
+        let model = self.plan.data.disagreement.as_ref();
+        let model = model.and_then(|it| it.model.as_deref().or(self.plan.data.model.as_deref()));
+        let entries = [Some(self.plan.evidence(true)), model];
+        for entry in entries.into_iter().flatten() {
+            found.extend(assets(self.study, self.study.entry(entry)?)?);
+        }
+        found.sort_by(|a, b| a.path.cmp(&b.path));
+        found.dedup();
+        Ok(found)
+    }
+}
+
+/// The map of an exploration beside these results, if one was made of these very assets.
+pub fn kept_map(study: &Study, results: &Path) -> Result<Option<DisagreementMap>, Problem> {
+    let path = results.join("exploration").join(DISAGREEMENT);
+    let Ok(bytes) = std::fs::read(&path) else {
+        return Ok(None);
+    };
+    let map: DisagreementMap = serde_json::from_slice(&bytes).map_err(|error| {
+        Problem::new("bad-result", format!("{}: {error}", path.display()))
+            .remedy("run corroborate explore --disagreement again, or remove the file")
+    })?;
+    for of in &map.assets {
+        if asset(&study.folder, of.role, Path::new(&of.path))? != *of {
+            let message = format!("{} is of another {}", path.display(), of.path);
+            return Err(Problem::new("stale-result", message)
+                .remedy("run corroborate explore --disagreement again, or remove the file"));
+        }
+    }
+    Ok(Some(map))
+}
+
+fn outcome(report: &DisagreementMap) -> Outcome {
     match report.ended {
-        Ended::Interrupted => Outcome::Interrupted,
+        SearchEnd::Interrupted => Outcome::Interrupted,
         _ if report.shares.differs > 0.0 => Outcome::Violated,
-        Ended::Decided => Outcome::Holds,
-        Ended::Budget => Outcome::Inconclusive,
+        SearchEnd::Decided => Outcome::Holds,
+        SearchEnd::Budget => Outcome::Inconclusive,
     }
 }
 
@@ -57,7 +104,7 @@ mod tests {
 
     #[test]
     fn the_committed_schema_is_the_form_that_is_written() {
-        let schema: serde_json::Value = schemars::schema_for!(DisagreementReport).into();
+        let schema: serde_json::Value = schemars::schema_for!(DisagreementMap).into();
         crate::command::tests::assert_schema_is_committed("disagreement.schema.json", &schema);
     }
 }

@@ -4,6 +4,7 @@ use super::prepare::{Prepared, counted_constants};
 use super::{terminal_width, use_colour};
 use crate::args::Format;
 use crate::command::diagnose::DIAGNOSIS;
+use crate::command::explore::kept_map;
 use crate::command::{Done, Setting, json};
 use crate::corroboration::{self, Piece};
 use crate::forms::differences;
@@ -288,10 +289,19 @@ impl Runner<'_> {
         inputs.hash()
     }
 
-    /// The result with the diagnosis that was made of the same evidence, if one was.
-    pub(super) fn diagnosed(&self, mut result: StudyResult) -> StudyResult {
+    /// The result with the diagnosis and the map of disagreement that were made of the same evidence and assets, if
+    /// any were.
+    pub(super) fn completed(&self, mut result: StudyResult) -> StudyResult {
         let inputs = inputs_of(&result);
         result.diagnosis = self.store.fresh(DIAGNOSIS, &inputs);
+        result.disagreement = match kept_map(self.study, self.store.folder()) {
+            Ok(map) => map,
+            Err(problem) => {
+                let reason = format!("the map of disagreement is left out: {problem}");
+                self.setting.talk.say(&reason);
+                None
+            }
+        };
         result
     }
 

@@ -42,7 +42,7 @@ impl Cohort {
         }))
     }
 
-    /// The intervals by the beta-binomial model and without a model, beside the one that counts.
+    /// The interval that counts, by the beta-binomial model, and the one without a model beside it.
     fn cluster_tests(
         &self,
         column: &str,
@@ -59,7 +59,7 @@ impl Cohort {
         };
         tests.push(format!(
             "{column} by the beta-binomial model of {} subjects: interval {}, worth {:.1} independent \
-             trials; intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
+             trials in comparisons; intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
             rate.clusters,
             rate.interval,
             rate.worth.trials,

@@ -30,7 +30,7 @@ mod triggers;
 pub use abstraction::{AbstractTrace, Abstraction, Class};
 pub use bench::OpenBench;
 pub use campaign::{Explored, Exploring};
-pub use disagreement::{Disagreement, DisagreementReport, Ended};
+pub use disagreement::{Disagreement, as_text as disagreement_text};
 pub use episode::Watching;
 pub use form::{ExplorationReport, Stopped};
 pub use formal::{Formal, Meaning};

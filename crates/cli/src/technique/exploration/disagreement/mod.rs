@@ -23,11 +23,12 @@ use crate::talk::{Interrupt, Stage};
 use crate::technique::simulation::Seeds;
 use campaign::{DisagreementOptions, DisagreementSearch};
 use contexts::{Contexts, Outcome};
+use evidence::{Asset, DisagreementMap};
 use predictions::Predictions;
 use rayon::prelude::*;
 use stimulus::{Point, Stimulus};
 
-pub use report::{DisagreementReport, Ended};
+pub use text::as_text;
 
 /// Episodes between two looks at what they showed.
 const BATCH: usize = 20;
@@ -42,6 +43,7 @@ pub struct Disagreement<'a> {
     formal: Predictions<'a>,
     bench: &'a OpenBench,
     seeds: Seeds,
+    assets: Vec<Asset>,
     interrupt: &'a Interrupt,
 }
 
@@ -54,11 +56,12 @@ struct Spent {
 }
 
 impl<'a> Disagreement<'a> {
-    /// Holds the plan against study, bench and model.
+    /// Holds the plan against study, bench and model, which rest on these assets.
     pub fn new(
         study: &'a Study,
         plan: &'a Plan,
         bench: &'a OpenBench,
+        assets: Vec<Asset>,
         interrupt: &'a Interrupt,
     ) -> Result<Self, Problem> {
         let Some(data) = &plan.data.disagreement else {
@@ -86,6 +89,7 @@ impl<'a> Disagreement<'a> {
             ),
             data,
             bench,
+            assets,
             interrupt,
         })
     }
@@ -101,7 +105,7 @@ impl<'a> Disagreement<'a> {
         plan: &Plan,
         journal: &Journal<Outcome>,
         stage: &Stage,
-    ) -> Result<DisagreementReport, Problem> {
+    ) -> Result<DisagreementMap, Problem> {
         let bad = |e: campaign::CampaignError| plan.mistake("[disagreement]", e.to_string());
         let space = self.contexts.space.clone();
         let search = DisagreementSearch::new(space, self.seeds.of(0), self.options);
