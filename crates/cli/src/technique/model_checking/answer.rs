@@ -16,7 +16,15 @@ pub fn explore<N: prism_lang::Arithmetic>(
     cancel: &dyn Fn() -> bool,
 ) -> Result<StateSpace<N>, Problem> {
     let go_on = |_states: usize| !cancel();
-    explore_with(model, ExploreOptions { max_states, ..ExploreOptions::default() }, &go_on).map_err(|error| {
+    explore_with(
+        model,
+        ExploreOptions {
+            max_states,
+            ..ExploreOptions::default()
+        },
+        &go_on,
+    )
+    .map_err(|error| {
         if error == ExploreError::Cancelled {
             return Problem::interrupted();
         }
