@@ -1,6 +1,6 @@
 //! Explores a model and prints its size, the time it took and the peak of the memory.
 //!
-//! With `NO_REWARDS` in the environment, reward structures are left out.
+//! With `NO_REWARDS` in the environment, reward structures are left out; `THREADS` is 1 or 2.
 //!
 //! `cargo run --release -p checker --example explore -- MODEL [name=value,...]`
 
@@ -20,6 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     let options = ExploreOptions {
         rewards: std::env::var_os("NO_REWARDS").map(|_| Vec::new()),
+        threads: std::env::var("THREADS").map_or(Ok(2), |n| n.parse())?,
         ..ExploreOptions::default()
     };
     let space = explore_with::<f64>(&model, options, &|_| true)?;

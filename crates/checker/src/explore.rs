@@ -21,7 +21,7 @@
 
 mod assembly;
 mod batch;
-mod code;
+pub(crate) mod code;
 mod command;
 mod error;
 mod events;
@@ -30,6 +30,7 @@ mod generator;
 mod guards;
 mod initial;
 mod intern;
+mod pipeline;
 mod plan;
 mod quotient;
 mod rewards;
@@ -45,9 +46,6 @@ pub use error::ExploreError;
 use generator::Generator;
 use intern::Interner;
 
-/// How many states are expanded before their targets are numbered.
-const BATCH: usize = 256;
-
 /// How far to explore.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExploreOptions {
@@ -60,16 +58,20 @@ pub struct ExploreOptions {
     /// What is done with a `dtmc` whose commands' probabilities do not sum to 1: by default that is an error;
     /// else they are weights, and each state's are divided by their sum (PRISM's switch `-noprobchecks`).
     pub probabilities_are_weights: bool,
+    /// How many threads to use, at most two; the state space does not depend on it.
+    pub threads: usize,
 }
 
 impl Default for ExploreOptions {
-    /// At most 100 million states, in memory of any size, with all reward structures.
+    /// At most 100 million states, in memory of any size, with all reward structures, on
+    /// as many threads as are useful and there are.
     fn default() -> Self {
         Self {
             max_states: 100_000_000,
             max_bytes: usize::MAX,
             rewards: None,
             probabilities_are_weights: false,
+            threads: rayon::current_num_threads(),
         }
     }
 }
@@ -117,25 +119,20 @@ pub fn explore_with<N: Arithmetic>(
     }
     let layout = Layout::new(&model.variables);
     let compiler = Compiler {
-        model,
+        variables: &model.variables,
         layout: &layout,
     };
-    let mut explorer = Explorer::new(compiler, options);
-    let initial = initial::initial_states(compiler, progress)?;
-    let mut batch = Batch::new();
-    explorer.number(&initial, &mut batch.numbers)?;
+    let mut explorer = Explorer::new(model, compiler, options);
+    let initial = initial::initial_states(&model.init, compiler, progress)?;
+    explorer.number(&initial, &mut Vec::new())?;
     let num_initial = explorer.interner.len();
-    while explorer.assembly.states() < explorer.interner.len() {
-        if !progress(explorer.interner.len()) {
-            return Err(ExploreError::Cancelled);
-        }
-        explorer.step(&mut batch)?;
-    }
+    explorer.expand_all(progress)?;
     Ok(explorer.finish(num_initial))
 }
 
 struct Explorer<'m, N> {
     options: ExploreOptions,
+    model: &'m Model,
     compiler: Compiler<'m>,
     generator: Generator<'m, N>,
     interner: Interner,
@@ -143,25 +140,19 @@ struct Explorer<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Explorer<'m, N> {
-    fn new(compiler: Compiler<'m>, options: ExploreOptions) -> Self {
+    fn new(model: &'m Model, compiler: Compiler<'m>, options: ExploreOptions) -> Self {
         Self {
+            model,
             compiler,
-            generator: Generator::new(compiler, &options),
+            generator: Generator::new(model, compiler, &options),
             interner: Interner::new(compiler.layout.words()),
-            assembly: Assembly::new(compiler, &options),
+            assembly: Assembly::new(model, compiler, &options),
             options,
         }
     }
 
-    /// Expands the next states.
-    fn step(&mut self, batch: &mut Batch<N>) -> Result<(), ExploreError> {
-        let next = self.assembly.states();
-        let end = self.interner.len().min(next + BATCH);
-        batch.clear();
-        batch
-            .states
-            .extend_from_slice(self.interner.states(next..end));
-        self.generator.fill(batch);
+    /// Numbers the targets of a batch and appends its rows.
+    fn take(&mut self, batch: &mut Batch<N>) -> Result<(), ExploreError> {
         if let Some(error) = batch.error.take() {
             return Err(error);
         }
@@ -186,7 +177,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
     }
 
     fn finish(self, num_initial: usize) -> StateSpace<N> {
-        let model = self.compiler.model;
+        let model = self.model;
         let labels = model.labels.iter();
         let labels = labels.map(|(name, body)| (name.clone(), LabelStates::Defined(body.clone())));
         let roundings = self.assembly.roundings();
@@ -200,7 +191,9 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             choice_start: assembly.choice_start,
             choice_action: assembly.choice_action,
             actions: model.actions.clone(),
-            rewards: assembly.rewards.finish(self.interner.len()),
+            rewards: assembly
+                .rewards
+                .finish(self.interner.len(), model.model_type.has_choices()),
             variables: model.variables.clone(),
             layout: self.compiler.layout.clone(),
             packed: self.interner.packed,

@@ -20,6 +20,7 @@ pub use matrix::Csr;
 pub use rewards::{Rewards, TransitionRewards};
 
 use crate::explore::ExploreError;
+use crate::explore::code::Compiler;
 use crate::rounding::error_of_roundings;
 
 /// The reachable part of a model: states, initial states, deadlocks, transitions, labels and rewards.
@@ -281,17 +282,20 @@ impl<N> StateSpace<N> {
     /// # Errors
     /// If the predicate has no value in some state.
     pub fn evaluate(&self, predicate: &Expr) -> Result<Vec<bool>, StateError> {
-        let mut values = vec![0; self.variables.len()];
-        (0..self.num_states())
-            .map(|state| {
-                self.state_into(state, &mut values);
-                let holds = predicate.eval_bool(&values);
-                holds.map_err(|error| StateError::NoValue {
-                    error,
-                    state: self.describe(state),
-                })
+        let compiler = Compiler {
+            variables: &self.variables,
+            layout: &self.layout,
+        };
+        let code = compiler.code(predicate);
+        let states = self.packed.chunks_exact(self.layout.words());
+        let holds = |state: &[u64]| compiler.holds(&code, predicate, state);
+        let each = states.map(|state| {
+            holds(state).map_err(|error| StateError::NoValue {
+                error,
+                state: compiler.describe(state),
             })
-            .collect()
+        });
+        each.collect()
     }
 
     /// The states in which a label holds (`init` and `deadlock` are built in): one flag per state.

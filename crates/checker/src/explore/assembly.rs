@@ -5,7 +5,7 @@
 //! Columns ascend. Cost: sorting of each row. Guarantee: every rounding is counted.
 
 use prism_lang::Arithmetic;
-use prism_lang::resolved::ModelType;
+use prism_lang::resolved::{Model, ModelType};
 
 use super::batch::{Batch, UNKNOWN};
 use super::code::Compiler;
@@ -40,14 +40,14 @@ pub(super) struct Assembly<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Assembly<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
+    pub(super) fn new(model: &'m Model, compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
         Self {
-            kind: compiler.model.model_type,
-            weights: options.weights(compiler.model.model_type),
+            kind: model.model_type,
+            weights: options.weights(model.model_type),
             matrix: Csr::with_capacity(0),
             choice_start: Vec::new(),
             choice_action: Vec::new(),
-            rewards: rewards::Builder::new(compiler, options.rewards.as_deref()),
+            rewards: rewards::Builder::new(model, compiler, options.rewards.as_deref()),
             deadlocks: Vec::new(),
             labelled_transitions: 0,
             roundings: 0,

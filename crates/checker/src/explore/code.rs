@@ -9,7 +9,7 @@
 //! of each node that is needed. Guarantee: a value that is given is the expression's.
 
 use prism_lang::ast::{BinaryOp, Type, UnaryOp};
-use prism_lang::resolved::Model;
+use prism_lang::resolved::Variable;
 use prism_lang::{EvalError, EvalErrorKind, Expr, ExprKind, Function};
 
 use super::quotient::Quotient;
@@ -17,7 +17,7 @@ use crate::state_space::{Field, Layout, describe};
 
 /// A compiled expression; truth values are 0 and 1.
 #[derive(Clone, Debug)]
-pub(super) enum Code {
+pub(crate) enum Code {
     Constant(i64),
     Variable(Field),
     /// `low <= variable <= high`
@@ -38,14 +38,14 @@ pub(super) enum Code {
 
 /// Compiles expressions over one layout, and evaluates them where their code gives up.
 #[derive(Clone, Copy)]
-pub(super) struct Compiler<'m> {
-    pub(super) model: &'m Model,
-    pub(super) layout: &'m Layout,
+pub(crate) struct Compiler<'m> {
+    pub(crate) variables: &'m [Variable],
+    pub(crate) layout: &'m Layout,
 }
 
 impl Compiler<'_> {
     /// Compiles a truth value or an integer.
-    pub(super) fn code(self, expr: &Expr) -> Code {
+    pub(crate) fn code(self, expr: &Expr) -> Code {
         match &expr.kind {
             ExprKind::Bool(value) => Code::Constant(i64::from(*value)),
             ExprKind::Int(value) => Code::Constant(*value),
@@ -109,8 +109,20 @@ impl Compiler<'_> {
         }
     }
 
+    /// Whether a truth value holds, by its code or, where that gives up, by the expression itself.
+    ///
+    /// # Errors
+    /// If it has no value.
+    #[inline]
+    pub(crate) fn holds(self, code: &Code, expr: &Expr, state: &[u64]) -> Result<bool, EvalError> {
+        let value = code.value(state);
+        value
+            .map_or_else(|| self.slowly(expr, state), Ok)
+            .map(|v| v != 0)
+    }
+
     /// The value of an expression where its code gives up, or why it has none.
-    pub(super) fn slowly(self, expr: &Expr, state: &[u64]) -> Result<i64, EvalError> {
+    pub(crate) fn slowly(self, expr: &Expr, state: &[u64]) -> Result<i64, EvalError> {
         let values = self.values(state);
         match expr.ty {
             Type::Bool => expr.eval_bool(&values).map(i64::from),
@@ -123,12 +135,12 @@ impl Compiler<'_> {
     }
 
     /// A state, written out.
-    pub(super) fn describe(self, state: &[u64]) -> String {
-        describe(&self.model.variables, &self.values(state))
+    pub(crate) fn describe(self, state: &[u64]) -> String {
+        describe(self.variables, &self.values(state))
     }
 
     /// The values of all variables.
-    pub(super) fn values(self, state: &[u64]) -> Vec<i64> {
+    pub(crate) fn values(self, state: &[u64]) -> Vec<i64> {
         let mut values = vec![0; self.layout.len()];
         self.layout.unpack(state, &mut values);
         values
@@ -187,7 +199,7 @@ fn mirrored(operator: BinaryOp) -> BinaryOp {
 impl Code {
     /// The value in a state.
     #[inline]
-    pub(super) fn value(&self, state: &[u64]) -> Option<i64> {
+    pub(crate) fn value(&self, state: &[u64]) -> Option<i64> {
         match self {
             Self::Constant(value) => Some(*value),
             Self::Variable(field) => Some(field.value(state)),
@@ -234,7 +246,7 @@ impl Code {
     }
 
     /// Calls `visit` with every variable that it reads.
-    pub(super) fn for_each_field(&self, visit: &mut dyn FnMut(Field)) {
+    pub(crate) fn for_each_field(&self, visit: &mut dyn FnMut(Field)) {
         match self {
             Self::Constant(_) => {}
             Self::Variable(field) | Self::Within(field, ..) => visit(*field),
@@ -251,7 +263,7 @@ impl Code {
     }
 
     /// The interval of its values by interval arithmetic; `None` if it may have no value in some state.
-    pub(super) fn range(&self) -> Option<(i64, i64)> {
+    pub(crate) fn range(&self) -> Option<(i64, i64)> {
         match self {
             Self::Constant(value) => Some((*value, *value)),
             Self::Variable(field) => Some(field.bounds()),

@@ -37,7 +37,7 @@ pub(super) fn out_of_range(
     state: &[u64],
     compiler: Compiler<'_>,
 ) -> ExploreError {
-    let declared = &compiler.model.variables[variable];
+    let declared = &compiler.variables[variable];
     let (low, high) = declared.kind.bounds();
     match compiler.slowly(source, state) {
         Ok(value) => ExploreError::OutOfRange {

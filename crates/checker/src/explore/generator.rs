@@ -8,7 +8,7 @@
 //! Cost: the guards' tables ([`super::guards`]), plus a few word operations for each assignment of each outcome.
 //! Guarantee: outcomes come in the order of events, commands and updates, whatever the domain.
 
-use prism_lang::resolved::{Command, ModelType};
+use prism_lang::resolved::{Command, Model, ModelType};
 use prism_lang::{Arithmetic, Span};
 
 use super::batch::{Batch, UNKNOWN};
@@ -37,9 +37,9 @@ pub(super) struct Generator<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Generator<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
-        let plan = Plan::new(compiler.model);
-        let kind = compiler.model.model_type;
+    pub(super) fn new(model: &'m Model, compiler: Compiler<'m>, options: &ExploreOptions) -> Self {
+        let plan = Plan::new(model);
+        let kind = model.model_type;
         // Rates and weights need not sum to anything.
         let sums = kind != ModelType::Ctmc && !options.weights(kind);
         let guards = plan.commands.iter().map(|c| compiler.code(&c.guard));

@@ -15,10 +15,11 @@ const MAX_CANDIDATES: u64 = 100_000_000;
 
 /// The initial states, packed, one after the other. `go_on` is told how many there are, now and then.
 pub(super) fn initial_states(
+    init: &Init,
     compiler: Compiler<'_>,
     go_on: &dyn Fn(usize) -> bool,
 ) -> Result<Vec<u64>, ExploreError> {
-    match &compiler.model.init {
+    match init {
         Init::Single(values) => {
             let mut packed = vec![0; compiler.layout.words()];
             compiler.layout.pack(values, &mut packed);
@@ -33,7 +34,7 @@ fn satisfying_states(
     compiler: Compiler<'_>,
     go_on: &dyn Fn(usize) -> bool,
 ) -> Result<Vec<u64>, ExploreError> {
-    let variables = compiler.model.variables.iter();
+    let variables = compiler.variables.iter();
     let bounds: Vec<(i64, i64)> = variables.map(|v| v.kind.bounds()).collect();
     let candidates = bounds.iter().try_fold(1u64, |product, (low, high)| {
         let size = high.checked_sub(*low)?.checked_add(1)?;
@@ -53,12 +54,8 @@ fn satisfying_states(
             return Err(ExploreError::Cancelled);
         }
         compiler.layout.pack(&values, &mut packed);
-        let holds = match code.value(&packed) {
-            Some(value) => value,
-            None => (compiler.slowly(predicate, &packed))
-                .map_err(|error| no_value(error, &packed, compiler))?,
-        };
-        if holds != 0 {
+        let holds = compiler.holds(&code, predicate, &packed);
+        if holds.map_err(|error| no_value(error, &packed, compiler))? {
             found.extend_from_slice(&packed);
         }
         count_up(&mut values, &bounds);

@@ -17,7 +17,7 @@ use crate::state_space::Field;
 
 /// An expression whose values are rational.
 #[derive(Clone, Debug)]
-pub(super) enum Quotient {
+pub(crate) enum Quotient {
     Constant(Small),
     Integer(Code),
     Operation(BinaryOp, Box<Quotient>, Box<Quotient>),
@@ -27,7 +27,7 @@ pub(super) enum Quotient {
 
 /// `n/d` with `d > 0`, not always reduced.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Small {
+pub(crate) struct Small {
     n: i64,
     d: i64,
 }

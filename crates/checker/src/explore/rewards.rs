@@ -4,7 +4,7 @@
 //! one of its value where the guard holds. Guarantee: each number is rounded once from its exact value, sums and
 //! means are counted as roundings ([`Rewards::relative_error`]).
 
-use prism_lang::resolved::RewardStructure;
+use prism_lang::resolved::{Model, RewardStructure};
 use prism_lang::{Arithmetic, Span};
 
 use super::ExploreError;
@@ -43,8 +43,8 @@ pub(super) struct Builder<'m, N> {
 }
 
 impl<'m, N: Arithmetic> Builder<'m, N> {
-    pub(super) fn new(compiler: Compiler<'m>, wanted: Option<&[usize]>) -> Self {
-        let structures = compiler.model.rewards.iter().enumerate();
+    pub(super) fn new(model: &'m Model, compiler: Compiler<'m>, wanted: Option<&[usize]>) -> Self {
+        let structures = model.rewards.iter().enumerate();
         let is_wanted = |index| wanted.is_none_or(|w| w.contains(&index));
         let structure = |(index, s)| Structure::new(s, is_wanted(index), compiler);
         Self {
@@ -107,8 +107,7 @@ impl<'m, N: Arithmetic> Builder<'m, N> {
         }
     }
 
-    pub(super) fn finish(self, states: usize) -> Vec<RewardsOf<N>> {
-        let has_choices = self.compiler.model.model_type.has_choices();
+    pub(super) fn finish(self, states: usize, has_choices: bool) -> Vec<RewardsOf<N>> {
         let structures = self.structures.into_iter();
         structures.map(|s| s.finish(states, has_choices)).collect()
     }
@@ -220,12 +219,8 @@ impl<N: Arithmetic> Item<'_, N> {
         state: &[u64],
         compiler: Compiler<'_>,
     ) -> Result<Option<Rounded<N>>, ExploreError> {
-        let holds = match self.guard.value(state) {
-            Some(value) => value,
-            None => (compiler.slowly(self.guard_source, state))
-                .map_err(|error| no_value(error, state, compiler))?,
-        };
-        if holds == 0 {
+        let holds = compiler.holds(&self.guard, self.guard_source, state);
+        if !holds.map_err(|error| no_value(error, state, compiler))? {
             return Ok(None);
         }
         let value = self.value.value(state, compiler, reward);
