@@ -151,23 +151,29 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
         }
     }
 
-    /// Numbers the targets of a batch and appends its rows.
+    /// Numbers the targets of a batch and appends its rows; expands what did not fit into it.
     fn take(&mut self, batch: &mut Batch<N>) -> Result<(), ExploreError> {
-        if let Some(error) = batch.error.take() {
-            return Err(error);
+        let words = self.compiler.layout.words();
+        loop {
+            if let Some(error) = batch.error.take() {
+                return Err(error);
+            }
+            let mut numbers = std::mem::take(&mut batch.numbers);
+            self.number(&batch.targets, &mut numbers)?;
+            batch.numbers = numbers;
+            self.assembly.append(batch, words);
+            let limit = self.options.max_bytes;
+            if self.interner.bytes() + self.assembly.bytes() > limit {
+                return Err(ExploreError::TooMuchMemory {
+                    limit,
+                    states: self.interner.len(),
+                });
+            }
+            if !batch.keep_rest(words) {
+                return Ok(());
+            }
+            self.generator.fill(batch);
         }
-        let mut numbers = std::mem::take(&mut batch.numbers);
-        self.number(&batch.targets, &mut numbers)?;
-        batch.numbers = numbers;
-        self.assembly.append(batch, self.compiler.layout.words());
-        let limit = self.options.max_bytes;
-        if self.interner.bytes() + self.assembly.bytes() > limit {
-            return Err(ExploreError::TooMuchMemory {
-                limit,
-                states: self.interner.len(),
-            });
-        }
-        Ok(())
     }
 
     fn number(&mut self, states: &[u64], numbers: &mut Vec<u32>) -> Result<(), ExploreError> {

@@ -54,3 +54,20 @@ fn the_first_error_is_the_same() {
     assert!(matches!(one, ExploreError::OutOfRange { .. }), "{one}");
     assert_eq!(one, two);
 }
+
+#[test]
+fn states_with_very_many_transitions_are_expanded_piece_by_piece() {
+    // Eleven bits that change at random together, twice: 2^11 states with 2^11 transitions each.
+    let module = |i: usize| {
+        format!(
+            "module m{i} x{i} : bool; [t] n<2 -> 0.5:(x{i}'=true) + 0.5:(x{i}'=false); endmodule "
+        )
+    };
+    let bits: String = (0..11).map(module).collect();
+    let text = format!("mdp {bits} module c n : [0..2]; [t] n<2 -> (n'=n+1); endmodule");
+    for threads in [1, 2] {
+        let space = explored(&text, threads).unwrap();
+        assert_eq!(space.num_states(), 1 + 2 * (1 << 11));
+        assert_eq!(space.num_transitions(), (1 << 11) + (1 << 22) + (1 << 11));
+    }
+}

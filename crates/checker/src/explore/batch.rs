@@ -39,6 +39,21 @@ impl<N> Batch<N> {
         }
     }
 
+    /// Whether there is no room for the transitions of more states: the memory of a batch stays bounded also where
+    /// each state has very many.
+    pub(super) fn is_full(&self) -> bool {
+        const MOST_OUTCOMES: usize = 1 << 18;
+        self.probabilities.len() >= MOST_OUTCOMES
+    }
+
+    /// Leaves the states that were not expanded, if any, and nothing else; says whether there are some.
+    pub(super) fn keep_rest(&mut self, words: usize) -> bool {
+        let states = self.states.split_off(self.ends.len() * words);
+        self.clear();
+        self.states = states;
+        !self.states.is_empty()
+    }
+
     pub(super) fn clear(&mut self) {
         self.states.clear();
         self.targets.clear();

@@ -62,7 +62,7 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         }
     }
 
-    /// Fills the rest of a batch whose states are given, up to the first state with an error.
+    /// Expands a batch's states until one has an error or the batch is full.
     pub(super) fn fill(&mut self, batch: &mut Batch<N>) {
         let words = self.compiler.layout.words();
         let states = std::mem::take(&mut batch.states);
@@ -72,6 +72,9 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
                 break;
             }
             batch.ends.push(batch.choices.len() as u32);
+            if batch.is_full() {
+                break;
+            }
         }
         batch.states = states;
     }
