@@ -1,4 +1,4 @@
-//! Writes a model's state space as PRISM's explicit files and as a graph: PREFIX.tra, .sta, .lab, .dot, and
+//! Writes a model's state space as PRISM's explicit files and as a graph: PREFIX.tra, .sta, .lab, .drn, .dot, and
 //! PREFIX1.srew, PREFIX1.trew and so on for reward structures.
 //!
 //! `cargo run --release -p checker --example export -- MODEL PREFIX [name=value,...] [exact]`
@@ -38,6 +38,7 @@ fn export<N: Arithmetic + Written>(model: &Model, prefix: &str) -> Result<(), Bo
         labels.push((name.clone(), space.label(name)?));
     }
     explicit.write_labels(&labels, &mut file(".lab".to_owned())?)?;
+    explicit.write_drn(&labels, &mut file(".drn".to_owned())?)?;
     explicit.write_dot(true, &mut file(".dot".to_owned())?)?;
     for index in 0..space.num_rewards() {
         let rewards = space.rewards(index).map_err(Clone::clone)?;

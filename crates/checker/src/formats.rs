@@ -1,4 +1,5 @@
-//! State spaces in PRISM's explicit formats (`.tra`, `.sta`, `.lab`, `.srew`, `.trew`) and as graphs for Graphviz.
+//! State spaces in PRISM's explicit formats (`.tra`, `.sta`, `.lab`, `.srew`, `.trew`), in Storm's (DRN), and as
+//! graphs for Graphviz.
 //!
 //! States are numbered in the lexicographic order of their values, as PRISM does, not in the order in which they
 //! were found; choices of a state keep their order. Source: PRISM's manual, appendix "Explicit Model Files".
@@ -20,9 +21,11 @@
 //! ```
 
 mod dot;
+mod drn;
 mod read;
 mod write;
 
+pub use drn::read_drn;
 pub use read::{ExplicitError, ExplicitFiles, read_explicit};
 
 use prism_lang::{Rational, rational_to_f64};

@@ -1,7 +1,7 @@
 //! State space of a PRISM model, value of a property, and the guarantee of that value.
 //!
 //! * [`explore::explore`] builds the reachable states of a model ([`state_space::StateSpace`]);
-//! * [`formats`] writes and reads them as PRISM's explicit files, and draws them;
+//! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every

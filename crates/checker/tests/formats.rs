@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use checker::explore::explore;
-use checker::formats::{Explicit, ExplicitFiles, Written, read_explicit};
+use checker::formats::{Explicit, ExplicitFiles, Written, read_drn, read_explicit};
 use checker::state_space::StateSpace;
 use prism_lang::resolved::ModelType;
 use prism_lang::{Arithmetic, Constants, Rational, parse_model, resolve};
@@ -68,6 +68,22 @@ fn round_trip<N: Arithmetic + Written>(text: &str, name: &str) {
         if !before.starts_with("# Labels") {
             assert_eq!(before, after, "{name}");
         }
+    }
+    let drn = |space: &StateSpace<N>| {
+        let labels = labels
+            .iter()
+            .map(|l| ((*l).to_owned(), space.label(l).unwrap()));
+        let mut file = Vec::new();
+        Explicit::new(space)
+            .write_drn(&labels.collect::<Vec<_>>(), &mut file)
+            .unwrap();
+        String::from_utf8(file).unwrap()
+    };
+    let first = drn(&space);
+    let read = read_drn::<N>(&first).unwrap_or_else(|e| panic!("{name}: {e}"));
+    // A label that holds nowhere is not in the file.
+    if labels.iter().all(|l| read.label(l).is_ok()) {
+        assert_eq!(drn(&read), first, "{name}");
     }
 }
 
@@ -199,4 +215,33 @@ fn mistakes_are_told_with_file_and_line() {
         assert_eq!((found.0, found.1), (file, line), "{}", found.2);
         assert!(found.2.contains(word), "{}", found.2);
     }
+}
+
+#[test]
+fn mistakes_in_drn_files_have_a_line() {
+    let head =
+        "@type: MDP\n@parameters\n\n@reward_models\nr\n@nr_states\n2\n@nr_choices\n2\n@model\n";
+    let good = "state 0 [1] init\naction a [0]\n1 : 1\nstate 1 [0]\naction 0 [2]\n1 : 1";
+    assert!(read_drn::<f64>(&format!("{head}{good}")).is_ok());
+    for (from, to, line, word) in [
+        ("0 [1] init", "0 [1, 2] init", 11, "expected 1 rewards"),
+        ("0 [1] init", "0 [1] start", 16, "`init`"),
+        ("1 : 1", "1 : 0.5", 16, "sum to 0.5"),
+        ("1 : 1", "7 : 1", 13, "no state"),
+        ("1 : 1", "1 : -1", 13, "negative"),
+        ("1 : 1", "1 : x", 13, "no number"),
+        ("state 1", "state 2", 14, "not the next"),
+        ("[2]", "[2", 15, "without `]`"),
+        ("action a", "act a", 12, "no line"),
+    ] {
+        let error = read_drn::<f64>(&format!("{head}{}", good.replacen(from, to, 1))).unwrap_err();
+        assert_eq!((error.file, error.line), ("drn", line), "{error}");
+        assert!(error.message.contains(word), "{error}");
+    }
+    assert!(
+        read_drn::<f64>("@type: POMDP\n")
+            .unwrap_err()
+            .message
+            .contains("pomdp")
+    );
 }

@@ -60,6 +60,26 @@ impl std::error::Error for ExplicitError {}
 
 type Read<T> = Result<T, ExplicitError>;
 
+/// A kind of file, for messages.
+pub(super) struct Reader {
+    pub(super) file: &'static str,
+}
+
+impl Reader {
+    pub(super) fn error(&self, line: usize, message: impl Into<String>) -> ExplicitError {
+        ExplicitError {
+            file: self.file,
+            line,
+            message: message.into(),
+        }
+    }
+
+    pub(super) fn number<N: Arithmetic>(&self, text: &str, line: usize) -> Read<N> {
+        let no_number = || self.error(line, format!("`{text}` is no number: write 0.25 or 1/4"));
+        parse::<N>(text).ok_or_else(no_number)
+    }
+}
+
 /// A line that is no comment, split at blanks.
 struct Line<'t> {
     file: &'static str,
@@ -261,27 +281,14 @@ fn assemble<N: Arithmetic>(
         }
         for (choice, mut row) in choices {
             row.sort_by_key(|(target, ..)| *target);
-            if let Some(twice) = row.windows(2).find(|w| w[0].0 == w[1].0) {
-                let target = twice[0].0;
-                let message = format!(
-                    "state {state} has two transitions to {target} in choice {choice}: add them up"
-                );
-                return Err(head.error(message));
-            }
-            let sum = row.iter().map(|(_, p, _)| p.to_f64()).sum::<f64>();
-            if !matches!(kind, ModelType::Ctmc | ModelType::Lts)
-                && (sum - 1.0).abs() > SUM_TOLERANCE
-            {
-                let message = format!(
-                    "the probabilities of state {state}, choice {choice}, sum to {sum}, not to 1: give more digits"
-                );
-                return Err(head.error(message));
-            }
+            let numbers: Vec<(u32, N)> = row.iter().map(|(t, p, _)| (*t, p.clone())).collect();
+            check_row(kind, &numbers)
+                .map_err(|what| head.error(format!("state {state}, choice {choice}: {what}")))?;
             choice_action.push(match row[0].2 {
                 None => NO_ACTION,
                 Some(name) => number_of(name, &mut actions),
             });
-            matrix.push_row(row.into_iter().map(|(target, value, _)| (target, value)));
+            matrix.push_row(numbers);
         }
         starts.push(matrix.num_rows());
     }
@@ -295,8 +302,27 @@ fn assemble<N: Arithmetic>(
     Ok((space, deadlocks))
 }
 
+/// Whether a row's targets are different and its probabilities sum to 1.
+pub(super) fn check_row<N: Arithmetic>(kind: ModelType, row: &[(u32, N)]) -> Result<(), String> {
+    let mut targets: Vec<u32> = row.iter().map(|(target, _)| *target).collect();
+    targets.sort_unstable();
+    if let Some(twice) = targets.windows(2).find(|w| w[0] == w[1]) {
+        let target = twice[0];
+        return Err(format!(
+            "there are two transitions to {target}: add them up"
+        ));
+    }
+    let sum = row.iter().map(|(_, p)| p.to_f64()).sum::<f64>();
+    if kind != ModelType::Ctmc && (sum - 1.0).abs() > SUM_TOLERANCE {
+        return Err(format!(
+            "the probabilities sum to {sum}, not to 1: give more digits"
+        ));
+    }
+    Ok(())
+}
+
 /// The number of a name, which is added if it is new.
-fn number_of(name: &str, names: &mut Vec<String>) -> u32 {
+pub(super) fn number_of(name: &str, names: &mut Vec<String>) -> u32 {
     let known = names.iter().position(|n| n == name);
     known.unwrap_or_else(|| {
         names.push(name.to_owned());
