@@ -14,7 +14,16 @@
 //! Cost: linear in states and transitions, by one backward search each. Guarantee: exact, since only
 //! the existence of transitions matters.
 
+mod decision;
+mod end_components;
+
+use std::ops::Range;
+
+use crate::choices::Choices;
 use crate::state_space::Csr;
+pub(crate) use decision::{Backward, NO_ROW};
+pub use decision::qualitative_optimum;
+pub use end_components::{EndComponent, maximal_end_components};
 
 /// For each state, its predecessors.
 #[derive(Debug, Clone)]
@@ -104,7 +113,18 @@ pub struct Components {
 impl Components {
     /// The components of the subgraph of the states for which `within` holds.
     pub fn new<N>(matrix: &Csr<N>, within: &[bool]) -> Self {
-        Tarjan::new(matrix, within).run()
+        Self::of_choices(Choices::new(matrix, &[]), within, |_| true)
+    }
+
+    /// The components of the graph of all choices, of the states for which `within` holds and the entries
+    /// that are `usable`.
+    pub fn of_choices<N>(
+        choices: Choices<'_, N>,
+        within: &[bool],
+        usable: impl Fn(usize) -> bool,
+    ) -> Self {
+        let columns = &choices.matrix.column;
+        Tarjan::new(columns, |state| choices.all_entries(state), usable, within).run()
     }
 
     /// The components; a component after all those it reaches.
@@ -127,8 +147,10 @@ impl Components {
 
 const UNSEEN: u32 = u32::MAX;
 
-struct Tarjan<'a, N> {
-    matrix: &'a Csr<N>,
+struct Tarjan<'a, R, U> {
+    columns: &'a [u32],
+    entries: R,
+    usable: U,
     within: &'a [bool],
     /// Order of discovery; `UNSEEN` before.
     number: Vec<u32>,
@@ -141,11 +163,13 @@ struct Tarjan<'a, N> {
     found: Components,
 }
 
-impl<'a, N> Tarjan<'a, N> {
-    fn new(matrix: &'a Csr<N>, within: &'a [bool]) -> Self {
-        let states = matrix.num_rows();
+impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
+    fn new(columns: &'a [u32], entries: R, usable: U, within: &'a [bool]) -> Self {
+        let states = within.len();
         Self {
-            matrix,
+            columns,
+            entries,
+            usable,
             within,
             number: vec![UNSEEN; states],
             low: vec![0; states],
@@ -161,7 +185,7 @@ impl<'a, N> Tarjan<'a, N> {
 
     fn run(mut self) -> Components {
         let mut next_number = 0;
-        for root in 0..self.matrix.num_rows() {
+        for root in 0..self.within.len() {
             if self.within[root] && self.number[root] == UNSEEN {
                 self.discover(root, &mut next_number);
                 while let Some((state, position)) = self.visits.pop() {
@@ -178,15 +202,16 @@ impl<'a, N> Tarjan<'a, N> {
         *next_number += 1;
         self.open[state] = true;
         self.stack.push(state as u32);
-        self.visits
-            .push((state as u32, self.matrix.row_start[state]));
+        let first = (self.entries)(state).start;
+        self.visits.push((state as u32, first));
     }
 
     fn continue_visit(&mut self, state: usize, mut position: usize, next_number: &mut u32) {
-        while position < self.matrix.row_start[state + 1] {
-            let target = self.matrix.column[position] as usize;
+        let end = (self.entries)(state).end;
+        while position < end {
+            let (target, usable) = (self.columns[position] as usize, (self.usable)(position));
             position += 1;
-            if !self.within[target] {
+            if !usable || !self.within[target] {
                 continue;
             }
             if self.number[target] == UNSEEN {

@@ -37,8 +37,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod amount;
 mod answer;
 mod check;
+pub mod choices;
 mod elimination;
 mod engine;
 mod exact;
@@ -49,14 +51,19 @@ mod interval_iteration;
 pub mod interval_model;
 mod not_yet;
 pub mod paths;
+mod optimum;
 mod prism_default;
 mod product;
 mod property;
+mod quotient;
+mod reachability;
 mod rounding;
 mod sample;
 mod sound;
 pub mod state_space;
 mod steps;
+#[cfg(test)]
+mod test_models;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
 pub use check::{check, check_exact, check_space};

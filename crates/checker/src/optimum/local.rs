@@ -1,0 +1,168 @@
+//! The equations of one strongly connected component, in compact form.
+
+use super::Problem;
+use crate::elimination::System;
+use crate::rounding::{Bounds, UNIT};
+
+/// No position.
+pub(super) const OUTSIDE: u32 = u32::MAX;
+
+/// Which of the two sides of every number that comes from outside is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Low,
+    High,
+}
+
+/// Rows are choices, columns are positions in the component; what leads out is in the right-hand sides.
+#[derive(Debug, Default)]
+pub(super) struct Local {
+    /// The choices of each position.
+    pub choice_start: Vec<usize>,
+    pub row_start: Vec<usize>,
+    pub column: Vec<u32>,
+    pub probability: Vec<f64>,
+    /// Probability of leaving the component.
+    pub exit: Vec<f64>,
+    pub low: Vec<f64>,
+    pub high: Vec<f64>,
+    /// `1 / s`: the inverse of the probability of leaving the state.
+    pub inverse: Vec<f64>,
+    /// The problem's row of each choice.
+    pub origin: Vec<usize>,
+    /// Relative error of one application of a row.
+    pub error: f64,
+    /// Entries of the longest row that lead out.
+    pub longest_exit: usize,
+}
+
+impl Local {
+    /// The equations of a component, given the values outside.
+    pub fn new(
+        problem: &Problem<f64, Bounds>,
+        component: &[u32],
+        values: &[Bounds],
+        position: &mut [u32],
+    ) -> Self {
+        for (place, state) in component.iter().enumerate() {
+            position[*state as usize] = place as u32;
+        }
+        let mut local = Self {
+            choice_start: vec![0],
+            row_start: vec![0],
+            ..Self::default()
+        };
+        let mut longest = 0;
+        for state in component {
+            let state = *state as usize;
+            for row in problem.choice_start[state]..problem.choice_start[state + 1] {
+                longest = longest.max(local.push(problem, row, values, position));
+            }
+            local.choice_start.push(local.exit.len());
+        }
+        for state in component {
+            position[*state as usize] = OUTSIDE;
+        }
+        // The sum, the inverse of another, and the product; doubled for the higher orders.
+        local.error = 2.0 * (2.0 * longest as f64 + 8.0) * UNIT;
+        local
+    }
+
+    /// Adds a choice; returns its length.
+    fn push(
+        &mut self,
+        problem: &Problem<f64, Bounds>,
+        row: usize,
+        values: &[Bounds],
+        position: &[u32],
+    ) -> usize {
+        let mut sum = problem.reward.get(row).copied().unwrap_or(Bounds::ZERO);
+        let (mut exit, mut inside, mut length, mut exits) = (0.0, 0.0, 0, 0);
+        for (target, p) in problem.matrix.row(row) {
+            length += 1;
+            match position[target] {
+                OUTSIDE => {
+                    exit += p;
+                    exits += 1;
+                    sum.low += p * values[target].low;
+                    sum.high += p * values[target].high;
+                }
+                place => {
+                    inside += p;
+                    self.column.push(place);
+                    self.probability.push(*p);
+                }
+            }
+        }
+        self.row_start.push(self.column.len());
+        self.exit.push(exit);
+        self.low.push(sum.low);
+        self.high.push(sum.high);
+        self.inverse.push(1.0 / (exit + inside));
+        self.origin.push(row);
+        self.longest_exit = self.longest_exit.max(exits);
+        length
+    }
+
+    pub fn len(&self) -> usize {
+        self.choice_start.len() - 1
+    }
+
+    pub fn entries(&self) -> usize {
+        self.column.len()
+    }
+
+    /// Whether no state has an alternative.
+    pub fn is_chain(&self) -> bool {
+        self.exit.len() == self.len()
+    }
+
+    /// Whether both sides are the same problem.
+    pub fn is_one_sided(&self) -> bool {
+        self.low == self.high
+    }
+
+    /// The value of a choice.
+    pub fn row_value(&self, row: usize, x: &[f64], side: Side) -> f64 {
+        let range = self.row_start[row]..self.row_start[row + 1];
+        let mut sum = match side {
+            Side::Low => self.low[row],
+            Side::High => self.high[row],
+        };
+        for (column, p) in self.column[range.clone()].iter().zip(&self.probability[range]) {
+            sum += p * x[*column as usize];
+        }
+        sum * self.inverse[row]
+    }
+
+    /// The best choice at a position and its value.
+    pub fn best(&self, place: usize, x: &[f64], side: Side, maximise: bool) -> (usize, f64) {
+        let rows = self.choice_start[place]..self.choice_start[place + 1];
+        let mut best = (rows.start, self.row_value(rows.start, x, side));
+        for row in rows.start + 1..rows.end {
+            let value = self.row_value(row, x, side);
+            if (value > best.1) == maximise && value != best.1 {
+                best = (row, value);
+            }
+        }
+        best
+    }
+
+    /// The equations of the chain in which these choices are taken: right-hand sides are the probability of
+    /// leaving, the lower and the upper side.
+    pub fn system(&self, policy: &[usize]) -> System<f64, 3> {
+        let row = |row: &usize| {
+            let range = self.row_start[*row]..self.row_start[*row + 1];
+            let columns = self.column[range.clone()].iter().copied();
+            let mut entries: Vec<_> =
+                columns.zip(self.probability[range].iter().copied()).collect();
+            entries.sort_unstable_by_key(|(column, _)| *column);
+            entries
+        };
+        let rhs = |row: &usize| [self.exit[*row], self.low[*row], self.high[*row]];
+        System {
+            rows: policy.iter().map(row).collect(),
+            rhs: policy.iter().map(rhs).collect(),
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Least and greatest probability of an until formula over schedulers.
+//!
+//! *Unbounded.* Where it is exactly 0 or 1 is found first ([`crate::graph::qualitative_optimum`]). For the
+//! greatest probability, the maximal end components of the other states are collapsed, since staying in one for
+//! ever gains nothing; for the least there are none, since there every scheduler has a chance of the target.
+//! Then [`crate::optimum`].
+//!
+//! *Bounded in steps.* `x'_i = opt over c of sum_j p_cj x_j`, step by step from the target's indicator; the
+//! scheduler counts steps, so that none is kept.
+//!
+//! Source: Baier and Katoen 2008, section 10.6; Bianco and de Alfaro 1995. Guarantee: that of the engine.
+
+use prism_lang::Arithmetic;
+
+use crate::amount::Amount;
+use crate::answer::CheckError;
+use crate::choices::Choices;
+use crate::engine::{Context, Engine};
+use crate::graph::{
+    Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum,
+};
+use crate::quotient::{Optimal, Quotient};
+
+/// `left U right` within the steps `first..=last`, in all states.
+pub(crate) fn until<E: Engine>(
+    choices: Choices<'_, E::Entry>,
+    left: &[bool],
+    right: &[bool],
+    (first, last): (u64, Option<u64>),
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<(Vec<E::Value>, Option<Vec<usize>>, u64), CheckError> {
+    let sets = qualitative_optimum(choices, left, right, maximise);
+    let (mut values, mut scheduler, mut iterations) = (Vec::new(), None, 0);
+    match last {
+        None => {
+            let optimal = unbounded::<E>(choices, left, right, &sets, maximise, context)?;
+            values.extend(optimal.values.iter().map(E::probability));
+            scheduler = (first == 0).then_some(optimal.scheduler);
+            iterations = optimal.iterations;
+        }
+        Some(last) => {
+            values.extend(right.iter().map(|right| E::indicator(*right)));
+            let active: Vec<bool> = (0..left.len()).map(|s| !sets.never[s] && !right[s]).collect();
+            let steps = last.saturating_sub(first);
+            steps_back::<E>(choices, &mut values, &active, steps, maximise, context)?;
+        }
+    }
+    if first > 0 {
+        steps_back::<E>(choices, &mut values, left, 1, maximise, context)?;
+        for (value, left) in values.iter_mut().zip(left) {
+            if !left {
+                *value = E::indicator(false);
+            }
+        }
+        steps_back::<E>(choices, &mut values, left, first - 1, maximise, context)?;
+    }
+    Ok((values, scheduler, iterations))
+}
+
+/// The probability that the next state is in `operand`.
+pub(crate) fn next<E: Engine>(
+    choices: Choices<'_, E::Entry>,
+    operand: &[bool],
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<Vec<E::Value>, CheckError> {
+    let mut values = operand.iter().map(|holds| E::indicator(*holds)).collect();
+    let everywhere = vec![true; operand.len()];
+    steps_back::<E>(choices, &mut values, &everywhere, 1, maximise, context)?;
+    Ok(values)
+}
+
+/// Replaces the values of the active states by the best mean over their choices, `steps` times.
+fn steps_back<E: Engine>(
+    choices: Choices<'_, E::Entry>,
+    values: &mut Vec<E::Value>,
+    active: &[bool],
+    steps: u64,
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<(), CheckError> {
+    let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
+    let mut next = values.clone();
+    for step in 0..steps {
+        if step % 16 == 0 {
+            context.options.check_cancelled()?;
+        }
+        let mut changed = false;
+        for state in &states {
+            let mean = |row: usize| {
+                let transitions = choices.matrix.row(row);
+                E::mean(transitions.map(|(target, p)| (p, &values[target])), context)
+            };
+            let means = choices.rows(*state).map(mean);
+            let Some(new) = means.reduce(|a, b| E::best(&a, &b, maximise)) else {
+                continue;
+            };
+            changed |= new != values[*state];
+            next[*state] = new;
+        }
+        std::mem::swap(values, &mut next);
+        if !changed {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn unbounded<E: Engine>(
+    choices: Choices<'_, E::Entry>,
+    left: &[bool],
+    right: &[bool],
+    sets: &Qualitative,
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<Optimal<E::Amount>, CheckError> {
+    let mut quotient = Quotient::new(choices, maximise);
+    quotient.cap = 1.0;
+    let zero = quotient.add_class(Some(E::Amount::zero()));
+    let one = quotient.add_class(Some(E::Amount::one()));
+    quotient.assign(zero, &sets.never);
+    quotient.assign(one, &sets.surely);
+    let open: Vec<bool> = (0..left.len()).map(|s| !sets.never[s] && !sets.surely[s]).collect();
+    if maximise {
+        quotient.collapse(maximal_end_components(choices, &open, |_| true));
+    }
+    quotient.separate(&open);
+    let mut optimal = quotient.solve::<E>(&E::Amount::zero(), context)?;
+    complete(choices, left, right, sets, maximise, &mut optimal.scheduler);
+    Ok(optimal)
+}
+
+/// What the scheduler does where the probability is 0 or 1.
+fn complete<N: Arithmetic>(
+    choices: Choices<'_, N>,
+    left: &[bool],
+    right: &[bool],
+    sets: &Qualitative,
+    maximise: bool,
+    scheduler: &mut [usize],
+) {
+    if choices.is_chain() {
+        return;
+    }
+    if maximise {
+        let (_, towards) = Backward::new(choices).sure_for_some(choices, left, right);
+        for (state, surely) in sets.surely.iter().enumerate() {
+            if *surely {
+                scheduler[state] = towards[state];
+            }
+        }
+        return;
+    }
+    for (state, never) in sets.never.iter().enumerate() {
+        if *never && left[state] {
+            let keeps = |target: &u32| sets.never[*target as usize];
+            let found = choices.rows(state).find(|row| choices.targets(*row).iter().all(keeps));
+            scheduler[state] = found.unwrap_or(NO_ROW);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
