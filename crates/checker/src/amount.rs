@@ -60,11 +60,11 @@ pub(crate) trait Amount: Clone + PartialEq + Debug {
     fn answer(&self) -> AnswerValue;
 
     fn zero() -> Self {
-        Self::literal(&Number::from_rational(Rational::zero()))
+        Self::literal(&Number::from_rational(<Rational as Zero>::zero()))
     }
 
     fn one() -> Self {
-        Self::literal(&Number::from_rational(Rational::one()))
+        Self::literal(&Number::from_rational(<Rational as One>::one()))
     }
 
     fn negative(&self) -> Self {

@@ -172,6 +172,11 @@ pub struct Answer {
     pub initial: Vec<InitialValue>,
     /// What the reader should know besides, for example that the precision asked for was not reached.
     pub notes: Vec<String>,
+    /// In a model with choices: for each state the choice (a row of the matrix) that attains the value, if the
+    /// outermost operator has such a scheduler and the choice matters.
+    pub scheduler: Option<Vec<Option<usize>>>,
+    /// The states, with their values, that filters of the property list.
+    pub printed: Vec<(usize, AnswerValue)>,
 }
 
 /// Why there is no answer.
@@ -217,13 +222,17 @@ pub enum CheckError {
     ExactModel(String),
     /// The model has no initial state.
     NoInitialState,
+    /// A filter has no value, because of the states that it selects.
+    Filter(String),
 }
 
 impl fmt::Display for CheckError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cancelled => formatter.write_str("the check was stopped before it had an answer"),
-            Self::Unsupported(what) | Self::InvalidOption(what) => formatter.write_str(what),
+            Self::Unsupported(what) | Self::InvalidOption(what) | Self::Filter(what) => {
+                formatter.write_str(what)
+            }
             Self::State(error) => error.fmt(formatter),
             Self::Automaton(error) => error.fmt(formatter),
             Self::ProductTooLarge { limit } => write!(
@@ -246,7 +255,7 @@ impl fmt::Display for CheckError {
             ),
             Self::Undecided { comparison, bounds } => write!(
                 formatter,
-                "whether the probability is {comparison} cannot be told: it lies between {} and {}; \
+                "whether the value is {comparison} cannot be told: it lies between {} and {}; \
                  use the exact method",
                 bounds.low, bounds.high
             ),

@@ -5,8 +5,8 @@ use prism_lang::{Property, Rational};
 
 use crate::answer::{Answer, CheckError, Method, Options};
 use crate::engine::{Exact, PrismDefault, Sound};
+use crate::evaluate::Evaluator;
 use crate::explore::{ExploreError, ExploreOptions, explore_with};
-use crate::property::Checker;
 use crate::state_space::StateSpace;
 
 /// Checks a property of a model, of which `space` is the state space.
@@ -104,10 +104,8 @@ pub fn check_space(
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
     match options.method {
-        Method::Sound => Checker::<Sound>::new(space, options)?.answer(property, Method::Sound),
-        Method::PrismDefault => {
-            Checker::<PrismDefault>::new(space, options)?.answer(property, Method::PrismDefault)
-        }
+        Method::Sound => Evaluator::<Sound>::new(space, options)?.answer(property),
+        Method::PrismDefault => Evaluator::<PrismDefault>::new(space, options)?.answer(property),
         Method::Exact => Err(CheckError::Unsupported(
             "the exact method needs a state space with rational probabilities".to_owned(),
         )),
@@ -123,5 +121,5 @@ pub fn check_exact(
     property: &Property,
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
-    Checker::<Exact>::new(space, options)?.answer(property, Method::Exact)
+    Evaluator::<Exact>::new(space, options)?.answer(property)
 }

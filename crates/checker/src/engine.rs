@@ -1,15 +1,18 @@
 //! What the techniques have in common: each computes the probabilities of until formulas in all states.
 
+mod numbers;
+
 use prism_lang::{Arithmetic, Bound, Comparison, Number, Rational};
 
-use crate::amount::{Amount, Extended};
+use crate::amount::Amount;
 use crate::answer::{AnswerValue, CheckError, Guarantee, Options};
 use crate::graph::{Qualitative, qualitative};
-use crate::optimum::{self, Problem, Solution};
 use crate::rounding::{Bounds, LEAST_ENTRY_ERROR};
 use crate::sound::Probability;
 use crate::state_space::Csr;
 use crate::{exact, prism_default, sound, steps};
+
+pub(crate) use numbers::Numbers;
 
 /// Why bounds computed from probabilities of unknown accuracy are none.
 pub(crate) const UNKNOWN_ENTRY_ERROR: &str = "the model computes probabilities with irrational \
@@ -48,28 +51,6 @@ pub(crate) trait Engine {
     type Entry: Arithmetic;
     /// Probabilities of paths.
     type Value: Clone + PartialEq;
-
-    /// Rewards and other numbers.
-    type Amount: Amount<Entry = Self::Entry>;
-
-    /// Solves an optimality problem, of whose values `cap` is an upper bound.
-    fn solve(
-        problem: &Problem<Self::Entry, Self::Amount>,
-        cap: f64,
-        context: &Context<'_>,
-    ) -> Result<Solution<Self::Amount>, CheckError>;
-
-    /// A probability as a number.
-    fn amount(value: &Self::Value) -> Self::Amount;
-
-    /// A number that is a probability.
-    fn probability(amount: &Self::Amount) -> Self::Value;
-
-    /// The probability that a scheduler prefers.
-    fn best(a: &Self::Value, b: &Self::Value, maximise: bool) -> Self::Value;
-
-    /// What is known of a number.
-    fn guarantee_of(amount: &Self::Amount, context: &Context<'_>, iterations: u64) -> Guarantee;
 
     /// Exactly 1 if `holds`, else exactly 0.
     fn indicator(holds: bool) -> Self::Value;
@@ -215,43 +196,6 @@ pub(crate) enum Sound {}
 impl Engine for Sound {
     type Entry = f64;
     type Value = Probability;
-    type Amount = Bounds;
-
-    fn solve(
-        problem: &Problem<f64, Bounds>,
-        cap: f64,
-        context: &Context<'_>,
-    ) -> Result<Solution<Bounds>, CheckError> {
-        optimum::sound::solve(problem, cap, context)
-    }
-
-    fn amount(value: &Probability) -> Bounds {
-        value.value
-    }
-
-    fn probability(amount: &Bounds) -> Probability {
-        Probability::from_value(*amount)
-    }
-
-    fn best(a: &Probability, b: &Probability, maximise: bool) -> Probability {
-        Probability {
-            value: Amount::best(&a.value, &b.value, maximise),
-            complement: Amount::best(&a.complement, &b.complement, !maximise),
-        }
-    }
-
-    fn guarantee_of(amount: &Bounds, context: &Context<'_>, _: u64) -> Guarantee {
-        if !context.entry_error_known {
-            return Guarantee::Estimated {
-                reason: UNKNOWN_ENTRY_ERROR.to_owned(),
-            };
-        }
-        if amount.is_exact() || amount.is_undefined() {
-            return Guarantee::Exact;
-        }
-        let Bounds { low, high } = *amount;
-        Guarantee::Bounded { low, high }
-    }
 
     fn indicator(holds: bool) -> Probability {
         Probability::indicator(holds)
@@ -333,31 +277,6 @@ pub(crate) enum PrismDefault {}
 impl Engine for PrismDefault {
     type Entry = f64;
     type Value = f64;
-    type Amount = f64;
-
-    fn solve(
-        problem: &Problem<f64, f64>,
-        _: f64,
-        context: &Context<'_>,
-    ) -> Result<Solution<f64>, CheckError> {
-        optimum::jacobi::solve(problem, context.options)
-    }
-
-    fn amount(value: &f64) -> f64 {
-        *value
-    }
-
-    fn probability(amount: &f64) -> f64 {
-        *amount
-    }
-
-    fn best(a: &f64, b: &f64, maximise: bool) -> f64 {
-        Amount::best(a, b, maximise)
-    }
-
-    fn guarantee_of(amount: &f64, context: &Context<'_>, iterations: u64) -> Guarantee {
-        Self::guarantee(amount, context, iterations)
-    }
 
     fn indicator(holds: bool) -> f64 {
         f64::from(u8::from(holds))
@@ -423,35 +342,6 @@ pub(crate) enum Exact {}
 impl Engine for Exact {
     type Entry = Rational;
     type Value = Rational;
-    type Amount = Extended;
-
-    fn solve(
-        problem: &Problem<Rational, Extended>,
-        _: f64,
-        context: &Context<'_>,
-    ) -> Result<Solution<Extended>, CheckError> {
-        optimum::exact::solve(problem, context.options)
-    }
-
-    fn amount(value: &Rational) -> Extended {
-        Extended::Finite(value.clone())
-    }
-
-    fn probability(amount: &Extended) -> Rational {
-        match amount {
-            Extended::Finite(value) => value.clone(),
-            // Probabilities are finite.
-            _ => exact::indicator(false),
-        }
-    }
-
-    fn best(a: &Rational, b: &Rational, maximise: bool) -> Rational {
-        if maximise { a.max(b).clone() } else { a.min(b).clone() }
-    }
-
-    fn guarantee_of(_: &Extended, _: &Context<'_>, _: u64) -> Guarantee {
-        Guarantee::Exact
-    }
 
     fn indicator(holds: bool) -> Rational {
         exact::indicator(holds)

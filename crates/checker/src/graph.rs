@@ -21,8 +21,8 @@ use std::ops::Range;
 
 use crate::choices::Choices;
 use crate::state_space::Csr;
-pub(crate) use decision::{Backward, NO_ROW};
 pub use decision::qualitative_optimum;
+pub(crate) use decision::{Backward, NO_ROW};
 pub use end_components::{EndComponent, maximal_end_components};
 
 /// For each state, its predecessors.

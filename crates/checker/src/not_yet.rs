@@ -4,26 +4,39 @@ use prism_lang::property::{Path, Property, StateFormula};
 
 /// Why a property cannot be checked, before anything is computed; `None` if it can.
 ///
+/// (Whether a method can answer it may still depend on the model: exact arithmetic has no exponentials.)
+///
 /// ```
 /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
-/// let text = "dtmc module m x : [0..1]; [] true -> (x'=1-x); endmodule rewards [] true : 1; endrewards";
+/// let text = "mdp module m x : [0..1]; [] true -> (x'=1-x); endmodule rewards [] true : 1; endrewards";
 /// let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
-/// let asked = parse_properties("R=? [ F x=1 ]; P=? [ F x=1 ]").tree;
+/// let asked = parse_properties("multi(Pmax=? [ F x=1 ], R<=3 [ C<=4 ]); Rmin=? [ F x=1 ]").tree;
 /// let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
 /// let refused = checker::unsupported(&asked[0].property).unwrap();
-/// assert!(refused.starts_with("expected rewards (`R`) cannot be computed yet"));
+/// assert!(refused.starts_with("several objectives (`multi`) cannot be computed yet"));
 /// assert_eq!(checker::unsupported(&asked[1].property), None);
 /// ```
 pub fn unsupported(property: &Property) -> Option<String> {
+    matches!(property, Property::Objectives(_)).then(|| sentence(OBJECTIVES))
+}
+
+/// Why a property cannot be bounded over all chains of an interval model; `None` if it can.
+pub(crate) fn unsupported_over_intervals(property: &Property) -> Option<String> {
     let what = match property {
         Property::Probability { path, .. } => in_path(path),
         Property::State(formula) => in_state(formula),
         Property::Number(number) => in_number(number),
         Property::Range(_) => Some(FILTERS),
-        Property::Objectives(_) => Some(("several objectives (`multi`)", ASK_EACH)),
+        Property::Objectives(_) => Some(OBJECTIVES),
     };
-    what.map(|(what, remedy)| format!("{what} cannot be computed yet: {remedy}"))
+    what.map(sentence)
 }
+
+fn sentence((what, remedy): Missing) -> String {
+    format!("{what} cannot be computed yet: {remedy}")
+}
+
+const OBJECTIVES: Missing = ("several objectives (`multi`)", ASK_EACH);
 
 /// What is missing, and what to do instead.
 type Missing = (&'static str, &'static str);
@@ -34,8 +47,8 @@ const FILTERS: Missing = (
     "filters (`filter(...)`, `{...}`)",
     "ask for the value in the initial state",
 );
-const REWARDS: Missing = ("expected rewards (`R`)", ASK_P);
-const LONG_RUN: Missing = ("long-run probabilities (`S`)", ASK_P);
+const REWARDS: Missing = ("expected rewards (`R`) over intervals", ASK_P);
+const LONG_RUN: Missing = ("long-run probabilities (`S`) over intervals", ASK_P);
 const SCHEDULERS: Missing = (
     "minimal and maximal probabilities over schedulers",
     "use a model without choices",

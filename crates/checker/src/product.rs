@@ -1,23 +1,29 @@
-//! The product of a Markov chain with a deterministic automaton.
+//! The product of a model with a deterministic automaton.
 //!
-//! A state `(s, q)` of the product says that the chain is in `s` and that the automaton, having read the
-//! letters of all states so far including `s`, is in `q`. It moves to `(s', q')` with the probability of
-//! moving from `s` to `s'`, where `q'` is the automaton's state after the letter of `s'`. Almost surely a path
-//! ends up in a bottom component and takes all its transitions infinitely often, so the component accepts
-//! or rejects as a whole, and the probability of the formula is that of reaching an accepting one.
+//! A state `(s, q)` of the product says that the model is in `s` and that the automaton, having read the letters
+//! of all states so far including `s`, is in `q`. The choices of `s` lead to `(s', q')` with the probability of
+//! moving from `s` to `s'`, where `q'` is the automaton's state after the letter of `s'`.
 //!
-//! Source: Vardi 1985, Courcoubetis and Yannakakis 1995; Baier and Katoen 2008, section 10.3. Deviation: where
-//! the automaton's verdict is settled, the product stops.
+//! *Without choices* a path almost surely ends up in a bottom component and takes all its transitions infinitely
+//! often, so the component accepts or rejects as a whole, and the probability of the formula is that of reaching
+//! an accepting one. *With choices* the greatest probability is that of reaching an end component with an
+//! accepting set of marks. A maximal one that rejects may contain one that accepts: that one must avoid the
+//! least priority of some part of the automaton, since with all the same least priorities it would reject too;
+//! so each of them is removed in turn, and what remains is searched again.
 //!
-//! Cost: linear in the reachable states and transitions of the product. Guarantee: exact; the values are those
-//! of the reachability solver.
+//! Source: Vardi 1985, Courcoubetis and Yannakakis 1995; Baier and Katoen 2008, sections 10.3 and 10.6.4; de
+//! Alfaro 1997. Deviation: where the automaton's verdict is settled, the product stops.
+//!
+//! Cost: linear in the reachable states and transitions of the product; the search is repeated for each
+//! combination of priorities removed. Guarantee: exact; the values are those of the reachability solver.
 
 use prism_lang::Arithmetic;
 use rustc_hash::FxHashMap;
 use temporal::automaton::Automaton;
 
 use crate::answer::{CheckError, Options};
-use crate::graph::{bottom_components, successors};
+use crate::choices::Choices;
+use crate::graph::{EndComponent, maximal_end_components};
 use crate::state_space::Csr;
 
 /// Automaton states that stand for a settled verdict.
@@ -27,14 +33,28 @@ const SETTLED: [u32; 2] = [u32::MAX - 1, u32::MAX];
 #[derive(Debug, Clone)]
 pub(crate) struct Product<N> {
     pub matrix: Csr<N>,
-    /// The product state for each of the chain's states asked for.
+    /// Where the choices of each state start; empty for chains.
+    pub choice_start: Vec<usize>,
+    /// The product state for each of the model's states asked for.
     pub start: Vec<usize>,
-    /// States of accepting bottom components.
+    /// States of accepting end components.
     pub accepting: Vec<bool>,
+    /// States in which the automaton has accepted for good.
+    pub accepted: Vec<bool>,
+    /// The model's state of each state.
+    pub state: Vec<u32>,
+    /// The model's row of each row; `None` where the verdict is settled and the product stops.
+    pub origin: Vec<Option<usize>>,
+}
+
+impl<N> Product<N> {
+    pub fn choices(&self) -> Choices<'_, N> {
+        Choices::new(&self.matrix, &self.choice_start)
+    }
 }
 
 struct Builder<'a, N> {
-    chain: &'a Csr<N>,
+    model: Choices<'a, N>,
     automaton: &'a mut Automaton,
     letters: &'a [u64],
     states: Vec<(u32, u32)>,
@@ -44,14 +64,14 @@ struct Builder<'a, N> {
 
 /// Builds what is reachable of the product from the states `from`; `letters` has one letter per state.
 pub(crate) fn product<N: Arithmetic>(
-    chain: &Csr<N>,
+    model: Choices<'_, N>,
     automaton: &mut Automaton,
     letters: &[u64],
     from: &[usize],
     options: &Options<'_>,
 ) -> Result<Product<N>, CheckError> {
     let mut builder = Builder {
-        chain,
+        model,
         automaton,
         letters,
         states: Vec::new(),
@@ -62,25 +82,35 @@ pub(crate) fn product<N: Arithmetic>(
     let start = (from.iter())
         .map(|state| Ok(builder.enter(*state, initial)? as usize))
         .collect::<Result<Vec<_>, CheckError>>()?;
-    let mut matrix = Csr::with_capacity(chain.num_rows());
+    let mut matrix = Csr::with_capacity(model.num_states());
+    let (mut choice_start, mut origin) = (vec![0], Vec::new());
     let mut next = 0;
     while next < builder.states.len() {
         if next % 4096 == 0 {
             options.check_cancelled()?;
         }
-        matrix.push_row(builder.row(next)?);
+        builder.rows(next, &mut matrix, &mut origin)?;
+        choice_start.push(matrix.num_rows());
         next += 1;
     }
-    let accepting = builder.accepting(&matrix)?;
+    if model.is_chain() {
+        choice_start.clear();
+    }
+    let accepting = builder.accepting(&matrix, &choice_start)?;
+    let (state, verdicts): (Vec<u32>, Vec<u32>) = builder.states.into_iter().unzip();
     Ok(Product {
         matrix,
+        choice_start,
         start,
         accepting,
+        accepted: verdicts.iter().map(|q| *q == SETTLED[1]).collect(),
+        state,
+        origin,
     })
 }
 
 impl<N: Arithmetic> Builder<'_, N> {
-    /// The product state reached when the chain enters `state` while the automaton is in `before`.
+    /// The product state reached when the model enters `state` while the automaton is in `before`.
     fn enter(&mut self, state: usize, before: u32) -> Result<u32, CheckError> {
         let after = self.automaton.step(before, self.letters[state])?.state;
         let after = match self.automaton.decided(after) {
@@ -100,46 +130,122 @@ impl<N: Arithmetic> Builder<'_, N> {
         Ok(id)
     }
 
-    fn row(&mut self, product_state: usize) -> Result<Vec<(u32, N)>, CheckError> {
+    fn rows(
+        &mut self,
+        product_state: usize,
+        matrix: &mut Csr<N>,
+        origin: &mut Vec<Option<usize>>,
+    ) -> Result<(), CheckError> {
         let (state, automaton_state) = self.states[product_state];
         if SETTLED.contains(&automaton_state) {
-            return Ok(vec![(product_state as u32, N::one())]);
+            matrix.push_row([(product_state as u32, N::one())]);
+            origin.push(None);
+            return Ok(());
         }
-        let chain = self.chain;
-        let mut row = (chain.row(state as usize))
-            .map(|(target, p)| Ok((self.enter(target, automaton_state)?, p.clone())))
-            .collect::<Result<Vec<_>, CheckError>>()?;
-        row.sort_unstable_by_key(|(column, _)| *column);
-        Ok(row)
+        let model = self.model;
+        for choice in model.rows(state as usize) {
+            let mut row = (model.matrix.row(choice))
+                .map(|(target, p)| Ok((self.enter(target, automaton_state)?, p.clone())))
+                .collect::<Result<Vec<_>, CheckError>>()?;
+            row.sort_unstable_by_key(|(column, _)| *column);
+            matrix.push_row(row);
+            origin.push(Some(choice));
+        }
+        Ok(())
     }
 
-    fn accepting(&mut self, matrix: &Csr<N>) -> Result<Vec<bool>, CheckError> {
-        let mut accepting = vec![false; matrix.num_rows()];
-        for component in bottom_components(matrix) {
-            if self.accepts(matrix, &component)? {
-                component
-                    .iter()
-                    .for_each(|state| accepting[*state as usize] = true);
+    fn accepting(
+        &mut self,
+        matrix: &Csr<N>,
+        choice_start: &[usize],
+    ) -> Result<Vec<bool>, CheckError> {
+        let choices = Choices::new(matrix, choice_start);
+        let owner = choices.owners();
+        let mut accepting = vec![false; choices.num_states()];
+        let everywhere = vec![true; accepting.len()];
+        let mut open = maximal_end_components(choices, &everywhere, |_| true);
+        while let Some(component) = open.pop() {
+            let marks = self.marks(choices, &owner, &component)?;
+            if self.accepts(&component, &marks) {
+                for state in &component.states {
+                    accepting[*state as usize] = true;
+                }
+            } else if !choices.is_chain() {
+                open.extend(self.within(choices, &component, &marks));
             }
         }
         Ok(accepting)
     }
 
-    fn accepts(&mut self, matrix: &Csr<N>, component: &[u32]) -> Result<bool, CheckError> {
-        let mut marks = Vec::new();
-        for state in component {
-            let (_, automaton_state) = self.states[*state as usize];
-            if SETTLED.contains(&automaton_state) {
-                return Ok(automaton_state == SETTLED[1]);
+    /// The marks of each choice of a component.
+    fn marks(
+        &mut self,
+        choices: Choices<'_, N>,
+        owner: &[u32],
+        component: &EndComponent,
+    ) -> Result<Vec<Vec<u32>>, CheckError> {
+        let mut all = Vec::with_capacity(component.rows.len());
+        for row in &component.rows {
+            let (_, automaton_state) = self.states[owner[*row] as usize];
+            let mut marks = Vec::new();
+            if !SETTLED.contains(&automaton_state) {
+                for target in choices.targets(*row) {
+                    let (model_state, _) = self.states[*target as usize];
+                    let letter = self.letters[model_state as usize];
+                    marks.push(self.automaton.step(automaton_state, letter)?.mark);
+                }
+                marks.sort_unstable();
+                marks.dedup();
             }
-            for target in successors(matrix, *state as usize) {
-                let (chain_state, _) = self.states[*target as usize];
-                let letter = self.letters[chain_state as usize];
-                marks.push(self.automaton.step(automaton_state, letter)?.mark);
-            }
+            all.push(marks);
         }
-        marks.sort_unstable();
-        marks.dedup();
-        Ok(self.automaton.accepts(marks))
+        Ok(all)
+    }
+
+    fn accepts(&self, component: &EndComponent, marks: &[Vec<u32>]) -> bool {
+        let (_, automaton_state) = self.states[component.states[0] as usize];
+        if SETTLED.contains(&automaton_state) {
+            return automaton_state == SETTLED[1];
+        }
+        let mut all: Vec<u32> = marks.iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        self.automaton.accepts(all)
+    }
+
+    /// The maximal end components of a component that avoid the least priority of some part.
+    fn within(
+        &self,
+        choices: Choices<'_, N>,
+        component: &EndComponent,
+        marks: &[Vec<u32>],
+    ) -> Vec<EndComponent> {
+        let mut found = Vec::new();
+        let parts = marks
+            .iter()
+            .flatten()
+            .map(|m| self.automaton.priorities(*m).len())
+            .max();
+        for part in 0..parts.unwrap_or(0) {
+            let priority = |mark: &u32| self.automaton.priorities(*mark)[part];
+            let Some(least) = marks.iter().flatten().map(priority).min() else {
+                continue;
+            };
+            let avoids = |marks: &Vec<u32>| marks.iter().all(|mark| priority(mark) > least);
+            if !marks.iter().any(avoids) {
+                continue;
+            }
+            let mut usable = vec![false; choices.matrix.num_rows()];
+            for (row, marks) in component.rows.iter().zip(marks) {
+                usable[*row] = avoids(marks);
+            }
+            let mut inside = vec![false; choices.num_states()];
+            component
+                .states
+                .iter()
+                .for_each(|state| inside[*state as usize] = true);
+            found.extend(maximal_end_components(choices, &inside, |row| usable[row]));
+        }
+        found
     }
 }

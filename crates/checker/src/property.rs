@@ -12,15 +12,17 @@
 use prism_lang::resolved::ModelType;
 use prism_lang::{Bound, Comparison, Path, Property, StateFormula};
 use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
-use temporal::ltl::{Ltl, StepBound};
+use temporal::ltl::Ltl;
 
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
+use crate::choices::Choices;
 use crate::engine::{Context, Engine, UNKNOWN_ENTRY_ERROR};
-use crate::not_yet::unsupported;
+use crate::not_yet::unsupported_over_intervals;
 use crate::product::product;
+use crate::shape::{Shape, letters, negation, read_path, shape};
 use crate::state_space::StateSpace;
 
-/// Evaluation of one property.
+/// Evaluation of one property of an interval model (others: [`crate::evaluate`]).
 pub(crate) struct Checker<'a, E: Engine> {
     space: &'a StateSpace<E::Entry>,
     context: Context<'a>,
@@ -54,7 +56,7 @@ impl<'a, E: Engine> Checker<'a, E> {
 
     /// The answer to a property in the initial states.
     pub fn answer(mut self, property: &Property, method: Method) -> Result<Answer, CheckError> {
-        if let Some(refused) = unsupported(property) {
+        if let Some(refused) = unsupported_over_intervals(property) {
             return Err(CheckError::Unsupported(refused));
         }
         let initial = match property {
@@ -110,6 +112,8 @@ impl<'a, E: Engine> Checker<'a, E> {
             product_states: self.product_states,
             initial,
             notes: Vec::new(),
+            scheduler: None,
+            printed: Vec::new(),
         };
         let width = values
             .iter()
@@ -154,6 +158,8 @@ impl<'a, E: Engine> Checker<'a, E> {
             product_states: self.product_states,
             initial,
             notes: Vec::new(),
+            scheduler: None,
+            printed: Vec::new(),
         }
     }
 
@@ -197,7 +203,7 @@ impl<'a, E: Engine> Checker<'a, E> {
     /// The probabilities of a path formula in the states `from`.
     fn path(&mut self, path: &Path, from: &[usize]) -> Result<Vec<E::Value>, CheckError> {
         let mut propositions = Vec::new();
-        let formula = self.ltl(path, &mut propositions)?.simplify();
+        let formula = read_path(path, &mut propositions, &mut |f| self.states(f))?.simplify();
         let everywhere = match self.simple(&formula, &propositions)? {
             Some(values) => values,
             None => return self.on_product(&formula, &propositions, from),
@@ -208,95 +214,34 @@ impl<'a, E: Engine> Checker<'a, E> {
             .collect())
     }
 
-    /// Reads a path formula over the sets of its state subformulas, which are collected.
-    fn ltl(&mut self, path: &Path, sets: &mut Vec<Vec<bool>>) -> Result<Ltl, CheckError> {
-        let window = |bound: &prism_lang::TimeBound| StepBound {
-            lower: bound.first_step(),
-            upper: bound.last_step(),
-        };
-        Ok(match path {
-            Path::State(formula) => proposition(self.states(formula)?, sets),
-            Path::Not(inner) => Ltl::negate(self.ltl(inner, sets)?),
-            Path::And(left, right) => Ltl::and(self.ltl(left, sets)?, self.ltl(right, sets)?),
-            Path::Or(left, right) => Ltl::or(self.ltl(left, sets)?, self.ltl(right, sets)?),
-            Path::Implies(left, right) => {
-                Ltl::implies(self.ltl(left, sets)?, self.ltl(right, sets)?)
-            }
-            Path::Iff(left, right) => Ltl::iff(self.ltl(left, sets)?, self.ltl(right, sets)?),
-            Path::Next(inner) => Ltl::next(self.ltl(inner, sets)?),
-            Path::Until { left, right, bound } => {
-                Ltl::until(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
-            }
-            Path::WeakUntil { left, right, bound } => {
-                Ltl::weak_until(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
-            }
-            Path::Release { left, right, bound } => {
-                Ltl::release(self.ltl(left, sets)?, self.ltl(right, sets)?).within(window(bound))
-            }
-            Path::Finally { operand, bound } => {
-                Ltl::finally(self.ltl(operand, sets)?).within(window(bound))
-            }
-            Path::Globally { operand, bound } => {
-                Ltl::globally(self.ltl(operand, sets)?).within(window(bound))
-            }
-            Path::Timed { .. } => return Err(not_yet()),
-        })
-    }
-
     /// The values in all states if the formula has at most one temporal operator.
     fn simple(
         &mut self,
         formula: &Ltl,
         sets: &[Vec<bool>],
     ) -> Result<Option<Vec<E::Value>>, CheckError> {
-        let states = self.space.num_states();
-        let set =
-            |formula: &Ltl| (formula.is_propositional()).then(|| evaluate(formula, sets, states));
-        if let Some(holds) = set(formula) {
-            return Ok(Some(holds.into_iter().map(E::indicator).collect()));
-        }
-        let everything = || Some(vec![true; states]);
-        let (left, right, bound, contrary) = match formula {
-            Ltl::Not(inner) => {
-                let values = self.simple(inner, sets)?;
-                return Ok(values.map(|v| v.iter().map(E::contrary).collect()));
-            }
-            Ltl::Next(inner) => {
-                return Ok(
-                    set(inner).map(|operand| E::next(&self.space.matrix, &operand, &self.context))
-                );
-            }
-            Ltl::Until(left, right, bound) => (set(left), set(right), bound, false),
-            Ltl::Finally(inner, bound) => (everything(), set(inner), bound, false),
-            Ltl::Globally(inner, bound) => (everything(), set(inner).map(negation), bound, true),
-            Ltl::Release(left, right, bound) => (
-                set(left).map(negation),
-                set(right).map(negation),
-                bound,
-                true,
-            ),
-            Ltl::WeakUntil(left, right, bound) => {
-                let (Some(left), Some(right)) = (set(left), set(right)) else {
-                    return Ok(None);
-                };
-                let pairs = || left.iter().zip(&right);
-                let waiting = pairs().map(|(left, right)| *left && !right).collect();
-                let given_up = pairs().map(|(left, right)| !left && !right).collect();
-                (Some(waiting), Some(given_up), bound, true)
-            }
-            _ => return Ok(None),
-        };
-        let (Some(left), Some(right)) = (left, right) else {
-            return Ok(None);
-        };
-        let steps = (bound.lower, bound.upper);
         let matrix = &self.space.matrix;
-        let (mut values, iterations) = E::until(matrix, &left, &right, steps, &self.context)?;
-        self.iterations += iterations;
-        if contrary {
-            values = values.iter().map(E::contrary).collect();
-        }
-        Ok(Some(values))
+        let (values, contrary) = match shape(formula, sets, self.space.num_states()) {
+            None => return Ok(None),
+            Some(Shape::Set(holds)) => (holds.into_iter().map(E::indicator).collect(), false),
+            Some(Shape::Next { operand, contrary }) => {
+                (E::next(matrix, &operand, &self.context), contrary)
+            }
+            Some(Shape::Until {
+                left,
+                right,
+                steps,
+                contrary,
+            }) => {
+                let (values, rounds) = E::until(matrix, &left, &right, steps, &self.context)?;
+                self.iterations += rounds;
+                (values, contrary)
+            }
+        };
+        Ok(Some(match contrary {
+            true => values.iter().map(E::contrary).collect(),
+            false => values,
+        }))
     }
 
     fn on_product(
@@ -307,15 +252,10 @@ impl<'a, E: Engine> Checker<'a, E> {
     ) -> Result<Vec<E::Value>, CheckError> {
         let limit = self.context.options.product_limit.min(DEFAULT_STATE_LIMIT);
         let mut automaton = Automaton::with_state_limit(formula, limit)?;
-        let mut letters = vec![0; self.space.num_states()];
-        // The automaton has refused formulas with more than 64 propositions.
-        for (bit, set) in sets.iter().take(64).enumerate() {
-            for (letter, holds) in letters.iter_mut().zip(set) {
-                *letter |= u64::from(*holds) << bit;
-            }
-        }
+        let letters = letters(sets, self.space.num_states());
         let matrix = &self.space.matrix;
-        let product = product(matrix, &mut automaton, &letters, from, self.context.options)?;
+        let model = Choices::new(matrix, &[]);
+        let product = product(model, &mut automaton, &letters, from, self.context.options)?;
         let everywhere = vec![true; product.accepting.len()];
         let steps = (0, None);
         let (values, iterations) = E::until(
@@ -335,7 +275,7 @@ impl<'a, E: Engine> Checker<'a, E> {
     }
 }
 
-fn validate(options: &Options<'_>) -> Result<(), CheckError> {
+pub(crate) fn validate(options: &Options<'_>) -> Result<(), CheckError> {
     let fraction = |value: f64| value > 0.0 && value < 1.0;
     let invalid = |name: &str, value: f64| {
         Err(CheckError::InvalidOption(format!(
@@ -351,46 +291,7 @@ fn validate(options: &Options<'_>) -> Result<(), CheckError> {
     Ok(())
 }
 
-/// The atomic proposition of a set of states; equal sets are one proposition.
-fn proposition(set: Vec<bool>, sets: &mut Vec<Vec<bool>>) -> Ltl {
-    if set.iter().all(|holds| *holds) {
-        return Ltl::True;
-    }
-    if !set.contains(&true) {
-        return Ltl::False;
-    }
-    let known = sets.iter().position(|known| *known == set);
-    Ltl::Ap(known.unwrap_or_else(|| {
-        sets.push(set);
-        sets.len() - 1
-    }))
-}
-
-/// The states in which a formula without temporal operators holds.
-fn evaluate(formula: &Ltl, sets: &[Vec<bool>], states: usize) -> Vec<bool> {
-    let pairs = |left: &Ltl, right: &Ltl, operator: fn(bool, bool) -> bool| {
-        let (left, right) = (evaluate(left, sets, states), evaluate(right, sets, states));
-        left.into_iter()
-            .zip(right)
-            .map(|(l, r)| operator(l, r))
-            .collect()
-    };
-    match formula {
-        Ltl::Ap(index) => sets[*index].clone(),
-        Ltl::Not(inner) => negation(evaluate(inner, sets, states)),
-        Ltl::And(left, right) => pairs(left, right, |l, r| l & r),
-        Ltl::Or(left, right) => pairs(left, right, |l, r| l | r),
-        // Only constants are left: the caller has excluded temporal operators.
-        other => vec![*other == Ltl::True; states],
-    }
-}
-
-fn negation(mut set: Vec<bool>) -> Vec<bool> {
-    set.iter_mut().for_each(|holds| *holds = !*holds);
-    set
-}
-
-fn meets<E: Engine>(
+pub(crate) fn meets<E: Engine>(
     value: &E::Value,
     comparison: Comparison,
     bound: &Bound,
@@ -401,12 +302,12 @@ fn meets<E: Engine>(
     })
 }
 
-/// What [`unsupported`] has refused before.
+/// What [`unsupported_over_intervals`] has refused before.
 fn not_yet() -> CheckError {
     CheckError::Unsupported("this kind of property cannot be computed yet".to_owned())
 }
 
-fn mentions_probability(property: &Property) -> bool {
+pub(crate) fn mentions_probability(property: &Property) -> bool {
     fn in_state(formula: &StateFormula) -> bool {
         match formula {
             StateFormula::Expr(_) | StateFormula::Label(_) => false,
@@ -425,7 +326,7 @@ fn mentions_probability(property: &Property) -> bool {
 }
 
 /// One value for all initial states: the value itself, or a range.
-fn range(initial: &[InitialValue]) -> AnswerValue {
+pub(crate) fn range(initial: &[InitialValue]) -> AnswerValue {
     if let [only] = initial {
         return only.value.clone();
     }
@@ -451,7 +352,7 @@ fn range(initial: &[InitialValue]) -> AnswerValue {
 }
 
 /// What is known of the values in all initial states.
-fn joint_guarantee(initial: &[InitialValue]) -> Guarantee {
+pub(crate) fn joint_guarantee(initial: &[InitialValue]) -> Guarantee {
     let estimated =
         |initial: &&InitialValue| matches!(initial.guarantee, Guarantee::Estimated { .. });
     if let Some(estimated) = initial.iter().find(estimated) {

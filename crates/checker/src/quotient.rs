@@ -15,7 +15,7 @@ use prism_lang::Arithmetic;
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
-use crate::engine::{Context, Engine};
+use crate::engine::{Context, Numbers};
 use crate::graph::{Backward, EndComponent, NO_ROW};
 use crate::optimum::Problem;
 use crate::state_space::Csr;
@@ -107,7 +107,7 @@ impl<'a, A: Amount> Quotient<'a, A> {
     }
 
     /// Solves the problem; states without a class have the value `outside`.
-    pub fn solve<E: Engine<Entry = A::Entry, Amount = A>>(
+    pub fn solve<E: Numbers<Entry = A::Entry, Amount = A>>(
         &self,
         outside: &A,
         context: &Context<'_>,

@@ -15,21 +15,22 @@ use prism_lang::Arithmetic;
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
-use crate::engine::{Context, Engine};
-use crate::graph::{
-    Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum,
-};
+use crate::engine::{Context, Numbers};
+use crate::graph::{Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum};
 use crate::quotient::{Optimal, Quotient};
 
+/// Values in all states, a scheduler that attains them if one does at all times, and the rounds of iteration.
+pub(crate) type Found<V> = (Vec<V>, Option<Vec<usize>>, u64);
+
 /// `left U right` within the steps `first..=last`, in all states.
-pub(crate) fn until<E: Engine>(
+pub(crate) fn until<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     left: &[bool],
     right: &[bool],
     (first, last): (u64, Option<u64>),
     maximise: bool,
     context: &Context<'_>,
-) -> Result<(Vec<E::Value>, Option<Vec<usize>>, u64), CheckError> {
+) -> Result<Found<E::Value>, CheckError> {
     let sets = qualitative_optimum(choices, left, right, maximise);
     let (mut values, mut scheduler, mut iterations) = (Vec::new(), None, 0);
     match last {
@@ -41,7 +42,9 @@ pub(crate) fn until<E: Engine>(
         }
         Some(last) => {
             values.extend(right.iter().map(|right| E::indicator(*right)));
-            let active: Vec<bool> = (0..left.len()).map(|s| !sets.never[s] && !right[s]).collect();
+            let active: Vec<bool> = (0..left.len())
+                .map(|s| !sets.never[s] && !right[s])
+                .collect();
             let steps = last.saturating_sub(first);
             steps_back::<E>(choices, &mut values, &active, steps, maximise, context)?;
         }
@@ -59,7 +62,7 @@ pub(crate) fn until<E: Engine>(
 }
 
 /// The probability that the next state is in `operand`.
-pub(crate) fn next<E: Engine>(
+pub(crate) fn next<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     operand: &[bool],
     maximise: bool,
@@ -72,7 +75,7 @@ pub(crate) fn next<E: Engine>(
 }
 
 /// Replaces the values of the active states by the best mean over their choices, `steps` times.
-fn steps_back<E: Engine>(
+fn steps_back<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     values: &mut Vec<E::Value>,
     active: &[bool],
@@ -107,7 +110,7 @@ fn steps_back<E: Engine>(
     Ok(())
 }
 
-fn unbounded<E: Engine>(
+fn unbounded<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     left: &[bool],
     right: &[bool],
@@ -121,7 +124,9 @@ fn unbounded<E: Engine>(
     let one = quotient.add_class(Some(E::Amount::one()));
     quotient.assign(zero, &sets.never);
     quotient.assign(one, &sets.surely);
-    let open: Vec<bool> = (0..left.len()).map(|s| !sets.never[s] && !sets.surely[s]).collect();
+    let open: Vec<bool> = (0..left.len())
+        .map(|s| !sets.never[s] && !sets.surely[s])
+        .collect();
     if maximise {
         quotient.collapse(maximal_end_components(choices, &open, |_| true));
     }
@@ -155,7 +160,9 @@ fn complete<N: Arithmetic>(
     for (state, never) in sets.never.iter().enumerate() {
         if *never && left[state] {
             let keeps = |target: &u32| sets.never[*target as usize];
-            let found = choices.rows(state).find(|row| choices.targets(*row).iter().all(keeps));
+            let found = choices
+                .rows(state)
+                .find(|row| choices.targets(*row).iter().all(keeps));
             scheduler[state] = found.unwrap_or(NO_ROW);
         }
     }

@@ -67,8 +67,16 @@ impl Probability {
     /// From the probability alone.
     pub(crate) fn from_value(value: Bounds) -> Self {
         let complement = Bounds {
-            low: if value.high >= 1.0 { 0.0 } else { (1.0 - value.high).next_down() },
-            high: if value.low <= 0.0 { 1.0 } else { (1.0 - value.low).next_up() },
+            low: if value.high >= 1.0 {
+                0.0
+            } else {
+                (1.0 - value.high).next_down()
+            },
+            high: if value.low <= 0.0 {
+                1.0
+            } else {
+                (1.0 - value.low).next_up()
+            },
         };
         match value.is_exact() && (value.low == 0.0 || value.low == 1.0) {
             true => Self::indicator(value.low == 1.0),

@@ -40,13 +40,18 @@ impl Process {
     pub fn completed(&self, scheduler: &[usize]) -> Vec<usize> {
         let starts = self.choice_start.iter();
         let pairs = scheduler.iter().zip(starts);
-        pairs.map(|(row, first)| if *row == NO_ROW { *first } else { *row }).collect()
+        pairs
+            .map(|(row, first)| if *row == NO_ROW { *first } else { *row })
+            .collect()
     }
 
     /// The chain of a scheduler.
     pub fn chain(&self, rows: &[usize]) -> Csr<Rational> {
         let row = |row: &usize| {
-            self.matrix.row(*row).map(|(to, p)| (to as u32, p.clone())).collect()
+            self.matrix
+                .row(*row)
+                .map(|(to, p)| (to as u32, p.clone()))
+                .collect()
         };
         Csr::from_rows(rows.iter().map(row).collect())
     }
@@ -74,7 +79,10 @@ pub(crate) fn arbitrary_process(states: usize) -> impl Strategy<Value = Process>
                 rows.extend(choices.iter().map(|weights| normalised(state, weights)));
                 choice_start.push(rows.len());
             }
-            Process { matrix: Csr::from_rows(rows), choice_start }
+            Process {
+                matrix: Csr::from_rows(rows),
+                choice_start,
+            }
         })
     })
 }
@@ -85,6 +93,11 @@ fn normalised(state: usize, weights: &[u32]) -> Vec<(u32, Rational)> {
         return vec![(state as u32, Rational::from_integer(1.into()))];
     }
     let share = |weight: u32| Rational::new(weight.into(), total.into());
-    let entries = weights.iter().enumerate().filter(|(_, weight)| **weight > 0);
-    entries.map(|(to, weight)| (to as u32, share(*weight))).collect()
+    let entries = weights
+        .iter()
+        .enumerate()
+        .filter(|(_, weight)| **weight > 0);
+    entries
+        .map(|(to, weight)| (to as u32, share(*weight)))
+        .collect()
 }

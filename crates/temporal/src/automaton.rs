@@ -334,6 +334,14 @@ impl Automaton {
             .unwrap_or(false)
     }
 
+    /// The priorities of a mark, one for each part: a part's verdict depends on the least that it shows
+    /// infinitely often. Leaving out the steps with the least one of some part may change a rejecting set of
+    /// marks to an accepting one.
+    #[must_use]
+    pub fn priorities(&self, mark: u32) -> &[u32] {
+        &self.marks.tuples[mark as usize]
+    }
+
     /// Whether the word `prefix cycle cycle ...` is accepted; an empty cycle is read as one empty letter.
     ///
     /// # Errors

@@ -39,8 +39,16 @@ fn hull(corners: [f64; 4], exact: bool) -> Bounds {
             // A product of numbers that are not 0 may have underflowed to 0.
             let bounds = outwards(low, high);
             Bounds {
-                low: if low == 0.0 && high == 0.0 { -f64::MIN_POSITIVE } else { bounds.low },
-                high: if high == 0.0 { f64::MIN_POSITIVE } else { bounds.high },
+                low: if low == 0.0 && high == 0.0 {
+                    -f64::MIN_POSITIVE
+                } else {
+                    bounds.low
+                },
+                high: if high == 0.0 {
+                    f64::MIN_POSITIVE
+                } else {
+                    bounds.high
+                },
             }
         }
     }
@@ -238,7 +246,11 @@ impl Amount for Bounds {
         let margin = magnitude * 2.0 * (entry_error + f64::from(terms + 2) * UNIT)
             + f64::from(terms) * f64::MIN_POSITIVE;
         Self {
-            low: if low >= 0.0 { (low - margin).max(0.0) } else { low - margin },
+            low: if low >= 0.0 {
+                (low - margin).max(0.0)
+            } else {
+                low - margin
+            },
             high: high + margin,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use num_traits::{Signed, Zero};
+use num_traits::Zero;
 use prism_lang::{Arithmetic, Number, Rational};
 
 use super::Amount;
@@ -23,7 +23,7 @@ use Extended::{Finite, Infinite, MinusInfinite, Undefined};
 impl Extended {
     fn sign(&self) -> Ordering {
         match self {
-            Finite(value) => value.cmp(&Rational::zero()),
+            Finite(value) => value.cmp(&<Rational as Zero>::zero()),
             MinusInfinite => Ordering::Less,
             _ => Ordering::Greater,
         }
@@ -90,10 +90,10 @@ impl Amount for Extended {
 
     fn div(&self, other: &Self) -> Self {
         match (self, other) {
-            (Finite(a), Finite(b)) if !b.is_zero() => Finite(a / b),
+            (Finite(a), Finite(b)) if !Zero::is_zero(b) => Finite(a / b),
             (Undefined, _) | (_, Undefined) => Undefined,
-            (_, Finite(b)) if b.is_zero() => Self::unbounded(self.sign()),
-            (Finite(_), _) => Finite(Rational::zero()),
+            (_, Finite(b)) if Zero::is_zero(b) => Self::unbounded(self.sign()),
+            (Finite(_), _) => Finite(<Rational as Zero>::zero()),
             (_, Finite(_)) if self.sign() == other.sign() => Infinite,
             (_, Finite(_)) => MinusInfinite,
             _ => Undefined,
@@ -174,14 +174,11 @@ impl Amount for Extended {
     }
 
     fn beats(&self, other: &Self, maximise: bool) -> bool {
-        let wanted = if maximise { Ordering::Greater } else { Ordering::Less };
+        let wanted = if maximise {
+            Ordering::Greater
+        } else {
+            Ordering::Less
+        };
         self.compare(other) == Some(wanted)
-    }
-
-    fn negative(&self) -> Self {
-        match self {
-            Finite(value) if value.is_negative() || !value.is_zero() => Finite(-value),
-            _ => Self::zero().sub(self),
-        }
     }
 }

@@ -45,10 +45,18 @@ impl Amount for f64 {
         Some(f64::floor(*self))
     }
     fn least(&self, other: &Self) -> Self {
-        if self.is_nan() || *self < *other { *self } else { *other }
+        if self.is_nan() || *self < *other {
+            *self
+        } else {
+            *other
+        }
     }
     fn greatest(&self, other: &Self) -> Self {
-        if self.is_nan() || *self > *other { *self } else { *other }
+        if self.is_nan() || *self > *other {
+            *self
+        } else {
+            *other
+        }
     }
     fn compare(&self, other: &Self) -> Option<Ordering> {
         self.partial_cmp(other)

@@ -111,18 +111,17 @@ impl Backward {
         left: &[bool],
         right: &[bool],
     ) -> (Vec<bool>, Vec<usize>) {
-        let (mut within, mut towards) = self.reaching(right, |s| left[s], |_| true);
+        let (mut within, _) = self.reaching(right, |s| left[s], |_| true);
         loop {
             let stays = |row: usize| {
                 let inside = |target: &u32| within[*target as usize];
                 choices.targets(row).iter().all(inside)
             };
-            let (next, next_towards) = self.reaching(right, |s| left[s] && within[s], stays);
-            let settled = next == within;
-            (within, towards) = (next, next_towards);
-            if settled {
+            let (next, towards) = self.reaching(right, |s| left[s] && within[s], stays);
+            if next == within {
                 return (within, towards);
             }
+            within = next;
         }
     }
 }

@@ -44,8 +44,9 @@ pub fn maximal_end_components<N>(
             }
         }
         let component = std::mem::take(&mut search.component);
-        let stays =
-            |from: usize, to: usize, within: &[bool]| within[to] && component[from] == component[to];
+        let stays = |from: usize, to: usize, within: &[bool]| {
+            within[to] && component[from] == component[to]
+        };
         let changed = search.drop_what_leaves(stays);
         search.component = component;
         if !changed {

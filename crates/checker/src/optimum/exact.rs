@@ -88,7 +88,10 @@ impl Solver<'_> {
         let mut inside: rustc_hash::FxHashMap<usize, Vec<u32>> = rustc_hash::FxHashMap::default();
         for place in 0..component.len() {
             for row in rows(place) {
-                let within = problem.matrix.row(row).map(|(target, _)| self.position[target]);
+                let within = problem
+                    .matrix
+                    .row(row)
+                    .map(|(target, _)| self.position[target]);
                 inside.insert(row, within.filter(|place| *place != u32::MAX).collect());
             }
         }
@@ -127,10 +130,12 @@ impl Solver<'_> {
             system.rhs.push([exit, value]);
         }
         let cancelled = || self.options.cancel.is_some_and(|cancel| cancel());
-        let solution = system.solve(u64::MAX, &cancelled).map_err(|reason| match reason {
-            GivenUp::Cancelled => CheckError::Cancelled,
-            _ => no_choice(),
-        })?;
+        let solution = system
+            .solve(u64::MAX, &cancelled)
+            .map_err(|reason| match reason {
+                GivenUp::Cancelled => CheckError::Cancelled,
+                _ => no_choice(),
+            })?;
         for (state, [_, value]) in component.iter().zip(solution.values) {
             self.values[*state as usize] = Extended::Finite(value);
         }
@@ -138,7 +143,11 @@ impl Solver<'_> {
     }
 
     fn reward(&self, row: usize) -> Extended {
-        self.problem.reward.get(row).cloned().unwrap_or_else(Extended::zero)
+        self.problem
+            .reward
+            .get(row)
+            .cloned()
+            .unwrap_or_else(Extended::zero)
     }
 
     /// The best choice of a state for the present values; the known one if no other is better.
@@ -156,7 +165,10 @@ impl Solver<'_> {
     fn row_value(&self, row: usize) -> Extended {
         let sum = Extended::mean(
             Some(&self.reward(row)),
-            self.problem.matrix.row(row).map(|(target, p)| (p, &self.values[target])),
+            self.problem
+                .matrix
+                .row(row)
+                .map(|(target, p)| (p, &self.values[target])),
             0.0,
         );
         let total: Rational = self.problem.matrix.row(row).map(|(_, p)| p).sum();

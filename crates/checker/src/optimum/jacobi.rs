@@ -15,12 +15,20 @@ pub(crate) fn solve(
     options: &Options<'_>,
 ) -> Result<Solution<f64>, CheckError> {
     let mut x: Vec<f64> = problem.fixed.iter().map(|f| f.unwrap_or(0.0)).collect();
-    let open: Vec<usize> = (0..x.len()).filter(|s| problem.fixed[*s].is_none()).collect();
+    let open: Vec<usize> = (0..x.len())
+        .filter(|s| problem.fixed[*s].is_none())
+        .collect();
     let mut choice = vec![NO_ROW; x.len()];
     if open.is_empty() {
-        return Ok(Solution { values: x, choice, iterations: 0 });
+        return Ok(Solution {
+            values: x,
+            choice,
+            iterations: 0,
+        });
     }
-    let is_chain = open.iter().all(|s| problem.choice_start[s + 1] - problem.choice_start[*s] == 1);
+    let is_chain = open
+        .iter()
+        .all(|s| problem.choice_start[s + 1] - problem.choice_start[*s] == 1);
     let mut next = x.clone();
     for iteration in 1..=options.max_iters {
         if iteration % 64 == 0 {
@@ -37,7 +45,11 @@ pub(crate) fn solve(
         }
         std::mem::swap(&mut x, &mut next);
         if change < options.epsilon {
-            return Ok(Solution { values: x, choice, iterations: iteration });
+            return Ok(Solution {
+                values: x,
+                choice,
+                iterations: iteration,
+            });
         }
     }
     Err(CheckError::NotConverged {

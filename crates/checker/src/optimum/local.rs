@@ -129,7 +129,10 @@ impl Local {
             Side::Low => self.low[row],
             Side::High => self.high[row],
         };
-        for (column, p) in self.column[range.clone()].iter().zip(&self.probability[range]) {
+        for (column, p) in self.column[range.clone()]
+            .iter()
+            .zip(&self.probability[range])
+        {
             sum += p * x[*column as usize];
         }
         sum * self.inverse[row]
@@ -154,8 +157,9 @@ impl Local {
         let row = |row: &usize| {
             let range = self.row_start[*row]..self.row_start[*row + 1];
             let columns = self.column[range.clone()].iter().copied();
-            let mut entries: Vec<_> =
-                columns.zip(self.probability[range].iter().copied()).collect();
+            let mut entries: Vec<_> = columns
+                .zip(self.probability[range].iter().copied())
+                .collect();
             entries.sort_unstable_by_key(|(column, _)| *column);
             entries
         };

@@ -16,10 +16,10 @@ pub(super) fn leaving<'a>(
     let mut into: Vec<Vec<(u32, usize)>> = vec![Vec::new(); states];
     let mut policy = vec![usize::MAX; states];
     let mut queue = VecDeque::new();
-    for state in 0..states {
+    for (state, chosen) in policy.iter_mut().enumerate() {
         for row in choices(state) {
-            if policy[state] == usize::MAX && leaves(row) {
-                policy[state] = row;
+            if *chosen == usize::MAX && leaves(row) {
+                *chosen = row;
                 queue.push_back(state);
             }
             for target in inside(row) {

@@ -128,7 +128,11 @@ impl Solver<'_> {
             best = Some(match best {
                 None => (Bounds { low, high }, row),
                 Some((known, chosen)) => {
-                    let better = if maximise { low > known.low } else { low < known.low };
+                    let better = if maximise {
+                        low > known.low
+                    } else {
+                        low < known.low
+                    };
                     let (low, high) = match maximise {
                         true => (low.max(known.low), high.max(known.high)),
                         false => (low.min(known.low), high.min(known.high)),
@@ -189,10 +193,17 @@ impl Solver<'_> {
         }
         self.iterations += search.rounds;
         let policy: Vec<usize> = (0..local.len())
-            .map(|place| local.best(place, &search.low, Side::Low, self.problem.maximise).0)
+            .map(|place| {
+                local
+                    .best(place, &search.low, Side::Low, self.problem.maximise)
+                    .0
+            })
             .collect();
         let bounds = (search.found.iter())
-            .map(|(low, high)| Bounds { low: *low, high: *high })
+            .map(|(low, high)| Bounds {
+                low: *low,
+                high: *high,
+            })
             .collect();
         self.keep(component, &local, bounds, &policy, input_error);
         Ok(())
@@ -222,7 +233,10 @@ impl Solver<'_> {
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
         match local.system(policy).solve(budget, &cancelled) {
             Ok(solution) => {
-                let value = |[_, low, high]: &[f64; 3]| Bounds { low: *low, high: *high };
+                let value = |[_, low, high]: &[f64; 3]| Bounds {
+                    low: *low,
+                    high: *high,
+                };
                 let values = solution.values.iter().map(value).collect();
                 Ok(Some((values, solution.relative_error)))
             }
@@ -251,7 +265,11 @@ impl Solver<'_> {
             for (place, chosen) in policy.iter_mut().enumerate() {
                 let (row, value) = local.best(place, &search.high, Side::High, search.maximise);
                 let known = local.row_value(*chosen, &search.high, Side::High);
-                let gain = if search.maximise { value - known } else { known - value };
+                let gain = if search.maximise {
+                    value - known
+                } else {
+                    known - value
+                };
                 if gain > 1e-12 * known {
                     *chosen = row;
                     changed = true;
@@ -358,26 +376,41 @@ impl Search<'_> {
         held.iter().all(Option::is_some)
     }
 
-    /// The guess, or what a few rounds make of it, if that is inductive.
+    /// The guess, or what some rounds make of it, if that is inductive.
+    ///
+    /// A guess that fails by no more than rounding is worth more rounds, forwards and backwards in turn: where a
+    /// state's choice neither earns nor leaves, what is to spare has to arrive from other states first.
     fn inductive(&self, mut guess: Vec<f64>, side: Side) -> Option<Vec<f64>> {
-        const ROUNDS: usize = 6;
+        const FEW: usize = 6;
+        const MANY: usize = 1000;
         let error = match side {
             Side::Low => 1.0 - self.local.error,
             Side::High => 1.0 + self.local.error,
         };
-        for _ in 0..ROUNDS {
-            let mut holds = true;
-            for place in 0..guess.len() {
-                let (_, value) = self.local.best(place, &guess, side, self.maximise);
-                let next = value * error;
-                holds &= match side {
-                    Side::Low => next >= guess[place],
-                    Side::High => next <= guess[place],
+        let states = guess.len();
+        for round in 0..MANY {
+            let (mut holds, mut nearly) = (true, true);
+            for position in 0..states {
+                let place = if round % 2 == 0 {
+                    position
+                } else {
+                    states - 1 - position
                 };
+                let (_, value) = self.local.best(place, &guess, side, self.maximise);
+                let (next, known) = (value * error, guess[place]);
+                let missing = match side {
+                    Side::Low => known - next,
+                    Side::High => next - known,
+                };
+                holds &= missing <= 0.0;
+                nearly &= missing <= 8.0 * self.local.error * known;
                 guess[place] = next;
             }
             if holds {
                 return Some(guess);
+            }
+            if round >= FEW && !nearly {
+                return None;
             }
         }
         None
@@ -391,13 +424,20 @@ pub(crate) fn widened(value: Bounds, error: f64, cap: f64) -> Bounds {
         return value;
     }
     if error.is_nan() || error > 1.0 {
-        return Bounds { low: 0.0, high: cap };
+        return Bounds {
+            low: 0.0,
+            high: cap,
+        };
     }
     let margin = 2.0 * error + 4.0 * UNIT;
     let low = (value.low * (1.0 - margin)).next_down();
     let high = (value.high.max(SMALLEST_VALUE) * (1.0 + margin)).next_up();
     Bounds {
-        low: if low < SMALLEST_VALUE { 0.0 } else { low.min(cap) },
+        low: if low < SMALLEST_VALUE {
+            0.0
+        } else {
+            low.min(cap)
+        },
         high: high.min(cap),
     }
 }
@@ -405,6 +445,7 @@ pub(crate) fn widened(value: Bounds, error: f64, cap: f64) -> Bounds {
 /// A state without choices and value.
 pub(crate) fn no_choice() -> CheckError {
     CheckError::Unsupported(
-        "a state has no choice that ever ends; please report the model as an error of the checker".to_owned(),
+        "a state has no choice that ever ends; please report the model as an error of the checker"
+            .to_owned(),
     )
 }

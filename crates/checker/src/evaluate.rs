@@ -1,0 +1,272 @@
+//! From a property to its answer: truth values and numbers in states, bottom-up.
+//!
+//! State formulas are evaluated to sets of states, quantities to numbers in states, path formulas to
+//! probabilities. A path formula with one temporal operator is solved on the model itself, others on the product
+//! with a deterministic automaton ([`crate::product`]). Where something is true or false of a number, the method
+//! must know it for certain; if not, that is the error [`CheckError::Undecided`], never a guess.
+//!
+//! Source: Hansson and Jonsson 1994, Bianco and de Alfaro 1995 (PCTL, PCTL*); Baier, Haverkort, Hermanns and
+//! Katoen 2003 (CSL); the PRISM manual, "Property specification" (filters, rewards). Guarantee: that of the
+//! technique.
+
+mod answers;
+mod filters;
+mod numbers;
+mod paths;
+mod quantifiers;
+mod rewards;
+mod timed;
+
+use std::borrow::Cow;
+
+use prism_lang::property::{Property, StateFormula};
+use prism_lang::resolved::ModelType;
+use prism_lang::{Arithmetic, Comparison, Number};
+
+use crate::amount::Amount;
+use crate::answer::{Answer, AnswerValue, CheckError, Options};
+use crate::choices::Choices;
+use crate::engine::{Context, Numbers};
+use crate::property::{meets, validate};
+use crate::rounding::UNIT;
+use crate::shape::negation;
+use crate::state_space::{Csr, StateSpace};
+
+/// Evaluation of one property.
+pub(crate) struct Evaluator<'a, E: Numbers> {
+    space: &'a StateSpace<E::Entry>,
+    /// Probabilities: the model's own, or those of the embedded chain of a `ctmc`.
+    matrix: Cow<'a, Csr<E::Entry>>,
+    context: Context<'a>,
+    iterations: u64,
+    product_states: Option<usize>,
+    /// The scheduler of the outermost operator, if it has one.
+    scheduler: Option<Vec<usize>>,
+    /// What filters print.
+    printed: Vec<(usize, AnswerValue)>,
+}
+
+impl<'a, E: Numbers> Evaluator<'a, E> {
+    pub fn new(
+        space: &'a StateSpace<E::Entry>,
+        options: &'a Options<'a>,
+    ) -> Result<Self, CheckError> {
+        validate(options)?;
+        E::check_entries(&space.matrix)?;
+        if space.initial_states().is_empty() {
+            return Err(CheckError::NoInitialState);
+        }
+        let mut context = Context::new(options, space.relative_error());
+        let matrix = match space.kind {
+            ModelType::Ctmc => {
+                let longest = (0..space.num_states())
+                    .map(|s| space.matrix.row(s).count())
+                    .max();
+                context.entry_error += (longest.unwrap_or(0) + 2) as f64 * UNIT;
+                Cow::Owned(embedded(&space.matrix))
+            }
+            _ => Cow::Borrowed(&space.matrix),
+        };
+        Ok(Self {
+            space,
+            matrix,
+            context,
+            iterations: 0,
+            product_states: None,
+            scheduler: None,
+            printed: Vec::new(),
+        })
+    }
+
+    /// The answer to a property in the initial states.
+    pub fn answer(mut self, property: &Property) -> Result<Answer, CheckError> {
+        let initial = self.space.initial_states().to_vec();
+        match property {
+            Property::Probability { bound: None, path } => {
+                let values = self.probability(path, true, &initial)?;
+                Ok(self.of_probabilities(&values))
+            }
+            Property::Probability {
+                bound: Some((comparison, bound)),
+                path,
+            } => {
+                let maximise = worst(*comparison);
+                let values = self.probability(path, maximise, &initial)?;
+                let meets = |value| meets::<E>(value, *comparison, bound);
+                let holds = values.iter().map(meets).collect::<Result<Vec<_>, _>>()?;
+                Ok(self.of_truths(&holds, property))
+            }
+            Property::State(formula) => {
+                let holds = self.truths(formula, &initial)?;
+                Ok(self.of_truths(&holds, property))
+            }
+            Property::Number(quantity) => self.of_quantity(quantity, &initial),
+            Property::Range(filter) => {
+                let (low, high) = self.filter_range(filter)?;
+                Ok(self.of_range(&low, &high))
+            }
+            Property::Objectives(_) => Err(CheckError::Unsupported(
+                "several objectives (`multi`) cannot be computed yet: ask for each on its own"
+                    .to_owned(),
+            )),
+        }
+    }
+
+    fn choices(&self) -> Choices<'_, E::Entry> {
+        Choices::new(&self.matrix, &self.space.choice_start)
+    }
+
+    fn everywhere(&self) -> Vec<usize> {
+        (0..self.space.num_states()).collect()
+    }
+
+    /// The states that satisfy a state formula.
+    fn set(&mut self, formula: &StateFormula) -> Result<Vec<bool>, CheckError> {
+        let everywhere = self.everywhere();
+        self.truths(formula, &everywhere)
+    }
+
+    /// Whether a state formula holds, in each of the states `from`.
+    fn truths(&mut self, formula: &StateFormula, from: &[usize]) -> Result<Vec<bool>, CheckError> {
+        let select = |set: Vec<bool>| from.iter().map(|state| set[*state]).collect();
+        Ok(match formula {
+            StateFormula::Expr(predicate) => select(self.space.evaluate(predicate)?),
+            StateFormula::Label(name) => select(self.space.label(name)?),
+            StateFormula::Not(inner) => negation(self.truths(inner, from)?),
+            StateFormula::And(a, b) => self.combine(a, b, from, |a, b| a & b)?,
+            StateFormula::Or(a, b) => self.combine(a, b, from, |a, b| a | b)?,
+            StateFormula::Implies(a, b) => self.combine(a, b, from, |a, b| !a | b)?,
+            StateFormula::Iff(a, b) => self.combine(a, b, from, |a, b| a == b)?,
+            StateFormula::Choice(condition, a, b) => {
+                let condition = self.truths(condition, from)?;
+                let (a, b) = (self.truths(a, from)?, self.truths(b, from)?);
+                let pairs = a.into_iter().zip(b);
+                condition
+                    .iter()
+                    .zip(pairs)
+                    .map(|(c, (a, b))| if *c { a } else { b })
+                    .collect()
+            }
+            StateFormula::Probability { .. }
+            | StateFormula::Reward { .. }
+            | StateFormula::LongRun { .. } => self.bounded(formula, from, false)?,
+            StateFormula::SomeScheduler(inner) => self.bounded(inner, from, true)?,
+            StateFormula::ForAll(path) => negation(self.some_path(path, true, from)?),
+            StateFormula::Exists(path) => self.some_path(path, false, from)?,
+            StateFormula::Compare(operator, a, b) => self.compared(*operator, a, b, from)?,
+            StateFormula::Filter(filter) => self.filter_truths(filter, from)?,
+        })
+    }
+
+    fn combine(
+        &mut self,
+        a: &StateFormula,
+        b: &StateFormula,
+        from: &[usize],
+        operator: fn(bool, bool) -> bool,
+    ) -> Result<Vec<bool>, CheckError> {
+        let (a, b) = (self.truths(a, from)?, self.truths(b, from)?);
+        Ok(a.into_iter().zip(b).map(|(a, b)| operator(a, b)).collect())
+    }
+
+    /// An operator with a bound: under every scheduler, or under some.
+    fn bounded(
+        &mut self,
+        formula: &StateFormula,
+        from: &[usize],
+        by_some: bool,
+    ) -> Result<Vec<bool>, CheckError> {
+        let maximise = |comparison: Comparison| worst(comparison) != by_some;
+        match formula {
+            StateFormula::Probability {
+                bound: (comparison, bound),
+                path,
+            } => {
+                let values = self.probability(path, maximise(*comparison), from)?;
+                values
+                    .iter()
+                    .map(|value| meets::<E>(value, *comparison, bound))
+                    .collect()
+            }
+            StateFormula::Reward {
+                bound: (comparison, bound),
+                reward,
+            } => {
+                let values = self.reward(reward, maximise(*comparison), from)?;
+                values
+                    .iter()
+                    .map(|value| amount_meets(value, *comparison, bound))
+                    .collect()
+            }
+            StateFormula::LongRun {
+                bound: (comparison, bound),
+                states,
+            } => {
+                let values = self.long_run(states, from)?;
+                values
+                    .iter()
+                    .map(|value| amount_meets(value, *comparison, bound))
+                    .collect()
+            }
+            _ => Err(CheckError::Unsupported(
+                "a strategy can be asked for one operator with a bound only".to_owned(),
+            )),
+        }
+    }
+}
+
+/// Whether the greatest value is what a bound must be compared with, so that all schedulers meet it.
+fn worst(comparison: Comparison) -> bool {
+    matches!(comparison, Comparison::Less | Comparison::LessEqual)
+}
+
+/// Whether a number meets a bound.
+fn amount_meets<A: Amount>(
+    value: &A,
+    comparison: Comparison,
+    bound: &Number,
+) -> Result<bool, CheckError> {
+    use std::cmp::Ordering;
+    let limit = A::literal(bound);
+    let order = value.compare(&limit);
+    let (at_most, at_least) = (
+        value.bounds().high <= limit.bounds().low,
+        value.bounds().low >= limit.bounds().high,
+    );
+    let known = match (comparison, order) {
+        (Comparison::Less | Comparison::LessEqual, Some(Ordering::Less)) => Some(true),
+        (Comparison::Greater | Comparison::GreaterEqual, Some(Ordering::Greater)) => Some(true),
+        (_, Some(Ordering::Equal)) => Some(matches!(
+            comparison,
+            Comparison::LessEqual | Comparison::GreaterEqual
+        )),
+        (_, Some(_)) => Some(false),
+        (Comparison::LessEqual, None) if at_most => Some(true),
+        (Comparison::Greater, None) if at_most => Some(false),
+        (Comparison::GreaterEqual, None) if at_least => Some(true),
+        (Comparison::Less, None) if at_least => Some(false),
+        // Not a number meets nothing.
+        (_, None) if value.is_undefined() => Some(false),
+        _ => None,
+    };
+    known.ok_or_else(|| CheckError::Undecided {
+        comparison: format!("{} {bound}", comparison.symbol()),
+        bounds: value.bounds(),
+    })
+}
+
+/// The probabilities of a chain with rates.
+fn embedded<N: Arithmetic>(rates: &Csr<N>) -> Csr<N> {
+    let mut matrix = rates.clone();
+    for state in 0..rates.num_rows() {
+        let range = rates.row_start[state]..rates.row_start[state + 1];
+        let total = rates.value[range.clone()]
+            .iter()
+            .fold(N::zero(), |sum, rate| sum.add(rate));
+        for value in &mut matrix.value[range] {
+            // Rates are positive, and every state has one.
+            *value = value.div(&total).unwrap_or_else(N::one);
+        }
+    }
+    matrix
+}

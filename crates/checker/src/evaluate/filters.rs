@@ -1,0 +1,166 @@
+//! Filters: values over a set of states, joined.
+//!
+//! A filter's value is the same in all states, except for `argmin` and `argmax` (true where the value may be the
+//! least or greatest, as far as its bounds tell) and those that print (the operand's own value). A filter over no
+//! state is an error.
+
+use prism_lang::property::{Filter, FilterOperand, FilterOperator};
+
+use super::Evaluator;
+use crate::amount::Amount;
+use crate::answer::{AnswerValue, CheckError};
+use crate::engine::Numbers;
+
+impl<E: Numbers> Evaluator<'_, E> {
+    /// The states of a filter.
+    fn filter_states(&mut self, filter: &Filter) -> Result<Vec<usize>, CheckError> {
+        let found = match &filter.states {
+            None => self.everywhere(),
+            Some(states) => {
+                let set = self.set(states)?;
+                (0..set.len()).filter(|state| set[*state]).collect()
+            }
+        };
+        if found.is_empty() {
+            return Err(CheckError::Filter(
+                "the filter's condition holds in no state".to_owned(),
+            ));
+        }
+        if filter.operator == FilterOperator::State && found.len() > 1 {
+            let count = found.len();
+            return Err(CheckError::Filter(format!(
+                "the filter's condition must hold in exactly one state, but holds in {count}; choose how to \
+                 join their values, for example with `filter(max, ...)`"
+            )));
+        }
+        Ok(found)
+    }
+
+    /// A filter whose value is a number.
+    pub(super) fn filter_numbers(
+        &mut self,
+        filter: &Filter,
+        from: &[usize],
+    ) -> Result<Vec<E::Amount>, CheckError> {
+        let states = self.filter_states(filter)?;
+        let values = match &filter.operand {
+            FilterOperand::Truth(truth) => {
+                let truths = self.truths(truth, &states)?;
+                let count = truths.iter().filter(|holds| **holds).count();
+                let count = prism_lang::Number::from_i64(count as i64);
+                return Ok(vec![E::Amount::literal(&count); from.len()]);
+            }
+            FilterOperand::Number(quantity) => self.numbers(quantity, &states)?,
+        };
+        let joined = match filter.operator {
+            FilterOperator::Min => values.into_iter().reduce(|a, b| a.least(&b)),
+            FilterOperator::Max => values.into_iter().reduce(|a, b| a.greatest(&b)),
+            FilterOperator::Sum => values.into_iter().reduce(|a, b| a.add(&b)),
+            FilterOperator::Average => {
+                let count = prism_lang::Number::from_i64(values.len() as i64);
+                let sum = values.into_iter().reduce(|a, b| a.add(&b));
+                sum.map(|sum| sum.div(&E::Amount::literal(&count)))
+            }
+            FilterOperator::Print | FilterOperator::PrintAll => {
+                self.print(filter.operator, &states, &values);
+                let FilterOperand::Number(quantity) = &filter.operand else {
+                    return Ok(Vec::new());
+                };
+                return self.numbers(quantity, from);
+            }
+            _ => values.into_iter().next(),
+        };
+        Ok(vec![
+            joined.unwrap_or_else(E::Amount::undefined);
+            from.len()
+        ])
+    }
+
+    fn print(&mut self, operator: FilterOperator, states: &[usize], values: &[E::Amount]) {
+        let all = operator == FilterOperator::PrintAll;
+        let shown = states
+            .iter()
+            .zip(values)
+            .filter(|(_, v)| all || **v != E::Amount::zero());
+        self.printed
+            .extend(shown.map(|(state, value)| (*state, value.answer())));
+    }
+
+    /// A filter whose value is true or false.
+    pub(super) fn filter_truths(
+        &mut self,
+        filter: &Filter,
+        from: &[usize],
+    ) -> Result<Vec<bool>, CheckError> {
+        let states = self.filter_states(filter)?;
+        let truth = match &filter.operand {
+            FilterOperand::Number(quantity) => {
+                let values = self.numbers(quantity, &states)?;
+                return Ok(self.extreme(filter.operator, &states, &values, from));
+            }
+            FilterOperand::Truth(truth) => truth,
+        };
+        let truths = self.truths(truth, &states)?;
+        let joined = match filter.operator {
+            FilterOperator::ForAll => truths.iter().all(|holds| *holds),
+            FilterOperator::Exists => truths.iter().any(|holds| *holds),
+            FilterOperator::Print | FilterOperator::PrintAll => {
+                let all = filter.operator == FilterOperator::PrintAll;
+                let shown = states
+                    .iter()
+                    .zip(&truths)
+                    .filter(|(_, holds)| all || **holds);
+                self.printed
+                    .extend(shown.map(|(s, holds)| (*s, AnswerValue::Truth(*holds))));
+                return self.truths(truth, from);
+            }
+            _ => truths[0],
+        };
+        Ok(vec![joined; from.len()])
+    }
+
+    /// Where the value may be the least or greatest of those of `states`.
+    fn extreme(
+        &mut self,
+        operator: FilterOperator,
+        states: &[usize],
+        values: &[E::Amount],
+        from: &[usize],
+    ) -> Vec<bool> {
+        let maximise = operator == FilterOperator::ArgMax;
+        let best = values.iter().cloned().reduce(|a, b| a.best(&b, maximise));
+        let mut holds = vec![false; self.space.num_states()];
+        if let Some(best) = best {
+            for (state, value) in states.iter().zip(values) {
+                let worse = if maximise {
+                    value.compare(&best)
+                } else {
+                    best.compare(value)
+                };
+                holds[*state] = worse != Some(std::cmp::Ordering::Less);
+            }
+        }
+        let found = states.iter().filter(|state| holds[**state]);
+        self.printed
+            .extend(found.map(|state| (*state, AnswerValue::Truth(true))));
+        from.iter().map(|state| holds[*state]).collect()
+    }
+
+    /// The least and the greatest value.
+    pub(super) fn filter_range(
+        &mut self,
+        filter: &Filter,
+    ) -> Result<(E::Amount, E::Amount), CheckError> {
+        let states = self.filter_states(filter)?;
+        let FilterOperand::Number(quantity) = &filter.operand else {
+            return Err(CheckError::Filter("a range is of numbers".to_owned()));
+        };
+        let values = self.numbers(quantity, &states)?;
+        let least = values.iter().cloned().reduce(|a, b| a.least(&b));
+        let greatest = values.into_iter().reduce(|a, b| a.greatest(&b));
+        match (least, greatest) {
+            (Some(least), Some(greatest)) => Ok((least, greatest)),
+            _ => Ok((E::Amount::undefined(), E::Amount::undefined())),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Probabilities of path formulas.
+
+use prism_lang::property::Path;
+use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
+use temporal::ltl::Ltl;
+
+use super::Evaluator;
+use crate::answer::CheckError;
+use crate::engine::{Engine, Numbers};
+use crate::graph::NO_ROW;
+use crate::product::{Product, product};
+use crate::reachability;
+use crate::shape::{Shape, letters, read_path, shape};
+
+impl<E: Numbers> Evaluator<'_, E> {
+    /// The greatest (or least) probability of a path formula in the states `from`.
+    pub(super) fn probability(
+        &mut self,
+        path: &Path,
+        maximise: bool,
+        from: &[usize],
+    ) -> Result<Vec<E::Value>, CheckError> {
+        if let Some(values) = self.timed(path, from)? {
+            return Ok(values);
+        }
+        let mut sets = Vec::new();
+        let formula = read_path(path, &mut sets, &mut |f| self.set(f))?.simplify();
+        let states = self.space.num_states();
+        let (values, contrary) = match shape(&formula, &sets, states) {
+            None => return self.on_product(&formula, &sets, maximise, from),
+            Some(Shape::Set(holds)) => {
+                return Ok(from.iter().map(|s| E::indicator(holds[*s])).collect());
+            }
+            Some(Shape::Next { operand, contrary }) => {
+                (self.next(&operand, maximise != contrary)?, contrary)
+            }
+            Some(Shape::Until {
+                left,
+                right,
+                steps,
+                contrary,
+            }) => (
+                self.until(&left, &right, steps, maximise != contrary)?,
+                contrary,
+            ),
+        };
+        let value = |state: &usize| match contrary {
+            true => E::contrary(&values[*state]),
+            false => values[*state].clone(),
+        };
+        Ok(from.iter().map(value).collect())
+    }
+
+    fn next(&mut self, operand: &[bool], maximise: bool) -> Result<Vec<E::Value>, CheckError> {
+        let choices = self.choices();
+        match choices.is_chain() {
+            true => Ok(E::next(&self.matrix, operand, &self.context)),
+            false => reachability::next::<E>(choices, operand, maximise, &self.context),
+        }
+    }
+
+    pub(super) fn until(
+        &mut self,
+        left: &[bool],
+        right: &[bool],
+        steps: (u64, Option<u64>),
+        maximise: bool,
+    ) -> Result<Vec<E::Value>, CheckError> {
+        let choices = self.choices();
+        if choices.is_chain() {
+            let (values, rounds) = E::until(&self.matrix, left, right, steps, &self.context)?;
+            self.iterations += rounds;
+            return Ok(values);
+        }
+        let (values, scheduler, rounds) =
+            reachability::until::<E>(choices, left, right, steps, maximise, &self.context)?;
+        self.iterations += rounds;
+        self.scheduler = scheduler;
+        Ok(values)
+    }
+
+    fn on_product(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+        maximise: bool,
+        from: &[usize],
+    ) -> Result<Vec<E::Value>, CheckError> {
+        // The least probability is that of the contrary's greatest.
+        let contrary = !maximise && !self.choices().is_chain();
+        let formula = match contrary {
+            true => Ltl::negate(formula.clone()).simplify(),
+            false => formula.clone(),
+        };
+        let product = self.product(&formula, sets, from)?;
+        let values = self.accepting_values(&product)?;
+        let value = |state: &usize| match contrary {
+            true => E::contrary(&values[*state]),
+            false => values[*state].clone(),
+        };
+        Ok(product.start.iter().map(value).collect())
+    }
+
+    /// The product with the automaton of a formula over sets of states.
+    pub(super) fn product(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+        from: &[usize],
+    ) -> Result<Product<E::Entry>, CheckError> {
+        let limit = self.context.options.product_limit.min(DEFAULT_STATE_LIMIT);
+        let mut automaton = Automaton::with_state_limit(formula, limit)?;
+        let letters = letters(sets, self.space.num_states());
+        let options = self.context.options;
+        let product = product(self.choices(), &mut automaton, &letters, from, options)?;
+        self.product_states = self.product_states.max(Some(product.accepting.len()));
+        Ok(product)
+    }
+
+    fn accepting_values(
+        &mut self,
+        product: &Product<E::Entry>,
+    ) -> Result<Vec<<E as Engine>::Value>, CheckError> {
+        let everywhere = vec![true; product.accepting.len()];
+        let choices = product.choices();
+        let steps = (0, None);
+        if choices.is_chain() {
+            let (matrix, target) = (&product.matrix, &product.accepting);
+            let (values, rounds) = E::until(matrix, &everywhere, target, steps, &self.context)?;
+            self.iterations += rounds;
+            return Ok(values);
+        }
+        let (values, _, rounds) = reachability::until::<E>(
+            choices,
+            &everywhere,
+            &product.accepting,
+            steps,
+            true,
+            &self.context,
+        )?;
+        self.iterations += rounds;
+        // A scheduler of the product remembers the automaton's state, which a choice for each state cannot say.
+        self.scheduler = None;
+        Ok(values)
+    }
+
+    /// The scheduler that was found, with no entry where nothing is chosen.
+    pub(super) fn found_scheduler(&mut self) -> Option<Vec<Option<usize>>> {
+        let scheduler = self.scheduler.take()?;
+        let choice = |row: usize| (row != NO_ROW).then_some(row);
+        Some(scheduler.into_iter().map(choice).collect())
+    }
+}

@@ -1,0 +1,181 @@
+//! Long-run averages: rewards for each step (or unit of time), and the share of time spent in states.
+//!
+//! *Definition.* The limit of the expected reward in `n` steps (in time `t`) over `n` (over `t`), its optimum
+//! over schedulers. With probability 1 a path ends in an end component; within one the optimum, its *gain*, is
+//! the same for all states. So the value is the optimum of the expected gain of the component in which the path
+//! stays: [`crate::optimum`] with maximal end components collapsed that may stop with their gain.
+//!
+//! *Gain of a component*, without alternatives: with a state `z`, the expected reward of a round trip from `z`
+//! over its expected time (renewal theorem), both by elimination ([`crate::elimination`]) without subtraction,
+//! hence with small relative error. If that takes too long, or with alternatives: for any numbers `x`
+//!
+//! ```text
+//! min_i d_i  <=  gain  <=  max_i d_i       d_i = opt over c of  r_c + sum_j p_cj (x_j - x_i)
+//! ```
+//!
+//! (Puterman 1994, theorem 8.5.5); `x` is improved by `x_i += d_i / 2` until the bounds are close. `d` is
+//! computed to nearest and its rounding error added. The same holds with rates for `p`, per unit of time.
+//!
+//! Source: Puterman 1994, chapters 8 and 9; Ashok, Chatterjee, Daca, Křetínský and Meggendorfer 2017, "Value
+//! iteration for long-run average reward in Markov decision processes". Guarantee: that of the engine; exact
+//! arithmetic solves models without alternatives only.
+
+use prism_lang::Arithmetic;
+
+use crate::amount::Amount;
+use crate::answer::CheckError;
+use crate::choices::Choices;
+use crate::elimination::{GivenUp, System};
+use crate::engine::{Context, Numbers};
+use crate::graph::{EndComponent, maximal_end_components};
+use crate::quotient::{Optimal, Quotient};
+use crate::rewards::Part;
+use crate::rounding::{Bounds, UNIT};
+
+mod iteration;
+use iteration::Iteration;
+
+/// Multiplications that are spent on eliminating a component.
+const BUDGET: u64 = 300_000_000;
+
+/// The long-run average of rewards that are not negative, in all states.
+///
+/// `embedded` has the probabilities by which components are reached, `rates` those (or the rates) by which time
+/// passes; they are the same matrix in discrete time. `part.row` is earned per step, or per unit of time.
+pub(crate) fn average<E: Numbers>(
+    embedded: Choices<'_, E::Entry>,
+    rates: Choices<'_, E::Entry>,
+    part: &Part<E::Amount>,
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<Optimal<E::Amount>, CheckError> {
+    let everywhere = vec![true; embedded.num_states()];
+    let components = maximal_end_components(embedded, &everywhere, |_| true);
+    let mut gains = Vec::with_capacity(components.len());
+    let mut local = vec![u32::MAX; everywhere.len()];
+    let mut iterations = 0;
+    for component in &components {
+        context.options.check_cancelled()?;
+        let (gain, rounds) = gain::<E>(rates, part, component, maximise, &mut local, context)?;
+        gains.push(gain);
+        iterations += rounds;
+    }
+    let mut quotient = Quotient::new(embedded, maximise);
+    quotient.collapse(components);
+    for (class, gain) in gains.into_iter().enumerate() {
+        quotient.stops.push((class as u32, gain));
+    }
+    quotient.separate(&everywhere);
+    let mut optimal = quotient.solve::<E>(&E::Amount::zero(), context)?;
+    optimal.iterations += iterations;
+    Ok(optimal)
+}
+
+fn gain<E: Numbers>(
+    rates: Choices<'_, E::Entry>,
+    part: &Part<E::Amount>,
+    component: &EndComponent,
+    maximise: bool,
+    local: &mut [u32],
+    context: &Context<'_>,
+) -> Result<(E::Amount, u64), CheckError> {
+    if component.rows.iter().all(|row| part.is_free(*row)) {
+        return Ok((E::Amount::zero(), 0));
+    }
+    for (place, state) in component.states.iter().enumerate() {
+        local[*state as usize] = place as u32;
+    }
+    let mut found = None;
+    if component.rows.len() == component.states.len() {
+        found = round_trip::<E>(rates, part, component, local, context)?.map(|gain| (gain, 0));
+    }
+    let found = match found {
+        Some(found) => Ok(found),
+        None => match E::floats(rates.matrix) {
+            Some(matrix) => {
+                let rewards: Vec<Bounds> =
+                    component.rows.iter().map(|row| part.row[*row].bounds()).collect();
+                let rows = |state: u32| rates.rows(state as usize);
+                let work = Iteration::new(matrix, rows, &rewards, component, local);
+                let found = work.run(maximise, context);
+                found.map(|(bounds, rounds)| (E::from_bounds(bounds), rounds))
+            }
+            None => Err(CheckError::Unsupported(
+                "long-run averages over schedulers cannot be computed exactly yet: use the sound method"
+                    .to_owned(),
+            )),
+        },
+    };
+    component
+        .states
+        .iter()
+        .for_each(|state| local[*state as usize] = u32::MAX);
+    found
+}
+
+/// Expected reward over expected time of a round trip; nothing if that takes too long.
+fn round_trip<E: Numbers>(
+    rates: Choices<'_, E::Entry>,
+    part: &Part<E::Amount>,
+    component: &EndComponent,
+    local: &[u32],
+    context: &Context<'_>,
+) -> Result<Option<E::Amount>, CheckError> {
+    let entry = |amount: &E::Amount, high: bool| E::entry_of(amount, high);
+    let one = <E::Entry as Arithmetic>::one;
+    let zero = <E::Entry as Arithmetic>::zero;
+    let mut system: System<E::Entry, 4> = System {
+        rows: Vec::new(),
+        rhs: Vec::new(),
+    };
+    let mut first = Vec::new();
+    for (place, row) in component.rows.iter().enumerate() {
+        let (mut entries, mut back) = (Vec::new(), zero());
+        for (target, p) in rates.matrix.row(*row) {
+            match local[target] as usize {
+                to if to == place => {}
+                0 => back = back.add(p),
+                to => entries.push((to as u32 - 1, p.clone())),
+            }
+        }
+        entries.sort_unstable_by_key(|(column, _)| *column);
+        let reward = &part.row[*row];
+        let rhs = [back, entry(reward, false), entry(reward, true), one()];
+        match place {
+            0 => first = vec![(entries, rhs)],
+            _ => {
+                system.rows.push(entries);
+                system.rhs.push(rhs);
+            }
+        }
+    }
+    let cancelled = || context.options.cancel.is_some_and(|cancel| cancel());
+    let budget = if <E::Entry as Arithmetic>::EXACT {
+        u64::MAX
+    } else {
+        BUDGET
+    };
+    let solution = match system.solve(budget, &cancelled) {
+        Ok(solution) => solution,
+        Err(GivenUp::Cancelled) => return Err(CheckError::Cancelled),
+        Err(_) => return Ok(None),
+    };
+    let Some((entries, [_, low, high, time])) = first.pop() else {
+        return Ok(None);
+    };
+    let mut sums = [low, high, time];
+    for (column, p) in &entries {
+        for (place, sum) in sums.iter_mut().enumerate() {
+            *sum = sum.add(&p.mul(&solution.values[*column as usize][place + 1]));
+        }
+    }
+    let [low, high, time] = sums;
+    let size = component.states.len() as f64;
+    let error = 2.0 * solution.relative_error
+        + 4.0 * (size + 1.0) * context.entry_error
+        + (4 * entries.len() + 8) as f64 * UNIT;
+    match (low.div(&time), high.div(&time)) {
+        (Some(low), Some(high)) => Ok(Some(E::between(&low, &high, error))),
+        _ => Ok(None),
+    }
+}
