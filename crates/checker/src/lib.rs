@@ -41,6 +41,7 @@ mod amount;
 mod answer;
 mod check;
 pub mod choices;
+mod co_safe;
 mod elimination;
 mod engine;
 mod evaluate;

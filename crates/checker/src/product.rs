@@ -23,6 +23,7 @@ use temporal::automaton::Automaton;
 
 use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
+use crate::co_safe::CoSafe;
 use crate::graph::{EndComponent, maximal_end_components};
 use crate::state_space::Csr;
 
@@ -39,8 +40,6 @@ pub(crate) struct Product<N> {
     pub start: Vec<usize>,
     /// States of accepting end components.
     pub accepting: Vec<bool>,
-    /// States in which the automaton has accepted for good.
-    pub accepted: Vec<bool>,
     /// The model's state of each state.
     pub state: Vec<u32>,
     /// The model's row of each row; `None` where the verdict is settled and the product stops.
@@ -53,9 +52,33 @@ impl<N> Product<N> {
     }
 }
 
-struct Builder<'a, N> {
+/// A deterministic automaton that is walked together with the model.
+pub(crate) trait Reader {
+    /// The state before the first letter.
+    fn start(&self) -> u32;
+    /// The state after a letter.
+    fn read(&mut self, state: u32, letter: u64) -> Result<u32, CheckError>;
+    /// The verdict, where no letter can change it.
+    fn verdict(&self, state: u32) -> Option<bool>;
+}
+
+impl Reader for Automaton {
+    fn start(&self) -> u32 {
+        self.initial()
+    }
+
+    fn read(&mut self, state: u32, letter: u64) -> Result<u32, CheckError> {
+        Ok(self.step(state, letter)?.state)
+    }
+
+    fn verdict(&self, state: u32) -> Option<bool> {
+        self.decided(state)
+    }
+}
+
+struct Builder<'a, N, R> {
     model: Choices<'a, N>,
-    automaton: &'a mut Automaton,
+    automaton: &'a mut R,
     letters: &'a [u64],
     states: Vec<(u32, u32)>,
     index: FxHashMap<(u32, u32), u32>,
@@ -70,50 +93,76 @@ pub(crate) fn product<N: Arithmetic>(
     from: &[usize],
     options: &Options<'_>,
 ) -> Result<Product<N>, CheckError> {
-    let mut builder = Builder {
-        model,
-        automaton,
-        letters,
-        states: Vec::new(),
-        index: FxHashMap::default(),
-        limit: options.product_limit.min(SETTLED[0] as usize),
-    };
-    let initial = builder.automaton.initial();
-    let start = (from.iter())
-        .map(|state| Ok(builder.enter(*state, initial)? as usize))
-        .collect::<Result<Vec<_>, CheckError>>()?;
-    let mut matrix = Csr::with_capacity(model.num_states());
-    let (mut choice_start, mut origin) = (vec![0], Vec::new());
-    let mut next = 0;
-    while next < builder.states.len() {
-        if next % 4096 == 0 {
-            options.check_cancelled()?;
-        }
-        builder.rows(next, &mut matrix, &mut origin)?;
-        choice_start.push(matrix.num_rows());
-        next += 1;
-    }
-    if model.is_chain() {
-        choice_start.clear();
-    }
-    let accepting = builder.accepting(&matrix, &choice_start)?;
-    let (state, verdicts): (Vec<u32>, Vec<u32>) = builder.states.into_iter().unzip();
-    Ok(Product {
-        matrix,
-        choice_start,
-        start,
-        accepting,
-        accepted: verdicts.iter().map(|q| *q == SETTLED[1]).collect(),
-        state,
-        origin,
-    })
+    let mut builder = Builder::new(model, automaton, letters, options);
+    let mut product = builder.build(from, options)?;
+    product.accepting = builder.accepting(&product.matrix, &product.choice_start)?;
+    Ok(product)
 }
 
-impl<N: Arithmetic> Builder<'_, N> {
+/// The same with the automaton of a co-safe formula; accepting states are those in which it has accepted.
+pub(crate) fn co_safe_product<N: Arithmetic>(
+    model: Choices<'_, N>,
+    automaton: &mut CoSafe,
+    letters: &[u64],
+    from: &[usize],
+    options: &Options<'_>,
+) -> Result<Product<N>, CheckError> {
+    Builder::new(model, automaton, letters, options).build(from, options)
+}
+
+impl<'a, N: Arithmetic, R: Reader> Builder<'a, N, R> {
+    fn new(
+        model: Choices<'a, N>,
+        automaton: &'a mut R,
+        letters: &'a [u64],
+        options: &Options<'_>,
+    ) -> Self {
+        Self {
+            model,
+            automaton,
+            letters,
+            states: Vec::new(),
+            index: FxHashMap::default(),
+            limit: options.product_limit.min(SETTLED[0] as usize),
+        }
+    }
+
+    fn build(&mut self, from: &[usize], options: &Options<'_>) -> Result<Product<N>, CheckError> {
+        let initial = self.automaton.start();
+        let start = (from.iter())
+            .map(|state| Ok(self.enter(*state, initial)? as usize))
+            .collect::<Result<Vec<_>, CheckError>>()?;
+        let mut matrix = Csr::with_capacity(self.model.num_states());
+        let (mut choice_start, mut origin) = (vec![0], Vec::new());
+        let mut next = 0;
+        while next < self.states.len() {
+            if next % 4096 == 0 {
+                options.check_cancelled()?;
+            }
+            self.rows(next, &mut matrix, &mut origin)?;
+            choice_start.push(matrix.num_rows());
+            next += 1;
+        }
+        if self.model.is_chain() {
+            choice_start.clear();
+        }
+        let accepted = |(_, q): &(u32, u32)| *q == SETTLED[1];
+        Ok(Product {
+            matrix,
+            choice_start,
+            start,
+            accepting: self.states.iter().map(accepted).collect(),
+            state: self.states.iter().map(|(state, _)| *state).collect(),
+            origin,
+        })
+    }
+}
+
+impl<N: Arithmetic, R: Reader> Builder<'_, N, R> {
     /// The product state reached when the model enters `state` while the automaton is in `before`.
     fn enter(&mut self, state: usize, before: u32) -> Result<u32, CheckError> {
-        let after = self.automaton.step(before, self.letters[state])?.state;
-        let after = match self.automaton.decided(after) {
+        let after = self.automaton.read(before, self.letters[state])?;
+        let after = match self.automaton.verdict(after) {
             Some(verdict) => SETTLED[usize::from(verdict)],
             None => after,
         };
@@ -153,7 +202,9 @@ impl<N: Arithmetic> Builder<'_, N> {
         }
         Ok(())
     }
+}
 
+impl<N: Arithmetic> Builder<'_, N, Automaton> {
     fn accepting(
         &mut self,
         matrix: &Csr<N>,

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use prism_lang::ast::{BinaryOp, Optimum, Type};
 use prism_lang::property::Quantity;
-use prism_lang::{Function, Number};
+use prism_lang::{EvalError, EvalErrorKind, Expr, ExprKind, Function, Number};
 
 use super::Evaluator;
 use crate::amount::Amount;
@@ -78,13 +78,18 @@ impl<E: Numbers> Evaluator<'_, E> {
             let values = self.space.state(*state);
             match expr.eval_number::<Number>(&values) {
                 Ok(number) => Ok(E::Amount::literal(&number)),
-                Err(error) => Err(CheckError::State(StateError::NoValue {
-                    error,
-                    state: self.space.describe(*state),
-                })),
+                Err(error) if has_limit(&error) => {
+                    limit::<E::Amount>(expr, &values).map_err(|error| self.no_value(error, *state))
+                }
+                Err(error) => Err(self.no_value(error, *state)),
             }
         };
         from.iter().map(value).collect()
+    }
+
+    fn no_value(&self, error: EvalError, state: usize) -> CheckError {
+        let state = self.space.describe(state);
+        CheckError::State(StateError::NoValue { error, state })
     }
 
     /// Whether two quantities compare so, in the states `from`.
@@ -100,6 +105,47 @@ impl<E: Numbers> Evaluator<'_, E> {
             .zip(&b)
             .map(|(a, b)| compare(operator, a, b))
             .collect()
+    }
+}
+
+/// Whether arithmetic with infinities, as in PRISM's properties, has an answer where that of models has none.
+fn has_limit(error: &EvalError) -> bool {
+    matches!(
+        error.kind,
+        EvalErrorKind::DivisionByZero | EvalErrorKind::NotReal
+    )
+}
+
+/// A real expression in which a division by zero is an infinity, or undefined.
+fn limit<A: Amount>(expr: &Expr, state: &[i64]) -> Result<A, EvalError> {
+    match expr.eval_number::<Number>(state) {
+        Ok(number) => return Ok(A::literal(&number)),
+        Err(error) if !has_limit(&error) => return Err(error),
+        Err(_) => {}
+    }
+    let undefined = |_| EvalError {
+        kind: EvalErrorKind::NotReal,
+        span: expr.span,
+    };
+    match &expr.kind {
+        ExprKind::Unary(_, a) => Ok(limit::<A>(a, state)?.negative()),
+        ExprKind::Binary(operator, a, b) => {
+            let integers = a.ty == Type::Int && b.ty == Type::Int && *operator == BinaryOp::Power;
+            let (a, b) = (limit::<A>(a, state)?, limit::<A>(b, state)?);
+            binary(*operator, &a, &b, integers).map_err(undefined)
+        }
+        ExprKind::IfThenElse(condition, a, b) => match condition.eval_bool(state)? {
+            true => limit(a, state),
+            false => limit(b, state),
+        },
+        ExprKind::Call(function, arguments) => {
+            let arguments = arguments.iter().map(|a| limit::<A>(a, state));
+            call(*function, arguments.collect::<Result<_, _>>()?).map_err(undefined)
+        }
+        _ => Err(EvalError {
+            kind: EvalErrorKind::NotReal,
+            span: expr.span,
+        }),
     }
 }
 

@@ -9,12 +9,14 @@ use super::timed::transient_failed;
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
+use crate::co_safe::CoSafe;
 use crate::engine::{Context, Numbers};
 use crate::long_run;
+use crate::product::co_safe_product;
 use crate::quotient::Optimal;
 use crate::rewards::{self, Part, RewardModel, by_sign};
 use crate::rounding::{Bounds, UNIT};
-use crate::shape::read_path;
+use crate::shape::{letters, read_path};
 use crate::transient::{Sum, Transient};
 
 impl<E: Numbers> Evaluator<'_, E> {
@@ -219,8 +221,12 @@ impl<E: Numbers> Evaluator<'_, E> {
         from: &[usize],
     ) -> Result<Vec<E::Amount>, CheckError> {
         let mut sets = Vec::new();
-        let formula = read_path(path, &mut sets, &mut |f| self.set(f))?.simplify();
-        let product = self.product(&formula, &sets, from)?;
+        let formula = read_path(path, &mut sets, &mut |f| self.set(f))?;
+        let mut automaton = CoSafe::new(&formula)?;
+        let letters = letters(&sets, self.space.num_states());
+        let options = self.context.options;
+        let product = co_safe_product(self.choices(), &mut automaton, &letters, from, options)?;
+        self.product_states = self.product_states.max(Some(product.accepting.len()));
         let model = self.per_step(by_time);
         let lifted = |part: &Part<E::Amount>| Part {
             state: product
@@ -238,7 +244,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         };
         let context: &Context<'_> = &self.context;
         let choices = product.choices();
-        let optimal = rewards::reach::<E>(choices, &model, &product.accepted, maximise, context)?;
+        let optimal = rewards::reach::<E>(choices, &model, &product.accepting, maximise, context)?;
         self.iterations += optimal.iterations;
         self.scheduler = None;
         Ok(product
