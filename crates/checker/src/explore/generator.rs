@@ -184,23 +184,7 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         self.picks.clear();
         self.picks.resize(slots.len(), 0);
         loop {
-            let first = batch.probabilities.len();
-            self.start(state, batch);
-            for slot in 0..slots.len() {
-                let command = self.ready[slot][self.picks[slot]];
-                match &self.commands[command] {
-                    CompiledCommand {
-                        simple: Some(factor),
-                        updates,
-                        ..
-                    } => {
-                        let outcomes = first..batch.probabilities.len();
-                        self.outcomes(&updates[0], factor, state, outcomes, batch)?;
-                    }
-                    _ => self.apply(command, state, first, batch)?,
-                }
-            }
-            self.check_products(state, first, batch)?;
+            self.picked(slots.len(), state, batch)?;
             self.finish(action, batch);
             let next = (0..slots.len()).find(|s| self.picks[*s] + 1 < self.ready[*s].len());
             let Some(slot) = next else {
@@ -209,6 +193,29 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
             self.picks[slot] += 1;
             self.picks[..slot].fill(0);
         }
+    }
+
+    /// The outcomes of the commands that are picked, one of each slot.
+    fn picked(
+        &mut self,
+        slots: usize,
+        state: &[u64],
+        batch: &mut Batch<N>,
+    ) -> Result<(), ExploreError> {
+        let first = batch.probabilities.len();
+        self.start(state, batch);
+        for slot in 0..slots {
+            let number = self.ready[slot][self.picks[slot]];
+            let command = &self.commands[number];
+            match &command.simple {
+                Some(factor) => {
+                    let outcomes = first..batch.probabilities.len();
+                    self.outcomes(&command.updates[0], factor, state, outcomes, batch)?;
+                }
+                None => self.apply(number, state, first, batch)?,
+            }
+        }
+        self.check_products(state, first, batch)
     }
 
     fn find_ready(&mut self, slots: &[SlotBits], enabled: &[u64]) {
@@ -266,61 +273,54 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
         first: usize,
         batch: &mut Batch<N>,
     ) -> Result<(), ExploreError> {
+        let mut updates = std::mem::take(&mut self.commands[command].updates);
+        let result = self.multiply(command, &mut updates, state, first, batch);
+        self.commands[command].updates = updates;
+        let sum = result?;
+        let known = &mut self.commands[command];
+        if !known.sum_known {
+            known.sum_known = known.is_constant;
+            check_sum(&sum, known.source.span, state, self.compiler)?;
+        }
+        Ok(())
+    }
+
+    /// Multiplies the outcomes from `first` on with updates; returns the sum of their probabilities.
+    fn multiply(
+        &mut self,
+        command: usize,
+        updates: &mut [CompiledUpdate<'m, N>],
+        state: &[u64],
+        first: usize,
+        batch: &mut Batch<N>,
+    ) -> Result<N, ExploreError> {
         let words = self.compiler.layout.words();
         let before = batch.probabilities.len() - first;
-        let mut compiled = std::mem::take(&mut self.commands[command].updates);
-        let mut sum = N::zero();
-        let sum_known = self.commands[command].sum_known;
-        let mut result = Ok(());
-        let mut place = first;
-        let several = compiled.len() > 1;
+        let several = updates.len() > 1;
         if several {
             self.kept.keep(first, words, batch);
         }
-        for (index, update) in compiled.iter_mut().enumerate() {
-            let factor = match update.probability.value(state, self.compiler, probability) {
-                Ok(factor) => factor,
-                Err(bad) => {
-                    result = Err(bad_probability(
-                        bad,
-                        self.place(command, index),
-                        state,
-                        self.compiler,
-                    ));
-                    break;
-                }
-            };
-            if !sum_known {
-                sum = sum.add(&factor.value);
-            }
+        let mut sum = N::zero();
+        let mut place = first;
+        for (index, update) in updates.iter_mut().enumerate() {
+            let factor =
+                (update.probability.value(state, self.compiler, probability)).map_err(|bad| {
+                    bad_probability(bad, self.place(command, index), state, self.compiler)
+                })?;
+            sum = sum.add(&factor.value);
             if factor.value.is_zero() {
                 continue;
             }
             if several {
                 self.kept.restore(place, words, batch);
             }
-            result = self.outcomes(update, &factor, state, place..place + before, batch);
-            if result.is_err() {
-                break;
-            }
+            self.outcomes(update, &factor, state, place..place + before, batch)?;
             place += before;
         }
         batch.targets.truncate(place * words);
         batch.probabilities.truncate(place);
         batch.roundings.truncate(place);
-        self.commands[command].updates = compiled;
-        result?;
-        if !sum_known {
-            let known = &mut self.commands[command];
-            known.sum_known = known.is_constant;
-            check_sum(
-                &sum,
-                self.commands[command].source.span,
-                state,
-                self.compiler,
-            )?;
-        }
-        Ok(())
+        Ok(sum)
     }
 
     fn place(&self, command: usize, update: usize) -> Span {

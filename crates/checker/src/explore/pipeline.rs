@@ -92,28 +92,18 @@ impl<N: Arithmetic> Explorer<'_, N> {
         let mut spare = vec![Batch::new()];
         let mut sent = self.assembly.states();
         let mut away = 0;
-        loop {
+        while self.open() > 0 {
             self.go_on(progress)?;
             if away == 0 && self.open() < FEW {
-                if self.open() == 0 {
-                    return Ok(());
-                }
-                let mut batch = spare.pop().unwrap_or_else(Batch::new);
-                self.step(&mut batch)?;
-                spare.push(batch);
+                self.step(&mut spare[0])?;
                 sent = self.assembly.states();
                 continue;
             }
             while away < AHEAD && sent < self.interner.len() {
-                let mut batch = spare.pop().unwrap_or_else(Batch::new);
-                batch.clear();
-                let (least, most) = HANDED_OVER;
-                let size = (self.open() / AHEAD).clamp(least, most);
-                let end = self.interner.len().min(sent + size);
-                batch
-                    .states
-                    .extend_from_slice(self.interner.states(sent..end));
-                sent = end;
+                // One stays for the steps on this thread.
+                let kept = if spare.len() > 1 { spare.pop() } else { None };
+                let mut batch = kept.unwrap_or_else(Batch::new);
+                sent = self.hand_out(sent, &mut batch);
                 away += 1;
                 // If the other thread is gone, it has panicked, and receiving fails below.
                 let _ = hand_out.send(batch);
@@ -125,6 +115,19 @@ impl<N: Arithmetic> Explorer<'_, N> {
             self.take(&mut batch)?;
             spare.push(batch);
         }
+        Ok(())
+    }
+
+    /// Puts the states from `sent` on into a batch; returns the first that did not fit.
+    fn hand_out(&self, sent: usize, batch: &mut Batch<N>) -> usize {
+        let (least, most) = HANDED_OVER;
+        let size = (self.open() / AHEAD).clamp(least, most);
+        let end = self.interner.len().min(sent + size);
+        batch.clear();
+        batch
+            .states
+            .extend_from_slice(self.interner.states(sent..end));
+        end
     }
 }
 

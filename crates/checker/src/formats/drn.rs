@@ -64,17 +64,28 @@ impl<N: Written + Arithmetic> Explicit<'_, N> {
                 write!(out, " {name}")?;
             }
             writeln!(out)?;
-            for (choice, row) in space.choices(*state).enumerate() {
-                let action = space.action(row).map(|a| space.actions()[a].clone());
-                write!(out, "\taction {}", action.unwrap_or(choice.to_string()))?;
-                write_list(
-                    out,
-                    rewards.iter().map(|(_, r)| self.mean(r, row).written()),
-                )?;
-                writeln!(out)?;
-                for (target, at) in self.row(row) {
-                    writeln!(out, "\t\t{target} : {}", space.matrix.value[at].written())?;
-                }
+            self.write_choices(*state, &rewards, out)?;
+        }
+        Ok(())
+    }
+
+    fn write_choices(
+        &self,
+        state: usize,
+        rewards: &[(usize, &Rewards<N>)],
+        out: &mut dyn Write,
+    ) -> Result<()> {
+        let space = self.space;
+        for (choice, row) in space.choices(state).enumerate() {
+            let action = space.action(row).map(|a| space.actions()[a].clone());
+            write!(out, "\taction {}", action.unwrap_or(choice.to_string()))?;
+            write_list(
+                out,
+                rewards.iter().map(|(_, r)| self.mean(r, row).written()),
+            )?;
+            writeln!(out)?;
+            for (target, at) in self.row(row) {
+                writeln!(out, "\t\t{target} : {}", space.matrix.value[at].written())?;
             }
         }
         Ok(())
@@ -186,40 +197,43 @@ pub fn read_drn<N: Arithmetic>(text: &str) -> std::result::Result<StateSpace<N>,
 
 type Told<T> = std::result::Result<T, String>;
 
+/// The kind of model that Storm's name says.
+fn kind_of(name: &str) -> Told<ModelType> {
+    match name.to_lowercase().as_str() {
+        "dtmc" => Ok(ModelType::Dtmc),
+        "ctmc" => Ok(ModelType::Ctmc),
+        "mdp" => Ok(ModelType::Mdp),
+        other => Err(format!("models of type `{other}` cannot be read yet")),
+    }
+}
+
 impl<N: Arithmetic> Drn<N> {
     fn head(text: &str) -> std::result::Result<Self, ExplicitError> {
         let reader = Reader { file: "drn" };
-        let mut lines = text.lines().enumerate().map(|(at, l)| (at + 1, l.trim()));
         let (mut kind, mut names, mut states) = (None, Vec::new(), None);
+        let mut lines = text.lines().map(str::trim).enumerate().peekable();
         while let Some((at, line)) = lines.next() {
-            let next = |lines: &mut dyn Iterator<Item = (usize, &str)>| {
-                lines.next().map_or(String::new(), |(_, l)| l.to_owned())
-            };
+            let wrong = |message: String| reader.error(at + 1, message);
+            let below = lines.peek().map_or("", |(_, below)| *below);
             match line {
                 "@model" => break,
-                "@parameters" if !next(&mut lines).is_empty() => {
-                    return Err(reader.error(at, "parameters are not supported: give them values"));
+                "@parameters" if !below.is_empty() && !below.starts_with('@') => {
+                    return Err(wrong(
+                        "parameters are not supported: give them values".to_owned(),
+                    ));
                 }
                 "@placeholders" => {
-                    return Err(reader.error(at, "placeholders are not supported: write numbers"));
+                    return Err(wrong(
+                        "placeholders are not supported: write numbers".to_owned(),
+                    ));
                 }
-                "@reward_models" => {
-                    let line = next(&mut lines);
-                    names = line.split_whitespace().map(str::to_owned).collect();
+                "@reward_models" if !below.starts_with('@') => {
+                    names = below.split_whitespace().map(str::to_owned).collect();
                 }
-                "@nr_states" => states = next(&mut lines).parse::<usize>().ok(),
+                "@nr_states" => states = below.parse::<usize>().ok(),
                 line => {
                     if let Some(name) = line.strip_prefix("@type:") {
-                        kind = Some(match name.trim().to_lowercase().as_str() {
-                            "dtmc" => ModelType::Dtmc,
-                            "ctmc" => ModelType::Ctmc,
-                            "mdp" => ModelType::Mdp,
-                            other => {
-                                let message =
-                                    format!("models of type `{other}` cannot be read yet");
-                                return Err(reader.error(at, message));
-                            }
-                        });
+                        kind = Some(kind_of(name.trim()).map_err(wrong)?);
                     }
                 }
             }
@@ -227,19 +241,23 @@ impl<N: Arithmetic> Drn<N> {
         let kind = kind.ok_or_else(|| reader.error(1, "`@type` is missing"))?;
         let states = states.filter(|s| *s <= text.len() && *s < u32::MAX as usize);
         let states = states.ok_or_else(|| reader.error(1, "`@nr_states` is missing or wrong"))?;
-        let none = || names.iter().map(|_| Vec::new()).collect();
-        Ok(Self {
+        Ok(Self::empty(kind, names, states))
+    }
+
+    fn empty(kind: ModelType, names: Vec<String>, states: usize) -> Self {
+        let none: Vec<Vec<N>> = names.iter().map(|_| Vec::new()).collect();
+        Self {
             kind,
-            state_rewards: none(),
-            choice_rewards: none(),
-            reward_names: names.clone(),
+            state_rewards: none.clone(),
+            choice_rewards: none,
+            reward_names: names,
             labels: std::collections::BTreeMap::new(),
             states,
             rows: Vec::new(),
             starts: Vec::new(),
             actions: Vec::new(),
             choice_action: Vec::new(),
-        })
+        }
     }
 
     fn state(&mut self, number: &str, rest: &[&str], rewards: Vec<N>) -> Told<()> {
@@ -296,28 +314,24 @@ impl<N: Arithmetic> Drn<N> {
         Ok(())
     }
 
+    /// Whether all states and transitions are there.
+    fn check(&self) -> Told<()> {
+        if self.starts.len() != self.states + 1 {
+            let missing = self.states + 1 - self.starts.len();
+            return Err(format!("{missing} of {} states are missing", self.states));
+        }
+        if let Some(state) = (0..self.states).find(|s| self.starts[*s] == self.starts[s + 1]) {
+            return Err(format!("state {state} has no action"));
+        }
+        let mut rows = self.rows.iter();
+        rows.try_for_each(|row| super::read::check_row(self.kind, row))
+    }
+
     fn finish(mut self) -> Told<StateSpace<N>> {
-        if self.starts.len() != self.states {
-            return Err(format!(
-                "{} of {} states are missing",
-                self.states - self.starts.len(),
-                self.states
-            ));
-        }
         self.starts.push(self.rows.len());
-        for state in 0..self.states {
-            if self.starts[state] == self.starts[state + 1] {
-                return Err(format!("state {state} has no action"));
-            }
-        }
-        for row in &self.rows {
-            super::read::check_row(self.kind, row)?;
-        }
-        let starts = if self.kind.has_choices() {
-            self.starts
-        } else {
-            Vec::new()
-        };
+        self.check()?;
+        let has_choices = self.kind.has_choices();
+        let starts = if has_choices { self.starts } else { Vec::new() };
         let matrix = Csr::from_rows(self.rows);
         let flags = self.labels.remove("init");
         let flags = flags.ok_or("no state has the label `init`")?;
@@ -325,15 +339,11 @@ impl<N: Arithmetic> Drn<N> {
         self.labels.remove("deadlock");
         let labels = self.labels.into_iter().collect();
         let mut space = StateSpace::from_parts(self.kind, matrix, starts, initial, labels);
-        if self.kind.has_choices() {
+        if has_choices {
             (space.actions, space.choice_action) = (self.actions, self.choice_action);
         }
-        let each = self
-            .reward_names
-            .into_iter()
-            .zip(self.state_rewards)
-            .zip(self.choice_rewards);
-        for ((name, state), choice) in each {
+        let states = self.reward_names.into_iter().zip(self.state_rewards);
+        for ((name, state), choice) in states.zip(self.choice_rewards) {
             let mut rewards = Rewards::of_states(state);
             if choice.iter().any(|r| !r.is_zero()) {
                 rewards.transition = TransitionRewards::Row(choice);

@@ -207,62 +207,63 @@ type Entry<'t, N> = (u32, N, Option<&'t str>);
 fn transitions<N: Arithmetic>(files: &ExplicitFiles<'_>) -> Read<(StateSpace<N>, Vec<usize>)> {
     let mut lines = lines("tra", files.transitions);
     let head = lines.next().ok_or_else(|| empty("tra"))?;
+    let (kind, states, choices) = counts(&head, files)?;
+    let at = usize::from(kind.has_choices());
+    let mut rows: Vec<BTreeMap<usize, Vec<Entry<'_, N>>>> = vec![BTreeMap::new(); states];
+    for line in lines {
+        let from = line.index(0, states, "state")?;
+        let choice = match choices {
+            Some(choices) => line.index(1, choices, "choice")?,
+            None => 0,
+        };
+        let target = line.index(at + 1, states, "state")?;
+        let (value, action) = match kind {
+            ModelType::Lts => (N::one(), at + 2),
+            _ => (line.number::<N>(at + 2)?, at + 3),
+        };
+        if !value.is_non_negative() {
+            return Err(line.error("this is negative: give a probability or a rate"));
+        }
+        if !value.is_zero() {
+            let action = line.words.get(action).copied();
+            let row = rows[from].entry(choice).or_default();
+            row.push((target as u32, value, action));
+        }
+    }
+    assemble(kind, rows, &head)
+}
+
+/// The kind of model, and its numbers of states and choices (none in a chain), from the first line.
+fn counts(head: &Line<'_>, files: &ExplicitFiles<'_>) -> Read<(ModelType, usize, Option<usize>)> {
     let counts = head.words.iter().map(|w| w.parse::<usize>().ok());
-    let counts: Option<Vec<usize>> = counts.collect();
-    let Some(counts @ ([_, _] | [_, _, _])) = counts.as_deref() else {
-        let message = "expected the numbers of states, (of choices,) and of transitions";
-        return Err(head.error(message));
+    let (states, choices) = match counts.collect::<Option<Vec<usize>>>().as_deref() {
+        Some([states, _]) => (*states, None),
+        Some([states, choices, _]) => (*states, Some(*choices)),
+        _ => {
+            let message = "expected the numbers of states, (of choices,) and of transitions";
+            return Err(head.error(message));
+        }
     };
-    let (states, has_choices) = (counts[0], counts.len() == 3);
     // Each state has a transition; this also keeps a wrong number from taking all memory.
     if states > files.transitions.len() || states >= u32::MAX as usize {
         return Err(head.error(format!("there are not enough lines for {states} states")));
     }
-    let guess = if has_choices {
-        ModelType::Mdp
-    } else {
-        ModelType::Dtmc
+    let guess = match choices {
+        Some(_) => ModelType::Mdp,
+        None => ModelType::Dtmc,
     };
     let kind = files
         .kind
         .or(named_kind(files.transitions))
         .unwrap_or(guess);
-    if kind.has_choices() != has_choices {
+    if kind.has_choices() != choices.is_some() {
         let message = format!(
             "a `{}` does not have a first line like this",
             kind.keyword()
         );
         return Err(head.error(message));
     }
-    let mut rows: Vec<BTreeMap<usize, Vec<Entry<'_, N>>>> = vec![BTreeMap::new(); states];
-    for line in lines {
-        let from = line.index(0, states, "state")?;
-        let at = usize::from(has_choices);
-        let choice = if has_choices {
-            line.index(1, counts[1], "choice")?
-        } else {
-            0
-        };
-        let target = line.index(at + 1, states, "state")?;
-        let value = match kind {
-            ModelType::Lts => N::one(),
-            _ => line.number::<N>(at + 2)?,
-        };
-        if !value.is_non_negative() {
-            return Err(line.error("this is negative: give a probability or a rate"));
-        }
-        let action = line
-            .words
-            .get(at + 3 - usize::from(kind == ModelType::Lts))
-            .copied();
-        if !value.is_zero() {
-            rows[from]
-                .entry(choice)
-                .or_default()
-                .push((target as u32, value, action));
-        }
-    }
-    assemble(kind, rows, &head)
+    Ok((kind, states, choices))
 }
 
 fn assemble<N: Arithmetic>(
@@ -330,52 +331,59 @@ pub(super) fn number_of(name: &str, names: &mut Vec<String>) -> u32 {
     }) as u32
 }
 
+/// The parts of `(a,b)`.
+fn tuple(text: &str) -> Vec<&str> {
+    let inner = text.trim().trim_start_matches('(').trim_end_matches(')');
+    let parts = inner.split(',').map(str::trim);
+    parts.filter(|w| !w.is_empty()).collect()
+}
+
 /// Variables, their layout, and the packed states.
 fn values(text: &str, states: usize) -> Read<(Vec<Variable>, Layout, Vec<u64>)> {
     let mut lines = lines("sta", text);
     let head = lines.next().ok_or_else(|| empty("sta"))?;
-    let list = |text: &str| -> Vec<String> {
-        let inner = text.trim().trim_start_matches('(').trim_end_matches(')');
-        inner
-            .split(',')
-            .map(|w| w.trim().to_owned())
-            .filter(|w| !w.is_empty())
-            .collect()
-    };
-    let names = list(&head.words.concat());
-    let mut rows = vec![None; states];
+    let whole = head.words.concat();
+    let names = tuple(&whole);
+    let mut rows: Vec<Option<Vec<i64>>> = vec![None; states];
     let mut are_bools = vec![true; names.len()];
     for line in lines {
         let whole = line.words.concat();
-        let (number, tuple) = whole.split_once(':').unwrap_or(("", &whole));
+        let (number, list) = whole.split_once(':').unwrap_or(("", &whole));
         let number: Option<usize> = number.parse().ok();
         let Some(place) = number.and_then(|n| rows.get_mut(n)) else {
-            return Err(line.error(format!(
-                "expected `state:(values)` with a state below {states}"
-            )));
+            return Err(line.error(format!("expected `state:(values)`, a state below {states}")));
         };
-        let mut values = Vec::new();
-        for (word, is_bool) in list(tuple).iter().zip(&mut are_bools) {
-            *is_bool &= matches!(word.as_str(), "true" | "false");
-            let value = match word.as_str() {
-                "true" => Some(1),
-                "false" => Some(0),
-                word => word.parse::<i64>().ok(),
-            };
-            values.push(value.ok_or_else(|| line.error(format!("`{word}` is no value")))?);
-        }
-        if values.len() != names.len() {
+        let words = tuple(list);
+        if words.len() != names.len() {
             return Err(line.error(format!("expected {} values", names.len())));
         }
-        *place = Some(values);
+        let value = |(word, is_bool): (&&str, &mut bool)| {
+            *is_bool &= matches!(*word, "true" | "false");
+            match *word {
+                "true" => Ok(1),
+                "false" => Ok(0),
+                word => (word.parse()).map_err(|_| line.error(format!("`{word}` is no value"))),
+            }
+        };
+        let values = words.iter().zip(&mut are_bools).map(value);
+        *place = Some(values.collect::<Read<Vec<i64>>>()?);
     }
     let rows: Option<Vec<Vec<i64>>> = rows.into_iter().collect();
     let rows = rows.ok_or_else(|| head.error("some state has no line: add it"))?;
-    let variables = names.into_iter().enumerate().map(|(v, name)| {
+    Ok(packed(&names, &are_bools, &rows))
+}
+
+/// Variables with the ranges that occur, their layout, and the packed states.
+fn packed(
+    names: &[&str],
+    are_bools: &[bool],
+    rows: &[Vec<i64>],
+) -> (Vec<Variable>, Layout, Vec<u64>) {
+    let variables = names.iter().enumerate().map(|(v, name)| {
         let each = || rows.iter().map(|r| r[v]);
         let (low, high) = (each().min().unwrap_or(0), each().max().unwrap_or(0));
         Variable {
-            name,
+            name: (*name).to_owned(),
             module: None,
             kind: match are_bools[v] {
                 true => VariableKind::Bool,
@@ -388,11 +396,11 @@ fn values(text: &str, states: usize) -> Read<(Vec<Variable>, Layout, Vec<u64>)> 
     let variables: Vec<Variable> = variables.collect();
     let layout = Layout::new(&variables);
     let words = layout.words();
-    let mut packed = vec![0; states * words];
+    let mut packed = vec![0; rows.len() * words];
     for (row, place) in rows.iter().zip(packed.chunks_exact_mut(words)) {
         layout.pack(row, place);
     }
-    Ok((variables, layout, packed))
+    (variables, layout, packed)
 }
 
 fn labels(text: &str, states: usize) -> Read<BTreeMap<String, Vec<bool>>> {
