@@ -35,8 +35,10 @@ mod plan;
 mod quotient;
 mod rewards;
 
-use prism_lang::Arithmetic;
+use std::collections::BTreeSet;
+
 use prism_lang::resolved::{Model, ModelType};
+use prism_lang::{Arithmetic, Property};
 
 use crate::state_space::{LabelStates, Layout, StateSpace};
 use assembly::Assembly;
@@ -77,6 +79,16 @@ impl Default for ExploreOptions {
 }
 
 impl ExploreOptions {
+    /// With the reward structures that these properties speak of.
+    pub fn for_properties<'p>(properties: impl IntoIterator<Item = &'p Property>) -> Self {
+        let structures = properties.into_iter().map(Property::reward_structures);
+        let needed = structures.fold(BTreeSet::new(), |all, of_one| &all | &of_one);
+        Self {
+            rewards: Some(needed.into_iter().collect()),
+            ..Self::default()
+        }
+    }
+
     /// Whether the rows of such a model are divided by their sums.
     fn weights(&self, kind: ModelType) -> bool {
         self.probabilities_are_weights && kind == ModelType::Dtmc

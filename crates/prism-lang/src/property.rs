@@ -7,6 +7,7 @@
 //! Constants, formulas, labels of the file and references to properties are written out.
 
 mod quantity;
+mod structures;
 
 pub use crate::ast::{Comparison, Optimum};
 pub use quantity::{

@@ -7,6 +7,7 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
 use crate::technique::model_checking::{sharp_complement, warning_line};
+use checker::explore::ExploreOptions;
 use checker::state_space::StateSpace;
 use checker::{Answer, AnswerValue, Guarantee, Options};
 use prism_lang::{Constants, NamedProperty, Rational, resolved};
@@ -99,11 +100,14 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
             .talk
             .say("warning: no property was given, so nothing is checked");
     }
-    let max_states = usize::try_from(arguments.max_states).unwrap_or(usize::MAX);
+    let limits = ExploreOptions {
+        max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
+        ..ExploreOptions::for_properties(asked.iter().map(|p| &p.property))
+    };
     let report = match arguments.method {
         Method::Exact => {
             let began = Instant::now();
-            let space = explore::<Rational>(&source, &model, max_states, setting)?;
+            let space = explore::<Rational>(&source, &model, &limits, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
                 |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
@@ -111,7 +115,7 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
         }
         _ => {
             let began = Instant::now();
-            let space = explore::<f64>(&source, &model, max_states, setting)?;
+            let space = explore::<f64>(&source, &model, &limits, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
                 |p: &NamedProperty, o: &Options| checker::check_space(&space, &p.property, o);
@@ -208,10 +212,10 @@ fn given_property(text: &str) -> Source {
 fn explore<N: prism_lang::Arithmetic>(
     source: &Source,
     model: &resolved::Model,
-    max_states: usize,
+    limits: &ExploreOptions,
     setting: &Setting,
 ) -> Result<StateSpace<N>, Problem> {
-    crate::technique::model_checking::explore(source, model, max_states, &|| {
+    crate::technique::model_checking::explore_within(source, model, limits.clone(), &|| {
         setting.interrupt.is_set()
     })
 }

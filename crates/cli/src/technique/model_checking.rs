@@ -15,7 +15,7 @@ mod point_values;
 mod robust;
 mod uncertainty;
 
-pub use answer::{explore, sharp_complement};
+pub use answer::{explore, explore_within, sharp_complement};
 
 use super::Produced;
 use crate::problem::{Problem, Source};

@@ -15,16 +15,22 @@ pub fn explore<N: prism_lang::Arithmetic>(
     max_states: usize,
     cancel: &dyn Fn() -> bool,
 ) -> Result<StateSpace<N>, Problem> {
+    let limits = ExploreOptions {
+        max_states,
+        ..ExploreOptions::default()
+    };
+    explore_within(source, model, limits, cancel)
+}
+
+/// The same with all limits, and a choice of reward structures.
+pub fn explore_within<N: prism_lang::Arithmetic>(
+    source: &Source,
+    model: &resolved::Model,
+    limits: ExploreOptions,
+    cancel: &dyn Fn() -> bool,
+) -> Result<StateSpace<N>, Problem> {
     let go_on = |_states: usize| !cancel();
-    explore_with(
-        model,
-        ExploreOptions {
-            max_states,
-            ..ExploreOptions::default()
-        },
-        &go_on,
-    )
-    .map_err(|error| {
+    explore_with(model, limits, &go_on).map_err(|error| {
         if error == ExploreError::Cancelled {
             return Problem::interrupted();
         }
