@@ -8,17 +8,14 @@
 //! entry, which names the counts that it was set to: agreement on them is a
 //! fit from then on.
 
-pub mod anchor;
 pub mod apply;
-pub mod diff;
-mod draws;
 mod forms;
 pub mod ledger_text;
-pub mod model_change;
 pub mod proposal;
 pub mod report;
 pub mod simulator;
 pub mod solver;
+pub mod suspects;
 
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 16] = [
+const CRATES: [(&str, u8, &[&str]); 17] = [
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
     ("stats", 0, &[]),
@@ -24,6 +24,7 @@ const CRATES: [(&str, u8, &[&str]); 16] = [
     ("testbench", 1, &["trace", "robot-model", "stimulus"]),
     ("campaign", 1, &["stats", "stimulus"]),
     ("evidence", 2, &["stats"]),
+    ("refinement", 2, &["prism-lang", "stats", "evidence"]),
     ("live", 2, &["trace", "recording"]),
     ("report", 2, &["evidence"]),
     (
@@ -36,7 +37,9 @@ const CRATES: [(&str, u8, &[&str]); 16] = [
             "trace",
             "checker",
             "requirement-lang",
+            "campaign",
             "evidence",
+            "refinement",
         ],
     ),
     (
@@ -55,6 +58,7 @@ const CRATES: [(&str, u8, &[&str]); 16] = [
             "testbench",
             "campaign",
             "evidence",
+            "refinement",
             "live",
             "report",
         ],

@@ -4,6 +4,7 @@ use crate::coverage::{Kind, coverage};
 use crate::family::Family;
 use crate::fault::Fault;
 use crate::random::Random;
+use crate::repair::{Repair, repair};
 use crate::score::{Score, score};
 use crate::study::Synthetic;
 use rayon::prelude::*;
@@ -17,6 +18,8 @@ pub struct Plan {
     pub sound: u64,
     /// Studies of the handover with each fault; its model has 15,623 states.
     pub handover: u64,
+    /// Studies of the corridor with each fault.
+    pub corridor: u64,
     /// From which everything is drawn.
     pub seed: u64,
 }
@@ -26,7 +29,8 @@ impl Plan {
     pub const FULL: Plan = Plan {
         studies: 60,
         sound: 400,
-        handover: 2,
+        handover: 4,
+        corridor: 12,
         seed: 5,
     };
 
@@ -35,6 +39,7 @@ impl Plan {
         studies: 8,
         sound: 40,
         handover: 0,
+        corridor: 2,
         seed: 5,
     };
 }
@@ -50,6 +55,8 @@ pub struct Line {
     pub by_subject: bool,
     /// Its score.
     pub score: Score,
+    /// What came of the first proposal, where something was planted.
+    pub repair: Repair,
     /// Its intervals, where nothing was planted.
     pub intervals: Vec<(Kind, bool)>,
 }
@@ -95,6 +102,7 @@ fn jobs(plan: &Plan) -> Vec<(Family, Fault)> {
         add(Family::Toy, toys);
         add(Family::Serial, studies - toys);
         add(Family::Handover, plan.handover);
+        add(Family::Corridor, plan.corridor);
     }
     jobs
 }
@@ -107,6 +115,7 @@ fn one(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Line, Str
         counted_constants: study.setup.rig.is_some(),
         by_subject: study.setup.cohort.by_subject,
         score: score(&study),
+        repair: repair(&study)?,
         intervals: if fault == Fault::None {
             coverage(&study, &mut random)
         } else {

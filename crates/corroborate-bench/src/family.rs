@@ -1,7 +1,8 @@
 //! Families of studies: how their truth is drawn.
 
+use crate::journey;
 use crate::random::Random;
-use crate::task::{Stage, Task};
+use crate::task::{Course, Stage, Task};
 use crate::trials::Cohort;
 use stats::Sample;
 
@@ -14,11 +15,24 @@ pub enum Family {
     Serial,
     /// The handover's last model, with rates about the published ones.
     Handover,
+    /// The corridor's model, with rates that matter.
+    Corridor,
 }
 
 impl Family {
     /// All families.
-    pub const ALL: [Family; 3] = [Family::Toy, Family::Serial, Family::Handover];
+    pub const ALL: [Family; 4] = [
+        Family::Toy,
+        Family::Serial,
+        Family::Handover,
+        Family::Corridor,
+    ];
+
+    /// Whether its formal model is that of a case study, where a failure that is left out has the rate 0.
+    #[must_use]
+    pub fn is_case_study(self) -> bool {
+        matches!(self, Family::Handover | Family::Corridor)
+    }
 
     /// Its name in tables.
     #[must_use]
@@ -27,6 +41,7 @@ impl Family {
             Family::Toy => "toy",
             Family::Serial => "serial",
             Family::Handover => "handover",
+            Family::Corridor => "corridor",
         }
     }
 }
@@ -51,21 +66,63 @@ pub struct Setup {
     pub rig: Option<Vec<Sample>>,
 }
 
-/// Constants of the handover's model, by failure mode, with their published values.
-pub const HANDOVER: [(&str, &str, f64); 4] = [
-    ("runtime_error", "pMotionFailure", 0.002),
-    ("false_negative_pressure", "pPressureFN", 0.071_428_571),
-    ("false_negative_location", "pLocationFN", 0.030_612_245),
-    ("grip_failure", "pGripperFailure", 0.02),
+/// What the handover's model says of a failure mode.
+#[derive(Clone, Copy, Debug)]
+pub struct HandoverMode {
+    /// The failure mode.
+    pub mode: &'static str,
+    /// The constant that decides it.
+    pub constant: &'static str,
+    /// Its published value.
+    pub rate: f64,
+    /// What it means over the model's variables.
+    pub occurs: &'static str,
+    /// What its opportunity means.
+    pub after: &'static str,
+}
+
+/// The failure modes of the handover's model, as the study's vocabulary binds them.
+pub const HANDOVER: [HandoverMode; 4] = [
+    HandoverMode {
+        mode: "runtime_error",
+        constant: "pMotionFailure",
+        rate: 0.002,
+        occurs: "robotState=motionError",
+        after: "true",
+    },
+    HandoverMode {
+        mode: "false_negative_pressure",
+        constant: "pPressureFN",
+        rate: 0.071_428_571,
+        occurs: "pressureState=ok & pressureSensorState=notOk",
+        after: "pressureSensorState!=unset",
+    },
+    HandoverMode {
+        mode: "false_negative_location",
+        constant: "pLocationFN",
+        rate: 0.030_612_245,
+        occurs: "locationState=ok & locationSensorState=notOk",
+        after: "locationSensorState!=unset",
+    },
+    HandoverMode {
+        mode: "grip_failure",
+        constant: "pGripperFailure",
+        rate: 0.02,
+        occurs: "robotState=handoverUnsuccessful",
+        after: "robotState=GPLOk",
+    },
 ];
 
 impl Setup {
     /// Draws what is true.
     pub fn draw(family: Family, random: &mut Random) -> Self {
         let truth = truth(family, random);
-        let limit_steps = (truth.mean_steps() * random.between(1.2, 1.8)).ceil() as u32;
-        // The handover's constants are known: its 15,000 states are not solved 250 times.
-        let has_rig = family != Family::Handover && random.chance(0.2);
+        let limit_steps = match truth.course {
+            Course::Stages => (truth.mean_steps() * random.between(1.2, 1.8)).ceil() as u32,
+            Course::Journey => random.one_of(&[27, 28, 29]),
+        };
+        // The case studies' constants are known: their thousands of states are not solved 250 times.
+        let has_rig = !family.is_case_study() && random.chance(0.2);
         let rig = has_rig.then(|| {
             truth
                 .stages
@@ -112,6 +169,7 @@ fn truth(family: Family, random: &mut Random) -> Task {
         mode,
         fails: round(random.log_between(low, high)),
         again: round(random.between(0.0, 0.5)),
+        can_fail: true,
     };
     let stages: Vec<Stage> = match family {
         Family::Toy => vec![stage("slip".into(), 0.02, 0.4)],
@@ -125,11 +183,19 @@ fn truth(family: Family, random: &mut Random) -> Task {
         }
         Family::Handover => HANDOVER
             .iter()
-            .map(|(mode, _, rate)| stage((*mode).into(), 0.5 * rate, 2.0 * rate))
+            .map(|it| stage(it.mode.into(), 0.5 * it.rate, 2.0 * it.rate))
+            .collect(),
+        Family::Corridor => journey::MODES
+            .iter()
+            .map(|(mode, ..)| stage((*mode).into(), 0.05, 0.4))
             .collect(),
     };
     let slow = random.between(0.8, 0.98);
     Task {
+        course: match family {
+            Family::Corridor => Course::Journey,
+            _ => Course::Stages,
+        },
         sensing: (stages.len().saturating_sub(2)).min(1),
         median_speed: Task::median_for(slow),
         stages,

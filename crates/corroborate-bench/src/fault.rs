@@ -4,7 +4,8 @@ use crate::family::{Family, Setup, round};
 use crate::random::Random;
 use crate::requirements::{Forms, id, in_time, requirements};
 use crate::study::MARGIN;
-use crate::task::{SPEED_LIMIT, Task};
+use crate::task::{Course, SPEED_LIMIT, Task};
+use crate::words::Words;
 use checker::Method;
 use evidence::Subject;
 
@@ -96,7 +97,9 @@ impl Fault {
     pub fn fits(self, family: Family) -> bool {
         match self {
             Fault::MislabelledColumns => family != Family::Toy,
-            Fault::WrongProperty | Fault::SolverStopped => family != Family::Handover,
+            Fault::WrongProperty | Fault::SolverStopped => !family.is_case_study(),
+            // On the corridor every journey arrives.
+            Fault::WrongMonitor | Fault::SensorForTruth => family != Family::Corridor,
             _ => true,
         }
     }
@@ -134,14 +137,44 @@ pub struct Assets {
     pub words: Vec<(&'static str, String)>,
     /// The failure modes that the study asks about.
     pub modes: Vec<String>,
+    /// What they mean to formal models.
+    pub vocabulary: Words,
     /// The stage that each column of the experiments' table counts.
     pub columns: Vec<usize>,
     /// How the formal model is solved.
     pub methods: Vec<Method>,
     /// The simulator's rate that was set to the experiments' count.
     pub calibrated: Option<usize>,
-    /// The simulator with half its time step.
-    pub half_step: Option<Task>,
+    /// What too large a time step adds to a rate.
+    pub step: Option<StepError>,
+    /// The formal model's text, where it is not that of `formal`.
+    pub formal_text: Option<String>,
+    /// Constants of that text that were set to counts since.
+    pub set_to: Vec<SetTo>,
+    /// The failure modes to whose counts the simulator was fitted since.
+    pub fitted: Vec<SetTo>,
+}
+
+/// The error of a time step, which is proportional to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepError {
+    /// The stage.
+    pub place: usize,
+    /// What is added to its rate.
+    pub error: f64,
+    /// The step as a part of that which the scene began with.
+    pub step: f64,
+}
+
+/// A number that was set to counts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetTo {
+    /// The constant or parameter.
+    pub parameter: String,
+    /// The failure mode that was counted.
+    pub mode: String,
+    /// In which evidence.
+    pub from: String,
 }
 
 /// What was planted.
@@ -171,11 +204,26 @@ impl Assets {
             forms: requirements(setup.limit_steps),
             words: Vec::new(),
             modes: setup.modes(),
+            vocabulary: Words::new(setup.family, &setup.modes()),
             columns: (0..setup.truth.stages.len()).collect(),
             methods: vec![Method::Sound],
             calibrated: None,
-            half_step: None,
+            step: None,
+            formal_text: None,
+            set_to: Vec::new(),
+            fitted: Vec::new(),
         }
+    }
+
+    /// What is simulated with this part of the time step.
+    #[must_use]
+    pub fn simulated(&self, part_of_step: f64) -> Task {
+        let mut task = self.simulator.clone();
+        if let Some(StepError { place, error, step }) = self.step {
+            let stage = &mut task.stages[place];
+            stage.fails = round((stage.fails + error * step * part_of_step).clamp(0.0, 0.9));
+        }
+        task
     }
 
     fn form(&mut self, id: &str) -> Option<&mut Forms> {
@@ -259,17 +307,25 @@ fn of_system(
         Fault::WrongRate if rate > change && random.chance(0.5) => rate - change,
         _ => (rate + change).min(0.9),
     };
-    if formal {
+    if planted.fault == Fault::LargeStep {
+        // The error of the step is of first order: half of it is left at half the step.
+        let error = wrong - rate;
+        assets.step = Some(StepError {
+            place,
+            error,
+            step: 1.0,
+        });
+    } else if formal {
         assets.formal.stages[place].fails = round(wrong);
-        if planted.fault == Fault::MissingMode && setup.family != Family::Handover {
+        if planted.fault == Fault::MissingMode && !setup.family.is_case_study() {
             // The model has the stage, but no failure of it.
-            assets.formal.stages[place].mode = format!("sure_{mode}");
+            assets.formal.stages[place].can_fail = false;
         }
     } else {
         assets.simulator.stages[place].fails = round(wrong);
     }
-    if planted.fault == Fault::ExtraBehaviour && !formal && setup.family != Family::Handover {
-        assets.formal.stages[place].mode = format!("sure_{mode}");
+    if planted.fault == Fault::ExtraBehaviour && !formal && !setup.family.is_case_study() {
+        assets.formal.stages[place].can_fail = false;
     }
     if formal && let Some(rig) = &mut setup.rig {
         // The constant is as wrong whether or not others were counted; it was counted nowhere.
@@ -280,12 +336,6 @@ fn of_system(
         (_, true) => Site::FormalModel,
         (_, false) => Site::Simulation,
     });
-    if planted.fault == Fault::LargeStep {
-        // The error of the step is of first order: half of it is left at half the step.
-        let mut half = assets.simulator.clone();
-        half.stages[place].fails = round(rate + 0.5 * (wrong - rate));
-        assets.half_step = Some(half);
-    }
     planted.subjects = vec![Subject::FailureMode(mode), requirement(id::DONE)];
 }
 
@@ -390,6 +440,9 @@ fn of_columns(setup: &Setup, assets: &mut Assets, planted: &mut Planted) {
 
 /// The probability that a run is done after `from` and within `to` steps, by convolution.
 pub(crate) fn done_between(task: &Task, from: u32, to: u32) -> f64 {
+    if task.course == Course::Journey {
+        return crate::journey::done_between(task, from, to);
+    }
     let mut at: Vec<f64> = vec![0.0; to as usize + 1];
     at[0] = 1.0;
     for stage in &task.stages {

@@ -1,13 +1,13 @@
 //! Formal evidence: the study's questions, answered on a model in the PRISM language.
 
 use crate::requirements::Forms;
-use crate::task::Task;
+use crate::words::Words;
 use checker::explore::explore;
 use checker::state_space::StateSpace;
 use checker::{AnswerValue, Method, Options, check_space};
 use evidence::{CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Subject};
 use prism_lang::{Constants, Number, Property, Value, parse_model, parse_properties};
-use stats::{BetaPosterior, Confidence, Sample};
+use stats::{BetaPosterior, Confidence, EffectiveSample};
 use std::collections::BTreeMap;
 
 /// How often a model is solved to carry the uncertainty of its constants. The product solves 1000 times.
@@ -28,12 +28,10 @@ pub struct Question {
 pub struct Formal {
     /// The model's text.
     pub text: String,
-    /// Labels and the like for the properties.
+    /// Labels for the properties.
     pub labels: String,
-    /// Constants that are set to other values than the text's.
-    pub constants: Vec<(String, f64)>,
-    /// Constants that were set to counts.
-    pub counted: Vec<(String, Sample)>,
+    /// Constants that were set to counts, with what those are worth in independent trials.
+    pub counted: Vec<(String, EffectiveSample)>,
     /// The questions.
     pub questions: Vec<Question>,
     /// The methods by which each is answered; the first is the answer that counts.
@@ -41,43 +39,60 @@ pub struct Formal {
 }
 
 impl Formal {
-    /// The chain of a task, asked about the requirements and about `modes`, of which the model may
-    /// lack some.
+    /// A model, asked about the requirements and about the failure modes of the vocabulary, of which it may lack some.
     ///
     /// # Errors
-    /// What is wrong with a requirement's form.
-    pub fn of_task(task: &Task, forms: &[Forms], modes: &[String]) -> Result<Self, String> {
-        let mut questions = Vec::new();
+    /// What is wrong with the model or with a requirement's form.
+    pub fn new(text: String, words: &Words, forms: &[Forms]) -> Result<Self, String> {
+        let tree = parse_model(&text)
+            .into_result()
+            .map_err(|e| format!("{e:?}"))?;
+        let model = prism_lang::resolve(&tree, &Constants::new());
+        let model = model.map_err(|e| format!("{e:?}"))?;
+        let mut formal = Self {
+            labels: words.labels(),
+            text,
+            counted: Vec::new(),
+            questions: Vec::new(),
+            methods: vec![Method::Sound],
+        };
         for form in forms {
-            let property = if form.is_formal {
-                Some((form.query()?, None))
-            } else {
-                None
+            let property = match words.expresses(form) {
+                true => Some((form.query()?, None)),
+                false => None,
             };
-            questions.push(Question {
+            formal.questions.push(Question {
                 subject: Subject::Requirement(form.id.to_owned()),
                 property,
             });
         }
-        for mode in modes {
-            let known = task.stage_of(mode).is_some();
-            let property = known.then(|| {
-                let asked = |label: &str| format!("P=? [ F \"{label}_{mode}\" ]");
-                (asked("failed"), Some(asked("reached")))
-            });
-            questions.push(Question {
-                subject: Subject::FailureMode(mode.clone()),
-                property,
+        for asked in &words.asked {
+            let questions = words.questions(&asked.mode);
+            let known = questions.filter(|(occurs, _)| formal.property(&model, occurs).is_ok());
+            formal.questions.push(Question {
+                subject: Subject::FailureMode(asked.mode.clone()),
+                property: known.map(|(occurs, after)| (occurs, Some(after))),
             });
         }
-        Ok(Self {
-            text: task.model(),
-            labels: String::new(),
-            constants: Vec::new(),
-            counted: Vec::new(),
-            questions,
-            methods: vec![Method::Sound],
-        })
+        Ok(formal)
+    }
+
+    /// The sound answers to all questions; `None` where the model has none.
+    ///
+    /// # Errors
+    /// What is wrong with the model or a property, in words.
+    pub fn values(&self) -> Result<Vec<(Subject, Option<f64>)>, String> {
+        let tree = parse_model(&self.text)
+            .into_result()
+            .map_err(|e| format!("{e:?}"))?;
+        let solved = self.solve(&tree, &[], &[Method::Sound])?;
+        let questions = self.questions.iter().zip(solved);
+        Ok(questions
+            .map(|(question, answers)| {
+                let value = answers.and_then(|all| all.first().map(|answer| answer.value));
+                (question.subject.clone(), value)
+            })
+            .collect())
     }
 
     /// The findings on all questions.
@@ -88,7 +103,7 @@ impl Formal {
         let tree = parse_model(&self.text)
             .into_result()
             .map_err(|e| format!("{e:?}"))?;
-        let solved = self.solve(&tree, &self.constants, &self.methods)?;
+        let solved = self.solve(&tree, &[], &self.methods)?;
         let mut measures: Vec<Measure> = solved.into_iter().map(measure).collect();
         if !self.counted.is_empty() {
             self.carry_uncertainty(&tree, level, seed, &mut measures)?;
@@ -117,9 +132,9 @@ impl Formal {
         let points = stats::posterior_design(&posteriors, SOLVES, seed);
         let mut rows = Vec::with_capacity(points.len());
         for point in &points {
-            let mut constants = self.constants.clone();
             let named = self.counted.iter().zip(point);
-            constants.extend(named.map(|((name, _), value)| (name.clone(), *value)));
+            let constants = named.map(|((name, _), value)| (name.clone(), *value));
+            let constants: Vec<(String, f64)> = constants.collect();
             rows.push(self.solve(tree, &constants, &[Method::Sound])?);
         }
         let names: Vec<&str> = self.counted.iter().map(|(name, _)| name.as_str()).collect();

@@ -86,7 +86,7 @@ impl Judges {
                 add(subject(), "property", text, 1.0)?;
             }
         }
-        for Stage { mode, .. } in &task.stages {
+        for Stage { mode, .. } in task.stages.iter().filter(|stage| stage.can_fail) {
             let text = format!("When at_{mode}, the robot shall never satisfy failed_{mode}.");
             add(Subject::FailureMode(mode.clone()), "sentence", &text, 1.0)?;
         }
@@ -123,23 +123,34 @@ impl Judges {
                 .map_err(|error| error.to_string())
         };
         push(&mut trace, 0, &row)?;
-        for (place, steps) in run.left_at.iter().enumerate() {
-            let failed = run.failed_at(place);
-            row[general + 1 + place] = 0.0;
-            if failed {
-                row[general + 1 + self.stages + place] = 1.0;
-                row[3] = 1.0;
-            } else if place + 1 < self.stages {
-                row[general + 2 + place] = 1.0;
-            } else {
-                (row[0], row[3], row[4], row[general]) = (1.0, 1.0, 1.0, run.speed);
-            }
-            if place == self.sensing && !failed {
+        for (number, passed) in run.passed.iter().enumerate() {
+            let (at, failed) = (general + 1, general + 1 + self.stages);
+            row[at + passed.place] = 0.0;
+            if passed.failed {
+                row[failed + passed.place] = 1.0;
+            } else if passed.place == self.sensing {
                 row[2] = 1.0;
             }
-            push(&mut trace, *steps, &row)?;
+            match run.passed.get(number + 1) {
+                Some(next) => row[at + next.place] = 1.0,
+                None if run.done_at == Some(passed.at) => self.end(run, &mut row),
+                // What failed last ended it.
+                None if run.done_at.is_none() => row[3] = 1.0,
+                None => {}
+            }
+            push(&mut trace, passed.at, &row)?;
+        }
+        let last = run.passed.last().map_or(0, |passed| passed.at);
+        if let Some(at) = run.done_at.filter(|at| *at > last) {
+            self.end(run, &mut row);
+            push(&mut trace, at, &row)?;
         }
         Ok(trace)
+    }
+
+    /// A run is done, and the hand has been near the person.
+    fn end(&self, run: &Run, row: &mut [f64]) {
+        (row[0], row[3], row[4], row[GENERAL.len()]) = (1.0, 1.0, 1.0, run.speed);
     }
 
     /// The verdicts of all forms on one run.

@@ -7,6 +7,7 @@ use crate::random::Random;
 use crate::requirements::id;
 use crate::study::ids;
 use crate::task::{Run, Task};
+use crate::texts::STEP_KEY;
 use evidence::{
     Cell, Clue, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset, SuspectKind, Symptom,
     Technique, Traces, strength,
@@ -102,30 +103,28 @@ pub fn of_paths(
 
 /// The same episodes with half the time step, as clues: where verdicts go one way, the step decides them.
 #[must_use]
-pub fn half_step(
-    assets: &Assets,
-    half: &Task,
-    seed: u64,
-    number: u64,
-    episodes: usize,
-) -> Vec<Clue> {
+pub fn half_step(assets: &Assets, seed: u64, number: u64, episodes: usize) -> Vec<Clue> {
     let run = |task: &Task, episode: u64| task.run(&mut Random::new(seed ^ number, 1 + episode));
+    let (whole, half) = (assets.simulated(1.0), assets.simulated(0.5));
     let pairs: Vec<[Run; 2]> = (0..episodes as u64)
-        .map(|episode| [run(&assets.simulator, episode), run(half, episode)])
+        .map(|episode| [run(&whole, episode), run(&half, episode)])
         .collect();
-    let k = half.stages.len();
     let mut clues = Vec::new();
     let done = Subject::Requirement(id::DONE.to_owned());
-    clues.extend(clue(done, &pairs, &|run| !run.is_done(k)));
+    clues.extend(clue(assets, done, &pairs, &|run| !run.is_done()));
     for (place, mode) in assets.modes.iter().enumerate() {
-        clues.extend(clue(Subject::FailureMode(mode.clone()), &pairs, &|run| {
-            run.failed_at(place)
-        }));
+        let mode = Subject::FailureMode(mode.clone());
+        clues.extend(clue(assets, mode, &pairs, &|run| run.failed_at(place)));
     }
     clues
 }
 
-fn clue(subject: Subject, pairs: &[[Run; 2]], violated: &dyn Fn(&Run) -> bool) -> Option<Clue> {
+fn clue(
+    assets: &Assets,
+    subject: Subject,
+    pairs: &[[Run; 2]],
+    violated: &dyn Fn(&Run) -> bool,
+) -> Option<Clue> {
     let count = |wanted: &dyn Fn(bool, bool) -> bool| {
         let all = pairs
             .iter()
@@ -144,7 +143,10 @@ fn clue(subject: Subject, pairs: &[[Run; 2]], violated: &dyn Fn(&Run) -> bool) -
         asset: SuspectAsset {
             kind: SuspectKind::TimeStep,
             file: None,
-            part: None,
+            part: Some(format!(
+                "{STEP_KEY} = {}",
+                assets.step.map_or(1.0, |it| it.step)
+            )),
             evidence: vec![ids::SIMULATION.to_owned()],
         },
         score,

@@ -49,6 +49,12 @@ impl Forms {
         }
     }
 
+    /// Whether all its forms are those of the sentence.
+    #[must_use]
+    pub fn is_sentence(&self) -> bool {
+        self.property.is_none() && self.monitor.is_none() && self.clock == 1.0
+    }
+
     /// The property in the PRISM language.
     ///
     /// # Errors

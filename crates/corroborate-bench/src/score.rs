@@ -16,7 +16,7 @@ pub struct Score {
     pub fault: Fault,
     /// Power of the matching test at the declared level.
     pub theory: f64,
-    /// The same at the level divided by the number of the study's comparisons.
+    /// A bound of the power of the procedure that allows for all of the study's comparisons.
     pub theory_corrected: f64,
     /// A disagreement on a subject that the fault touches, with the evidence that rests on it; where
     /// nothing was planted, any disagreement.
@@ -88,6 +88,17 @@ fn otherwise_found(study: &Synthetic) -> bool {
     }
 }
 
+/// Whether the planted fault still shows without a comparison.
+pub(crate) fn is_open(study: &Synthetic) -> bool {
+    let is_solver = |suspect: &Suspect| site(suspect) == Site::Solver;
+    let mut suspects = study.suspects.iter();
+    match study.planted.site {
+        // A method that stopped early may stand beside the one that counts.
+        Some(Site::Solver) => suspects.any(|s| is_solver(s) && s.resolved_by.is_none()),
+        _ => otherwise_found(study),
+    }
+}
+
 /// Whether a suspect is the faulty asset: the right kind, and for a requirement's form the right requirement.
 fn is_culprit(study: &Synthetic, suspect: &Suspect) -> bool {
     let planted = &study.planted;
@@ -128,7 +139,8 @@ fn false_independence(study: &Synthetic) -> bool {
     })
 }
 
-/// Power of the matching test at the declared level, and at that divided by the comparisons made.
+/// Power of the matching test at the declared level, and of the tests that decide when all of a study's comparisons are
+/// allowed for.
 fn theory(study: &Synthetic) -> (f64, f64) {
     let planted = &study.planted;
     if let Some(each) = planted.seen_in_a_run {
@@ -140,37 +152,71 @@ fn theory(study: &Synthetic) -> (f64, f64) {
         None => (0.0, 0.0),
         Some(Site::Solver) => (1.0, 1.0),
         Some(_) => {
-            let family = study
-                .comparisons
-                .iter()
-                .filter(|c| c.p_difference_corrected.is_some());
-            let family = family.count().max(1) as f64;
-            let alpha = 1.0 - LEVEL;
-            (best_power(study, alpha), best_power(study, alpha / family))
+            let subjects = planted.subjects.iter();
+            let single = subjects.clone().map(|s| best_pair(study, s, 1.0 - LEVEL));
+            let all = subjects.map(|subject| simultaneous(study, subject));
+            (single.fold(0.0, f64::max), all.fold(0.0, f64::max))
         }
     }
 }
 
+/// Of the closed procedure (`evidence::compare`) on `n` subjects, one with `m` pieces of evidence: the odd piece against
+/// all others together at the level divided by `n m`, and the best pair at the level divided by `n`. The less of their
+/// powers bounds that of both.
+fn simultaneous(study: &Synthetic, subject: &Subject) -> f64 {
+    let tested = study.comparisons.iter();
+    let tested = tested.filter(|c| c.p_difference_corrected.is_some());
+    let mut subjects: Vec<&Subject> = tested.clone().map(|c| &c.subject).collect();
+    subjects.sort_unstable();
+    subjects.dedup();
+    let of_subject = tested.filter(|c| &c.subject == subject);
+    let mut ids: Vec<&str> = of_subject
+        .flat_map(|c| [c.left.as_str(), c.right.as_str()])
+        .collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let alpha = (1.0 - LEVEL) / subjects.len().max(1) as f64;
+    let pair = best_pair(study, subject, alpha);
+    if ids.len() < 3 {
+        return pair;
+    }
+    let sides = |wanted: bool| {
+        let faulty = study.faulty();
+        let own = ids.iter().filter(move |id| faulty.contains(*id) == wanted);
+        own.filter_map(|id| side(study, study.piece(id)?, subject))
+    };
+    let others: Vec<Side> = sides(false).collect();
+    let level = alpha / ids.len() as f64;
+    let odd = sides(true).map(|one| power(one, together(&others), level));
+    odd.fold(0.0, f64::max).min(pair)
+}
+
+/// Several sides as one: a computed value, or all trials.
+fn together(sides: &[Side]) -> Side {
+    if let Some(computed) = sides.iter().find(|side| side.trials.is_infinite()) {
+        return *computed;
+    }
+    let trials: f64 = sides.iter().map(|side| side.trials).sum();
+    let successes: f64 = sides.iter().map(|side| side.trials * side.rate).sum();
+    Side {
+        rate: successes / trials.max(1.0),
+        trials,
+    }
+}
+
 /// The best of the tests that compare evidence on the faulty asset with other evidence.
-fn best_power(study: &Synthetic, alpha: f64) -> f64 {
+fn best_pair(study: &Synthetic, subject: &Subject, alpha: f64) -> f64 {
     let faulty = study.faulty();
     let mut best = 0.0_f64;
-    for subject in &study.planted.subjects {
-        for id in &faulty {
-            let Some(one) = study
-                .piece(id)
-                .and_then(|piece| side(study, piece, subject))
-            else {
-                continue;
-            };
-            for other in study
-                .evidence
-                .iter()
-                .filter(|p| !p.intermediate && !faulty.contains(&p.id.as_str()))
-            {
-                if let Some(other) = side(study, other, subject) {
-                    best = best.max(power(one, other, alpha));
-                }
+    for id in &faulty {
+        let piece = study.piece(id);
+        let Some(one) = piece.and_then(|piece| side(study, piece, subject)) else {
+            continue;
+        };
+        let others = study.evidence.iter();
+        for other in others.filter(|p| !p.intermediate && !faulty.contains(&p.id.as_str())) {
+            if let Some(other) = side(study, other, subject) {
+                best = best.max(power(one, other, alpha));
             }
         }
     }
@@ -182,9 +228,10 @@ fn side(study: &Synthetic, piece: &Evidence, subject: &Subject) -> Option<Side> 
     let limit = study.setup.limit_steps;
     let measure = &piece.finding(subject)?.measure;
     let truth = &study.setup.truth;
+    let simulated = study.assets.simulated(1.0);
     let task = match piece.id.as_str() {
         ids::MODEL => &study.assets.formal,
-        ids::SIMULATION => &study.assets.simulator,
+        ids::SIMULATION => &simulated,
         _ => truth,
     };
     match measure {

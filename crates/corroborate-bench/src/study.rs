@@ -1,8 +1,9 @@
 //! One synthetic study: its evidence, produced and compared by the code of the product.
 
 use crate::family::{Family, HANDOVER, Setup};
-use crate::fault::{Assets, Fault, Planted, Site, plant};
-use crate::formal::{Formal, Question};
+use crate::fault::{Assets, Fault, Planted, SetTo, Site, plant};
+use crate::formal::Formal;
+use crate::journey;
 use crate::judges::Judges;
 use crate::matrix::{self, half_step, of_paths};
 use crate::random::Random;
@@ -11,9 +12,10 @@ use crate::task::{Run, SPEED_LIMIT, Task};
 use crate::trials;
 use evidence::{
     Asset, AssetRole, Calibration, Cell, Comparison, Evidence, FailureMode, Finding, Influences,
-    Levels, Matter, Requirement, Study, Subject, Suspect, Technique, Tool, compare, rank,
+    Levels, Matter, Measure, Requirement, Study, Subject, Suspect, Technique, Tool, compare, rank,
 };
-use stats::Confidence;
+use prism_lang::{edit, parse_model};
+use stats::{Confidence, EffectiveSample, Sample};
 
 /// The level of every interval and of agreement.
 pub const LEVEL: f64 = 0.95;
@@ -24,18 +26,6 @@ pub const MARGIN: f64 = 0.05;
 /// The formal model of the handover.
 const HANDOVER_MODEL: &str =
     include_str!("../../../case-studies/handover/models/handover_v5.prism");
-
-/// Labels of the handover, as its vocabulary binds them.
-const HANDOVER_LABELS: &str = "label \"done\" = robotState=handoverSuccessful;
-label \"reached_runtime_error\" = true;
-label \"failed_runtime_error\" = robotState=motionError;
-label \"reached_false_negative_pressure\" = pressureSensorState!=unset;
-label \"failed_false_negative_pressure\" = pressureState=ok & pressureSensorState=notOk;
-label \"reached_false_negative_location\" = locationSensorState!=unset;
-label \"failed_false_negative_location\" = locationState=ok & locationSensorState=notOk;
-label \"reached_grip_failure\" = robotState=GPLOk;
-label \"failed_grip_failure\" = robotState=handoverUnsuccessful;
-";
 
 /// The identifiers of the evidence.
 pub mod ids {
@@ -54,6 +44,8 @@ pub mod ids {
 /// A study with all that the product says of it.
 #[derive(Debug)]
 pub struct Synthetic {
+    /// From which all is drawn, and its number.
+    pub seed: (u64, u64),
     /// What is true.
     pub setup: Setup,
     /// The assets.
@@ -76,8 +68,25 @@ impl Synthetic {
     pub fn new(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Self, String> {
         let mut random = Random::new(seed, number);
         let mut setup = Setup::draw(family, &mut random);
-        let (mut assets, planted) = plant(fault, &mut setup, &mut random);
-        let (evidence, cells) = ledger(&setup, &mut assets, seed, &mut random)?;
+        let (assets, planted) = plant(fault, &mut setup, &mut random);
+        Self::of(setup, assets, planted, (seed, number))
+    }
+
+    /// The same study with other assets: what they do not touch is as it was.
+    ///
+    /// # Errors
+    /// What could not be produced, in words.
+    pub fn again(&self, assets: Assets) -> Result<Self, String> {
+        Self::of(self.setup.clone(), assets, self.planted.clone(), self.seed)
+    }
+
+    fn of(
+        setup: Setup,
+        mut assets: Assets,
+        planted: Planted,
+        seed: (u64, u64),
+    ) -> Result<Self, String> {
+        let (evidence, cells) = ledger(&setup, &mut assets, seed)?;
         let requirements = requirements(&assets);
         let failure_modes = failure_modes(&assets);
         let influences = Influences::learn(&evidence);
@@ -89,8 +98,9 @@ impl Synthetic {
             levels: levels()?,
         };
         let comparisons = compare(&study);
-        let half = assets.half_step.as_ref();
-        let more = half.map(|half| half_step(&assets, half, seed, number, setup.simulated));
+        let more = assets
+            .step
+            .map(|_| half_step(&assets, seed.0, seed.1, setup.simulated));
         let matter = Matter {
             requirements: &requirements,
             failure_modes: &failure_modes,
@@ -101,6 +111,7 @@ impl Synthetic {
         };
         let suspects = rank(&matter, more.unwrap_or_default());
         Ok(Self {
+            seed,
             setup,
             assets,
             planted,
@@ -149,66 +160,97 @@ pub fn rate(task: &Task, limit_steps: u32, subject: &Subject) -> Option<f64> {
     }
 }
 
+/// What is drawn from a stream of its own, so that it stays as it is when an asset changes that it does not rest on.
+#[derive(Clone, Copy)]
+enum Stream {
+    People = 1,
+    Paths,
+    Simulation,
+    Operation,
+}
+
+impl Stream {
+    fn open(self, (seed, number): (u64, u64)) -> Random {
+        Random::new(seed ^ ((self as u64) << 32), number)
+    }
+}
+
 fn ledger(
     setup: &Setup,
     assets: &mut Assets,
-    seed: u64,
-    random: &mut Random,
+    seed: (u64, u64),
 ) -> Result<(Vec<Evidence>, Vec<Cell>), String> {
     let level = Confidence::new(LEVEL).map_err(|error| error.to_string())?;
-    let mut ledger = Vec::new();
-    let people = setup.cohort.runs(&setup.truth, random);
-    let columns: Vec<(String, Option<usize>)> = assets
-        .modes
-        .iter()
-        .cloned()
-        .zip(assets.columns.iter().map(|place| Some(*place)))
+    let counted = experiments(setup, assets, seed, level)?;
+    let calibrated = calibrate(assets, &counted);
+    let mut ledger: Vec<Evidence> = rig_evidence(setup, assets, level)?.into_iter().collect();
+    let mut cells = if setup.family == Family::Handover {
+        Vec::new()
+    } else {
+        of_paths(&assets.formal, assets, level, &mut Stream::Paths.open(seed))?
+    };
+    let mut campaign = |id: &str, stream: Stream, task: &Task, runs: usize| {
+        let technique = match stream {
+            Stream::Operation => Technique::Operation,
+            _ => Technique::Simulation,
+        };
+        let mut random = stream.open(seed);
+        let runs: Vec<Run> = (0..runs).map(|_| task.run(&mut random)).collect();
+        let judges = Judges::new(task, &assets.forms, &assets.words)?;
+        let judged = judges.judge(&runs, level)?;
+        cells.extend(matrix::cells(id, technique, &judged, assets));
+        let mut piece = piece(id, technique, judged.findings);
+        piece.form_differences = judged.differences;
+        Ok::<Evidence, String>(piece)
+    };
+    let simulator = assets.simulated(1.0);
+    let mut simulation = campaign(
+        ids::SIMULATION,
+        Stream::Simulation,
+        &simulator,
+        setup.simulated,
+    )?;
+    simulation.calibrated = calibrated;
+    let operation = match setup.recorded {
+        0 => None,
+        runs => Some(campaign(
+            ids::OPERATION,
+            Stream::Operation,
+            &setup.truth,
+            runs,
+        )?),
+    };
+    let experiment = piece(ids::EXPERIMENT, Technique::Experiment, counted);
+    let others: Vec<&Evidence> = [&experiment]
+        .into_iter()
+        .chain(&operation)
+        .chain([&simulation])
         .collect();
-    let counted = trials::findings(
+    let formal = formal_evidence(setup, assets, seed.0, level, &others)?;
+    ledger.extend([formal, simulation, experiment]);
+    ledger.extend(operation);
+    Ok((ledger, cells))
+}
+
+fn experiments(
+    setup: &Setup,
+    assets: &Assets,
+    seed: (u64, u64),
+    level: Confidence,
+) -> Result<Vec<Finding>, String> {
+    let people = setup
+        .cohort
+        .runs(&setup.truth, &mut Stream::People.open(seed));
+    let places = assets.columns.iter().map(|place| Some(*place));
+    let columns: Vec<(String, Option<usize>)> = assets.modes.iter().cloned().zip(places).collect();
+    trials::findings(
         &setup.truth,
         &people,
         setup.limit_steps,
         &columns,
         setup.cohort.by_subject,
         level,
-    )?;
-    if let Some(rig) = rig_evidence(setup, assets, level)? {
-        ledger.push(rig);
-    }
-    ledger.push(formal_evidence(setup, assets, seed, level)?);
-    let calibrated = calibrate(assets, &counted);
-    let mut cells = if setup.family == Family::Handover {
-        Vec::new()
-    } else {
-        of_paths(&assets.formal, assets, level, random)?
-    };
-    let judges = |task: &Task| Judges::new(task, &assets.forms, &assets.words);
-    let mut campaign = |id: &str, technique, task: &Task, runs: usize| {
-        let runs: Vec<Run> = (0..runs).map(|_| task.run(random)).collect();
-        let judged = judges(task)?.judge(&runs, level)?;
-        cells.extend(matrix::cells(id, technique, &judged, assets));
-        let mut piece = piece(id, technique, judged.findings);
-        piece.form_differences = judged.differences;
-        Ok::<Evidence, String>(piece)
-    };
-    let mut simulation = campaign(
-        ids::SIMULATION,
-        Technique::Simulation,
-        &assets.simulator,
-        setup.simulated,
-    )?;
-    simulation.calibrated = calibrated;
-    ledger.push(simulation);
-    ledger.push(piece(ids::EXPERIMENT, Technique::Experiment, counted));
-    if setup.recorded > 0 {
-        ledger.push(campaign(
-            ids::OPERATION,
-            Technique::Operation,
-            &setup.truth,
-            setup.recorded,
-        )?);
-    }
-    Ok((ledger, cells))
+    )
 }
 
 fn levels() -> Result<Levels, String> {
@@ -216,21 +258,31 @@ fn levels() -> Result<Levels, String> {
     Ok(levels.without_plans())
 }
 
-/// Sets the simulator's rate to what the experiments count, where that was planted.
+/// Sets the simulator's rate to what the experiments count, where that was planted; with what it was fitted to since.
 fn calibrate(assets: &mut Assets, counted: &[Finding]) -> Vec<Calibration> {
+    let mut all: Vec<Calibration> = assets.fitted.iter().map(calibration).collect();
     let Some(place) = assets.calibrated else {
-        return Vec::new();
+        return all;
     };
     let subject = Subject::FailureMode(assets.modes[place].clone());
     let found = counted.iter().find(|finding| finding.subject == subject);
     if let Some(rate) = found.and_then(|finding| finding.measure.estimate()) {
         assets.simulator.stages[place].fails = rate;
     }
-    vec![Calibration {
+    all.push(Calibration {
         parameter: format!("{} of the simulator", assets.modes[place]),
         from: ids::EXPERIMENT.to_owned(),
         subject,
-    }]
+    });
+    all
+}
+
+fn calibration(it: &SetTo) -> Calibration {
+    Calibration {
+        parameter: it.parameter.clone(),
+        from: it.from.clone(),
+        subject: Subject::FailureMode(it.mode.clone()),
+    }
 }
 
 fn rig_evidence(
@@ -253,67 +305,96 @@ fn rig_evidence(
     Ok(Some(rig))
 }
 
+/// The formal model's text, and its constants that were set to tests of stages alone.
+///
+/// # Errors
+/// What is wrong with the text of the handover's model.
+pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), String> {
+    let mut task = assets.formal.clone();
+    let mut counted = Vec::new();
+    for (place, sample) in setup.rig.iter().flatten().enumerate() {
+        let stage = &mut task.stages[place];
+        if sample.trials > 0 && stage.can_fail {
+            stage.fails = sample.successes as f64 / sample.trials as f64;
+            let set_to = SetTo {
+                parameter: format!("p_{}", stage.mode),
+                mode: stage.mode.clone(),
+                from: ids::RIG.to_owned(),
+            };
+            counted.push((set_to, (*sample).into()));
+        }
+    }
+    let text = match (&assets.formal_text, setup.family) {
+        (Some(text), _) => text.clone(),
+        (None, Family::Handover) => handover(&task)?,
+        (None, Family::Corridor) => journey::model(&task)?,
+        (None, _) => task.model(),
+    };
+    Ok((text, counted))
+}
+
+/// Constants that were set to counts, with what those are worth in independent trials.
+pub type Counted = Vec<(SetTo, EffectiveSample)>;
+
+/// The handover's model with the rates of `task`.
+fn handover(task: &Task) -> Result<String, String> {
+    let mut text = HANDOVER_MODEL.to_owned();
+    for (it, stage) in HANDOVER.iter().zip(&task.stages) {
+        let tree = parse_model(&text).tree;
+        let edits = edit::set_constant(&tree, it.constant, &stage.fails.to_string());
+        let edits = edits.map_err(|error| error.to_string())?;
+        text = edit::apply(&text, &edits).map_err(|error| error.to_string())?;
+    }
+    Ok(text)
+}
+
 fn formal_evidence(
     setup: &Setup,
     assets: &Assets,
     seed: u64,
     level: Confidence,
+    others: &[&Evidence],
 ) -> Result<Evidence, String> {
-    let mut task = assets.formal.clone();
-    let mut counted = Vec::new();
-    let mut calibrated = Vec::new();
-    for (place, sample) in setup.rig.iter().flatten().enumerate() {
-        let stage = &mut task.stages[place];
-        if sample.trials > 0 && stage.mode == assets.modes[place] {
-            stage.fails = sample.successes as f64 / sample.trials as f64;
-            let parameter = format!("p_{}", stage.mode);
-            counted.push((parameter.clone(), *sample));
-            calibrated.push(Calibration {
-                parameter,
-                from: ids::RIG.to_owned(),
-                subject: Subject::FailureMode(stage.mode.clone()),
-            });
+    let (text, mut counted) = formal_text(setup, assets)?;
+    for it in &assets.set_to {
+        counted.retain(|(old, _)| old.parameter != it.parameter);
+        let subject = Subject::FailureMode(it.mode.clone());
+        let piece = others.iter().find(|piece| piece.id == it.from);
+        let finding = piece.and_then(|piece| piece.finding(&subject));
+        if let Some(sample) = finding.and_then(|finding| worth(&finding.measure)) {
+            counted.push((it.clone(), sample));
         }
     }
-    let mut formal = if setup.family == Family::Handover {
-        handover(&task, assets)
-    } else {
-        Formal::of_task(&task, &assets.forms, &assets.modes)?
-    };
-    formal.counted = counted;
+    let mut formal = Formal::new(text, &assets.vocabulary, &assets.forms)?;
+    formal.counted = counted
+        .iter()
+        .map(|(it, sample)| (it.parameter.clone(), *sample))
+        .collect();
     formal.methods.clone_from(&assets.methods);
     let mut piece = piece(
         ids::MODEL,
         Technique::ModelChecking,
         formal.findings(level, seed)?,
     );
-    piece.calibrated = calibrated;
+    piece.calibrated = counted.iter().map(|(it, _)| calibration(it)).collect();
     Ok(piece)
 }
 
-/// The handover's model with the rates of `task`.
-fn handover(task: &Task, assets: &Assets) -> Formal {
-    let constants = HANDOVER.iter().zip(&task.stages);
-    let requirements = assets.forms.iter().map(|form| Question {
-        subject: Subject::Requirement(form.id.to_owned()),
-        property: (form.id == id::DONE).then(|| ("P=? [ F \"done\" ]".to_owned(), None)),
-    });
-    let modes = assets.modes.iter().map(|mode| {
-        let asked = |label: &str| format!("P=? [ F \"{label}_{mode}\" ]");
-        Question {
-            subject: Subject::FailureMode(mode.clone()),
-            property: Some((asked("failed"), Some(asked("reached")))),
-        }
-    });
-    Formal {
-        text: HANDOVER_MODEL.to_owned(),
-        labels: HANDOVER_LABELS.to_owned(),
-        constants: constants
-            .map(|((_, name, _), stage)| ((*name).to_owned(), stage.fails))
-            .collect(),
-        counted: Vec::new(),
-        questions: requirements.chain(modes).collect(),
-        methods: assets.methods.clone(),
+/// What counts are worth in independent trials.
+fn worth(measure: &Measure) -> Option<EffectiveSample> {
+    let Measure::Counts {
+        count,
+        trials,
+        effective_trials,
+        ..
+    } = measure
+    else {
+        return None;
+    };
+    let sample = Sample::new(*count, *trials).ok()?;
+    match effective_trials {
+        Some(size) => EffectiveSample::at_size(sample, *size).ok(),
+        None => Some(sample.into()),
     }
 }
 
@@ -351,7 +432,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
     }
 }
 
-fn requirements(assets: &Assets) -> Vec<Requirement> {
+pub(crate) fn requirements(assets: &Assets) -> Vec<Requirement> {
     let forms = assets.forms.iter();
     forms
         .map(|form| Requirement {
@@ -367,7 +448,7 @@ fn requirements(assets: &Assets) -> Vec<Requirement> {
         .collect()
 }
 
-fn failure_modes(assets: &Assets) -> Vec<FailureMode> {
+pub(crate) fn failure_modes(assets: &Assets) -> Vec<FailureMode> {
     let modes = assets.modes.iter();
     modes
         .map(|mode| FailureMode {

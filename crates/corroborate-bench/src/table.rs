@@ -4,6 +4,7 @@ use crate::bench::Line;
 use crate::coverage::Kind;
 use crate::family::Family;
 use crate::fault::Fault;
+use crate::repair::{Flaw, Repair};
 use crate::score::Score;
 use stats::{Confidence, Sample};
 use std::fmt::Write as _;
@@ -118,6 +119,7 @@ pub fn tables(lines: &[Line]) -> Vec<Table> {
         localisation(lines),
         coverage(lines),
         calibration(lines),
+        repairs(lines),
     ]
 }
 
@@ -204,7 +206,7 @@ fn power_by_theory(lines: &[Line]) -> Table {
         headings: vec![
             "power in theory",
             "mean of it",
-            "mean at the level divided by the comparisons",
+            "mean of the bound that allows for all comparisons",
             "found",
             "point estimates within 5 points",
             "overlap of intervals",
@@ -334,5 +336,71 @@ fn calibration(lines: &[Line]) -> Table {
             text(Fault::CalibratedOnSame.name()),
             Cell::of(calibrated, |s| s.false_independence),
         ]],
+    }
+}
+
+fn repairs(lines: &[Line]) -> Table {
+    const FLAWS: [Flaw; 4] = [
+        Flaw::AnotherAsset,
+        Flaw::NotMade,
+        Flaw::StillDisagrees,
+        Flaw::NotTheTruth,
+    ];
+    let mut rows = Vec::new();
+    let mut add = |name: &str, wanted: &dyn Fn(&Line) -> bool| {
+        let planted = || {
+            let all = lines.iter().filter(|line| line.score.fault.is_conflict());
+            all.filter(|line| wanted(line))
+        };
+        let repairable = || planted().filter(|line| line.repair != Repair::NotRepairable);
+        let count = |all: &mut dyn Iterator<Item = &Line>, holds: &dyn Fn(&Line) -> bool| {
+            let (mut count, mut of) = (0, 0);
+            for line in all {
+                of += 1;
+                count += u64::from(holds(line));
+            }
+            Cell::Rate(count, of)
+        };
+        let repaired = |line: &Line| line.repair == Repair::Repaired;
+        let mut row = vec![
+            text(name),
+            count(&mut planted(), &|line| line.repair != Repair::NotRepairable),
+            count(&mut repairable().filter(|line| line.score.found), &repaired),
+            count(&mut repairable(), &repaired),
+        ];
+        let all = repairable().count() as u64;
+        let mut part = |wanted: Repair| {
+            let count = repairable().filter(|line| line.repair == wanted).count();
+            row.push(Cell::Text(if all == 0 {
+                "none".into()
+            } else {
+                count.to_string()
+            }));
+        };
+        part(Repair::NothingOffered);
+        for flaw in FLAWS {
+            part(Repair::Failed(flaw));
+        }
+        rows.push(row);
+    };
+    add("all", &|_| true);
+    for fault in Fault::ALL.into_iter().filter(|fault| fault.is_conflict()) {
+        add(fault.name(), &|line| line.score.fault == fault);
+    }
+    Table {
+        name: "proposals",
+        title: "How often the first proposal repairs the study.".into(),
+        headings: vec![
+            "fault",
+            "repairable",
+            "repaired, of the repairable that were found",
+            "repaired, of all repairable",
+            "nothing offered",
+            "another asset changed",
+            "could not be made",
+            "still disagrees",
+            "not the truth",
+        ],
+        rows,
     }
 }

@@ -28,11 +28,15 @@ pub struct Stage {
     pub fails: f64,
     /// Probability that an attempt has to be repeated.
     pub again: f64,
+    /// Whether the task has this failure at all: a model may have left it out.
+    pub can_fail: bool,
 }
 
 /// A task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Task {
+    /// How it goes on.
+    pub course: Course,
     /// The stages in order.
     pub stages: Vec<Stage>,
     /// The stage at which the robot senses whether the person is ready: it fails where a sensor misses
@@ -42,13 +46,33 @@ pub struct Task {
     pub median_speed: f64,
 }
 
+/// How a task goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// Through its stages in order, until one fails.
+    Stages,
+    /// As the corridor's journey, which arrives whatever happens ([`crate::journey`]).
+    Journey,
+}
+
+/// A stage that was left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passed {
+    /// Its place.
+    pub place: usize,
+    /// The steps by then.
+    pub at: u32,
+    /// Whether it failed.
+    pub failed: bool,
+}
+
 /// What happened in one run.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Run {
-    /// For each stage that was left, the steps by then.
-    pub left_at: Vec<u32>,
-    /// Whether the last of these failed.
-    pub failed: bool,
+    /// The stages that were left, in their order.
+    pub passed: Vec<Passed>,
+    /// The steps by which it was done, if it was.
+    pub done_at: Option<u32>,
     /// The hand's speed near the person, in m/s.
     pub speed: f64,
 }
@@ -57,7 +81,10 @@ impl Task {
     /// The probability that a run is done.
     #[must_use]
     pub fn success(&self) -> f64 {
-        self.stages.iter().map(|stage| 1.0 - stage.fails).product()
+        match self.course {
+            Course::Stages => self.stages.iter().map(|stage| 1.0 - stage.fails).product(),
+            Course::Journey => 1.0,
+        }
     }
 
     /// The probability that the hand is slower than `limit`, in m/s.
@@ -87,17 +114,30 @@ impl Task {
 
     /// One run.
     pub fn run(&self, random: &mut Random) -> Run {
+        let mut run = match self.course {
+            Course::Stages => self.run_stages(random),
+            Course::Journey => crate::journey::run(self, random),
+        };
+        run.speed = self.median_speed * (SPEED_SPREAD * random.normal()).exp();
+        run
+    }
+
+    fn run_stages(&self, random: &mut Random) -> Run {
         let mut run = Run::default();
         let mut steps = 0;
-        for stage in &self.stages {
+        for (place, stage) in self.stages.iter().enumerate() {
             steps += 1 + 2 * random.geometric(stage.again);
-            run.left_at.push(steps);
-            run.failed = random.chance(stage.fails);
-            if run.failed {
-                break;
+            let failed = random.chance(stage.fails);
+            run.passed.push(Passed {
+                place,
+                at: steps,
+                failed,
+            });
+            if failed {
+                return run;
             }
         }
-        run.speed = self.median_speed * (SPEED_SPREAD * random.normal()).exp();
+        run.done_at = Some(steps);
         run
     }
 
@@ -113,68 +153,86 @@ impl Task {
         own
     }
 
-    /// The task as a chain in the PRISM language. State `i` is stage `i`, then come "done", the
-    /// failures, and the detours of retries. A stage with `fails = 0` has no failure in the text.
+    /// The task as a chain in the PRISM language. Its states have names: `at_` each stage, `retry_` of it, `done`, and
+    /// `failed_` at it. A stage that cannot fail has no failure in the text.
     #[must_use]
     pub fn model(&self) -> String {
-        let k = self.stages.len();
         let mut text = String::from("dtmc\n");
         for stage in &self.stages {
             let (mode, fails, again) = (&stage.mode, stage.fails, stage.again);
-            let _ = write!(
-                text,
-                "const double p_{mode} = {fails};\nconst double again_{mode} = {again};\n"
-            );
+            let _ = writeln!(text, "const double again_{mode} = {again};");
+            if stage.can_fail {
+                let _ = writeln!(text, "const double p_{mode} = {fails};");
+            }
         }
-        let _ = write!(text, "module task\n  s : [0..{}] init 0;\n", 3 * k);
+        let last = self.name_states(&mut text);
+        let _ = write!(text, "module task\n  s : [0..{last}] init 0;\n");
         for (i, stage) in self.stages.iter().enumerate() {
-            let (mode, fail, retry) = (&stage.mode, k + 1 + i, 2 * k + 1 + i);
+            let mode = &stage.mode;
+            let next = match self.stages.get(i + 1) {
+                Some(next) => format!("at_{}", next.mode),
+                None => "done".into(),
+            };
+            let passes = if stage.can_fail {
+                format!(
+                    "(1-again_{mode})*(1-p_{mode}):(s'={next}) + (1-again_{mode})*p_{mode}:(s'=failed_{mode})"
+                )
+            } else {
+                format!("1-again_{mode}:(s'={next})")
+            };
             let _ = write!(
                 text,
-                "  [] s={i} -> again_{mode}:(s'={retry}) + (1-again_{mode})*(1-p_{mode}):(s'={}) \
-                 + (1-again_{mode})*p_{mode}:(s'={fail});\n  [] s={retry} -> (s'={i});\n",
-                i + 1
+                "  [] s=at_{mode} -> again_{mode}:(s'=retry_{mode}) + {passes};\n  [] s=retry_{mode} -> (s'=at_{mode});\n"
             );
         }
-        let _ = write!(text, "  [] s>={k} & s<={} -> true;\nendmodule\n", 2 * k);
-        let _ = write!(
-            text,
-            "label \"ready\" = true;\nlabel \"done\" = s={k};\nlabel \"finished\" = s>={k} & s<={};\n",
-            2 * k
-        );
-        for (i, stage) in self.stages.iter().enumerate() {
-            let (mode, fail) = (&stage.mode, k + 1 + i);
-            let _ = write!(
-                text,
-                "label \"reached_{mode}\" = s={i};\nlabel \"failed_{mode}\" = s={fail};\n"
-            );
-        }
+        text.push_str("  [] s>=done -> true;\nendmodule\n");
         text
+    }
+
+    /// Writes the names of the states; the last of them.
+    fn name_states(&self, text: &mut String) -> usize {
+        let k = self.stages.len();
+        let mut last = 2 * k;
+        let _ = writeln!(text, "const int done = {last};");
+        for (i, stage) in self.stages.iter().enumerate() {
+            let mode = &stage.mode;
+            let _ = write!(
+                text,
+                "const int at_{mode} = {i};\nconst int retry_{mode} = {};\n",
+                k + i
+            );
+            if stage.can_fail {
+                last += 1;
+                let _ = writeln!(text, "const int failed_{mode} = {last};");
+            }
+        }
+        last
     }
 }
 
 impl Run {
-    /// Whether all of `stages` were passed.
+    /// Whether it was done.
     #[must_use]
-    pub fn is_done(&self, stages: usize) -> bool {
-        self.left_at.len() == stages && !self.failed
+    pub fn is_done(&self) -> bool {
+        self.done_at.is_some()
     }
 
     /// Whether stage `place` was reached.
     #[must_use]
     pub fn reached(&self, place: usize) -> bool {
-        self.left_at.len() > place
+        self.passed.iter().any(|passed| passed.place == place)
     }
 
-    /// Whether it was there that the run failed.
+    /// Whether it failed there.
     #[must_use]
     pub fn failed_at(&self, place: usize) -> bool {
-        self.failed && self.left_at.len() == place + 1
+        let mut all = self.passed.iter();
+        all.any(|passed| passed.place == place && passed.failed)
     }
 
-    /// Steps until the run ended.
+    /// Whether it was done within so many steps.
     #[must_use]
-    pub fn steps(&self) -> u32 {
-        self.left_at.last().copied().unwrap_or(0)
+    pub fn is_done_by(&self, steps: u32) -> bool {
+        self.done_at.is_some_and(|at| at <= steps)
     }
 }

@@ -53,7 +53,6 @@ pub fn findings(
     by_subject: bool,
     level: Confidence,
 ) -> Result<Vec<Finding>, String> {
-    let k = task.stages.len();
     let mut findings = Vec::new();
     let mut add = |subject: Subject, what: &dyn Fn(&Run) -> Option<bool>| {
         let counted: Vec<Sample> = runs.iter().map(|person| count(person, what)).collect();
@@ -61,13 +60,13 @@ pub fn findings(
         Ok::<(), String>(())
     };
     let requirement = |id: &str| Subject::Requirement(id.to_owned());
-    add(requirement(id::DONE), &|run| Some(run.is_done(k)))?;
+    add(requirement(id::DONE), &|run| Some(run.is_done()))?;
     add(requirement(id::IN_TIME), &|run| {
-        Some(run.is_done(k) && run.steps() <= limit_steps)
+        Some(run.is_done_by(limit_steps))
     })?;
-    add(requirement(id::READY), &|run| Some(run.is_done(k)))?;
+    add(requirement(id::READY), &|run| Some(run.is_done()))?;
     add(requirement(id::SLOW), &|run| {
-        run.is_done(k).then_some(run.speed < SPEED_LIMIT)
+        run.is_done().then_some(run.speed < SPEED_LIMIT)
     })?;
     for (mode, place) in modes {
         add(Subject::FailureMode(mode.clone()), &|run| match place {

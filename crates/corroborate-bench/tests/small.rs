@@ -81,10 +81,9 @@ fn the_chain_and_the_simulator_are_one_task() {
             continue;
         };
         let limit = study.setup.limit_steps;
-        let k = task.stages.len();
         let simulated = match id.as_str() {
-            "done" | "ready" => counts(&|run| run.is_done(k), &mut random),
-            "in-time" => counts(&|run| run.is_done(k) && run.steps() <= limit, &mut random),
+            "done" | "ready" => counts(&|run| run.is_done(), &mut random),
+            "in-time" => counts(&|run| run.is_done_by(limit), &mut random),
             _ => continue,
         };
         let truth = study.truth(&finding.subject).expect("a rate");

@@ -9,8 +9,8 @@
 //! * *corroborates*: `|p1 - p2| < m` is shown. Between counts, and between counts and a known
 //!   probability, by two one-sided tests at level `1 - g`; where a side is a distribution, by a
 //!   posterior probability of at least `g`;
-//! * *conflicts*: "no difference" is rejected at level `1 - c` after Holm's correction over all
-//!   comparable pairs of the study;
+//! * *conflicts*: "no difference" is rejected at level `1 - c`, corrected for all comparable pairs of
+//!   the study by closed testing (`compare/closed.rs`; Holm's correction where a subject has many pieces);
 //! * *inconclusive*: neither; the further trials that would decide are given.
 //!
 //! Agreement comes first: a difference that is detectable but certainly below the margin was
@@ -39,6 +39,7 @@
 //! against a known probability).
 
 mod belief;
+mod closed;
 mod decide;
 mod further;
 mod lineage;
@@ -229,6 +230,8 @@ struct Draft {
     obstacle: Option<String>,
     /// To which sides trials can be added.
     open: (bool, bool),
+    /// The conditions of both sides, where they are comparable.
+    conditions: String,
 }
 
 fn draft(
@@ -265,6 +268,7 @@ fn draft(
         pair,
         obstacle,
         open: (is_open(left), is_open(right)),
+        conditions: left.conditions.clone(),
     })
 }
 
@@ -317,17 +321,28 @@ fn missing(left: &Evidence, right: &Evidence, why: (Option<String>, Option<Strin
         .join(" ")
 }
 
-/// Holm's correction over the pairs that are comparable.
+/// The correction over the pairs that are comparable, by closed testing.
 fn correct(drafts: &mut [Draft]) {
-    let tested: Vec<usize> = (0..drafts.len())
-        .filter(|&i| drafts[i].is_tested())
-        .collect();
-    let raw: Vec<f64> = tested
-        .iter()
-        .filter_map(|&index| drafts[index].comparison.p_difference)
-        .collect();
-    for (index, corrected) in tested.into_iter().zip(stats::holm(&raw)) {
-        drafts[index].comparison.p_difference_corrected = Some(corrected);
+    let mut places = Vec::new();
+    let mut tested = Vec::new();
+    for (place, draft) in drafts.iter().enumerate() {
+        if let (Some(pair), Some(p), true) = (
+            &draft.pair,
+            draft.comparison.p_difference,
+            draft.is_tested(),
+        ) {
+            places.push(place);
+            tested.push(closed::Tested {
+                group: (&draft.comparison.subject, &draft.conditions),
+                pieces: [&draft.comparison.left, &draft.comparison.right],
+                pair,
+                p,
+            });
+        }
+    }
+    let corrected = closed::corrected(&tested);
+    for (place, corrected) in places.into_iter().zip(corrected) {
+        drafts[place].comparison.p_difference_corrected = Some(corrected);
     }
 }
 

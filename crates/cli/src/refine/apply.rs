@@ -1,12 +1,12 @@
 //! Accepted proposals become files and entries of the ledger.
 
 use super::ledger_text::{Names, NewEntry, SetTo};
-use super::model_change::{Changed, ModelChange};
 use super::proposal::{Asset, Change, Proposal, of_model};
 use super::solver::Solver;
 use crate::problem::{Problem, Source, write_whole};
 use crate::study::{Entry, Study, Work};
 use evidence::{StudyResult, Subject};
+use refinement::{Changed, ModelChange};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -53,17 +53,13 @@ impl Applier<'_> {
                     by_entry.entry(entry).or_default().push(change);
                 }
                 Change::Form(change) => {
-                    let path = self.study.folder.join("requirements.toml");
-                    let source = Source::read(&path)?;
-                    let text = change
-                        .make(&source.text)
-                        .map_err(|reason| refused(&proposal.title, &reason))?;
-                    write_whole(&path, text.as_bytes())?;
-                    applied.push(Applied {
-                        entry: None,
-                        file: "requirements.toml".into(),
-                        what: proposal.title.clone(),
-                    });
+                    let make = |text: &str| change.make(text);
+                    applied.push(self.in_place("requirements.toml", proposal, &make)?);
+                }
+                Change::Text { file, change } => {
+                    let file = file.to_string_lossy().replace('\\', "/");
+                    let make = |text: &str| change.make(text);
+                    applied.push(self.in_place(&file, proposal, &make)?);
                 }
                 Change::Recalibrate(_) => {}
             }
@@ -73,6 +69,24 @@ impl Applier<'_> {
             applied.extend(self.refine_model(entry, &changes)?);
         }
         Ok(applied)
+    }
+
+    /// Changes a file in its place.
+    fn in_place(
+        &self,
+        file: &str,
+        proposal: &Proposal,
+        make: &dyn Fn(&str) -> Result<String, String>,
+    ) -> Result<Applied, Problem> {
+        let path = self.study.folder.join(file);
+        let source = Source::read(&path)?;
+        let text = make(&source.text).map_err(|reason| refused(&proposal.title, &reason))?;
+        write_whole(&path, text.as_bytes())?;
+        Ok(Applied {
+            entry: None,
+            file: file.to_owned(),
+            what: proposal.title.clone(),
+        })
     }
 
     fn refine_model(
@@ -123,7 +137,7 @@ impl Applier<'_> {
                 constant,
                 ..
             } = change
-                .make(path, &step.text, self.solver)
+                .make(&step.text, &self.solver.at(path))
                 .map_err(|reason| refused(change.mode(), &reason))?;
             step.text = text;
             step.what.push(what);

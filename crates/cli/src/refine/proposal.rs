@@ -1,18 +1,20 @@
 //! Proposals: what may be changed, why, and what it is predicted to do.
 
-use super::anchor::{Counts, anchors};
-use super::diff::unified;
-use super::forms::{FormChange, of_forms};
+use super::forms::of_forms;
 use super::ledger_text::Names;
-use super::model_change::{Changed, ModelChange, SAME, deciding_constant, rate_of};
 use super::simulator::{Recalibration, of_simulator};
-use super::solver::{Solver, Values};
+use super::solver::Solver;
+use super::suspects::of_suspects;
 use crate::problem::{Problem, Source};
-use crate::study::{Entry, Study, SubjectForm, Work, quoted_names};
+use crate::study::{Entry, Study, Work, quoted_names};
 use evidence::{StudyResult, Subject};
+use refinement::{
+    Asked, Changed, Counts, FormChange, Ground, Model, ModelChange, ModelOffers, SAME, TextChange,
+    Values, rate_of, unified,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// One change that is offered.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -68,6 +70,13 @@ pub enum Change {
     },
     /// A requirement's form is changed.
     Form(FormChange),
+    /// Another text of the study is changed in its place.
+    Text {
+        /// The file, relative to the study.
+        file: PathBuf,
+        /// How.
+        change: TextChange,
+    },
     /// A simulation's parameters are fitted again.
     Recalibrate(Recalibration),
 }
@@ -112,6 +121,7 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
         }
     }
     of_forms(study, result, &mut offered);
+    of_suspects(study, result, &mut offered)?;
     Ok(offered)
 }
 
@@ -140,15 +150,6 @@ pub struct Asset<'a> {
     pub text: &'a str,
 }
 
-/// Changes of one model, each made alone.
-#[derive(Default)]
-pub struct Found {
-    /// The changes, with the model after each.
-    pub changes: Vec<(ModelChange, Changed)>,
-    /// Why there is none for a failure mode.
-    pub refused: Vec<String>,
-}
-
 /// What could be changed in a formal model so that its failures come as often
 /// as they were counted.
 pub fn of_model(
@@ -156,98 +157,30 @@ pub fn of_model(
     result: &StudyResult,
     asset: &Asset,
     solver: &Solver,
-) -> Result<Found, Problem> {
+) -> Result<ModelOffers, Problem> {
     let before = solver.values(asset.path, asset.text)?;
-    let mut found = Found::default();
-    for form in &study.forms.subjects {
-        if !matches!(form.subject, Subject::FailureMode(_)) {
-            continue;
-        }
-        let Some(change) = wanted(study, result, asset, form, &before) else {
-            continue;
-        };
-        let made = change.and_then(|change| {
-            let changed = change.make(asset.path, asset.text, solver)?;
-            Ok((change, changed))
-        });
-        match made {
-            // Two failures may be mended by one change.
-            Ok((_, changed)) if found.changes.iter().any(|(_, o)| o.text == changed.text) => {}
-            Ok(made) => found.changes.push(made),
-            Err(reason) => found.refused.push(format!(
-                "{} of {}: {reason}.",
-                form.subject.id().replace('_', " "),
-                asset.entry.id
-            )),
-        }
-    }
-    Ok(found)
-}
-
-/// The change that a failure mode asks for, if it does.
-fn wanted(
-    study: &Study,
-    result: &StudyResult,
-    asset: &Asset,
-    form: &SubjectForm,
-    before: &Values,
-) -> Option<Result<ModelChange, String>> {
-    let mode = form.subject.id().to_owned();
-    let rate = rate_of(before, &mode);
-    let counted = anchors(study, result, asset.entry, &form.subject);
-    let Some(occurs) = binding(study, form.property.as_ref().map(|p| p.text.as_str())) else {
-        let is_missing = rate.is_none() && counted.iter().any(|it| it.count > 0);
-        let reason = "its `occurs` names no single proposition of the model";
-        return is_missing.then(|| Err(reason.into()));
-    };
-    let Some(rate) = rate else {
-        let counts = counted.into_iter().find(|it| it.count > 0)?;
-        return Some(Ok(ModelChange::Branch {
+    let modes = study.forms.subjects.iter();
+    let modes = modes.filter(|form| matches!(form.subject, Subject::FailureMode(_)));
+    let asked: Vec<Asked> = modes
+        .map(|form| Asked {
+            mode: form.subject.id().to_owned(),
+            occurs: binding(study, form.property.as_ref().map(|p| p.text.as_str())),
             after: binding(study, form.opportunity.as_ref().map(|p| p.text.as_str())),
-            mode,
-            occurs,
-            counts,
-        }));
+        })
+        .collect();
+    let ground = Ground {
+        evidence: &result.evidence,
+        requirements: &study.requirements,
+        failure_modes: &study.failure_modes,
+        confidence: result.confidence,
     };
-    let counts = counted.into_iter().next()?;
-    let is_wanted = differs(study, result, &mode, rate, &counts);
-    is_wanted.then(|| rate_or_once(asset.text, mode, occurs, counts))
-}
-
-/// The constant is set, if it is not yet what was counted; else its draw is made once.
-fn rate_or_once(
-    text: &str,
-    mode: String,
-    occurs: String,
-    counts: Counts,
-) -> Result<ModelChange, String> {
-    let (_, value) = deciding_constant(text, &occurs)?;
-    // Constants are written with a few digits; a rounding is no difference.
-    let is_set = (value - counts.rate()).abs() <= 5e-4 * counts.rate().max(1e-3);
-    Ok(match is_set {
-        true => ModelChange::Once {
-            mode,
-            occurs,
-            counts,
-        },
-        false => ModelChange::Rate {
-            mode,
-            occurs,
-            counts,
-        },
-    })
-}
-
-/// Whether a rate is not what was counted: farther than the margin, or beyond
-/// chance.
-fn differs(study: &Study, result: &StudyResult, mode: &str, rate: f64, counts: &Counts) -> bool {
-    let margin = study.failure_modes.iter().find(|m| m.id == mode);
-    let margin = margin.map_or(0.0, |m| m.margin);
-    let distance = (rate - counts.rate()).abs();
-    let is_unlikely = counts
-        .p_value(rate)
-        .is_some_and(|p| p < 1.0 - result.confidence);
-    distance > SAME && (distance > margin || is_unlikely)
+    let model = Model {
+        evidence: &asset.entry.id,
+        text: asset.text,
+        asked: &asked,
+        solver: &solver.at(asset.path),
+    };
+    Ok(ground.of_model(&model, &before))
 }
 
 /// What the only proposition of a question means to the model.
@@ -371,7 +304,7 @@ fn effects(
     let effect = |subject: Subject| {
         let counted = match &subject == mode {
             true => Some(counts.clone()),
-            false => Counts::of(result, &counts.evidence, &subject),
+            false => Counts::of(&result.evidence, &counts.evidence, &subject),
         };
         let new = value(after, &subject);
         Effect {

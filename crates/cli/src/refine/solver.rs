@@ -4,12 +4,8 @@ use crate::problem::{Problem, Source};
 use crate::study::Study;
 use crate::talk::Interrupt;
 use crate::technique::model_checking::Compiled;
-use evidence::Subject;
-use std::collections::BTreeMap;
+use refinement::Values;
 use std::path::Path;
-
-/// The answers to a study's questions; `None` where the model cannot be asked.
-pub type Values = BTreeMap<Subject, Option<f64>>;
 
 /// Solves texts of one model.
 pub struct Solver<'a> {
@@ -28,5 +24,23 @@ impl Solver<'_> {
         };
         let compiled = Compiled::of_source(self.study, source)?;
         compiled.values_at(&[], &|| self.interrupt.is_set())
+    }
+
+    /// The same for texts of the model of this file.
+    pub fn at<'p>(&'p self, path: &'p Path) -> Of<'p> {
+        Of { solver: self, path }
+    }
+}
+
+/// Solves texts of one model.
+pub struct Of<'p> {
+    solver: &'p Solver<'p>,
+    path: &'p Path,
+}
+
+impl refinement::Solver for Of<'_> {
+    fn values(&self, text: &str) -> Result<Values, String> {
+        let found = self.solver.values(self.path, text);
+        found.map_err(|problem| problem.warning_line())
     }
 }

@@ -1,13 +1,12 @@
 //! The published path of the handover's formal model, by the changes that are
 //! offered and nothing else.
 
-use super::anchor::Counts;
-use super::model_change::{ModelChange, rate_of};
 use super::solver::Solver;
 use crate::study::Study;
 use crate::talk::Interrupt;
 use evidence::Subject;
 use prism_lang::Constants;
+use refinement::{Counts, ModelChange, rate_of};
 use std::path::{Path, PathBuf};
 
 fn handover() -> PathBuf {
@@ -98,7 +97,7 @@ fn the_first_model_becomes_the_fifth_by_offered_changes() {
     for (changes, success, size) in steps {
         let mut values = Default::default();
         for change in changes {
-            let changed = change.make(path, &text, &solver).expect("a change");
+            let changed = change.make(&text, &solver.at(path)).expect("a change");
             (text, values) = (changed.text, changed.values);
         }
         let value = values[&Subject::Requirement("1a".into())].expect("a value");
@@ -130,7 +129,9 @@ fn a_change_that_does_not_give_the_rate_is_not_made() {
         "true",
         counts("E3", 2, 100),
     );
-    let refusal = strange.make(path, &text, &solver).expect_err("no variable");
+    let refusal = strange
+        .make(&text, &solver.at(path))
+        .expect_err("no variable");
     assert!(refusal.contains("noSuchState"), "{refusal}");
     // Each is read once already, so a second latch would change nothing.
     let (mode, occurs) = denied("location");
@@ -139,7 +140,7 @@ fn a_change_that_does_not_give_the_rate_is_not_made() {
         occurs,
         counts: counts("E3", 3, 98),
     };
-    let changed = again.make(path, &text, &solver).expect("a change");
+    let changed = again.make(&text, &solver.at(path)).expect("a change");
     let rate = rate_of(&changed.values, &mode).expect("a rate");
     assert!((rate - 0.030612245).abs() < 1e-12, "{rate}");
 }

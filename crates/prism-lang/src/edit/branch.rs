@@ -106,6 +106,34 @@ pub fn add_branch(
     edits
 }
 
+/// Divides one outcome of a command in two: with probability `chance` (a name or a literal) it has `value` for
+/// `variable`, else it is as before. The other outcomes keep their probabilities, so that a command that is repeated
+/// until it has this outcome has the new one with probability `chance` in the end.
+pub fn divide_update(
+    text: &str,
+    update: &Update,
+    chance: &str,
+    variable: &str,
+    value: &str,
+) -> Edit {
+    let (before, branch) = match &update.probability {
+        None => (format!("1-{chance}"), chance.to_owned()),
+        Some(probability) => {
+            let factor = factor(text, probability);
+            (
+                format!("{factor}*(1-{chance})"),
+                format!("{factor}*{chance}"),
+            )
+        }
+    };
+    let outcome = &text[body(text, update).start..update.span.end];
+    let other = with_value(text, update, variable, value);
+    Edit::replace(
+        update.span,
+        format!("{before} : {outcome} + {branch} : {other}"),
+    )
+}
+
 /// A probability as a factor.
 fn factor(text: &str, probability: &Expr) -> String {
     let written = &text[probability.span.start..probability.span.end];

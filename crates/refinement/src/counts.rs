@@ -1,13 +1,11 @@
 //! Whose counts an asset is set to.
 //!
 //! # Definition
-//! Nearest to the real system comes first: operation, experiments, simulation;
-//! among equals, what is later in the ledger. It must hold under the same
-//! conditions, count the subject, and not be a step on the way or published
-//! evidence that other evidence of the study reproduces.
+//! Nearest to the real system comes first: operation, experiments, simulation; among equals, what is later in the
+//! ledger. It must hold under the same conditions, count the subject, and not be a step on the way, published
+//! evidence that other evidence of the study reproduces, or evidence that was itself set to the asset's.
 
-use crate::study::{Entry, Study};
-use evidence::{Evidence, Measure, StudyResult, Subject, Technique};
+use evidence::{Evidence, Measure, Subject, Technique};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -24,53 +22,48 @@ pub struct Counts {
 
 impl Counts {
     /// What a piece of evidence counts of a subject.
-    pub fn of(result: &StudyResult, evidence: &str, subject: &Subject) -> Option<Self> {
-        let piece = result.evidence.iter().find(|piece| piece.id == evidence)?;
+    #[must_use]
+    pub fn of(evidence: &[Evidence], id: &str, subject: &Subject) -> Option<Self> {
+        let piece = evidence.iter().find(|piece| piece.id == id)?;
         counts(piece, subject)
     }
 
     /// The share.
+    #[must_use]
     pub fn rate(&self) -> f64 {
         self.count as f64 / self.trials as f64
     }
 
     /// The share as an expression of the PRISM language.
+    #[must_use]
     pub fn fraction(&self) -> String {
         format!("{}/{}", self.count, self.trials)
     }
 
     /// In words.
+    #[must_use]
     pub fn words(&self) -> String {
         format!("{} of {} in {}", self.count, self.trials, self.evidence)
     }
 
     /// The exact binomial p-value of a rate, given these counts.
+    #[must_use]
     pub fn p_value(&self, rate: f64) -> Option<f64> {
         let sample = stats::Sample::new(self.count, self.trials).ok()?;
         Some(stats::binomial_test_two_sided(sample, rate.clamp(0.0, 1.0)))
     }
 }
 
-/// All counts of a subject that an entry's asset may be set to, best first.
-pub fn anchors(
-    study: &Study,
-    result: &StudyResult,
-    target: &Entry,
-    subject: &Subject,
-) -> Vec<Counts> {
+/// All counts of a subject that the asset of `target` may be set to, best first.
+#[must_use]
+pub fn anchors(evidence: &[Evidence], target: &Evidence, subject: &Subject) -> Vec<Counts> {
     let mut found: Vec<(u8, usize, Counts)> = Vec::new();
-    for (place, piece) in result.evidence.iter().enumerate() {
-        let Some(entry) = study.ledger.iter().find(|entry| entry.id == piece.id) else {
-            continue;
-        };
-        let is_usable = entry.conditions == target.conditions
-            && entry.id != target.id
-            && !entry.intermediate
-            && entry.reproduced_by.is_none()
-            && entry
-                .calibrated
-                .iter()
-                .all(|c| c.calibration.from != target.id);
+    for (place, piece) in evidence.iter().enumerate() {
+        let is_usable = piece.conditions == target.conditions
+            && piece.id != target.id
+            && !piece.intermediate
+            && piece.reproduced_by.is_none()
+            && piece.calibrated.iter().all(|c| c.from != target.id);
         if let (true, Some(nearness), Some(counts)) =
             (is_usable, nearness(piece.technique), counts(piece, subject))
         {

@@ -104,6 +104,29 @@ pub fn value_of(expr: &Expr, body: Option<&Body>, model: &resolved::Model) -> Op
     }
 }
 
+/// The names in an arithmetic expression, in the order of the text.
+pub fn names_of<'e>(expr: &'e Expr, into: &mut Vec<&'e str>) {
+    match &expr.kind {
+        ExprKind::Name(name) => into.push(name),
+        ExprKind::Unary(_, inner) => names_of(inner, into),
+        ExprKind::Binary(_, left, right) => {
+            names_of(left, into);
+            names_of(right, into);
+        }
+        ExprKind::IfThenElse(condition, then, otherwise) => {
+            for part in [condition, then, otherwise] {
+                names_of(part, into);
+            }
+        }
+        ExprKind::Call(_, arguments) => {
+            for argument in arguments {
+                names_of(argument, into);
+            }
+        }
+        _ => {}
+    }
+}
+
 /// All updates that make the formula true.
 pub fn draws<'a>(tree: &'a Model, model: &resolved::Model, wanted: &[Equality]) -> Vec<Draw<'a>> {
     let wanted: Vec<(&str, i64)> = wanted

@@ -3,32 +3,49 @@
 //!
 //! # Definition
 //! * *Rate*: the updates that make the failure's proposition true have a
-//!   constant as their probability. It becomes the share that was counted.
+//!   constant as their probability. It becomes the share that was counted. Where
+//!   the probability is an expression of several constants, such as
+//!   `(1-again)*slips`, each is tried in the order of the text, as the share and
+//!   as one minus it, and the first with which the solved model has the counted
+//!   rate is taken.
 //! * *Branch*: the proposition is `variable=name` with a name that the model
 //!   does not have. The variable gets one more value of this name. A command of
 //!   its module that assigns it gets an update that sets it, with the share that
 //!   was counted as its probability; all its other probabilities are multiplied
 //!   by the rest. Tried are the commands whose guard asks for what the
 //!   opportunity's proposition says; if there are none, those that leave the
-//!   variable's initial value, then the others, in the order of the text.
+//!   variable's initial value, then the others, in the order of the text. Where
+//!   no command as a whole gives the counted rate, one of its updates is divided
+//!   instead, so that what is tried again is not counted again.
 //! * *Once*: if the constant has the counted share and the model's rate for the
 //!   failure differs all the same, the model draws more than once where the
 //!   counts have one opportunity. The commands are taken once.
 //!
 //! # Guarantee
-//! A branch and a draw made once are solved, and only offered if the model's
+//! A branch, a constant of an expression and a draw made once are solved, and only offered if the model's
 //! rate then is the wanted one to within [`NEAR`] of it: a command that is taken
 //! several times in a run, or not in all, does not pass. (Exactly equal it need not
 //! be: a run may time out first.) A rate is offered with the value that it gives,
 //! which may differ.
 
-use super::anchor::Counts;
-use super::draws::{Draw, Equality, draws, equalities, of_guard, value_of};
-use super::solver::{Solver, Values};
+use crate::counts::Counts;
+use crate::draws::{Draw, Equality, draws, equalities, names_of, of_guard, value_of};
 use evidence::Subject;
-use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody};
+use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody, Update};
 use prism_lang::{Constants, Value, edit, resolved};
-use std::path::Path;
+use std::collections::BTreeMap;
+
+/// The answers to a study's questions; `None` where the model cannot be asked.
+pub type Values = BTreeMap<Subject, Option<f64>>;
+
+/// Solves texts of one model.
+pub trait Solver {
+    /// What a text of the model answers.
+    ///
+    /// # Errors
+    /// Why it cannot be solved, in words.
+    fn values(&self, text: &str) -> Result<Values, String>;
+}
 
 /// Relative difference up to which a solved rate is the wanted one.
 pub const SAME: f64 = 1e-6;
@@ -126,27 +143,67 @@ impl<'a> Read<'a> {
 }
 
 /// The constant that decides how often a proposition becomes true, and its value.
-pub fn deciding_constant(text: &str, occurs: &str) -> Result<(String, f64), Refusal> {
+///
+/// # Errors
+/// Why there is no such constant: the probability is certain, no constant, an expression of several, or
+/// different for each of the updates.
+fn deciding_constant(text: &str, occurs: &str) -> Result<(String, f64), Refusal> {
     let read = Read::new(text)?;
+    match deciding(&read, occurs)? {
+        Deciding::Constant(name) => read
+            .constant(&name)
+            .map(|value| (name.clone(), value))
+            .ok_or_else(|| format!("`{name}` is no constant with a value")),
+        Deciding::Expression(names) => Err(match names.as_slice() {
+            [] => "its probability is no constant of the model".into(),
+            several => format!("{} decide it together", several.join(", ")),
+        }),
+    }
+}
+
+/// What decides how often a proposition becomes true.
+enum Deciding {
+    /// The probability of each update is this constant.
+    Constant(String),
+    /// Expressions of these constants.
+    Expression(Vec<String>),
+}
+
+fn deciding(read: &Read, occurs: &str) -> Result<Deciding, Refusal> {
     let draws = read.draws(occurs)?;
-    let mut names = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    let mut is_plain = true;
     for draw in &draws {
-        let name = match draw.update.probability.as_ref().map(|p| &p.kind) {
-            Some(ExprKind::Name(name)) => draw.body.renamed(name).to_owned(),
-            Some(_) => return Err("its probability is no constant of the model".into()),
-            None => return Err("the model has no chance there: it is certain".into()),
-        };
-        if !names.contains(&name) {
-            names.push(name);
+        let probability = draw.update.probability.as_ref();
+        let probability = probability.ok_or("the model has no chance there: it is certain")?;
+        is_plain &= matches!(probability.kind, ExprKind::Name(_));
+        let mut found = Vec::new();
+        names_of(probability, &mut found);
+        for name in found {
+            let name = draw.body.renamed(name).to_owned();
+            if !names.contains(&name) && read.constant(&name).is_some() {
+                names.push(name);
+            }
         }
     }
-    match names.as_slice() {
-        [only] => read
-            .constant(only)
-            .map(|value| (only.clone(), value))
-            .ok_or_else(|| format!("`{only}` is no constant with a value")),
-        several => Err(format!("{} decide it together", several.join(", "))),
+    Ok(match names.as_slice() {
+        [only] if is_plain => Deciding::Constant(only.clone()),
+        _ => Deciding::Expression(names),
+    })
+}
+
+/// Whether the constant that decides a proposition has the counted share already, so that only how often it is
+/// drawn can be wrong.
+///
+/// # Errors
+/// Why nothing decides it.
+pub(crate) fn is_set_to(text: &str, occurs: &str, counts: &Counts) -> Result<bool, Refusal> {
+    if let Deciding::Expression(_) = deciding(&Read::new(text)?, occurs)? {
+        return Ok(false);
     }
+    let (_, value) = deciding_constant(text, occurs)?;
+    // Constants are written with a few digits; a rounding is no difference.
+    Ok((value - counts.rate()).abs() <= 5e-4 * counts.rate().max(1e-3))
 }
 
 impl ModelChange {
@@ -167,15 +224,22 @@ impl ModelChange {
     }
 
     /// Makes the change and solves the result.
-    pub fn make(&self, path: &Path, text: &str, solver: &Solver) -> Result<Changed, Refusal> {
+    ///
+    /// # Errors
+    /// Why it cannot be made, in one sentence.
+    pub fn make(&self, text: &str, solver: &dyn Solver) -> Result<Changed, Refusal> {
         match self {
-            Self::Rate { occurs, counts, .. } => rate(path, text, solver, occurs, counts),
-            Self::Once { mode, occurs, .. } => once(path, text, solver, mode, occurs),
-            Self::Branch { .. } => self.branch(path, text, solver),
+            Self::Rate {
+                mode,
+                occurs,
+                counts,
+            } => rate(text, solver, occurs, (mode, counts)),
+            Self::Once { mode, occurs, .. } => once(text, solver, mode, occurs),
+            Self::Branch { .. } => self.branch(text, solver),
         }
     }
 
-    fn branch(&self, path: &Path, text: &str, solver: &Solver) -> Result<Changed, Refusal> {
+    fn branch(&self, text: &str, solver: &dyn Solver) -> Result<Changed, Refusal> {
         let Self::Branch {
             mode,
             occurs,
@@ -186,16 +250,20 @@ impl ModelChange {
             return Err("it is no branch".into());
         };
         let read = Read::new(text)?;
-        let mut tried = Vec::new();
-        for command in candidates(&read, occurs, after.as_deref())? {
-            let (line, _) = prism_lang::line_and_column(text, command.span.start);
-            tried.push(line.to_string());
-            let branched = with_branch(&read, command, mode, occurs, counts)?;
-            let Ok(values) = solver.values(path, &branched.text) else {
+        let candidates = candidates(&read, occurs, after.as_deref())?;
+        let places = candidates.iter().map(|command| (*command, None));
+        let updates = candidates.iter().flat_map(|command| {
+            let all = command.updates.iter();
+            all.map(|update| (*command, Some(update)))
+        });
+        for (command, update) in places.chain(updates) {
+            let branched = with_branch(&read, (command, update), mode, occurs, counts)?;
+            let Ok(values) = solver.values(&branched.text) else {
                 continue;
             };
             let rate = rate_of(&values, mode);
             if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= NEAR * counts.rate()) {
+                let (line, _) = prism_lang::line_and_column(text, command.span.start);
                 return Ok(Changed {
                     text: branched.text,
                     what: format!(
@@ -208,6 +276,11 @@ impl ModelChange {
                 });
             }
         }
+        let line = |command: &&Command| {
+            let (line, _) = prism_lang::line_and_column(text, command.span.start);
+            line.to_string()
+        };
+        let tried: Vec<String> = candidates.iter().map(line).collect();
         Err(format!(
             "none of the commands in lines {} gives the counted rate",
             tried.join(", ")
@@ -224,32 +297,58 @@ pub fn rate_of(values: &Values, mode: &str) -> Option<f64> {
 }
 
 fn rate(
-    path: &Path,
     text: &str,
-    solver: &Solver,
+    solver: &dyn Solver,
     occurs: &str,
+    (mode, counts): (&str, &Counts),
+) -> Result<Changed, Refusal> {
+    let read = Read::new(text)?;
+    let names = match deciding(&read, occurs)? {
+        Deciding::Constant(name) => return set(&read, solver, &name, &counts.fraction(), counts),
+        Deciding::Expression(names) => names,
+    };
+    // Of several constants in one expression, it is the one with which the model has the counted rate.
+    for value in [counts.fraction(), format!("1-{}", counts.fraction())] {
+        for name in &names {
+            let Ok(changed) = set(&read, solver, name, &value, counts) else {
+                continue;
+            };
+            let rate = rate_of(&changed.values, mode);
+            let near = NEAR * counts.rate().max(SAME);
+            if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= near) {
+                return Ok(changed);
+            }
+        }
+    }
+    Err(match names.as_slice() {
+        [] => "its probability has no constant of the model".into(),
+        several => format!(
+            "none of {}, set to the counted share, gives the counted rate",
+            several.join(", ")
+        ),
+    })
+}
+
+/// The model with a constant set, solved.
+fn set(
+    read: &Read,
+    solver: &dyn Solver,
+    name: &str,
+    value: &str,
     counts: &Counts,
 ) -> Result<Changed, Refusal> {
-    let (name, _) = deciding_constant(text, occurs)?;
-    let tree = prism_lang::parse_model(text).tree;
-    let edits = edit::set_constant(&tree, &name, &counts.fraction()).map_err(|e| e.to_string())?;
-    let text = edit::apply(text, &edits).map_err(|e| e.to_string())?;
-    let values = solver.values(path, &text).map_err(|p| p.warning_line())?;
+    let edits = edit::set_constant(&read.tree, name, value).map_err(|e| e.to_string())?;
+    let text = edit::apply(read.text, &edits).map_err(|e| e.to_string())?;
+    let values = solver.values(&text)?;
     Ok(Changed {
         text,
         what: format!("{name} set to {}", counts.words()),
-        constant: Some(name),
+        constant: Some(name.to_owned()),
         values,
     })
 }
 
-fn once(
-    path: &Path,
-    text: &str,
-    solver: &Solver,
-    mode: &str,
-    occurs: &str,
-) -> Result<Changed, Refusal> {
+fn once(text: &str, solver: &dyn Solver, mode: &str, occurs: &str) -> Result<Changed, Refusal> {
     let (_, value) = deciding_constant(text, occurs)?;
     let read = Read::new(text)?;
     let draws = read.draws(occurs)?;
@@ -259,7 +358,7 @@ fn once(
     }
     let edits = edit::draw_once(text, &read.tree, variable).map_err(|e| e.to_string())?;
     let text = edit::apply(text, &edits).map_err(|e| e.to_string())?;
-    let values = solver.values(path, &text).map_err(|p| p.warning_line())?;
+    let values = solver.values(&text)?;
     match rate_of(&values, mode) {
         Some(rate) if (rate - value).abs() <= NEAR * value.max(SAME) => Ok(Changed {
             text,
@@ -361,7 +460,7 @@ struct Branched {
 
 fn with_branch(
     read: &Read,
-    command: &Command,
+    (command, update): (&Command, Option<&Update>),
     mode: &str,
     occurs: &str,
     counts: &Counts,
@@ -382,9 +481,14 @@ fn with_branch(
     );
     let mut edits = extension.edits;
     edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
-    edits.extend(edit::add_branch(
-        read.text, command, &constant, variable, value,
-    ));
+    match update {
+        None => edits.extend(edit::add_branch(
+            read.text, command, &constant, variable, value,
+        )),
+        Some(update) => edits.push(edit::divide_update(
+            read.text, update, &constant, variable, value,
+        )),
+    }
     let text = edit::apply(read.text, &edits).map_err(|error| error.to_string())?;
     Ok(Branched { text, constant })
 }

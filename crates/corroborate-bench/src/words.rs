@@ -1,0 +1,83 @@
+//! The study's vocabulary for its formal models: what each proposition means over a model's variables.
+
+use crate::family::{Family, HANDOVER};
+use crate::journey;
+use crate::requirements::{Forms, id};
+use refinement::Asked;
+use std::fmt::Write as _;
+
+/// The propositions of a study, as its formal models know them.
+#[derive(Clone, Debug)]
+pub struct Words {
+    /// The states in which a run is done.
+    done: &'static str,
+    /// Those in which it is at its end.
+    finished: Option<&'static str>,
+    /// What each failure mode means.
+    pub asked: Vec<Asked>,
+}
+
+impl Words {
+    /// The words of a family, for these failure modes.
+    #[must_use]
+    pub fn new(family: Family, modes: &[String]) -> Self {
+        if family == Family::Handover {
+            let asked = HANDOVER.iter().map(|it| Asked {
+                mode: it.mode.to_owned(),
+                occurs: Some(it.occurs.to_owned()),
+                after: Some(it.after.to_owned()),
+            });
+            return Self {
+                done: "robotState=handoverSuccessful",
+                finished: None,
+                asked: asked.collect(),
+            };
+        }
+        if family == Family::Corridor {
+            let asked = journey::MODES.iter().map(|(mode, occurs, after)| Asked {
+                mode: (*mode).to_owned(),
+                occurs: Some((*occurs).to_owned()),
+                after: Some((*after).to_owned()),
+            });
+            return Self {
+                done: journey::DONE,
+                finished: Some(journey::DONE),
+                asked: asked.collect(),
+            };
+        }
+        let asked = modes.iter().map(|mode| Asked {
+            mode: mode.clone(),
+            occurs: Some(format!("s=failed_{mode}")),
+            after: Some(format!("s=at_{mode}")),
+        });
+        Self {
+            done: "s=done",
+            finished: Some("s>=done"),
+            asked: asked.collect(),
+        }
+    }
+
+    /// Whether the model's language has a requirement: time is steps only in the chains.
+    #[must_use]
+    pub fn expresses(&self, form: &Forms) -> bool {
+        form.is_formal && (self.finished.is_some() || form.id == id::DONE)
+    }
+
+    /// Labels for the properties of requirements.
+    #[must_use]
+    pub fn labels(&self) -> String {
+        let mut text = format!("label \"ready\" = true;\nlabel \"done\" = {};\n", self.done);
+        if let Some(finished) = self.finished {
+            let _ = writeln!(text, "label \"finished\" = {finished};");
+        }
+        text
+    }
+
+    /// The two questions of a failure mode's rate: how often it occurs, and how often it could.
+    #[must_use]
+    pub fn questions(&self, mode: &str) -> Option<(String, String)> {
+        let asked = self.asked.iter().find(|asked| asked.mode == mode)?;
+        let eventually = |what: &Option<String>| Some(format!("P=? [ F ({}) ]", what.as_ref()?));
+        Some((eventually(&asked.occurs)?, eventually(&asked.after)?))
+    }
+}

@@ -1,0 +1,147 @@
+//! What could be changed in a formal model so that its failures come as often as they were counted.
+//!
+//! # Definition
+//! For each failure mode: if the model cannot express it and it was counted, a branch ([`ModelChange::Branch`]). Else,
+//! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of
+//! them), or their exact binomial p-value is below the study's level: the constant set to the counted share, or, if it
+//! has that already, the draw made once.
+
+use crate::counts::{Counts, anchors};
+use crate::model_change::{Changed, ModelChange, SAME, Solver, Values, is_set_to, rate_of};
+use evidence::{Evidence, FailureMode, Requirement, Subject};
+
+/// A study's evidence, and what it declares.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground<'a> {
+    /// The ledger, oldest first.
+    pub evidence: &'a [Evidence],
+    /// What is required.
+    pub requirements: &'a [Requirement],
+    /// What can go wrong, with margins.
+    pub failure_modes: &'a [FailureMode],
+    /// The study's confidence.
+    pub confidence: f64,
+}
+
+/// How a model is asked about a failure mode.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// The failure mode.
+    pub mode: String,
+    /// What it means over the model's variables; `None` if no single proposition says so.
+    pub occurs: Option<String>,
+    /// What its opportunity means.
+    pub after: Option<String>,
+}
+
+/// A formal model as it is, or as it has become.
+#[derive(Clone, Copy)]
+pub struct Model<'a> {
+    /// The evidence that it gives.
+    pub evidence: &'a str,
+    /// Its text.
+    pub text: &'a str,
+    /// The questions.
+    pub asked: &'a [Asked],
+    /// Answers them for other texts of it.
+    pub solver: &'a dyn Solver,
+}
+
+/// Changes of one model, each made alone.
+#[derive(Clone, Debug, Default)]
+pub struct ModelOffers {
+    /// The changes, with the model after each.
+    pub changes: Vec<(ModelChange, Changed)>,
+    /// Why there is none for a failure mode.
+    pub refused: Vec<String>,
+}
+
+impl Ground<'_> {
+    /// What could be changed in a model; `before` is what it answers now.
+    #[must_use]
+    pub fn of_model(&self, model: &Model<'_>, before: &Values) -> ModelOffers {
+        let mut found = ModelOffers::default();
+        for asked in model.asked {
+            let Some(change) = self.wanted(model, asked, before) else {
+                continue;
+            };
+            let made = change.and_then(|change| {
+                let changed = change.make(model.text, model.solver)?;
+                Ok((change, changed))
+            });
+            match made {
+                // Two failures may be mended by one change.
+                Ok((_, changed)) if found.changes.iter().any(|(_, o)| o.text == changed.text) => {}
+                Ok(made) => found.changes.push(made),
+                Err(reason) => found.refused.push(format!(
+                    "{} of {}: {reason}.",
+                    asked.mode.replace('_', " "),
+                    model.evidence
+                )),
+            }
+        }
+        found
+    }
+
+    /// The change that a failure mode asks for, if it does.
+    fn wanted(
+        &self,
+        model: &Model<'_>,
+        asked: &Asked,
+        before: &Values,
+    ) -> Option<Result<ModelChange, String>> {
+        let mode = asked.mode.clone();
+        let rate = rate_of(before, &mode);
+        let target = self.evidence.iter().find(|e| e.id == model.evidence)?;
+        let counted = anchors(self.evidence, target, &Subject::FailureMode(mode.clone()));
+        let Some(occurs) = asked.occurs.clone() else {
+            let is_missing = rate.is_none() && counted.iter().any(|it| it.count > 0);
+            let reason = "its `occurs` names no single proposition of the model";
+            return is_missing.then(|| Err(reason.into()));
+        };
+        let Some(rate) = rate else {
+            let counts = counted.into_iter().find(|it| it.count > 0)?;
+            return Some(Ok(ModelChange::Branch {
+                after: asked.after.clone(),
+                mode,
+                occurs,
+                counts,
+            }));
+        };
+        let counts = counted.into_iter().next()?;
+        let is_wanted = self.differs(&mode, rate, &counts);
+        is_wanted.then(|| rate_or_once(model.text, mode, occurs, counts))
+    }
+
+    /// Whether a rate is not what was counted: farther than the margin, or beyond chance.
+    fn differs(&self, mode: &str, rate: f64, counts: &Counts) -> bool {
+        let margin = self.failure_modes.iter().find(|m| m.id == mode);
+        let margin = margin.map_or(0.0, |m| m.margin);
+        let distance = (rate - counts.rate()).abs();
+        let is_unlikely = counts
+            .p_value(rate)
+            .is_some_and(|p| p < 1.0 - self.confidence);
+        distance > SAME && (distance > margin || is_unlikely)
+    }
+}
+
+/// The constant is set, if it is not yet what was counted; else its draw is made once.
+fn rate_or_once(
+    text: &str,
+    mode: String,
+    occurs: String,
+    counts: Counts,
+) -> Result<ModelChange, String> {
+    Ok(match is_set_to(text, &occurs, &counts)? {
+        true => ModelChange::Once {
+            mode,
+            occurs,
+            counts,
+        },
+        false => ModelChange::Rate {
+            mode,
+            occurs,
+            counts,
+        },
+    })
+}

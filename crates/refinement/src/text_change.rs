@@ -1,0 +1,187 @@
+//! Changes of the texts that are neither a formal model nor the requirements: the ledger's methods, a scene's time step,
+//! the names in a table of failure modes.
+//!
+//! # Definition
+//! * *Methods*: the method whose bounds hold comes first in `methods`, so that its answer counts.
+//! * *Step*: a time step is divided by a power of two ([`steps`]).
+//! * *Names*: two rows of a table `mode,...` get each other's name, where the counts of other evidence say that they
+//!   were mixed up ([`crate::offers`]).
+//!
+//! # Source of [`steps`]
+//! L. F. Richardson, "The approximate arithmetical solution by finite differences" (1911): of an error that is
+//! proportional to the step, half is left at half the step, so that the rates at both tell the error.
+
+use crate::toml_text::{get, number, span_of, table_of, with_id};
+use prism_lang::edit::{self, Edit};
+use toml::de::{DeTable, DeValue};
+
+/// A change of one of these texts.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TextChange {
+    /// The ledger's entry takes this method first.
+    Methods {
+        /// The entry.
+        evidence: String,
+        /// The method.
+        first: String,
+    },
+    /// A number in a scene or scenario, such as the time step, is divided.
+    Step {
+        /// Its place: `simulation.time_step_secs`.
+        key: String,
+        /// By what.
+        divisor: u32,
+    },
+    /// Two rows of a table get each other's name.
+    Names {
+        /// The names.
+        modes: [String; 2],
+    },
+}
+
+impl TextChange {
+    /// The text after the change.
+    ///
+    /// # Errors
+    /// Why it cannot be made, in one sentence.
+    pub fn make(&self, text: &str) -> Result<String, String> {
+        match self {
+            Self::Methods { evidence, first } => methods(text, evidence, first),
+            Self::Step { key, divisor } => step(text, key, *divisor),
+            Self::Names { modes } => names(text, modes),
+        }
+    }
+}
+
+fn methods(text: &str, evidence: &str, first: &str) -> Result<String, String> {
+    let document = DeTable::parse(text).map_err(|error| error.to_string())?;
+    let table = with_id(document.get_ref(), &["evidence"], evidence)
+        .ok_or_else(|| format!("the ledger has no `{evidence}`"))?;
+    let value = get(table, "methods").ok_or("its entry names no methods")?;
+    let DeValue::Array(array) = value.get_ref() else {
+        return Err("its `methods` is no list".into());
+    };
+    let mut all = vec![format!("\"{first}\"")];
+    for method in array.iter() {
+        if let DeValue::String(name) = method.get_ref()
+            && name.as_ref() != first
+        {
+            all.push(format!("\"{name}\""));
+        }
+    }
+    let edit = Edit::replace(span_of(value), format!("[{}]", all.join(", ")));
+    edit::apply(text, &[edit]).map_err(|error| error.to_string())
+}
+
+fn step(text: &str, key: &str, divisor: u32) -> Result<String, String> {
+    let document = DeTable::parse(text).map_err(|error| error.to_string())?;
+    let missing = || format!("the file has no number `{key}`");
+    let (tables, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut table = document.get_ref();
+    for part in tables.split('.').filter(|part| !part.is_empty()) {
+        table = table_of(table, part).ok_or_else(missing)?;
+    }
+    let value = get(table, name).ok_or_else(missing)?;
+    let old = number(value.get_ref()).ok_or_else(missing)?;
+    let edit = Edit::replace(span_of(value), (old / f64::from(divisor)).to_string());
+    edit::apply(text, &[edit]).map_err(|error| error.to_string())
+}
+
+/// The rows' names change places; all else of each row stays.
+fn names(text: &str, modes: &[String; 2]) -> Result<String, String> {
+    let of_line = |line: &str| line.split(',').next().map(|name| name.trim().to_owned());
+    let mut found = [false; 2];
+    let mut changed = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let name = of_line(line);
+        let place = modes.iter().position(|mode| name.as_ref() == Some(mode));
+        match place {
+            Some(place) => {
+                found[place] = true;
+                changed.push_str(&line.replacen(&modes[place], &modes[1 - place], 1));
+            }
+            None => changed.push_str(line),
+        }
+    }
+    match found {
+        [true, true] => Ok(changed),
+        _ => Err(format!(
+            "the table has no rows `{}` and `{}`",
+            modes[0], modes[1]
+        )),
+    }
+}
+
+/// By which power of two a time step is divided so that what is left of its error is at most `allowed`, given the rates
+/// at the whole and at half the step: twice their difference is the error of the whole step.
+#[must_use]
+pub fn steps(whole: f64, half: f64, allowed: f64) -> u32 {
+    let error = 2.0 * (whole - half).abs();
+    let mut divisor = 2;
+    while error / f64::from(divisor) > allowed && divisor < LEAST_STEP {
+        divisor *= 2;
+    }
+    divisor
+}
+
+/// The most by which a step is divided.
+const LEAST_STEP: u32 = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sound_method_comes_first_and_the_others_stay() {
+        let text = "[[evidence]]\nid = \"A\"\nmethods = [\"sound\"]\n\n[[evidence]]\nid = \"B\"\n\
+                    methods = [\"prism-default\", \"sound\"] # both\n";
+        let change = TextChange::Methods {
+            evidence: "B".into(),
+            first: "sound".into(),
+        };
+        let swapped = text.replace(
+            "\"prism-default\", \"sound\"",
+            "\"sound\", \"prism-default\"",
+        );
+        assert_eq!(change.make(text), Ok(swapped));
+        let other = TextChange::Methods {
+            evidence: "C".into(),
+            first: "sound".into(),
+        };
+        assert!(other.make(text).is_err());
+    }
+
+    #[test]
+    fn a_step_is_divided_where_it_stands() {
+        let text = "[simulation]\nname = \"x\"\ntime_step_secs = 0.002 # s\n";
+        let change = |key: &str| TextChange::Step {
+            key: key.into(),
+            divisor: 4,
+        };
+        let made = change("simulation.time_step_secs").make(text);
+        assert_eq!(made, Ok(text.replace("0.002", "0.0005")));
+        assert!(change("simulation.name").make(text).is_err());
+        assert!(change("time_step_secs").make(text).is_err());
+    }
+
+    #[test]
+    fn the_error_that_is_left_is_within_what_is_allowed() {
+        // An error of 0.2 at the whole step, of first order: 0.05 at a quarter of it.
+        assert_eq!(steps(0.3, 0.2, 0.05), 4);
+        assert_eq!(steps(0.3, 0.2, 0.06), 4);
+        assert_eq!(steps(0.1, 0.1, 0.01), 2);
+        assert_eq!(steps(1.0, 0.0, 1e-9), LEAST_STEP);
+    }
+
+    #[test]
+    fn two_rows_get_each_others_name() {
+        let text = "mode,occurrences,opportunities\nslip,7,98\ngaze,3,98\nslip_late,1,9\n";
+        let change = |modes: [&str; 2]| TextChange::Names {
+            modes: modes.map(str::to_owned),
+        };
+        let made = change(["slip", "gaze"]).make(text);
+        let swapped = "mode,occurrences,opportunities\ngaze,7,98\nslip,3,98\nslip_late,1,9\n";
+        assert_eq!(made, Ok(swapped.to_owned()));
+        assert!(change(["slip", "none"]).make(text).is_err());
+    }
+}
