@@ -30,7 +30,7 @@ impl Plan {
         studies: 60,
         sound: 400,
         handover: 4,
-        corridor: 12,
+        corridor: 6,
         seed: 5,
     };
 
@@ -39,7 +39,7 @@ impl Plan {
         studies: 8,
         sound: 40,
         handover: 0,
-        corridor: 2,
+        corridor: 0,
         seed: 5,
     };
 }

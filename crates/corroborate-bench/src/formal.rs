@@ -11,7 +11,10 @@ use stats::{BetaPosterior, Confidence, EffectiveSample};
 use std::collections::BTreeMap;
 
 /// How often a model is solved to carry the uncertainty of its constants. The product solves 1000 times.
-const SOLVES: usize = 250;
+pub const SOLVES: usize = 250;
+
+/// The same for the models of the case studies, which have thousands of states.
+pub const FEW_SOLVES: usize = 40;
 
 /// One subject's question.
 #[derive(Clone, Debug)]
@@ -36,6 +39,8 @@ pub struct Formal {
     pub questions: Vec<Question>,
     /// The methods by which each is answered; the first is the answer that counts.
     pub methods: Vec<Method>,
+    /// How often it is solved to carry the uncertainty of its constants.
+    pub solves: usize,
 }
 
 impl Formal {
@@ -55,6 +60,7 @@ impl Formal {
             counted: Vec::new(),
             questions: Vec::new(),
             methods: vec![Method::Sound],
+            solves: SOLVES,
         };
         for form in forms {
             let property = match words.expresses(form) {
@@ -129,7 +135,7 @@ impl Formal {
     ) -> Result<(), String> {
         let counted = self.counted.iter();
         let posteriors: Vec<_> = counted.map(|(_, s)| BetaPosterior::jeffreys(*s)).collect();
-        let points = stats::posterior_design(&posteriors, SOLVES, seed);
+        let points = stats::posterior_design(&posteriors, self.solves, seed);
         let mut rows = Vec::with_capacity(points.len());
         for point in &points {
             let named = self.counted.iter().zip(point);

@@ -1,13 +1,19 @@
 //! The benchmark as a command.
 //!
-//! `corroborate-bench [--small] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
+//! `corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
 
 use corroborate_bench::bench::{Plan, run};
 use corroborate_bench::table::tables;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: corroborate-bench [--small] [--to FOLDER]";
+const USAGE: &str =
+    "usage: corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--to FOLDER]";
+
+fn seed(text: Option<String>) -> Result<u64, String> {
+    let seed = text.and_then(|text| text.parse().ok());
+    seed.ok_or_else(|| format!("`--seed` needs a whole number; {USAGE}"))
+}
 
 fn main() -> ExitCode {
     match benchmark() {
@@ -26,6 +32,8 @@ fn benchmark() -> Result<(), String> {
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--small" => plan = Plan::SMALL,
+            "--seed" => plan.seed = seed(arguments.next())?,
+            "--without-case-studies" => (plan.handover, plan.corridor) = (0, 0),
             "--to" => folder = Some(arguments.next().ok_or(USAGE)?),
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }

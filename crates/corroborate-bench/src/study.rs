@@ -2,7 +2,7 @@
 
 use crate::family::{Family, HANDOVER, Setup};
 use crate::fault::{Assets, Fault, Planted, SetTo, Site, plant};
-use crate::formal::Formal;
+use crate::formal::{FEW_SOLVES, Formal};
 use crate::journey;
 use crate::judges::Judges;
 use crate::matrix::{self, half_step, of_paths};
@@ -244,7 +244,6 @@ fn experiments(
     let places = assets.columns.iter().map(|place| Some(*place));
     let columns: Vec<(String, Option<usize>)> = assets.modes.iter().cloned().zip(places).collect();
     trials::findings(
-        &setup.truth,
         &people,
         setup.limit_steps,
         &columns,
@@ -371,6 +370,9 @@ fn formal_evidence(
         .map(|(it, sample)| (it.parameter.clone(), *sample))
         .collect();
     formal.methods.clone_from(&assets.methods);
+    if setup.family.is_case_study() {
+        formal.solves = FEW_SOLVES;
+    }
     let mut piece = piece(
         ids::MODEL,
         Technique::ModelChecking,

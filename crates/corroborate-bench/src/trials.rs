@@ -46,7 +46,6 @@ impl Cohort {
 /// # Errors
 /// What cannot be counted, in words.
 pub fn findings(
-    task: &Task,
     runs: &[Vec<Run>],
     limit_steps: u32,
     modes: &[(String, Option<usize>)],

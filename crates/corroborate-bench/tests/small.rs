@@ -3,6 +3,7 @@
 use corroborate_bench::bench::{Line, Plan, run};
 use corroborate_bench::family::Family;
 use corroborate_bench::fault::Fault;
+use corroborate_bench::repair::{Repair, repair};
 use corroborate_bench::study::Synthetic;
 use corroborate_bench::table::tables;
 
@@ -32,6 +33,9 @@ fn faults_are_found_and_located_and_nothing_is_taken_for_one() {
     let alarms = share(&lines, sound, |line| line.score.found);
     // 5 % are allowed; of 40 studies 6 or more have then a probability of 0.014.
     assert!(alarms < 0.15, "false alarms {alarms}");
+    let repairable = |line: &Line| is_conflict(line) && line.repair != Repair::NotRepairable;
+    let repaired = share(&lines, repairable, |line| line.repair == Repair::Repaired);
+    assert!(repaired >= 0.8, "repaired {repaired}");
     // Agreement of what was calibrated on the other is a fit, each time.
     assert!(lines.iter().all(|line| !line.score.false_independence));
     let tables = tables(&lines);
@@ -50,7 +54,7 @@ fn a_study_is_the_same_each_time_and_another_with_another_number() {
 
 #[test]
 fn every_fault_can_be_planted_in_every_family_that_it_fits() {
-    for family in [Family::Toy, Family::Serial] {
+    for family in [Family::Toy, Family::Serial, Family::Corridor] {
         for fault in Fault::ALL.into_iter().filter(|fault| fault.fits(family)) {
             let study = Synthetic::new(family, fault, 11, 0)
                 .unwrap_or_else(|error| panic!("{}: {error}", fault.name()));
@@ -61,6 +65,9 @@ fn every_fault_can_be_planted_in_every_family_that_it_fits() {
                 fault.name()
             );
             assert!(study.comparisons.len() > 5);
+            let repair = repair(&study).unwrap_or_else(|error| panic!("{}: {error}", fault.name()));
+            let is_planted = study.planted.site.is_some();
+            assert!(is_planted || repair == Repair::NotRepairable);
         }
     }
 }
@@ -68,8 +75,14 @@ fn every_fault_can_be_planted_in_every_family_that_it_fits() {
 /// The chain in the PRISM language and the simulator are the same task: the checker's answer is the rate of
 /// the runs.
 #[test]
-fn the_chain_and_the_simulator_are_one_task() {
-    let study = Synthetic::new(Family::Serial, Fault::None, 3, 8).expect("a study");
+fn the_formal_models_and_the_simulators_are_one_task() {
+    for family in [Family::Toy, Family::Serial, Family::Corridor] {
+        let study = Synthetic::new(family, Fault::None, 3, 8).expect("a study");
+        are_one_task(&study);
+    }
+}
+
+fn are_one_task(study: &Synthetic) {
     let mut random = corroborate_bench::random::Random::new(1, 1);
     let task = &study.setup.truth;
     let runs = 40_000;
@@ -77,6 +90,14 @@ fn the_chain_and_the_simulator_are_one_task() {
         (0..runs).filter(|_| what(&task.run(random))).count() as f64 / f64::from(runs)
     };
     for finding in &study.piece("M").expect("the formal evidence").findings {
+        let (truth, computed) = (study.truth(&finding.subject), finding.measure.estimate());
+        if let (Some(truth), Some(computed), None) = (truth, computed, &study.setup.rig) {
+            let subject = &finding.subject;
+            assert!(
+                (computed - truth).abs() < 1e-9,
+                "{subject:?}: {computed} {truth}"
+            );
+        }
         let evidence::Subject::Requirement(id) = &finding.subject else {
             continue;
         };
@@ -92,9 +113,5 @@ fn the_chain_and_the_simulator_are_one_task() {
             (simulated - truth).abs() < 0.0125,
             "{id}: {simulated} {truth}"
         );
-        if study.setup.rig.is_none() {
-            let computed = finding.measure.estimate().expect("an answer");
-            assert!((computed - truth).abs() < 1e-9, "{id}: {computed} {truth}");
-        }
     }
 }
