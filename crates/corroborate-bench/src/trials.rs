@@ -95,7 +95,14 @@ fn clustered(
     by_subject: bool,
     level: Confidence,
 ) -> Result<Finding, String> {
-    let total = stats::pool(counted).map_err(|error| error.to_string())?;
+    let mut total = Sample {
+        successes: 0,
+        trials: 0,
+    };
+    for of_person in counted {
+        total.successes += of_person.successes;
+        total.trials += of_person.trials;
+    }
     let mut found = finding(subject, total, 0, level)?;
     if by_subject && total.trials > 0 {
         found.measure = Measure::of_clusters(counted, level).map_err(|error| error.to_string())?;
