@@ -2,7 +2,7 @@
 //!
 //! With the probability of the first stage ("stray") somebody comes in the robot's way; with that of the second
 //! ("distracted"), if so, somebody who does not make room. All else is decided, but for how soon an attentive person
-//! makes room: after each step with probability [`LEAVES`]. The rules are those of
+//! makes room: after each step with probability 0.6. The rules are those of
 //! `case-studies/corridor/models/corridor.prism`, whose steps count as the task's; the two are one by a test.
 
 use crate::random::Random;
