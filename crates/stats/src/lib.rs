@@ -73,7 +73,9 @@ pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_s
 pub use boschloo::boschloo_exact;
 pub use cluster::{Clustering, clustering};
 pub use cluster_robust::ClusterRobust;
-pub use clustered::{ClusterMethod, ClusteredRate, clustered_rate};
+pub use clustered::{
+    ClusterMethod, ClusteredRate, clustered_rate, clustered_test_above, clustered_test_below,
+};
 pub use combination::{power_prior, random_effects_interval};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};

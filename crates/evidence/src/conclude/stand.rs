@@ -4,7 +4,10 @@ use super::CERTAINTY;
 use crate::compare::Belief;
 use crate::compare::words::{p_value, percent, probability};
 use crate::{Direction, Threshold};
-use stats::{Confidence, EffectiveSample, Interval, binomial_test_above, binomial_test_below};
+use stats::{
+    Confidence, EffectiveSample, Interval, binomial_test_above, binomial_test_below,
+    clustered_test_above, clustered_test_below,
+};
 
 /// Whether evidence shows that a threshold is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +52,9 @@ impl Stand {
 fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
     let Threshold { direction, value } = threshold;
     let (at_least, at_most) = match belief {
-        Belief::Counts { effective, .. } => doubts_of_counts(*effective, value),
+        Belief::Counts { sample, effective } => {
+            doubts_of_counts(*effective, effective.trials < sample.trials as f64, value)
+        }
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
     };
@@ -87,16 +92,24 @@ fn doubts_of_known(bounds: &Interval, threshold: Threshold) -> (f64, f64) {
 
 /// p-values of "the rate is below" and "the rate is at least the threshold". At a threshold of 1
 /// no count shows the rate to be 1, and one failure shows that it is not.
-fn doubts_of_counts(sample: EffectiveSample, threshold: f64) -> (f64, f64) {
-    let below = if threshold >= 1.0 {
-        1.0
-    } else {
-        binomial_test_above(sample, threshold)
+fn doubts_of_counts(sample: EffectiveSample, is_clustered: bool, threshold: f64) -> (f64, f64) {
+    let (test_above, test_below) = match is_clustered {
+        true => (
+            clustered_test_above as fn(EffectiveSample, f64) -> f64,
+            clustered_test_below as fn(EffectiveSample, f64) -> f64,
+        ),
+        false => (
+            binomial_test_above as fn(EffectiveSample, f64) -> f64,
+            binomial_test_below as fn(EffectiveSample, f64) -> f64,
+        ),
     };
-    let at_least = if threshold <= 0.0 {
-        1.0
-    } else {
-        binomial_test_below(sample, threshold)
+    let below = match threshold >= 1.0 {
+        true => 1.0,
+        false => test_above(sample, threshold),
+    };
+    let at_least = match threshold <= 0.0 {
+        true => 1.0,
+        false => test_below(sample, threshold),
     };
     (below, at_least)
 }
@@ -104,10 +117,11 @@ fn doubts_of_counts(sample: EffectiveSample, threshold: f64) -> (f64, f64) {
 /// Whether counts show the rate to be below a threshold, and to be at least as high.
 pub(super) fn shown_below_and_above(
     sample: EffectiveSample,
+    is_clustered: bool,
     threshold: f64,
     level: Confidence,
 ) -> (bool, bool) {
-    let (below, at_least) = doubts_of_counts(sample, threshold);
+    let (below, at_least) = doubts_of_counts(sample, is_clustered, threshold);
     (at_least <= level.alpha(), below <= level.alpha())
 }
 

@@ -111,7 +111,8 @@ fn least(
     let posterior = BetaPosterior::jeffreys(known);
     let chance = |trials: u64| {
         let worth = (trials as f64 / effect).round() as u64;
-        chance(known, &Predictive::new(&posterior, worth), threshold, level)
+        let next = Predictive::new(&posterior, worth);
+        chance(known, effect > 1.0, &next, threshold, level)
     };
     let mut enough = 1;
     while chance(enough) < power {
@@ -134,12 +135,18 @@ fn least(
 }
 
 /// The chance that further trials settle a threshold.
-fn chance(known: EffectiveSample, next: &Predictive, threshold: f64, level: Confidence) -> f64 {
+fn chance(
+    known: EffectiveSample,
+    is_clustered: bool,
+    next: &Predictive,
+    threshold: f64,
+    level: Confidence,
+) -> f64 {
     let after = |y: u64| EffectiveSample {
         successes: known.successes + y as f64,
         trials: known.trials + next.trials() as f64,
     };
-    let shown = |y: u64| shown_below_and_above(after(y), threshold, level);
+    let shown = |y: u64| shown_below_and_above(after(y), is_clustered, threshold, level);
     let all = next.trials();
     // The more successes, the less is it shown to be below, and the more to be above.
     let below = first(all, |y| !shown(y).0);
@@ -190,12 +197,13 @@ mod tests {
             let next = Predictive::new(&BetaPosterior::jeffreys(known), further);
             let shown = |y: &u64| {
                 let after = sample(successes + y, trials + further);
-                let (below, above) = shown_below_and_above(after, threshold, Confidence::P95);
+                let (below, above) =
+                    shown_below_and_above(after, false, threshold, Confidence::P95);
                 below || above
             };
             let all = (0..=further).filter(shown);
             let expected: f64 = all.map(|y| next.probability(y, y)).sum();
-            let found = chance(known, &next, threshold, Confidence::P95);
+            let found = chance(known, false, &next, threshold, Confidence::P95);
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }
@@ -207,8 +215,8 @@ mod tests {
         };
         let (clear, close) = (needed(70, 80), needed(899, 1000));
         assert!(clear < close && clear.is_some(), "{clear:?} {close:?}");
-        // Twice as many where two trials are worth one.
-        let plain = least(sample(35, 40), 1.0, 0.9, Confidence::P95, 0.8)
+        // Twice as many where two trials are worth one (by the test of trials that are alike).
+        let plain = least(sample(35, 40), 1.0 + 1e-9, 0.9, Confidence::P95, 0.8)
             .unwrap()
             .0;
         let alike = least(sample(35, 40), 2.0, 0.9, Confidence::P95, 0.8)
