@@ -4,10 +4,16 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Instant;
+use std::time::Duration;
 
 use testbench::robot::State;
 use testbench::{Cancel, Engine, HandoverBench, Savable, Status, Unwatched};
+
+/// Processor time of this thread.
+fn used() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -30,11 +36,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut spent: BTreeMap<u64, (f64, f64)> = BTreeMap::new();
     let (mut start_secs, mut total_secs, mut total_sim_secs) = (0.0, 0.0, 0.0);
     for seed in first_seed..first_seed + count {
-        let began = Instant::now();
+        let began = used();
         let mut running = bench.start(&stimulus, seed)?;
-        start_secs += began.elapsed().as_secs_f64();
+        start_secs += (used() - began).as_secs_f64();
         loop {
-            let part = Instant::now();
+            let part = used();
             let from_secs = bench.now_secs(&running);
             let until_secs = from_secs + 0.02;
             let status =
@@ -43,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let robot = robot.ok_or("the trace has no topic of the robot")?;
             let state = robot.values[robot.values.len() - robot.fields.len()] as u64;
             let entry = spent.entry(state).or_default();
-            entry.0 += part.elapsed().as_secs_f64();
+            entry.0 += (used() - part).as_secs_f64();
             entry.1 += bench.now_secs(&running) - from_secs;
             if status != Status::Running {
                 break;
@@ -51,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         total_sim_secs += bench.now_secs(&running);
         bench.finish(running)?;
-        total_secs += began.elapsed().as_secs_f64();
+        total_secs += (used() - began).as_secs_f64();
     }
     let count = count as f64;
     println!("state                simulated s      ms  us per 2 ms  (per episode)");

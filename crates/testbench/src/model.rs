@@ -51,10 +51,6 @@ pub(crate) struct Part {
     /// is searched for, and where the arm carries its own weight there is no gravity, but for a
     /// force on the object that the caller applies. The equations are the same.
     pub(crate) is_lean: bool,
-    /// Whether only the hand, with what hangs on it, and the object are there: the model's world is
-    /// then the hand's frame, without supports, and the caller applies what follows from the frame's
-    /// motion.
-    pub(crate) is_hand_alone: bool,
 }
 
 impl Part {
@@ -125,20 +121,13 @@ pub(crate) fn mjcf_of_part(
     let mut text = String::with_capacity(16 * 1024);
     header(&mut text, &source);
     text.push_str("<worldbody>\n");
-    if !part.is_hand_alone {
-        supports(&mut text, &source);
-    }
-    let is_root = |body: &&Body| match part.is_hand_alone {
-        true => body.name == scenario.robot.hand,
-        false => body.parent == "world",
-    };
+    supports(&mut text, &source);
+    let is_root = |body: &&Body| body.parent == "world";
     for body in scenario.bodies.iter().filter(is_root) {
         body_tree(&mut text, &source, body);
     }
     object(&mut text, &source);
-    if !part.is_hand_alone {
-        human(&mut text, scenario);
-    }
+    human(&mut text, scenario);
     text.push_str("</worldbody>\n");
     actuators(&mut text, &source);
     if part.is_lean {
@@ -215,21 +204,15 @@ fn body_tree(text: &mut String, source: &Source<'_>, body: &Body) {
         part,
         ..
     } = *source;
-    let is_frame = part.is_hand_alone && body.name == scenario.robot.hand;
-    let (position_m, turned) = if is_frame {
-        ([0.0; 3], IDENTITY)
-    } else {
-        let turned = compose(
-            from_roll_pitch_yaw(body.rotation_rpy_rad),
-            about(body.fixed_axis, body.fixed_angle_rad),
-        );
-        (body.position_m, turned)
-    };
+    let turned = compose(
+        from_roll_pitch_yaw(body.rotation_rpy_rad),
+        about(body.fixed_axis, body.fixed_angle_rad),
+    );
     put!(
         text,
         r#"<body name="{}" pos="{}" quat="{}" gravcomp="{}">"#,
         body.name,
-        list(position_m),
+        list(body.position_m),
         list(turned),
         if part.is_weightless(scenario) {
             0.0
@@ -238,9 +221,7 @@ fn body_tree(text: &mut String, source: &Source<'_>, body: &Body) {
         }
     );
     inertial(text, parameters, body);
-    if !is_frame {
-        hinge(text, scenario, parameters, body);
-    }
+    hinge(text, scenario, parameters, body);
     if let Some(shape) = &body.contact_shape {
         contact_geom(text, source, body, shape);
     }
@@ -446,10 +427,6 @@ fn pairs(text: &mut String, source: &Source<'_>) {
             mu = draws.friction
         );
     }
-    if source.part.is_hand_alone {
-        put!(text, "</contact>");
-        return;
-    }
     let ends = ["bottom", "top", "foot0", "foot1", "foot2", "foot3"];
     for (end, support) in ends
         .iter()
@@ -472,9 +449,6 @@ fn actuators(text: &mut String, source: &Source<'_>) {
         let Some(joint) = body.and_then(|body| body.joint.as_ref()) else {
             continue;
         };
-        if source.part.is_hand_alone && joint.drive == Drive::Arm {
-            continue;
-        }
         let hand = &source.parameters.hand;
         let (stiffness, damping, limit) = match joint.drive {
             Drive::Arm => (

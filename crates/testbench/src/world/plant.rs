@@ -1,18 +1,18 @@
 //! The robot's body and the object in the physics engine.
 //!
-//! The whole model is the reference. With `simulation.fast` a part of it stands in for the whole
-//! where the rest cannot matter: the arm alone while hand and object are [`apart`], and the hand with
-//! the object, in the hand's frame, while it [`carry`]s it.
+//! The whole model is the reference. With `simulation.fast` less than that stands in for it: the arm
+//! alone while hand and object are [`apart`], and [`glide`]s between bursts of the whole model while
+//! the motion is steady.
 
 mod apart;
 mod arm;
 mod body;
-mod carry;
 mod chain;
 mod clearance;
+mod glide;
 mod inertia;
 mod joints;
-mod moving_frame;
+mod seen;
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use crate::scenario::{Drive, Parameters, Scenario};
 
 use apart::Apart;
 use body::{Blueprint, Body, Configuration};
-use carry::Carry;
+use glide::Glide;
 use joints::{DrivenJoint, driven_joints};
 
 pub(crate) use joints::arm_joint_names;
@@ -53,8 +53,6 @@ enum Regime {
     Whole,
     /// The empty hand on its way, the object at rest.
     Apart(Box<Apart>),
-    /// The hand with the object aloft.
-    Carry(Box<Carry>),
 }
 
 /// How often it is asked whether less than the whole model will do.
@@ -70,10 +68,9 @@ pub(crate) struct Plant {
     finger_joints: Vec<usize>,
     regime: Regime,
     whole: Body,
-    /// The hand's part of the model, once it was needed, while it is not in use.
-    hand_alone: Option<Body>,
+    /// Steady motion of the whole model.
+    glide: Glide,
     in_regime_steps: u64,
-    fingers_are_read: bool,
 }
 
 impl Plant {
@@ -92,12 +89,8 @@ impl Plant {
             draws: *draws,
         };
         let is_fast = scenario.simulation.fast && model::hand_is_separable(scenario);
-        let part = Part {
-            is_lean: is_fast,
-            is_hand_alone: false,
-        };
-        let mut whole = Body::new(&blueprint, &joints, part)?;
-        whole.set_looks_ahead(is_fast);
+        let part = Part { is_lean: is_fast };
+        let whole = Body::new(&blueprint, &joints, part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
         let settings = &scenario.simulation;
         let mut plant = Self {
@@ -107,9 +100,8 @@ impl Plant {
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
             regime: Regime::Whole,
             whole,
-            hand_alone: None,
+            glide: Glide::new(scenario, &joints),
             in_regime_steps: 0,
-            fingers_are_read: false,
             joints,
             blueprint: Arc::new(blueprint),
         };
@@ -119,7 +111,6 @@ impl Plant {
 
     /// The same plant once more, in exactly the same state.
     pub(crate) fn duplicate(&self) -> Result<Self, EngineError> {
-        let hand_alone = self.hand_alone.as_ref().map(Body::duplicate);
         Ok(Self {
             blueprint: Arc::clone(&self.blueprint),
             joints: self.joints.clone(),
@@ -127,10 +118,9 @@ impl Plant {
             regime: match &self.regime {
                 Regime::Whole => Regime::Whole,
                 Regime::Apart(apart) => Regime::Apart(apart.clone()),
-                Regime::Carry(carry) => Regime::Carry(Box::new(carry.duplicate()?)),
             },
             whole: self.whole.duplicate()?,
-            hand_alone: hand_alone.transpose()?,
+            glide: self.glide.clone(),
             ..*self
         })
     }
@@ -163,71 +153,79 @@ impl Plant {
         }
     }
 
-    /// Says whether the robot reads its fingers, so that small movements of them matter.
-    pub(crate) fn read_fingers(&mut self, fingers_are_read: bool) {
-        self.fingers_are_read = fingers_are_read;
-    }
-
     /// Advances drives and physics by one time step under the human's force, if there is one.
     pub(crate) fn step(&mut self, wrench: Option<&Wrench>) -> Result<(), EngineError> {
         let step_secs = self.blueprint.scenario.simulation.time_step_secs;
         let wrench = wrench.copied().unwrap_or_default();
-        if self.is_fast && matches!(self.regime, Regime::Whole) {
-            self.choose(wrench != Wrench::default())?;
+        if self.is_fast {
+            self.choose(wrench != Wrench::default());
         }
         let mut arm_accelerates = false;
         for joint in &mut self.joints {
             let accelerates = joint.advance(step_secs);
             arm_accelerates |= accelerates && joint.drive == Drive::Arm;
         }
-        let may_go_on = match &self.regime {
-            Regime::Whole => true,
-            Regime::Apart(apart) => {
-                wrench == Wrench::default() && apart.may_go_on(&self.joints, arm_accelerates)
-            }
-            Regime::Carry(carry) => carry.may_go_on(&self.blueprint),
-        };
-        if !may_go_on {
+        if let Regime::Apart(apart) = &self.regime
+            && (wrench != Wrench::default() || !apart.may_go_on(&self.joints, arm_accelerates))
+        {
             self.wake();
         }
         match &mut self.regime {
             Regime::Apart(apart) => apart.step(&self.joints, step_secs),
-            Regime::Carry(carry) => {
-                carry.step(&self.joints, &wrench, self.fingers_are_read, step_secs);
-            }
-            Regime::Whole => {
-                let Wrench {
-                    force_newtons,
-                    torque_nm,
-                } = wrench;
-                self.whole.step(&self.joints, force_newtons, torque_nm);
-            }
+            Regime::Whole => self.step_whole(&wrench, arm_accelerates),
         }
         self.steps += 1;
         self.in_regime_steps += 1;
         Ok(())
     }
 
-    /// Chooses, now and then, whether less than the whole model is integrated from here on.
-    fn choose(&mut self, is_pulled: bool) -> Result<(), EngineError> {
-        if self.in_regime_steps == 0 || !self.in_regime_steps.is_multiple_of(self.look_steps) {
-            return Ok(());
+    /// One time step of the whole model, or of its steady motion.
+    fn step_whole(&mut self, wrench: &Wrench, arm_accelerates: bool) {
+        let is_steady = self.is_fast
+            && !arm_accelerates
+            && joints::fingers(&self.joints).all(|index| self.joints[index].is_at_rest())
+            && self.glide.is_same(wrench);
+        if is_steady && self.glide.step() {
+            return;
         }
+        self.land();
+        if !is_steady {
+            self.glide.forget();
+        }
+        let Wrench {
+            force_newtons,
+            torque_nm,
+        } = *wrench;
+        self.whole.step(&self.joints, force_newtons, torque_nm);
+        if self.is_fast && !arm_accelerates {
+            self.glide.watch(&self.whole, wrench);
+        }
+    }
+
+    /// Takes a glide's state over into the whole model.
+    fn land(&mut self) {
+        if let Some(landing) = self.glide.land() {
+            self.whole.set(&landing.now);
+            self.whole.turn_start(landing.turned);
+        }
+    }
+
+    /// Chooses, now and then, whether less than the whole model is integrated from here on.
+    fn choose(&mut self, is_pulled: bool) {
+        let is_time = self.in_regime_steps != 0
+            && self.in_regime_steps.is_multiple_of(self.look_steps)
+            && matches!(self.regime, Regime::Whole);
+        let is_held = self.glide.is_going() && self.whole.grip() != Grip::default();
+        if !is_time || is_pulled || is_held {
+            return;
+        }
+        self.land();
         let (blueprint, joints) = (&self.blueprint, &self.joints);
         let now = self.whole_now();
-        if Carry::can_begin(blueprint, &now.object) {
-            let body = match self.hand_alone.take() {
-                Some(body) => body,
-                None => Body::hand_alone(blueprint, joints, &self.whole)?,
-            };
-            let is_held = self.whole.grip().contacts > 0;
-            let carry = Carry::begin(blueprint, joints, body, &now, is_held);
-            self.enter(Regime::Carry(Box::new(carry)));
-        } else if !is_pulled && let Some(apart) = Apart::begin(blueprint, joints, &self.whole, &now)
-        {
+        if let Some(apart) = Apart::begin(blueprint, joints, &self.whole, &now) {
+            self.glide.forget();
             self.enter(Regime::Apart(Box::new(apart)));
         }
-        Ok(())
     }
 
     fn enter(&mut self, regime: Regime) {
@@ -237,17 +235,10 @@ impl Plant {
 
     /// Goes on with the whole model.
     fn wake(&mut self) {
-        let now = match std::mem::replace(&mut self.regime, Regime::Whole) {
-            Regime::Whole => return,
-            Regime::Apart(apart) => apart.configuration(),
-            Regime::Carry(carry) => {
-                let (now, body) = carry.end(self.joints.len());
-                self.hand_alone = Some(body);
-                now
-            }
-        };
-        self.whole.set(&now);
-        self.enter(Regime::Whole);
+        if let Regime::Apart(apart) = std::mem::replace(&mut self.regime, Regime::Whole) {
+            self.whole.set(&apart.configuration());
+            self.enter(Regime::Whole);
+        }
     }
 
     /// The configuration of the whole model.
@@ -284,9 +275,9 @@ impl Plant {
     /// The angle of a joint, by its place among the joints.
     fn position_rad(&self, joint: usize) -> f64 {
         let angle_rad = match &self.regime {
+            Regime::Whole if self.glide.is_going() => self.glide.position_rad(joint),
             Regime::Whole => self.whole.position_rad(joint),
             Regime::Apart(apart) => Some(apart.position_rad(joint)),
-            Regime::Carry(carry) => carry.position_rad(joint),
         };
         angle_rad.unwrap_or(0.0)
     }
@@ -315,9 +306,8 @@ impl Plant {
     /// Position (m) and speed vector (m/s) of the hand's frame.
     pub(crate) fn hand(&self) -> (Vector, Vector) {
         let hand = match &self.regime {
-            Regime::Whole => self.whole.hand(),
+            Regime::Whole => self.glide.hand().unwrap_or_else(|| self.whole.hand()),
             Regime::Apart(apart) => apart.hand(),
-            Regime::Carry(carry) => carry.hand(),
         };
         (hand.pose.position_m, hand.velocity_m_s)
     }
@@ -325,9 +315,8 @@ impl Plant {
     /// The object.
     pub(crate) fn object(&self) -> ObjectState {
         match &self.regime {
-            Regime::Whole => self.whole.object(),
+            Regime::Whole => self.glide.object().unwrap_or_else(|| self.whole.object()),
             Regime::Apart(apart) => apart.object(),
-            Regime::Carry(carry) => carry.object(),
         }
     }
 
@@ -336,16 +325,11 @@ impl Plant {
         match &self.regime {
             Regime::Whole => self.whole.grip(),
             Regime::Apart(_) => Grip::default(),
-            Regime::Carry(carry) => carry.body().grip(),
         }
     }
 
     /// Warnings of the physics engine: 0 in a sound run.
     pub(crate) fn warning_count(&self) -> u64 {
-        let carrying = match &self.regime {
-            Regime::Carry(carry) => Some(carry.body()),
-            _ => self.hand_alone.as_ref(),
-        };
-        self.whole.warning_count() + carrying.map_or(0, Body::warning_count)
+        self.whole.warning_count()
     }
 }

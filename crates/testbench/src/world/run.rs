@@ -275,8 +275,6 @@ impl Run {
         self.controller.tick(&readings);
         self.announced |= self.controller.commands().announcing;
         self.plant.command(self.controller.commands());
-        self.plant
-            .read_fingers(self.controller.state() == State::Sense);
         if self.controller.state().is_final() && self.ended_at_secs.is_none() {
             self.ended_at_secs = Some(clock_secs);
         }

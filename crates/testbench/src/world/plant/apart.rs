@@ -54,7 +54,7 @@ impl Apart {
         if !rests {
             return None;
         }
-        let arm = Arm::new(blueprint, joints, now, None);
+        let arm = Arm::new(blueprint, joints, now);
         let clearance = Clearance::of(blueprint, body, &body.hand().pose, &object.pose);
         let begun = Self {
             arm,
@@ -73,7 +73,7 @@ impl Apart {
 
     /// One time step.
     pub(super) fn step(&mut self, joints: &[DrivenJoint], time_step_secs: f64) {
-        self.arm.step(joints, None, time_step_secs);
+        self.arm.step(joints, time_step_secs);
     }
 
     /// The angle of a joint.

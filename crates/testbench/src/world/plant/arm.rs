@@ -3,7 +3,7 @@
 //! Definition: angles `q`, speeds `v` and setpoints `u` of the arm's joints obey
 //!
 //! ```text
-//! M(q) v' = K (u - q) - D v + t     K stiffness, D damping, M inertia of arm and load, t load
+//! M(q) v' = K (u - q) - D v     K stiffness, D damping, M inertia of the arm
 //! ```
 //!
 //! with each servo's torque limited to its range. They are integrated as the engine's `implicitfast`
@@ -20,7 +20,7 @@ use super::body::{Blueprint, Configuration};
 use super::chain::{Chain, Frames};
 use super::inertia::{Composite, segments};
 use super::joints::DrivenJoint;
-use crate::geometry::{Vector, add, cross, dot, subtract};
+use crate::geometry::{cross, dot, subtract};
 use crate::scenario::Drive;
 
 /// How long one inertia is used: 0.04 s at 2 ms, in which no joint turns by more than 0.02 rad.
@@ -41,14 +41,6 @@ struct Servo {
     velocity_rad_s: f64,
 }
 
-/// What acts on the hand from outside, in the world's frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Load {
-    pub(super) at_m: Vector,
-    pub(super) force_newtons: Vector,
-    pub(super) torque_nm: Vector,
-}
-
 /// The arm in motion.
 #[derive(Debug, Clone)]
 pub(super) struct Arm {
@@ -67,12 +59,11 @@ pub(super) struct Arm {
 }
 
 impl Arm {
-    /// Takes over from a configuration; with `load_kg` the object hangs on the hand.
+    /// Takes over from a configuration.
     pub(super) fn new(
         blueprint: &Blueprint,
         joints: &[DrivenJoint],
         now: &Configuration,
-        load_kg: Option<f64>,
     ) -> Self {
         let chain = Chain::to_hand(&blueprint.scenario, joints);
         let servos: Vec<Servo> = (chain.joints())
@@ -80,12 +71,7 @@ impl Arm {
             .collect();
         let frames =
             chain.follow(|index| (servos[index].position_rad, servos[index].velocity_rad_s));
-        let mut segments = segments(blueprint, joints, now);
-        if let (Some(load_kg), Some(last)) = (load_kg, segments.last_mut()) {
-            let object = now.object.pose.seen_from(&frames.hand.pose);
-            let hand = chain.hand_in_last_joint();
-            last.add_point(load_kg, hand.then(&object).position_m);
-        }
+        let segments = segments(blueprint, joints, now);
         Self {
             factor: vec![0.0; servos.len() * servos.len()],
             factor_age: RENEWED_STEPS,
@@ -100,9 +86,9 @@ impl Arm {
     }
 
     /// One time step towards the setpoints.
-    pub(super) fn step(&mut self, joints: &[DrivenJoint], load: Option<&Load>, step_secs: f64) {
+    pub(super) fn step(&mut self, joints: &[DrivenJoint], step_secs: f64) {
         self.hand_before = self.frames.hand;
-        self.torques(joints, load);
+        self.torques(joints);
         let is_still = |(servo, torque_nm): (&Servo, &f64)| {
             servo.velocity_rad_s.abs() < RESTS_RAD_S
                 && torque_nm.abs() < RESTS_NM
@@ -124,18 +110,13 @@ impl Arm {
     }
 
     /// Writes the joints' torques into the right side.
-    fn torques(&mut self, joints: &[DrivenJoint], load: Option<&Load>) {
+    fn torques(&mut self, joints: &[DrivenJoint]) {
         for (index, servo) in self.servos.iter().enumerate() {
             let ahead_rad = joints[servo.joint].setpoint.position_rad() - servo.position_rad;
             let torque_nm = (servo.stiffness_nm_rad * ahead_rad
                 - servo.damping_nms_rad * servo.velocity_rad_s)
                 .clamp(-servo.torque_limit_nm, servo.torque_limit_nm);
-            let from_load = load.map_or(0.0, |load| {
-                let (at_m, axis) = self.frames.axes[index];
-                let lever = subtract(load.at_m, at_m);
-                dot(axis, add(load.torque_nm, cross(lever, load.force_newtons)))
-            });
-            self.right[index] = torque_nm + from_load;
+            self.right[index] = torque_nm;
         }
     }
 

@@ -1,12 +1,11 @@
 //! The physics of the whole model or of a part of it.
 
 use super::joints::DrivenJoint;
-use super::moving_frame::{FrameMotion, HandLinks};
 use super::{Grip, ObjectState};
-use crate::geometry::{Pose, Vector, inverse, norm, rotate};
+use crate::geometry::{Pose, Quaternion, Vector, inverse, rotate};
 use crate::model::{self, Part, PhysicalDraws};
 use crate::mujoco::{BodyId, Engine, EngineError, GeomId, Simulation};
-use crate::scenario::{Drive, Parameters, Scenario};
+use crate::scenario::{Parameters, Scenario};
 
 /// What every part of the model is written from.
 #[derive(Debug)]
@@ -36,10 +35,6 @@ pub(super) struct Body {
     weight_newtons: f64,
     object_geom: Option<GeomId>,
     skin: Vec<GeomId>,
-    links: HandLinks,
-    looks_ahead: bool,
-    /// The accelerations that the last step started from.
-    started_from: Vec<f64>,
 }
 
 impl Body {
@@ -57,18 +52,7 @@ impl Body {
         } = blueprint;
         let text = model::mjcf_of_part(scenario, parameters, draws, &part);
         let simulation = engine.compile(&text)?;
-        let mut next = 0;
-        let places = joints.iter().map(|joint| {
-            let moves = joint.drive == Drive::Hand || !part.is_hand_alone;
-            next += usize::from(moves);
-            moves.then(|| next - 1)
-        });
-        let places: Vec<_> = places.collect();
-        let links = if part.is_hand_alone {
-            HandLinks::new(blueprint, joints, &places, &simulation)
-        } else {
-            HandLinks::default()
-        };
+        let places: Vec<_> = (0..joints.len()).map(Some).collect();
         let find = |name: &str| {
             let missing = || EngineError::Model {
                 reason: format!("it has no body {name}"),
@@ -82,7 +66,7 @@ impl Body {
             skin: skin.collect(),
             hand: find(&scenario.robot.hand)?,
             object: find(model::OBJECT_BODY)?,
-            weight_newtons: if part.is_weightless(scenario) && !part.is_hand_alone {
+            weight_newtons: if part.is_weightless(scenario) {
                 draws.object_mass_kg * scenario.simulation.gravity_m_s2
             } else {
                 0.0
@@ -90,39 +74,7 @@ impl Body {
             object_geom: simulation.geom(model::OBJECT_GEOM),
             places,
             simulation,
-            links,
-            looks_ahead: false,
-            started_from: Vec::new(),
         })
-    }
-
-    /// Builds the hand's part of the model, with contacts as soft as those of the whole.
-    pub(super) fn hand_alone(
-        blueprint: &Blueprint,
-        joints: &[DrivenJoint],
-        whole: &Self,
-    ) -> Result<Self, EngineError> {
-        let part = Part {
-            is_lean: true,
-            is_hand_alone: true,
-        };
-        let mut body = Self::new(blueprint, joints, part)?;
-        let links = blueprint.scenario.bodies.iter().map(|link| &*link.name);
-        for name in links.chain([model::OBJECT_BODY]) {
-            let places = [&whole.simulation, &body.simulation].map(|it| it.body(name));
-            if let [Some(there), Some(here)] = places {
-                let weights = whole.simulation.body_inverse_weights(there);
-                body.simulation.set_body_inverse_weights(here, weights);
-            }
-        }
-        let weights = whole.simulation.joint_inverse_weights();
-        for (there, here) in whole.places.iter().zip(&body.places) {
-            if let [Some(there), Some(here)] = [*there, *here] {
-                body.simulation
-                    .set_joint_inverse_weight(here, weights[there]);
-            }
-        }
-        Ok(body)
     }
 
     /// The same once more, in exactly the same state.
@@ -131,8 +83,6 @@ impl Body {
             simulation: self.simulation.duplicate()?,
             places: self.places.clone(),
             skin: self.skin.clone(),
-            links: self.links.clone(),
-            started_from: self.started_from.clone(),
             ..*self
         })
     }
@@ -145,44 +95,21 @@ impl Body {
         let force = [x, y, z - self.weight_newtons];
         self.simulation
             .set_applied_force(self.object, force, torque);
-        if self.looks_ahead {
-            self.look_ahead();
-        }
         self.simulation.step();
     }
 
-    /// Says whether things change smoothly enough for [`Self::look_ahead`].
-    pub(super) fn set_looks_ahead(&mut self, looks_ahead: bool) {
-        if !looks_ahead {
-            self.started_from.clear();
-        }
-        self.looks_ahead = looks_ahead;
-    }
-
-    /// Lets the solver start from the accelerations that continue the last two steps' on a straight
-    /// line. It converges to the same solution, in fewer iterations where loads change smoothly.
-    fn look_ahead(&mut self) {
+    /// Turns the object's acceleration from which the solver starts the next step: that of a motion
+    /// which has gone on elsewhere.
+    pub(super) fn turn_start(&mut self, turned: Quaternion) {
+        let joints = self.places.len();
         let start = self.simulation.warm_start_mut();
-        if self.started_from.len() != start.len() {
-            self.started_from = start.to_vec();
-            return;
-        }
-        for (now, before) in start.iter_mut().zip(&mut self.started_from) {
-            let last = *now;
-            *now += last - *before;
-            *before = last;
+        if let Some(linear) = start.get_mut(joints..joints + 3) {
+            let now = rotate(turned, [linear[0], linear[1], linear[2]]);
+            linear.copy_from_slice(&now);
         }
     }
 
-    /// Applies what follows from the motion of the hand's frame, if it moves, to what hangs on it.
-    pub(super) fn move_frame(&mut self, motion: Option<&FrameMotion>) {
-        match motion {
-            Some(motion) => self.links.apply(motion, &mut self.simulation),
-            None => self.simulation.joint_forces_mut().fill(0.0),
-        }
-    }
-
-    /// Sends the joints that move here to their setpoints.
+    /// Sends the joints to their setpoints.
     pub(super) fn set_controls(&mut self, joints: &[DrivenJoint]) {
         let controls = self.simulation.controls_mut();
         for (joint, place) in joints.iter().zip(&self.places) {
@@ -223,29 +150,12 @@ impl Body {
         let spin = rotate(inverse(orientation), now.object.spin_rad_s);
         velocities[joints..joints + 3].copy_from_slice(&now.object.velocity_m_s);
         velocities[joints + 3..joints + 6].copy_from_slice(&spin);
-        self.started_from.clear();
     }
 
     /// The object as it is now; [`Self::object`] is as it was before the last step.
     pub(super) fn object_now(&self) -> ObjectState {
         let moving = self.places.iter().flatten().count();
         object_at(&self.simulation, moving)
-    }
-
-    /// Whether the object is faster than the first (m/s) or turns faster than the second (rad/s), or
-    /// a joint does, in the model's frame.
-    pub(super) fn moves(&self, object_m_s: f64, turning_rad_s: f64) -> bool {
-        let object = self.object_now();
-        let moving = self.places.iter().flatten().count();
-        let joints = self.simulation.velocities().iter().take(moving);
-        norm(object.velocity_m_s) > object_m_s
-            || norm(object.spin_rad_s) > turning_rad_s
-            || joints.into_iter().any(|speed| speed.abs() > turning_rad_s)
-    }
-
-    /// Number of contacts, whether or not they carry force.
-    pub(super) fn contact_count(&self) -> usize {
-        self.simulation.contact_count()
     }
 
     /// Writes what moves here into a configuration.

@@ -6,7 +6,7 @@
 
 use super::body::{Blueprint, Body};
 use crate::geometry::{IDENTITY, Pose, Vector, add, distance_of_pieces, inverse, rotate, subtract};
-use crate::scenario::{Scenario, Shape};
+use crate::scenario::Shape;
 
 /// Apart by less than this, hand and object may touch soon: the way of ten steps at 0.5 m/s.
 const MARGIN_M: f64 = 0.01;
@@ -73,23 +73,6 @@ impl Clearance {
             apart_m > part.radius_m + self.object.radius_m + MARGIN_M
         })
     }
-}
-
-/// Whether the object is more than `margin_m` away from floor and pedestal. The pedestal counts as
-/// away where the object is beyond its edge by the margin.
-pub(super) fn clear_of_supports(scenario: &Scenario, object: &Pose, margin_m: f64) -> bool {
-    let size = &scenario.object;
-    let axis = rotate(object.orientation, [0.0, 0.0, 1.0]);
-    let level = axis[0].hypot(axis[1]);
-    let half_m = size.length_m / 2.0;
-    let lowest_m = object.position_m[2] - half_m * axis[2].abs() - size.radius_m * level;
-    let pedestal = &scenario.pedestal;
-    let away_m = (object.position_m[0] - pedestal.centre_m[0])
-        .hypot(object.position_m[1] - pedestal.centre_m[1]);
-    let reach_m = half_m * level + size.radius_m;
-    lowest_m > margin_m
-        && (lowest_m > pedestal.top_m() + margin_m
-            || away_m > pedestal.radius_m + reach_m + margin_m)
 }
 
 /// Capsules that cover a shape at `pose`.
