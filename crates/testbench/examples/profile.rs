@@ -1,8 +1,12 @@
-//! Says how much processor time episodes take in each state of the robot.
+//! Says how much processor time episodes take in each state of the robot, recording on.
 //!
 //! `cargo run --release -p testbench --example profile -- tuned 20 [first seed]`
+//!
+//! With `CAMPAIGN_FAST=1` the fast physics alone; with `CAMPAIGN_FAST=both` the full and the fast one
+//! take turns, seed by seed, and the last line is how many times less time the fast one takes.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
@@ -15,30 +19,22 @@ fn used() -> Duration {
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let set = arguments.first().map_or("tuned", String::as_str);
-    let count: u64 = arguments.get(1).map_or(Ok(20), |text| text.parse())?;
-    let first_seed: u64 = arguments.get(2).map_or(Ok(1), |text| text.parse())?;
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("case-studies/handover/simulation");
-    let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
-    let mut scenario = std::fs::read_to_string(folder.join("scenario.toml"))?;
-    if std::env::var_os("CAMPAIGN_FAST").is_some() {
-        scenario = scenario.replacen("[simulation]", "[simulation]\nfast = true", 1);
-    }
-    let bench = HandoverBench::new(
-        &engine,
-        &scenario,
-        &std::fs::read_to_string(folder.join(format!("{set}.toml")))?,
-    )?;
-    let stimulus = bench.own_test("typical use")?;
-    let mut spent: BTreeMap<u64, (f64, f64)> = BTreeMap::new();
-    let (mut start_secs, mut total_secs, mut total_sim_secs) = (0.0, 0.0, 0.0);
-    for seed in first_seed..first_seed + count {
+/// Time spent, by the robot's state: seconds of the processor and simulated ones.
+#[derive(Debug, Default)]
+struct Spent {
+    by_state: BTreeMap<u64, (f64, f64)>,
+    start_secs: f64,
+    total_secs: f64,
+    sim_secs: f64,
+    episodes: f64,
+}
+
+impl Spent {
+    fn episode(&mut self, bench: &HandoverBench, seed: u64) -> Result<(), Box<dyn Error>> {
+        let stimulus = bench.own_test("typical use")?;
         let began = used();
         let mut running = bench.start(&stimulus, seed)?;
-        start_secs += (used() - began).as_secs_f64();
+        self.start_secs += (used() - began).as_secs_f64();
         loop {
             let part = used();
             let from_secs = bench.now_secs(&running);
@@ -48,36 +44,72 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let robot = bench.so_far(&running).channel("/robot");
             let robot = robot.ok_or("the trace has no topic of the robot")?;
             let state = robot.values[robot.values.len() - robot.fields.len()] as u64;
-            let entry = spent.entry(state).or_default();
+            let entry = self.by_state.entry(state).or_default();
             entry.0 += (used() - part).as_secs_f64();
             entry.1 += bench.now_secs(&running) - from_secs;
             if status != Status::Running {
                 break;
             }
         }
-        total_sim_secs += bench.now_secs(&running);
+        self.sim_secs += bench.now_secs(&running);
         bench.finish(running)?;
-        total_secs += (used() - began).as_secs_f64();
+        self.total_secs += (used() - began).as_secs_f64();
+        self.episodes += 1.0;
+        Ok(())
     }
-    let count = count as f64;
-    println!("state                simulated s      ms  us per 2 ms  (per episode)");
-    for (state, (secs, sim_secs)) in spent {
-        let name = State::NAMES
-            .get(state as usize)
-            .map_or("?", |(_, name)| name);
+
+    fn print(&self) {
+        println!("state                simulated s      ms  us per 2 ms  (per episode)");
+        for (state, (secs, sim_secs)) in &self.by_state {
+            let name = State::NAMES.get(*state as usize);
+            println!(
+                "{:<20} {:>10.2} {:>8.2} {:>10.1}",
+                name.map_or("?", |(_, name)| name),
+                sim_secs / self.episodes,
+                1e3 * secs / self.episodes,
+                1e6 * secs / sim_secs * 0.002
+            );
+        }
         println!(
-            "{name:<20} {:>10.2} {:>8.2} {:>10.1}",
-            sim_secs / count,
-            1e3 * secs / count,
-            1e6 * secs / sim_secs * 0.002
+            "building the physics {:.2} ms; everything {:.1} ms for {:.1} s: {:.0} times real time",
+            1e3 * self.start_secs / self.episodes,
+            1e3 * self.total_secs / self.episodes,
+            self.sim_secs / self.episodes,
+            self.sim_secs / self.total_secs
         );
     }
-    println!(
-        "building the physics {:.2} ms; everything {:.1} ms for {:.1} s: {:.0} times real time",
-        1e3 * start_secs / count,
-        1e3 * total_secs / count,
-        total_sim_secs / count,
-        total_sim_secs / total_secs
-    );
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let set = arguments.first().map_or("tuned", String::as_str);
+    let count: u64 = arguments.get(1).map_or(Ok(20), |text| text.parse())?;
+    let first_seed: u64 = arguments.get(2).map_or(Ok(1), |text| text.parse())?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folder = root.join("case-studies/handover/simulation");
+    let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
+    let full = std::fs::read_to_string(folder.join("scenario.toml"))?;
+    let fast = full.replacen("[simulation]", "[simulation]\nfast = true", 1);
+    let parameters = std::fs::read_to_string(folder.join(format!("{set}.toml")))?;
+    let scenarios = match std::env::var("CAMPAIGN_FAST").as_deref() {
+        Ok("both") => vec![full, fast],
+        Ok("1") => vec![fast],
+        _ => vec![full],
+    };
+    let benches = scenarios
+        .iter()
+        .map(|scenario| HandoverBench::new(&engine, scenario, &parameters))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut spent: Vec<Spent> = benches.iter().map(|_| Spent::default()).collect();
+    for seed in first_seed..first_seed + count {
+        for (bench, spent) in benches.iter().zip(&mut spent) {
+            spent.episode(bench, seed)?;
+        }
+    }
+    spent.iter().for_each(Spent::print);
+    if let [full, fast] = &spent[..] {
+        let ratio = full.total_secs / fast.total_secs * fast.sim_secs / full.sim_secs;
+        println!("{ratio:.2} times less time");
+    }
     Ok(())
 }

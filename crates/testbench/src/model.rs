@@ -6,10 +6,14 @@
 //! to the fingers, and to the pedestal a ring of four small feet with a ball at either end, for
 //! when it lies. Masses and inertias are given explicitly, so shapes weigh nothing.
 
+mod part;
+
 use std::fmt::Write;
 
 use crate::geometry::{IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw};
 use crate::scenario::{Body, Drive, InertiaSource, Parameters, Scenario, Shape};
+
+pub(crate) use part::{Part, hand_is_separable};
 
 /// Masks of who touches whom, as MJCF's `contype` and `conaffinity`.
 const HAND_MASK: &str = r#"contype="1" conaffinity="2""#;
@@ -42,46 +46,6 @@ pub struct PhysicalDraws {
     pub friction: f64,
     /// Where the object first stands, its centre.
     pub object_pose: Pose,
-}
-
-/// A part of the model.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Part {
-    /// Whether the model is written for speed: the pairs that can touch are listed, so that nothing
-    /// is searched for, and where the arm carries its own weight there is no gravity, but for a
-    /// force on the object that the caller applies. The equations are the same.
-    pub(crate) is_lean: bool,
-}
-
-impl Part {
-    /// Whether the object's weight is a force that the caller applies.
-    pub(crate) fn is_weightless(self, scenario: &Scenario) -> bool {
-        self.is_lean && scenario.robot.gravity_compensation == 1.0
-    }
-}
-
-/// Whether the robot is an arm that carries its own weight, with a hand at its end: every joint of
-/// the hand's drive and every shape that touches the object are on the hand, the arm's joints are on
-/// the way to it.
-pub(crate) fn hand_is_separable(scenario: &Scenario) -> bool {
-    let hand = &scenario.robot.hand;
-    let way = ancestors(scenario, hand);
-    scenario.robot.gravity_compensation == 1.0
-        && scenario.bodies.iter().all(|body| {
-            let beyond = body.name != *hand && ancestors(scenario, &body.name).contains(&hand);
-            let touches = body.contact_shape.is_some() && !beyond && body.name != *hand;
-            !touches
-                && body.joint.as_ref().is_none_or(|joint| match joint.drive {
-                    Drive::Hand => beyond,
-                    Drive::Arm => way.contains(&&body.name),
-                })
-        })
-}
-
-/// A body with those that it hangs on.
-fn ancestors<'a>(scenario: &'a Scenario, name: &'a String) -> Vec<&'a String> {
-    let parent = |name: &String| scenario.bodies.iter().find(|body| body.name == *name);
-    std::iter::successors(Some(name), |name| Some(&parent(name)?.parent)).collect()
 }
 
 /// What the model is written from.

@@ -9,6 +9,7 @@ mod arm;
 mod body;
 mod chain;
 mod clearance;
+mod coriolis;
 mod glide;
 mod inertia;
 mod joints;
@@ -71,6 +72,8 @@ pub(crate) struct Plant {
     /// Steady motion of the whole model.
     glide: Glide,
     in_regime_steps: u64,
+    /// Whether a drive of the arm changed its speed in the last step.
+    arm_accelerates: bool,
 }
 
 impl Plant {
@@ -102,6 +105,7 @@ impl Plant {
             whole,
             glide: Glide::new(scenario, &joints),
             in_regime_steps: 0,
+            arm_accelerates: false,
             joints,
             blueprint: Arc::new(blueprint),
         };
@@ -160,19 +164,19 @@ impl Plant {
         if self.is_fast {
             self.choose(wrench != Wrench::default());
         }
-        let mut arm_accelerates = false;
+        self.arm_accelerates = false;
         for joint in &mut self.joints {
             let accelerates = joint.advance(step_secs);
-            arm_accelerates |= accelerates && joint.drive == Drive::Arm;
+            self.arm_accelerates |= accelerates && joint.drive == Drive::Arm;
         }
         if let Regime::Apart(apart) = &self.regime
-            && (wrench != Wrench::default() || !apart.may_go_on(&self.joints, arm_accelerates))
+            && (wrench != Wrench::default() || !apart.may_go_on(&self.joints, self.arm_accelerates))
         {
             self.wake();
         }
         match &mut self.regime {
             Regime::Apart(apart) => apart.step(&self.joints, step_secs),
-            Regime::Whole => self.step_whole(&wrench, arm_accelerates),
+            Regime::Whole => self.step_whole(&wrench),
         }
         self.steps += 1;
         self.in_regime_steps += 1;
@@ -180,9 +184,9 @@ impl Plant {
     }
 
     /// One time step of the whole model, or of its steady motion.
-    fn step_whole(&mut self, wrench: &Wrench, arm_accelerates: bool) {
+    fn step_whole(&mut self, wrench: &Wrench) {
         let is_steady = self.is_fast
-            && !arm_accelerates
+            && !self.arm_accelerates
             && joints::fingers(&self.joints).all(|index| self.joints[index].is_at_rest())
             && self.glide.is_same(wrench);
         if is_steady && self.glide.step() {
@@ -197,7 +201,7 @@ impl Plant {
             torque_nm,
         } = *wrench;
         self.whole.step(&self.joints, force_newtons, torque_nm);
-        if self.is_fast && !arm_accelerates {
+        if self.is_fast && !self.arm_accelerates {
             self.glide.watch(&self.whole, wrench);
         }
     }
@@ -222,7 +226,8 @@ impl Plant {
         self.land();
         let (blueprint, joints) = (&self.blueprint, &self.joints);
         let now = self.whole_now();
-        if let Some(apart) = Apart::begin(blueprint, joints, &self.whole, &now) {
+        let begun = Apart::begin(blueprint, joints, &self.whole, &now);
+        if let Some(apart) = begun.filter(|it| it.may_go_on(joints, self.arm_accelerates)) {
             self.glide.forget();
             self.enter(Regime::Apart(Box::new(apart)));
         }

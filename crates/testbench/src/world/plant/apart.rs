@@ -2,8 +2,9 @@
 //!
 //! Where hand and object are apart and the object rests, nothing acts between them: the object stays
 //! where it is, the fingers stay where they are told to be, and the arm follows its servos
-//! ([`super::arm`]), until hand and object come within reach of each other ([`super::clearance`]) or
-//! the fingers are told to move.
+//! ([`super::arm`]), until hand and object come within reach of each other ([`super::clearance`]), the
+//! fingers are told to move, or the arm speeds up or slows down and the fingers are so heavy for their
+//! dry friction that they would swing.
 //!
 //! Cost: a step costs some hundred operations, nothing at all when the arm rests. Deviation from the
 //! full physics: that of the arm, and what is left of the settling of object and fingers when it
@@ -15,10 +16,11 @@ use super::clearance::Clearance;
 use super::joints::{DrivenJoint, fingers};
 use super::{Grip, ObjectState};
 use crate::geometry::norm;
+use crate::scenario::Body as Link;
 
-/// Nearer than this the fingers of an empty hand are where they are told to be: speed times their
-/// servos' time constant. Dry friction alone leaves more.
-const FINGERS_REST_RAD: f64 = 0.004;
+/// Nearer than this the fingers of an empty hand stay where they are: speed times their servos' time
+/// constant.
+const FINGERS_REST_RAD: f64 = 3e-4;
 /// Slower than this an object that nothing holds rests.
 const RESTS_M_S: f64 = 1e-4;
 const RESTS_RAD_S: f64 = 1e-3;
@@ -29,11 +31,12 @@ pub(super) struct Apart {
     arm: Arm,
     began: Configuration,
     clearance: Clearance,
+    fingers_swing: bool,
 }
 
 impl Apart {
-    /// Begins from the state `now` of `body`, if the hand is empty, all but the arm rests, and they
-    /// are apart.
+    /// Begins from the state `now` of `body`, if the hand is empty and all but the arm rests; whether
+    /// they are apart says [`Self::may_go_on`].
     pub(super) fn begin(
         blueprint: &Blueprint,
         joints: &[DrivenJoint],
@@ -60,13 +63,15 @@ impl Apart {
             arm,
             began: now.clone(),
             clearance,
+            fingers_swing: fingers_swing(blueprint, joints),
         };
-        begun.may_go_on(joints, false).then_some(begun)
+        Some(begun)
     }
 
     /// Whether the next step may be taken, given whether the drives are about to change their speed.
     pub(super) fn may_go_on(&self, joints: &[DrivenJoint], arm_accelerates: bool) -> bool {
         fingers(joints).all(|index| joints[index].is_at_rest())
+            && !(self.fingers_swing && arm_accelerates)
             && (self.arm.rests() && !arm_accelerates
                 || self.clearance.is_clear(&self.arm.hand().pose))
     }
@@ -99,4 +104,25 @@ impl Apart {
         self.arm.get(&mut now);
         now
     }
+}
+
+/// Whether fingers swing when the arm speeds up as fast as its drives do: what that takes, at an arm's
+/// length from a joint, is more than half the dry friction of their drives.
+fn fingers_swing(blueprint: &Blueprint, joints: &[DrivenJoint]) -> bool {
+    const REACH_M: f64 = 1.0;
+    let Blueprint {
+        scenario,
+        parameters,
+        ..
+    } = blueprint;
+    let taken_nm = |link: &Link| {
+        let turning = crate::model::link_inertia_kg_m2(parameters, link);
+        let turning_kg_m2 = turning.into_iter().fold(0.0, f64::max);
+        let lever_m = norm(link.shape_position_m);
+        (turning_kg_m2 + link.mass_kg * lever_m * REACH_M) * parameters.arm.acceleration_rad_s2
+    };
+    let is_finger = |link: &&Link| fingers(joints).any(|index| joints[index].name == link.name);
+    let links = scenario.bodies.iter().filter(is_finger);
+    let most_nm = links.map(taken_nm).fold(0.0, f64::max);
+    most_nm > parameters.hand.friction_loss_nm / 2.0
 }

@@ -3,7 +3,8 @@
 //! Definition: angles `q`, speeds `v` and setpoints `u` of the arm's joints obey
 //!
 //! ```text
-//! M(q) v' = K (u - q) - D v     K stiffness, D damping, M inertia of the arm
+//! M(q) v' = K (u - q) - D v - c(q, v)     K stiffness, D damping, M inertia of the arm,
+//!                                         c Coriolis and centrifugal torques (super::coriolis)
 //! ```
 //!
 //! with each servo's torque limited to its range. They are integrated as the engine's `implicitfast`
@@ -11,20 +12,21 @@
 //! `v += dv`, `q += h v`. `M` is computed by composite bodies (Featherstone, "Rigid Body Dynamics
 //! Algorithms", 2008, chapter 6), anew every [`RENEWED_STEPS`] steps.
 //!
-//! Deviation from the full physics: no Coriolis and centrifugal torques (at 0.4 rad/s some 0.1 N m,
-//! which deflects a joint of 8500 N m/rad by 0.01 mrad), and fingers do not push the arm. Cost: some
-//! two hundred operations a step, nothing when the arm rests.
+//! Deviation from the full physics: fingers do not push the arm. Cost: some thousand operations a
+//! step, nothing when the arm rests.
 
 use super::ObjectState;
 use super::body::{Blueprint, Configuration};
 use super::chain::{Chain, Frames};
+use super::coriolis::take_off;
 use super::inertia::{Composite, segments};
 use super::joints::DrivenJoint;
 use crate::geometry::{cross, dot, subtract};
 use crate::scenario::Drive;
 
-/// How long one inertia is used: 0.04 s at 2 ms, in which no joint turns by more than 0.02 rad.
-const RENEWED_STEPS: u32 = 20;
+/// How long one inertia in the world is used: 0.008 s at 2 ms, in which no joint turns by more than
+/// 0.004 rad.
+const RENEWED_STEPS: u32 = 4;
 /// Slower than this, with less torque left than this, the joints rest.
 const RESTS_RAD_S: f64 = 1e-6;
 const RESTS_NM: f64 = 5e-3;
@@ -46,7 +48,9 @@ struct Servo {
 pub(super) struct Arm {
     servos: Vec<Servo>,
     chain: Chain,
+    /// What turns with each joint and not with the next, in the frame behind it and in the world.
     segments: Vec<Composite>,
+    placed: Vec<Composite>,
     /// Frames of the joints and the hand now, and the hand's before the last step: what is asked of
     /// the engine after a step belongs to the time before it.
     frames: Frames,
@@ -60,11 +64,7 @@ pub(super) struct Arm {
 
 impl Arm {
     /// Takes over from a configuration.
-    pub(super) fn new(
-        blueprint: &Blueprint,
-        joints: &[DrivenJoint],
-        now: &Configuration,
-    ) -> Self {
+    pub(super) fn new(blueprint: &Blueprint, joints: &[DrivenJoint], now: &Configuration) -> Self {
         let chain = Chain::to_hand(&blueprint.scenario, joints);
         let servos: Vec<Servo> = (chain.joints())
             .filter_map(|joint| servo(blueprint, joints, now, joint))
@@ -75,6 +75,7 @@ impl Arm {
         Self {
             factor: vec![0.0; servos.len() * servos.len()],
             factor_age: RENEWED_STEPS,
+            placed: Vec::with_capacity(servos.len()),
             right: vec![0.0; servos.len()],
             hand_before: frames.hand,
             rests: false,
@@ -125,6 +126,10 @@ impl Arm {
             self.renew(step_secs);
         }
         self.factor_age += 1;
+        let servos = &self.servos;
+        take_off(&mut self.right, &self.frames.axes, &self.placed, |index| {
+            servos[index].velocity_rad_s
+        });
         solve(&self.factor, &mut self.right);
         for (servo, acceleration_rad_s2) in self.servos.iter_mut().zip(&self.right) {
             servo.velocity_rad_s += step_secs * acceleration_rad_s2;
@@ -134,12 +139,16 @@ impl Arm {
 
     /// Computes and factors the inertia at the present angles.
     fn renew(&mut self, step_secs: f64) {
+        let placed = self.segments.iter().zip(&self.frames.joints);
+        self.placed.clear();
+        self.placed
+            .extend(placed.map(|(segment, frame)| segment.placed(frame)));
         let count = self.servos.len();
         let mut beyond = Composite::default();
         for j in (0..count).rev() {
-            beyond.add(&self.segments[j].placed(&self.frames.joints[j]));
+            beyond.add(&self.placed[j]);
             let (at_m, axis) = self.frames.axes[j];
-            let (momentum, about_origin) = beyond.momenta(at_m, axis);
+            let (momentum, about_origin) = beyond.momenta(axis, cross(at_m, axis));
             for i in 0..=j {
                 let (at_m, axis) = self.frames.axes[i];
                 let inertia = dot(axis, subtract(about_origin, cross(at_m, momentum)));

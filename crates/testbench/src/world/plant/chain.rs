@@ -60,11 +60,6 @@ impl Chain {
         self.0.iter().filter_map(|stretch| Some(stretch.turns?.0))
     }
 
-    /// The hand's frame in the frame behind the last joint.
-    pub(super) fn hand_in_last_joint(&self) -> Pose {
-        self.0.last().map_or(identity(), |stretch| stretch.pose)
-    }
-
     /// The frames; `state` gives angle and speed of the chain's joints, counted outwards.
     pub(super) fn follow(&self, state: impl Fn(usize) -> (f64, f64)) -> Frames {
         let mut frames = Frames {

@@ -30,18 +30,6 @@ impl Composite {
         }
     }
 
-    /// Takes in a point mass.
-    pub(super) fn add_point(&mut self, mass_kg: f64, at_m: Vector) {
-        self.add(&Self::body(
-            mass_kg,
-            [0.0; 3],
-            &Pose {
-                position_m: at_m,
-                orientation: IDENTITY,
-            },
-        ));
-    }
-
     /// A body with its principal moments about its centre, which is at `pose`.
     fn body(mass_kg: f64, moments_kg_m2: Vector, pose: &Pose) -> Self {
         let centre = pose.position_m;
@@ -91,15 +79,15 @@ impl Composite {
         self.about_origin_kg_m2.map(|row| dot(row, vector))
     }
 
-    /// Momentum, and angular momentum about the origin, when it turns at unit speed about an axis.
-    pub(super) fn momenta(&self, at_m: Vector, axis: Vector) -> (Vector, Vector) {
-        let origin_m_s = cross(at_m, axis);
+    /// Momentum, and angular momentum about the origin, when it turns at `spin_rad_s` and what of it
+    /// is at the origin moves at `origin_m_s`.
+    pub(super) fn momenta(&self, spin_rad_s: Vector, origin_m_s: Vector) -> (Vector, Vector) {
         (
             add(
                 scale(self.mass_kg, origin_m_s),
-                cross(axis, self.first_kg_m),
+                cross(spin_rad_s, self.first_kg_m),
             ),
-            add(self.times(axis), cross(self.first_kg_m, origin_m_s)),
+            add(self.times(spin_rad_s), cross(self.first_kg_m, origin_m_s)),
         )
     }
 }
@@ -170,9 +158,12 @@ mod tests {
     fn a_point_on_a_lever_has_the_textbook_momenta() {
         // 2 kg at x = 3, turning about the z axis through x = 1: 2 * 2 = 4 kg m/s along y, and about
         // the origin 3 * 4 = 12.
-        let mut point = Composite::default();
-        point.add_point(2.0, [3.0, 0.0, 0.0]);
-        let (momentum, about_origin) = point.momenta([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let place = Pose {
+            position_m: [3.0, 0.0, 0.0],
+            orientation: IDENTITY,
+        };
+        let point = Composite::body(2.0, [0.0; 3], &place);
+        let (momentum, about_origin) = point.momenta([0.0, 0.0, 1.0], [0.0, -1.0, 0.0]);
         assert_eq!(momentum, [0.0, 4.0, 0.0]);
         assert_eq!(about_origin, [0.0, 0.0, 12.0]);
     }

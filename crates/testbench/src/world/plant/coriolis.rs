@@ -1,0 +1,94 @@
+//! Coriolis and centrifugal torques of a chain of turning joints.
+//!
+//! Definition: with every motion described by its spin `w` and the velocity `v` of what is at the
+//! world's origin, joint `j` about the axis `e` through `p` adds `(e, p x e) s_j` at speed `s_j`. While
+//! no joint accelerates, the motion of segment `j` changes by
+//!
+//! ```text
+//! a_j = a_(j-1) + V_(j-1) x S_j s_j        (w, v) x (e, u) = (w x e, w x u + v x e)
+//! ```
+//!
+//! which takes the force `f_j = I_j a_j + V_j x* I_j V_j`, `(w, v) x* (n, f) = (w x n + v x f, w x f)`;
+//! a joint's torque is the sum of what its segment and those beyond it take, along its axis: recursive
+//! Newton-Euler (Featherstone, "Rigid Body Dynamics Algorithms", 2008, chapter 5), in coordinates of the
+//! world. Cost: some hundred operations a joint.
+
+use super::inertia::Composite;
+use crate::geometry::{Vector, add, cross, dot, scale};
+
+/// A motion, or how it changes: spin, and velocity at the world's origin. Or a force: torque about the
+/// origin, and force.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Screw {
+    turn: Vector,
+    shift: Vector,
+}
+
+impl Screw {
+    /// Of unit speed about an axis through a point.
+    fn about(at_m: Vector, axis: Vector) -> Self {
+        Self {
+            turn: axis,
+            shift: cross(at_m, axis),
+        }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self {
+            turn: scale(factor, self.turn),
+            shift: scale(factor, self.shift),
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            turn: add(self.turn, other.turn),
+            shift: add(self.shift, other.shift),
+        }
+    }
+
+    /// How this motion changes what is fixed in it: another motion.
+    fn moves(self, other: Self) -> Self {
+        Self {
+            turn: cross(self.turn, other.turn),
+            shift: add(cross(self.turn, other.shift), cross(self.shift, other.turn)),
+        }
+    }
+
+    /// Likewise a momentum.
+    fn carries(self, other: Self) -> Self {
+        Self {
+            turn: add(cross(self.turn, other.turn), cross(self.shift, other.shift)),
+            shift: cross(self.turn, other.shift),
+        }
+    }
+
+    /// The momentum of a composite in this motion.
+    fn of(self, composite: &Composite) -> Self {
+        let (shift, turn) = composite.momenta(self.turn, self.shift);
+        Self { turn, shift }
+    }
+}
+
+/// Takes the torques off `torques_nm`, joint by joint outwards: `axes` are a point on each axis and its
+/// direction, `segments` what turns with a joint and not with the next, both in the world.
+pub(super) fn take_off(
+    torques_nm: &mut [f64],
+    axes: &[(Vector, Vector)],
+    segments: &[Composite],
+    speed_rad_s: impl Fn(usize) -> f64,
+) {
+    let (mut motion, mut change) = (Screw::default(), Screw::default());
+    let joints = axes.iter().zip(segments).enumerate();
+    for (joint, ((at_m, axis), segment)) in joints {
+        let own = Screw::about(*at_m, *axis).times(speed_rad_s(joint));
+        change = change.plus(motion.moves(own));
+        motion = motion.plus(own);
+        let needed = change.of(segment).plus(motion.carries(motion.of(segment)));
+        // Every joint up to here bears it.
+        for (torque_nm, (at_m, axis)) in torques_nm.iter_mut().zip(axes).take(joint + 1) {
+            let Screw { turn, shift } = Screw::about(*at_m, *axis);
+            *torque_nm -= dot(turn, needed.turn) + dot(shift, needed.shift);
+        }
+    }
+}
