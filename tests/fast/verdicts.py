@@ -4,9 +4,10 @@
     corroborate simulate COPY_WITH_FAST_PHYSICS E4 -n 500 --keep none --out fast
     python3 tests/fast/verdicts.py full fast
 
-Each side is an `episodes.parquet` or a folder in which every file of that name is read. A monitor's
-verdict in one episode is compared as "violated or not" and as "covered or not". For each it prints how
-many episodes show it in either campaign, in how many only one of them does, and
+Each side is such a table, or a folder in which all are read (`episodes.parquet`,
+`episodes-501.parquet`). A monitor's verdict in one episode is compared as "violated or not" and as
+"covered or not". For each it prints how many episodes show it in either campaign, in how many only one
+of them does, and
 
 * the exact p of McNemar's test (twice the lower tail of a binomial of the discordant episodes and 1/2,
   at most 1) and that p after Holm's step-down over all comparisons with a discordant episode: is there
@@ -32,7 +33,7 @@ Z90 = 1.6448536269514722
 def table(path):
     """The columns of a campaign, by episode's seed."""
     path, rows = pathlib.Path(path), {}
-    for file in sorted(path.rglob("episodes.parquet")) if path.is_dir() else [path]:
+    for file in sorted(path.rglob("episodes*.parquet")) if path.is_dir() else [path]:
         for row in pyarrow.parquet.read_table(file).to_pylist():
             rows[row["seed"]] = row
     return rows

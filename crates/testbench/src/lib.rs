@@ -82,7 +82,7 @@
 //! * Hand empty and apart from a resting object: only the arm's joints move, each by its servo, with
 //!   the arm's inertia, Coriolis and centrifugal torques. Fingers that are so heavy for the dry friction
 //!   of their drives that they swing (those of the untuned parameters weigh 0.1 kg m2) get the whole
-//!   model while the arm speeds up or slows down.
+//!   model while the arm speeds up or slows down, and no glides.
 //! * Steady motion, in which no drive speeds up or slows down and nobody's force changes: bursts of
 //!   three steps of the whole model alternate with glides of at most 40, in which the joints, and the
 //!   object in the hand, go on at the rates measured. A glide is so long that a change of these rates as
@@ -92,7 +92,11 @@
 //! Everything that decides how the fingers meet the object is the full physics. `tests/fast.rs` bounds
 //! how far hand and object are from where the full physics has them.
 //!
-//! @FIGURES@
+//! Paired by seed with the full physics, in 1000 tuned handovers (E4), 9 episodes differ in a verdict, 5
+//! and 4 either way (false negatives of the pressure sensor); each monitor's rate is the same within
+//! 0.67 points (90 % interval of the paired difference). `tests/fast/verdicts.py` prints the table from
+//! two campaigns; `examples/fast_against_full.rs` compares how episodes end and where hand and object
+//! are; `examples/profile.rs` says what either costs in each state of the robot.
 //!
 //! # Where the time goes
 //!

@@ -42,7 +42,7 @@ pub struct SimulationSettings {
     pub impedance_ratio: f64,
     pub end_after_secs: f64,
     pub longest_secs: f64,
-    /// Leaves out of the physics what cannot matter (see the crate's notes on performance).
+    /// Lets less than the full physics stand in where less will do (see the crate's "Fast physics").
     #[serde(default)]
     pub fast: bool,
 }

@@ -63,6 +63,8 @@ const LOOK_SECS: f64 = 0.04;
 pub(crate) struct Plant {
     blueprint: Arc<Blueprint>,
     is_fast: bool,
+    /// Whether the fingers swing when the arm speeds up.
+    fingers_swing: bool,
     steps: u64,
     look_steps: u64,
     joints: Vec<DrivenJoint>,
@@ -98,6 +100,7 @@ impl Plant {
         let settings = &scenario.simulation;
         let mut plant = Self {
             is_fast,
+            fingers_swing: apart::fingers_swing(&blueprint, &joints),
             steps: 0,
             look_steps: (LOOK_SECS / settings.time_step_secs).round().max(1.0) as u64,
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
@@ -170,7 +173,9 @@ impl Plant {
             self.arm_accelerates |= accelerates && joint.drive == Drive::Arm;
         }
         if let Regime::Apart(apart) = &self.regime
-            && (wrench != Wrench::default() || !apart.may_go_on(&self.joints, self.arm_accelerates))
+            && (wrench != Wrench::default()
+                || (self.fingers_swing && self.arm_accelerates)
+                || !apart.may_go_on(&self.joints, self.arm_accelerates))
         {
             self.wake();
         }
@@ -185,8 +190,8 @@ impl Plant {
 
     /// One time step of the whole model, or of its steady motion.
     fn step_whole(&mut self, wrench: &Wrench) {
-        let is_steady = self.is_fast
-            && !self.arm_accelerates
+        let may_glide = self.is_fast && !self.arm_accelerates && self.may_glide();
+        let is_steady = may_glide
             && joints::fingers(&self.joints).all(|index| self.joints[index].is_at_rest())
             && self.glide.is_same(wrench);
         if is_steady && self.glide.step() {
@@ -201,9 +206,16 @@ impl Plant {
             torque_nm,
         } = *wrench;
         self.whole.step(&self.joints, force_newtons, torque_nm);
-        if self.is_fast && !self.arm_accelerates {
+        if may_glide {
             self.glide.watch(&self.whole, wrench);
         }
+    }
+
+    /// Whether contacts allow for glides: what an empty hand comes upon on its way must not be missed,
+    /// and fingers so heavy that they swing take longer than a burst to follow what they hold.
+    fn may_glide(&self) -> bool {
+        let is_there = || joints::arm(&self.joints).all(|index| self.joints[index].is_at_target());
+        !self.fingers_swing && (self.whole.grip() != Grip::default() || is_there())
     }
 
     /// Takes a glide's state over into the whole model.
@@ -227,7 +239,10 @@ impl Plant {
         let (blueprint, joints) = (&self.blueprint, &self.joints);
         let now = self.whole_now();
         let begun = Apart::begin(blueprint, joints, &self.whole, &now);
-        if let Some(apart) = begun.filter(|it| it.may_go_on(joints, self.arm_accelerates)) {
+        let may_move = !(self.fingers_swing && self.arm_accelerates);
+        if let Some(apart) =
+            begun.filter(|it| may_move && it.may_go_on(joints, self.arm_accelerates))
+        {
             self.glide.forget();
             self.enter(Regime::Apart(Box::new(apart)));
         }

@@ -31,7 +31,6 @@ pub(super) struct Apart {
     arm: Arm,
     began: Configuration,
     clearance: Clearance,
-    fingers_swing: bool,
 }
 
 impl Apart {
@@ -59,19 +58,16 @@ impl Apart {
         }
         let arm = Arm::new(blueprint, joints, now);
         let clearance = Clearance::of(blueprint, body, &body.hand().pose, &object.pose);
-        let begun = Self {
+        Some(Self {
             arm,
             began: now.clone(),
             clearance,
-            fingers_swing: fingers_swing(blueprint, joints),
-        };
-        Some(begun)
+        })
     }
 
     /// Whether the next step may be taken, given whether the drives are about to change their speed.
     pub(super) fn may_go_on(&self, joints: &[DrivenJoint], arm_accelerates: bool) -> bool {
         fingers(joints).all(|index| joints[index].is_at_rest())
-            && !(self.fingers_swing && arm_accelerates)
             && (self.arm.rests() && !arm_accelerates
                 || self.clearance.is_clear(&self.arm.hand().pose))
     }
@@ -108,7 +104,7 @@ impl Apart {
 
 /// Whether fingers swing when the arm speeds up as fast as its drives do: what that takes, at an arm's
 /// length from a joint, is more than half the dry friction of their drives.
-fn fingers_swing(blueprint: &Blueprint, joints: &[DrivenJoint]) -> bool {
+pub(super) fn fingers_swing(blueprint: &Blueprint, joints: &[DrivenJoint]) -> bool {
     const REACH_M: f64 = 1.0;
     let Blueprint {
         scenario,
