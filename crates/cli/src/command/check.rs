@@ -1,6 +1,9 @@
 //! `corroborate check`: properties of one model, like the peers' command
 //! lines.
 
+mod print;
+mod properties;
+
 use super::{Done, Setting, json};
 use crate::args::{Check, Format};
 use crate::outcome::Outcome;
@@ -10,10 +13,10 @@ use crate::technique::model_checking::{sharp_complement, warning_line};
 use checker::explore::ExploreOptions;
 use checker::state_space::StateSpace;
 use checker::{Answer, AnswerValue, Guarantee, Options};
-use prism_lang::{Constants, NamedProperty, Rational, resolved};
+use prism_lang::{Constants, Experiment, NamedProperty, Rational, resolved};
+use properties::{Asked, Wrong};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::Path;
 use std::time::Instant;
 
 /// What `check --format json` prints.
@@ -46,7 +49,9 @@ pub struct PropertyReport {
     pub name: Option<String>,
     /// Its text.
     pub property: String,
-    /// The value as text: a number, a fraction, `true` or `false`, or
+    /// The values of the constants that run over ranges, as `name=value,...`.
+    pub constants: Option<String>,
+    /// The value as text: a number, a fraction, `true`, `false`, `Infinity` or `NaN`, or
     /// `[low,high]` over several initial states.
     pub result: Option<String>,
     /// The value as a number, if it is one.
@@ -69,6 +74,8 @@ pub struct PropertyReport {
     pub iterations: u64,
     /// What to know besides, for example why a value is only an estimate.
     pub notes: Vec<String>,
+    /// The states that the property's filters list.
+    pub printed: Vec<PrintedState>,
     /// Why there is no answer.
     pub error: Option<String>,
     /// Whether that is because it is not supported.
@@ -77,64 +84,122 @@ pub struct PropertyReport {
     pub check_secs: f64,
 }
 
-/// Checks properties of a model.
+/// A state that a filter lists.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PrintedState {
+    /// Its number.
+    pub state: u64,
+    /// Its variables' values, as `(name=value,...)`.
+    pub values: String,
+    /// The property's value there.
+    pub result: String,
+}
+
+/// How many valuations of constants one command checks.
+const MOST_VALUATIONS: u64 = 1_000_000;
+
+/// Checks properties of a model, for each valuation of its constants.
 pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
-    let given = constants(&arguments.constants)?;
+    let experiment = constants(&arguments.constants)?;
     let source = Source::read(&arguments.model)?;
     let parsed = prism_lang::parse_model(&source.text);
     if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
         return Err(problem);
     }
-    let own = constants_of_model(arguments, &parsed.tree, &given)?;
+    let ranges = experiment.ranges();
+    let mut all: Option<CheckReport> = None;
+    for given in experiment.valuations() {
+        let mut report = check_one(arguments, &source, &parsed, &given, setting)?;
+        for property in &mut report.properties {
+            property.constants = valuation(&given, &ranges);
+        }
+        match &mut all {
+            None => all = Some(report),
+            Some(all) => {
+                all.build_secs += report.build_secs;
+                all.properties.append(&mut report.properties);
+            }
+        }
+    }
+    // An experiment has at least one valuation.
+    let report = all.ok_or_else(|| Problem::new("bad-constants", "there is no valuation"))?;
+    let outcome = outcome(&report);
+    let output = match arguments.format {
+        Format::Json => json(&report)?,
+        Format::Text => print::text(&report),
+    };
+    Ok(Done { output, outcome })
+}
+
+/// The values of the constants that run over ranges, if any does.
+fn valuation(given: &Constants, ranges: &[&str]) -> Option<String> {
+    let value = |name: &&str| given.get(name).map(|value| format!("{name}={value}"));
+    let values: Vec<String> = ranges.iter().filter_map(value).collect();
+    (!values.is_empty()).then(|| values.join(","))
+}
+
+/// Checks properties of a model whose constants have one value each.
+fn check_one(
+    arguments: &Check,
+    source: &Source,
+    parsed: &prism_lang::Parsed<prism_lang::ast::Model>,
+    given: &Constants,
+    setting: &Setting,
+) -> Result<CheckReport, Problem> {
+    let own = constants_of_model(arguments, &parsed.tree, given)?;
     let model = prism_lang::resolve(&parsed.tree, &own).map_err(|found| {
-        Problem::from_diagnostics(&source, &found)
+        Problem::from_diagnostics(source, &found)
             .unwrap_or_else(|| Problem::new("cannot-resolve", "the model cannot be resolved"))
     })?;
     for warning in parsed.diagnostics.iter().chain(&model.warnings) {
-        setting.talk.say(&warning_line(&source, warning));
+        setting.talk.say(&warning_line(source, warning));
     }
-    let asked = properties(arguments, &model, &given)?;
+    let asked = properties::properties(arguments, &model, given)?;
     if asked.is_empty() && (arguments.properties.is_some() || !arguments.property_texts.is_empty())
     {
         setting
             .talk
             .say("warning: no property was given, so nothing is checked");
     }
+    let meaningful = asked.iter().filter_map(|asked| match asked {
+        Asked::Property(property) => Some(&property.property),
+        Asked::Wrong(_) => None,
+    });
     let limits = ExploreOptions {
         max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
-        ..ExploreOptions::for_properties(asked.iter().map(|p| &p.property))
+        ..ExploreOptions::for_properties(meaningful)
     };
-    let report = match arguments.method {
+    let began = Instant::now();
+    match arguments.method {
         Method::Exact => {
-            let began = Instant::now();
-            let space = explore::<Rational>(&source, &model, &limits, setting)?;
+            let space = explore::<Rational>(source, &model, &limits, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
                 |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
-            report(arguments, &space, build_secs, &asked, setting, answer)?
+            report(arguments, &space, build_secs, &asked, setting, answer)
         }
         _ => {
-            let began = Instant::now();
-            let space = explore::<f64>(&source, &model, &limits, setting)?;
+            let space = explore::<f64>(source, &model, &limits, setting)?;
             let build_secs = began.elapsed().as_secs_f64();
             let answer =
-                |p: &NamedProperty, o: &Options| checker::check_space(&space, &p.property, o);
-            report(arguments, &space, build_secs, &asked, setting, answer)?
+                |p: &NamedProperty, o: &Options| checker::check(&space, &model, &p.property, o);
+            report(arguments, &space, build_secs, &asked, setting, answer)
         }
-    };
-    let outcome = outcome(&report);
-    let output = match arguments.format {
-        Format::Json => json(&report)?,
-        Format::Text => text(&report),
-    };
-    Ok(Done { output, outcome })
+    }
 }
 
-fn constants(texts: &[String]) -> Result<Constants, Problem> {
-    Constants::parse(&texts.join(",")).map_err(|error| {
+fn constants(texts: &[String]) -> Result<Experiment, Problem> {
+    let experiment = Experiment::parse(&texts.join(",")).map_err(|error| {
         Problem::new("bad-constants", format!("--const: {error}"))
-            .remedy("write for example --const N=5,p=0.1")
-    })
+            .remedy("write for example --const N=5,p=0.1 or, for a range, --const N=1:2:9")
+    })?;
+    if experiment.len() > MOST_VALUATIONS {
+        let count = experiment.len();
+        let message = format!("--const: the ranges have {count} valuations");
+        let remedy = format!("give at most {MOST_VALUATIONS} in one command");
+        return Err(Problem::new("bad-constants", message).remedy(remedy));
+    }
+    Ok(experiment)
 }
 
 /// Constants may be meant for the model or for the properties' file; the model
@@ -164,51 +229,6 @@ fn constants_of_model(
     Ok(own)
 }
 
-fn properties(
-    arguments: &Check,
-    model: &resolved::Model,
-    given: &Constants,
-) -> Result<Vec<NamedProperty>, Problem> {
-    let mut sources = Vec::new();
-    if let Some(argument) = &arguments.properties {
-        let looks_like_file = Path::new(argument).exists()
-            || [".props", ".pctl", ".csl", ".prop", ".ltl"]
-                .iter()
-                .any(|e| argument.ends_with(e));
-        sources.push(if looks_like_file {
-            Source::read(Path::new(argument))?
-        } else {
-            given_property(argument)
-        });
-    }
-    sources.extend(
-        arguments
-            .property_texts
-            .iter()
-            .map(|text| given_property(text)),
-    );
-    let mut all = Vec::new();
-    for source in &sources {
-        let parsed = prism_lang::parse_properties(&source.text);
-        if let Some(problem) = Problem::from_diagnostics(source, &parsed.diagnostics) {
-            return Err(problem);
-        }
-        let resolved = prism_lang::resolve_properties(&parsed.tree, model, given);
-        all.extend(resolved.map_err(|found| {
-            Problem::from_diagnostics(source, &found)
-                .unwrap_or_else(|| Problem::new("cannot-resolve", "a property cannot be resolved"))
-        })?);
-    }
-    Ok(all)
-}
-
-fn given_property(text: &str) -> Source {
-    Source {
-        name: "<property>".into(),
-        text: text.to_owned(),
-    }
-}
-
 fn explore<N: prism_lang::Arithmetic>(
     source: &Source,
     model: &resolved::Model,
@@ -224,7 +244,7 @@ fn report<N>(
     arguments: &Check,
     space: &StateSpace<N>,
     build_secs: f64,
-    asked: &[NamedProperty],
+    asked: &[Asked],
     setting: &Setting,
     answer: impl Fn(&NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
 ) -> Result<CheckReport, Problem> {
@@ -237,6 +257,13 @@ fn report<N>(
     let mut properties = Vec::new();
     for (place, property) in selected(arguments, asked)? {
         let began = Instant::now();
+        let property = match property {
+            Asked::Property(property) => property.as_ref(),
+            Asked::Wrong(wrong) => {
+                properties.push(wrong_report(place, wrong, arguments.method));
+                continue;
+            }
+        };
         let answered = answer(property, &options);
         if matches!(answered, Err(checker::CheckError::Cancelled)) {
             return Err(Problem::interrupted());
@@ -249,6 +276,11 @@ fn report<N>(
             arguments.method,
             check_secs,
         ));
+        let described = properties
+            .last_mut()
+            .into_iter()
+            .flat_map(|p| &mut p.printed);
+        described.for_each(|listed| listed.values = space.describe(listed.state as usize));
     }
     Ok(CheckReport {
         format: "1.0".into(),
@@ -262,10 +294,7 @@ fn report<N>(
     })
 }
 
-fn selected<'a>(
-    arguments: &Check,
-    asked: &'a [NamedProperty],
-) -> Result<Vec<(usize, &'a NamedProperty)>, Problem> {
+fn selected<'a>(arguments: &Check, asked: &'a [Asked]) -> Result<Vec<(usize, &'a Asked)>, Problem> {
     let numbered = || asked.iter().enumerate().map(|(i, p)| (i + 1, p));
     if arguments.selected.is_empty() {
         return Ok(numbered().collect());
@@ -275,9 +304,11 @@ fn selected<'a>(
         .iter()
         .map(|wanted| {
             numbered()
-                .find(|(place, p)| p.name.as_ref() == Some(wanted) || place.to_string() == *wanted)
+                .find(|(place, p)| {
+                    p.name() == Some(wanted.as_str()) || place.to_string() == *wanted
+                })
                 .ok_or_else(|| {
-                    let names: Vec<&str> = asked.iter().filter_map(|p| p.name.as_deref()).collect();
+                    let names: Vec<&str> = asked.iter().filter_map(Asked::name).collect();
                     Problem::new(
                         "unknown-property",
                         format!("there is no property `{wanted}`"),
@@ -300,10 +331,42 @@ fn property_report(
     method: Method,
     check_secs: f64,
 ) -> PropertyReport {
-    let mut report = PropertyReport {
+    let mut report = empty(
         prop_idx,
-        name: property.name.clone(),
-        property: property.text.clone(),
+        property.name.clone(),
+        property.text.clone(),
+        method,
+    );
+    report.check_secs = check_secs;
+    match answered {
+        Ok(answer) => fill(&mut report, answer),
+        Err(error) => {
+            report.unsupported = matches!(error, checker::CheckError::Unsupported(_));
+            report.error = Some(error.to_string());
+        }
+    }
+    report
+}
+
+/// A property that means nothing over this model.
+fn wrong_report(prop_idx: usize, wrong: &Wrong, method: Method) -> PropertyReport {
+    let mut report = empty(prop_idx, wrong.name.clone(), wrong.text.clone(), method);
+    report.unsupported = wrong.unsupported;
+    report.error = Some(wrong.message.clone());
+    report
+}
+
+fn empty(
+    prop_idx: usize,
+    name: Option<String>,
+    property: String,
+    method: Method,
+) -> PropertyReport {
+    PropertyReport {
+        prop_idx,
+        name,
+        property,
+        constants: None,
         result: None,
         value: None,
         complement: None,
@@ -315,30 +378,27 @@ fn property_report(
         method: method.name().into(),
         iterations: 0,
         notes: Vec::new(),
+        printed: Vec::new(),
         error: None,
         unsupported: false,
-        check_secs,
-    };
-    match answered {
-        Ok(answer) => fill(&mut report, answer),
-        Err(error) => {
-            report.unsupported = matches!(error, checker::CheckError::Unsupported(_));
-            report.error = Some(error.to_string());
-        }
+        check_secs: 0.0,
     }
-    report
 }
 
 fn fill(report: &mut PropertyReport, answer: Answer) {
-    let (result, value) = match &answer.value {
-        AnswerValue::Number(value) => (value.to_string(), Some(*value)),
-        AnswerValue::Exact(value) => (value.to_string(), Some(prism_lang::rational_to_f64(value))),
-        AnswerValue::Range { low, high } => (format!("[{low},{high}]"), None),
-        AnswerValue::ExactRange { low, high } => (format!("[{low},{high}]"), None),
-        AnswerValue::Truth(truth) => (truth.to_string(), None),
+    let value = match &answer.value {
+        AnswerValue::Number(value) => Some(*value),
+        AnswerValue::Exact(value) => Some(prism_lang::rational_to_f64(value)),
+        _ => None,
     };
-    report.result = Some(result);
-    report.value = value;
+    report.result = Some(print::value(&answer.value));
+    report.value = value.filter(|value| value.is_finite());
+    let listed = |(state, value): &(usize, AnswerValue)| PrintedState {
+        state: *state as u64,
+        values: String::new(),
+        result: print::value(value),
+    };
+    report.printed = answer.printed.iter().map(listed).collect();
     report.complement = sharp_complement(&answer);
     report.iterations = answer.iterations;
     report.notes = answer.notes;
@@ -374,59 +434,6 @@ fn outcome(report: &CheckReport) -> Outcome {
     } else {
         Outcome::Holds
     }
-}
-
-fn text(report: &CheckReport) -> String {
-    let mut output = format!(
-        "{}: {} states, {} transitions, {} initial, built in {:.3} s\n",
-        report.model, report.states, report.transitions, report.initial_states, report.build_secs
-    );
-    if report.deadlocks > 0 {
-        output.push_str(&format!(
-            "{} deadlock states were given a self-loop\n",
-            report.deadlocks
-        ));
-    }
-    for property in &report.properties {
-        let name = property
-            .name
-            .as_ref()
-            .map_or(String::new(), |n| format!("\"{n}\": "));
-        output.push_str(&format!("\nModel checking: {name}{}\n", property.property));
-        match (&property.result, &property.error) {
-            (Some(result), _) => {
-                output.push_str(&format!("Result: {result}{}\n", in_brackets(property)));
-            }
-            (None, error) => {
-                output.push_str(&format!(
-                    "Error: {}\n",
-                    error.as_deref().unwrap_or("no answer")
-                ));
-            }
-        }
-        for note in &property.notes {
-            output.push_str(&format!("Note: {note}\n"));
-        }
-    }
-    output
-}
-
-fn in_brackets(property: &PropertyReport) -> String {
-    let mut parts = Vec::new();
-    match (property.guarantee.as_deref(), property.low, property.high) {
-        (Some("exact"), ..) => parts.push("exact".to_owned()),
-        (Some(_), Some(low), Some(high)) => parts.push(format!("between {low} and {high}")),
-        (Some("estimated"), ..) => parts.push("estimated".to_owned()),
-        _ => {}
-    }
-    if let Some(complement) = property.complement
-        && complement > 0.0
-        && complement < 1e-6
-    {
-        parts.push(format!("1 - {complement:.6e}"));
-    }
-    parts.push(format!("{:.3} s", property.check_secs));
-    format!(" ({})", parts.join("; "))
 }
 
 #[cfg(test)]
