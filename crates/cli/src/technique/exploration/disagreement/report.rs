@@ -115,7 +115,8 @@ fn rounded(value: f64) -> f64 {
 fn shares(regions: &[ContextRegion]) -> RegionShares {
     let share = |decided: RegionOutcome| {
         let of = regions.iter().filter(|region| region.decided == decided);
-        of.map(|region| region.share).sum()
+        // The sum of nothing is -0.
+        of.map(|region| region.share).sum::<f64>() + 0.0
     };
     RegionShares {
         differs: share(RegionOutcome::Differs),
