@@ -130,10 +130,11 @@ pub enum Measure {
         count: u64,
         /// Requirement: runs that were covered. Failure mode: opportunities.
         trials: u64,
-        /// Independent trials that say as much, once clustering is allowed for; `None` if runs are
-        /// independent.
+        /// Independent trials that say as much, once clustering is allowed for and for how few
+        /// clusters it is known from; `None` if runs are independent.
         effective_trials: Option<f64>,
-        /// Wilson's interval of the rate at the study's level, at the effective number of trials.
+        /// Interval of the rate at the study's level: Wilson's or, of clustered trials, from the
+        /// variance between clusters.
         interval: Interval,
     },
     /// A computed probability.
