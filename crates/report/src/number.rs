@@ -56,7 +56,8 @@ fn percentage(rate: f64, usual: usize) -> (String, bool) {
         return (NONE.to_owned(), true);
     }
     match decimals(rate, usual) {
-        Some(digits) => (minus(&format!("{:.digits$}", rate * 100.0)), false),
+        // Without the sign of -0.
+        Some(digits) => (minus(&format!("{:.digits$}", rate * 100.0 + 0.0)), false),
         None if rate < 0.5 => (scientific(rate), true),
         None => (format!("1 − {}", scientific(1.0 - rate)), true),
     }

@@ -28,7 +28,7 @@ pub fn render(view: View) -> Markup {
     };
     let body = html! {
         (regions(map))
-        p class="small" {
+        p class="small shares" {
             "Of all contexts, by their declared distributions, " (number::percent(map.shares.differs))
             " lie in regions that differ, " (number::percent(map.shares.agrees)) " in regions that agree, "
             (number::percent(map.shares.undecided)) " in undecided ones. With a probability of at least "
@@ -87,16 +87,17 @@ fn drawing(map: &DisagreementMap) -> Markup {
     let [across, up, others @ ..] = &map.parameters[..] else {
         return html! {};
     };
-    let Some(size) = square(&map.map, across, up) else {
+    let [columns, rows] = [across, up].map(|parameter| values(&map.map, parameter));
+    if columns.len() < 2 || rows.len() < 2 {
         return html! {};
-    };
+    }
     let others: Vec<&str> = others.iter().map(|p| p.name.as_str()).collect();
     html! {
         figure class="parting" {
             div class="up" { (label(up)) }
             svg viewBox={ "0 0 " (SIDE) " " (SIDE) } preserveAspectRatio="none" role="img"
                 aria-label={ "Map of " (across.name) " against " (up.name) "; its figures follow" } {
-                @for place in &map.map { (cell(place, across, up, size, map.margin)) }
+                @for place in &map.map { (cell(place, (across, &columns), (up, &rows), map.margin)) }
                 @for region in &map.regions { (frame(region, across, up)) }
             }
             div class="across" {
@@ -141,42 +142,47 @@ fn share(parameter: &ContextParameter, value: f64) -> f64 {
     }
 }
 
-/// Width and height of a square: as many as there are different values.
-fn square(
-    map: &[MapPlace],
-    across: &ContextParameter,
-    up: &ContextParameter,
-) -> Option<(f64, f64)> {
-    let count = |parameter: &ContextParameter| {
-        let values = map.iter().filter_map(|p| p.parameters.get(&parameter.name));
-        let mut values: Vec<f64> = values.copied().collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        values.len()
-    };
-    let (columns, rows) = (count(across), count(up));
-    (columns > 1 && rows > 1).then(|| (SIDE / columns as f64, SIDE / rows as f64))
+/// The values of a parameter on the map, as shares of its range, ascending.
+fn values(map: &[MapPlace], parameter: &ContextParameter) -> Vec<f64> {
+    let values = map.iter().filter_map(|p| p.parameters.get(&parameter.name));
+    let mut values: Vec<f64> = values.map(|value| share(parameter, *value)).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+/// What is nearer to a value than to the others: from the middle between it and the one before to the middle between it
+/// and the next.
+fn nearest(values: &[f64], value: f64) -> [f64; 2] {
+    let before = values.iter().rev().find(|other| **other < value);
+    let next = values.iter().find(|other| **other > value);
+    [
+        before.map_or(0.0, |other| f64::midpoint(*other, value)),
+        next.map_or(1.0, |other| f64::midpoint(*other, value)),
+    ]
 }
 
 fn cell(
     place: &MapPlace,
-    across: &ContextParameter,
-    up: &ContextParameter,
-    (width, height): (f64, f64),
+    (across, columns): (&ContextParameter, &[f64]),
+    (up, rows): (&ContextParameter, &[f64]),
     margin: f64,
 ) -> Markup {
-    let at = |parameter: &ContextParameter| place.parameters.get(&parameter.name).copied();
+    let at = |parameter: &ContextParameter| {
+        let value = place.parameters.get(&parameter.name);
+        value.map(|value| share(parameter, *value))
+    };
     let (Some(x), Some(y)) = (at(across), at(up)) else {
         return html! {};
     };
     let difference = place.simulated - place.predicted;
     let tone = if difference < 0.0 { "low" } else { "high" };
     let strength = (difference.abs() / (FULL * margin)).clamp(0.0, 1.0);
-    // The first and the last value stand at the ends: squares are centred between them.
-    let left = share(across, x) * (SIDE - width);
-    let top = (1.0 - share(up, y)) * (SIDE - height);
+    let [left, right] = nearest(columns, x);
+    let [bottom, top] = nearest(rows, y);
     html! {
-        rect class=(tone) x=(fixed(left)) y=(fixed(top)) width=(fixed(width)) height=(fixed(height))
+        rect class=(tone) x=(fixed(SIDE * left)) y=(fixed(SIDE * (1.0 - top)))
+            width=(fixed(SIDE * (right - left))) height=(fixed(SIDE * (top - bottom)))
             fill-opacity=(fixed(strength)) {}
     }
 }
