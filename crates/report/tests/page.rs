@@ -166,6 +166,11 @@ fn regions_and_squares_of_a_map_stand_where_their_contexts_do() {
     // From 0.7 of 0.9 rad to the end, over the whole height.
     let frame = "class=\"frame differs\" x=\"77.78\" y=\"0.00\" width=\"22.22\" height=\"100.00\"";
     assert_eq!(count(drawn, frame), 1, "{drawn}");
+    // Squares lie side by side: half a step at the ends, a whole one between.
+    for (x, width) in [("0.00", "10.00"), ("10.00", "20.00"), ("90.00", "10.00")] {
+        let square = format!("x=\"{x}\" y=\"0.00\" width=\"{width}\" height=\"10.00\"");
+        assert_eq!(count(drawn, &square), 1, "{square} in {drawn}");
+    }
     let text = visible(&page);
     for said in [
         "head turned away 0.7 to 0.9 rad",
