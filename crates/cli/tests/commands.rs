@@ -118,6 +118,32 @@ fn check_prints_json_of_the_committed_form() {
     }
 }
 
+/// Each valuation has a state space of its own, and its size stands with its answers.
+#[test]
+fn check_says_how_large_the_model_is_for_each_value_of_a_range() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model =
+        "mdp const int N; module m x : [0..N]; [] x<N -> (x'=x+1); [] x=N -> true; endmodule";
+    std::fs::write(folder.path().join("m.prism"), model).expect("written");
+    let call = ["check", "m.prism", "Pmin=? [ F x=N ]", "--const", "N=2:3:8"];
+    let said = corroborate(folder.path(), &call);
+    for size in [
+        "with N=2: 3 states",
+        "with N=5: 6 states",
+        "with N=8: 9 states",
+    ] {
+        assert_eq!(said.out.matches(size).count(), 1, "{size} in {}", said.out);
+    }
+    let said = corroborate(folder.path(), &[&call[..], &["--format", "json"]].concat());
+    assert_conforms("check.schema.json", &said.out);
+    let report = json(&said.out);
+    assert_eq!(
+        (&report["states"], &report["further"][1]["states"]),
+        (&3.into(), &9.into())
+    );
+    assert_eq!(report["properties"][2]["value"], 1.0);
+}
+
 /// A bound that the computed bounds leave open is decided by exact arithmetic, or is said to be open; never guessed.
 #[test]
 fn check_does_not_guess_about_a_value_on_the_bound() {

@@ -26,6 +26,21 @@ pub struct CheckReport {
     pub format: String,
     /// The model's file.
     pub model: String,
+    /// The state space; of several valuations of constants the first one's.
+    #[serde(flatten)]
+    pub built: Built,
+    /// The state spaces of further valuations, in their order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further: Vec<Built>,
+    /// One for each property, in the order asked, for each valuation.
+    pub properties: Vec<PropertyReport>,
+}
+
+/// A state space that was built.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Built {
+    /// The values of the constants that run over ranges, as `name=value,...`.
+    pub constants: Option<String>,
     /// Reachable states.
     pub states: u64,
     /// Transitions between pairs of states.
@@ -34,10 +49,8 @@ pub struct CheckReport {
     pub initial_states: u64,
     /// States without a command, which were given a self-loop.
     pub deadlocks: u64,
-    /// Seconds for building the state space.
+    /// Seconds for building it.
     pub build_secs: f64,
-    /// One for each property, in the order asked.
-    pub properties: Vec<PropertyReport>,
 }
 
 /// The answer to one property.
@@ -110,13 +123,14 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
     let mut all: Option<CheckReport> = None;
     for given in experiment.valuations() {
         let mut report = check_one(arguments, &source, &parsed, &given, setting)?;
+        report.built.constants = valuation(&given, &ranges);
         for property in &mut report.properties {
             property.constants = valuation(&given, &ranges);
         }
         match &mut all {
             None => all = Some(report),
             Some(all) => {
-                all.build_secs += report.build_secs;
+                all.further.push(report.built);
                 all.properties.append(&mut report.properties);
             }
         }
@@ -285,11 +299,15 @@ fn report<N>(
     Ok(CheckReport {
         format: "1.0".into(),
         model: arguments.model.display().to_string(),
-        states: space.num_states() as u64,
-        transitions: space.num_transitions() as u64,
-        initial_states: space.initial_states().len() as u64,
-        deadlocks: space.deadlocks().len() as u64,
-        build_secs,
+        built: Built {
+            constants: None,
+            states: space.num_states() as u64,
+            transitions: space.num_transitions() as u64,
+            initial_states: space.initial_states().len() as u64,
+            deadlocks: space.deadlocks().len() as u64,
+            build_secs,
+        },
+        further: Vec::new(),
         properties,
     })
 }

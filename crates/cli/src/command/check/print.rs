@@ -1,6 +1,6 @@
 //! Answers as text.
 
-use super::{CheckReport, PropertyReport};
+use super::{Built, CheckReport, PropertyReport};
 use checker::AnswerValue;
 
 /// A value, as PRISM writes it.
@@ -24,19 +24,33 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The report for reading.
-pub(super) fn text(report: &CheckReport) -> String {
-    let mut output = format!(
-        "{}: {} states, {} transitions, {} initial, built in {:.3} s\n",
-        report.model, report.states, report.transitions, report.initial_states, report.build_secs
+/// The size of a state space.
+fn built(model: &str, built: &Built) -> String {
+    let constants = built.constants.as_ref();
+    let constants = constants.map_or(String::new(), |values| format!(" with {values}"));
+    let mut line = format!(
+        "{model}{constants}: {} states, {} transitions, {} initial, built in {:.3} s\n",
+        built.states, built.transitions, built.initial_states, built.build_secs
     );
-    if report.deadlocks > 0 {
-        output.push_str(&format!(
+    if built.deadlocks > 0 {
+        line.push_str(&format!(
             "{} deadlock states were given a self-loop\n",
-            report.deadlocks
+            built.deadlocks
         ));
     }
+    line
+}
+
+/// The report for reading.
+pub(super) fn text(report: &CheckReport) -> String {
+    let mut output = built(&report.model, &report.built);
+    let mut further = report.further.iter().peekable();
     for property in &report.properties {
+        // The properties of one valuation follow each other.
+        if let Some(next) = further.next_if(|next| next.constants == property.constants) {
+            output.push('\n');
+            output.push_str(&built(&report.model, next));
+        }
         let name = property
             .name
             .as_ref()
