@@ -30,7 +30,6 @@ pub struct CheckReport {
     #[serde(flatten)]
     pub built: Built,
     /// The state spaces of further valuations, in their order.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<Built>,
     /// One for each property, in the order asked, for each valuation.
     pub properties: Vec<PropertyReport>,
