@@ -140,12 +140,7 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
             StateFormula::Choice(condition, a, b) => {
                 let condition = self.truths(condition, from)?;
                 let (a, b) = (self.truths(a, from)?, self.truths(b, from)?);
-                let pairs = a.into_iter().zip(b);
-                condition
-                    .iter()
-                    .zip(pairs)
-                    .map(|(c, (a, b))| if *c { a } else { b })
-                    .collect()
+                chosen(&condition, a, b)
             }
             StateFormula::Probability { .. }
             | StateFormula::Reward { .. }
@@ -269,4 +264,12 @@ fn embedded<N: Arithmetic>(rates: &Csr<N>) -> Csr<N> {
         }
     }
     matrix
+}
+
+/// State by state the first value where the condition holds, else the second.
+fn chosen<T>(condition: &[bool], first: Vec<T>, second: Vec<T>) -> Vec<T> {
+    let pairs = first.into_iter().zip(second);
+    let each = condition.iter().zip(pairs);
+    each.map(|(holds, (first, second))| if *holds { first } else { second })
+        .collect()
 }

@@ -129,18 +129,7 @@ impl<'a, E: Engine> Checker<'a, E> {
     }
 
     fn qualitative(self, holds: &[bool], property: &Property, method: Method) -> Answer {
-        let doubt = match method {
-            _ if !mentions_probability(property) => None,
-            Method::PrismDefault => Some(
-                "probabilities were compared with their bounds after an iteration that does not \
-                 bound its error",
-            ),
-            Method::Sound if !self.context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
-            Method::Sound | Method::Exact => None,
-        };
-        let guarantee = doubt.map_or(Guarantee::Exact, |reason| Guarantee::Estimated {
-            reason: reason.to_owned(),
-        });
+        let guarantee = guarantee_of_truths(property, method, &self.context);
         let initial = (self.space.initial_states().iter().zip(holds))
             .map(|(state, holds)| InitialValue {
                 state: *state,
@@ -307,7 +296,27 @@ fn not_yet() -> CheckError {
     CheckError::Unsupported("this kind of property cannot be computed yet".to_owned())
 }
 
-pub(crate) fn mentions_probability(property: &Property) -> bool {
+/// What is known of whether a property holds, once it was decided by a method.
+pub(crate) fn guarantee_of_truths(
+    property: &Property,
+    method: Method,
+    context: &Context<'_>,
+) -> Guarantee {
+    let doubt = match method {
+        _ if !mentions_probability(property) => None,
+        Method::PrismDefault => Some(
+            "probabilities were compared with their bounds after an iteration that does not \
+             bound its error",
+        ),
+        Method::Sound if !context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
+        Method::Sound | Method::Exact => None,
+    };
+    doubt.map_or(Guarantee::Exact, |reason| Guarantee::Estimated {
+        reason: reason.to_owned(),
+    })
+}
+
+fn mentions_probability(property: &Property) -> bool {
     fn in_state(formula: &StateFormula) -> bool {
         match formula {
             StateFormula::Expr(_) | StateFormula::Label(_) => false,

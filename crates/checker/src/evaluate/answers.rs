@@ -5,8 +5,8 @@ use prism_lang::property::{FilterOperator, Property, Quantity};
 use super::Evaluator;
 use crate::amount::Amount;
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method};
-use crate::engine::{Numbers, UNKNOWN_ENTRY_ERROR};
-use crate::property::{joint_guarantee, mentions_probability, range};
+use crate::engine::Numbers;
+use crate::property::{guarantee_of_truths, joint_guarantee, range};
 use crate::rounding::Bounds;
 
 impl<E: Numbers> Evaluator<'_, E> {
@@ -88,18 +88,7 @@ impl<E: Numbers> Evaluator<'_, E> {
     }
 
     pub(super) fn of_truths(mut self, holds: &[bool], property: &Property) -> Answer {
-        let doubt = match E::METHOD {
-            _ if !mentions_probability(property) => None,
-            Method::PrismDefault => Some(
-                "probabilities were compared with their bounds after an iteration that does not \
-                 bound its error",
-            ),
-            Method::Sound if !self.context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
-            Method::Sound | Method::Exact => None,
-        };
-        let guarantee = doubt.map_or(Guarantee::Exact, |reason| Guarantee::Estimated {
-            reason: reason.to_owned(),
-        });
+        let guarantee = guarantee_of_truths(property, E::METHOD, &self.context);
         let initial = (self.space.initial_states().iter().zip(holds))
             .map(|(state, holds)| InitialValue {
                 state: *state,

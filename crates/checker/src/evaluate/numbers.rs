@@ -6,7 +6,7 @@ use prism_lang::ast::{BinaryOp, Optimum, Type};
 use prism_lang::property::Quantity;
 use prism_lang::{EvalError, EvalErrorKind, Expr, ExprKind, Function, Number};
 
-use super::Evaluator;
+use super::{Evaluator, chosen};
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::engine::Numbers;
@@ -45,12 +45,7 @@ impl<E: Numbers> Evaluator<'_, E> {
             Quantity::Choice(condition, a, b) => {
                 let condition = self.truths(condition, from)?;
                 let (a, b) = (self.numbers(a, from)?, self.numbers(b, from)?);
-                let pairs = a.into_iter().zip(b);
-                condition
-                    .iter()
-                    .zip(pairs)
-                    .map(|(c, (a, b))| if *c { a } else { b })
-                    .collect()
+                chosen(&condition, a, b)
             }
             Quantity::Call(function, arguments) => {
                 let arguments: Vec<Vec<E::Amount>> = (arguments.iter())
