@@ -11,7 +11,7 @@ import sys
 from devtools import Browser, Page
 
 SECTIONS = [
-    "verdict", "matrix", "forest", "modes", "discrepancies", "comparisons",
+    "verdict", "matrix", "forest", "modes", "suspects", "comparisons",
     "argument", "ledger", "coverage", "published", "cost", "provenance", "reading",
 ]
 WIDTHS = [1280, 390]

@@ -71,6 +71,11 @@ pub(crate) trait Amount: Clone + PartialEq + Debug {
         Self::zero().sub(self)
     }
 
+    /// Not more than 1: what rounding adds to a probability is taken off.
+    fn at_most_one(&self) -> Self {
+        self.least(&Self::one())
+    }
+
     /// The one that a scheduler prefers.
     fn best(&self, other: &Self, maximise: bool) -> Self {
         match maximise {

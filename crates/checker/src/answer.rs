@@ -107,6 +107,8 @@ pub enum AnswerValue {
     },
     /// Whether the property holds (in all initial states).
     Truth(bool),
+    /// The corners of what two objectives can reach together, in the order of the first.
+    Corners(Vec<Vec<Rational>>),
 }
 
 /// What is known of a value.
@@ -191,6 +193,8 @@ pub enum CheckError {
     InvalidOption(String),
     /// A set of states could not be found.
     State(StateError),
+    /// A reward of the model has no value in some state.
+    Reward(String),
     /// The automaton of a path formula could not be built.
     Automaton(AutomatonError),
     /// The product with an automaton has too many states.
@@ -218,6 +222,8 @@ pub enum CheckError {
         /// What is known of the probability.
         bounds: Bounds,
     },
+    /// Which choice is best is not the same at all points of a region of parameters, or not known to be.
+    OpenChoice,
     /// The state space could not be built in rational arithmetic.
     ExactModel(String),
     /// The model has no initial state.
@@ -230,9 +236,10 @@ impl fmt::Display for CheckError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cancelled => formatter.write_str("the check was stopped before it had an answer"),
-            Self::Unsupported(what) | Self::InvalidOption(what) | Self::Filter(what) => {
-                formatter.write_str(what)
-            }
+            Self::Unsupported(what)
+            | Self::InvalidOption(what)
+            | Self::Filter(what)
+            | Self::Reward(what) => formatter.write_str(what),
             Self::State(error) => error.fmt(formatter),
             Self::Automaton(error) => error.fmt(formatter),
             Self::ProductTooLarge { limit } => write!(
@@ -258,6 +265,10 @@ impl fmt::Display for CheckError {
                 "whether the value is {comparison} cannot be told: it lies between {} and {}; \
                  use the exact method",
                 bounds.low, bounds.high
+            ),
+            Self::OpenChoice => formatter.write_str(
+                "which choice is best is not known to be the same for all values of the open constants; \
+                 give them narrower ranges",
             ),
             Self::ExactModel(reason) => write!(
                 formatter,

@@ -1,19 +1,27 @@
 //! The entry points: a property and a state space in, an answer with its guarantee out.
 
 use prism_lang::resolved::Model;
-use prism_lang::{Property, Rational};
+use prism_lang::{Number, Property, Rational, rational_to_f64};
 
-use crate::answer::{Answer, CheckError, Method, Options};
+use crate::amount::Amount;
+use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, Method, Options};
 use crate::engine::{Exact, PrismDefault, Sound};
 use crate::evaluate::Evaluator;
+use crate::evaluate::bounds_of_states::StateBounds;
 use crate::explore::{ExploreError, ExploreOptions, explore_with};
+use crate::rounding::Bounds;
 use crate::state_space::StateSpace;
+
+/// By how much bounds are tightened when they leave a comparison open, and how far at most.
+const TIGHTER: f64 = 1e-6;
+const TIGHTEST: f64 = 1e-13;
 
 /// Checks a property of a model, of which `space` is the state space.
 ///
 /// The exact method builds the state space again, with rational probabilities; so does the sound method when
-/// its bounds leave a comparison such as `P>=0.5` open, unless the model is larger than
-/// [`Options::exact_limit`]. The answer's `method` says which one was used in the end.
+/// its bounds, tightened once, leave a comparison such as `P>=0.5` open, unless the model is larger than
+/// [`Options::exact_limit`], and for several objectives (`multi`). The answer's `method` says which one was used
+/// in the end.
 ///
 /// # Errors
 /// See [`CheckError`].
@@ -46,7 +54,30 @@ pub fn check(
     if options.method == Method::Exact {
         return check_exact(&exact_space(model, options)?, property, options);
     }
-    match check_space(space, property, options) {
+    let is_multi = matches!(property, Property::Objectives(_));
+    if is_multi && options.method == Method::Sound && space.num_states() <= options.exact_limit {
+        return check_exact(&exact_space(model, options)?, property, options).map(in_floats);
+    }
+    let tighter = Options {
+        precision: (options.precision * TIGHTER)
+            .max(TIGHTEST)
+            .min(options.precision),
+        ..*options
+    };
+    let answer = match check_space(space, property, options) {
+        Err(CheckError::Undecided { .. }) if tighter.precision < options.precision => {
+            check_space(space, property, &tighter).map(|mut answer| {
+                let precision = tighter.precision;
+                let note = format!(
+                    "the bounds were tightened to a relative distance of {precision:e} to decide"
+                );
+                answer.notes.push(note);
+                answer
+            })
+        }
+        answer => answer,
+    };
+    match answer {
         Err(CheckError::Undecided { comparison, .. })
             if space.num_states() <= options.exact_limit =>
         {
@@ -59,6 +90,19 @@ pub fn check(
         }
         other => other,
     }
+}
+
+/// A number as the nearest floating-point one, with its bounds.
+fn in_floats(mut answer: Answer) -> Answer {
+    if let AnswerValue::Exact(value) = &answer.value {
+        let bounds = Bounds::literal(&Number::from_rational(value.clone()));
+        let (low, high) = (bounds.low, bounds.high);
+        answer.value = AnswerValue::Number(rational_to_f64(value));
+        if !bounds.is_exact() {
+            answer.guarantee = Guarantee::Bounded { low, high };
+        }
+    }
+    answer
 }
 
 /// The state space with rational probabilities.
@@ -121,5 +165,24 @@ pub fn check_exact(
     property: &Property,
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
-    Evaluator::<Exact>::new(space, options)?.answer(property)
+    let evaluator = Evaluator::<Exact>::new(space, options)?;
+    match property {
+        Property::Objectives(objectives) => evaluator.objectives(objectives, property),
+        property => evaluator.answer(property),
+    }
+}
+
+/// Bounds of a property's value in every state that are meant to be inductive, so that they can be checked without
+/// solving anything (crate `certifier`): the method's own, widened by `slack` times what they fall short.
+///
+/// # Errors
+/// See [`CheckError`]; [`CheckError::Unsupported`] for properties other than unbounded `F`, `G`, `U` and rewards before a
+/// target.
+pub fn bounds_of_states(
+    space: &StateSpace<f64>,
+    property: &Property,
+    options: &Options<'_>,
+    slack: f64,
+) -> Result<StateBounds, CheckError> {
+    Evaluator::<Sound>::new(space, options)?.bounds_of_states(property, slack)
 }

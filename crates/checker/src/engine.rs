@@ -27,6 +27,8 @@ pub(crate) struct Context<'a> {
     pub entry_error: f64,
     /// Whether that bound is known to hold.
     pub entry_error_known: bool,
+    /// The values of open constants, in the technique that has functions of these.
+    pub cell: Option<&'a crate::parametric::optimise::Cell<'a>>,
 }
 
 impl<'a> Context<'a> {
@@ -41,6 +43,7 @@ impl<'a> Context<'a> {
                 1e-12
             },
             entry_error_known,
+            cell: None,
         }
     }
 }

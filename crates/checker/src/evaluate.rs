@@ -10,8 +10,12 @@
 //! technique.
 
 mod answers;
+pub(crate) mod bounds_of_states;
+mod conditional;
 mod filters;
 mod numbers;
+mod objectives;
+pub(crate) mod parametric;
 mod paths;
 mod quantifiers;
 mod rewards;
@@ -106,7 +110,8 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 Ok(self.of_range(&low, &high))
             }
             Property::Objectives(_) => Err(CheckError::Unsupported(
-                "several objectives (`multi`) cannot be computed yet: ask for each on its own"
+                "several objectives (`multi`) are computed in rational arithmetic only: use the exact method, or \
+                 the sound one on a smaller model"
                     .to_owned(),
             )),
         }
@@ -121,7 +126,7 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
     }
 
     /// The states that satisfy a state formula.
-    fn set(&mut self, formula: &StateFormula) -> Result<Vec<bool>, CheckError> {
+    pub(crate) fn set(&mut self, formula: &StateFormula) -> Result<Vec<bool>, CheckError> {
         let everywhere = self.everywhere();
         self.truths(formula, &everywhere)
     }
@@ -251,7 +256,7 @@ fn amount_meets<A: Amount>(
 }
 
 /// The probabilities of a chain with rates.
-fn embedded<N: Arithmetic>(rates: &Csr<N>) -> Csr<N> {
+pub(crate) fn embedded<N: Arithmetic>(rates: &Csr<N>) -> Csr<N> {
     let mut matrix = rates.clone();
     for state in 0..rates.num_rows() {
         let range = rates.row_start[state]..rates.row_start[state + 1];

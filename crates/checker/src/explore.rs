@@ -124,9 +124,10 @@ pub fn explore_with<N: Arithmetic>(
     options: ExploreOptions,
     progress: &dyn Fn(usize) -> bool,
 ) -> Result<StateSpace<N>, ExploreError> {
-    if !model.parameters.is_empty() {
+    if (0..model.parameters.len()).any(|index| N::parameter(index).is_none()) {
         return Err(ExploreError::UnsupportedConstruct(
-            "a model with open constants cannot be explored yet: give each constant a value",
+            "a model with open constants has no numbers: give each constant a value, or explore it with \
+             rational functions of at most 16 constants",
         ));
     }
     let layout = Layout::new(&model.variables);

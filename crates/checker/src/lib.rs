@@ -51,9 +51,12 @@ pub mod formats;
 pub mod graph;
 mod interval_iteration;
 pub mod interval_model;
+mod joint;
 mod long_run;
+mod multi;
 mod not_yet;
 mod optimum;
+pub mod parametric;
 pub mod paths;
 mod poisson;
 mod prism_default;
@@ -71,9 +74,12 @@ mod steps;
 #[cfg(test)]
 mod test_models;
 mod transient;
+mod witness;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
-pub use check::{check, check_exact, check_space};
+pub use check::{bounds_of_states, check, check_exact, check_space};
+pub use evaluate::bounds_of_states::{Outcomes, StateBounds};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;
+pub use witness::{Witness, witness};

@@ -1,23 +1,28 @@
 //! What the language can ask and the checker cannot answer yet, each with one sentence.
 
-use prism_lang::property::{Path, Property, StateFormula};
+use prism_lang::property::{Objective, Path, Property, StateFormula};
 
 /// Why a property cannot be checked, before anything is computed; `None` if it can.
 ///
-/// (Whether a method can answer it may still depend on the model: exact arithmetic has no exponentials.)
+/// (Whether a method can answer it may still depend on the model: exact arithmetic has no exponentials, several
+/// objectives are computed in rational arithmetic only.)
 ///
 /// ```
 /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
 /// let text = "mdp module m x : [0..1]; [] true -> (x'=1-x); endmodule rewards [] true : 1; endrewards";
 /// let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
-/// let asked = parse_properties("multi(Pmax=? [ F x=1 ], R<=3 [ C<=4 ]); Rmin=? [ F x=1 ]").tree;
+/// let asked = parse_properties("multi(Pmax=? [ F x=1 ], Pmax=? [ F x=0 ], Pmax=? [ G x=1 ])").tree;
 /// let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
 /// let refused = checker::unsupported(&asked[0].property).unwrap();
-/// assert!(refused.starts_with("several objectives (`multi`) cannot be computed yet"));
-/// assert_eq!(checker::unsupported(&asked[1].property), None);
+/// assert!(refused.starts_with("the curve of more than two objectives (`multi`) cannot be computed yet"));
 /// ```
 pub fn unsupported(property: &Property) -> Option<String> {
-    matches!(property, Property::Objectives(_)).then(|| sentence(OBJECTIVES))
+    let Property::Objectives(objectives) = property else {
+        return None;
+    };
+    let free = |objective: &&Objective| matches!(objective, Objective::Optimise(..));
+    let free = objectives.iter().filter(free).count();
+    (free > 2 || free == 2 && objectives.len() > 2).then(|| sentence(CURVES))
 }
 
 /// Why a property cannot be bounded over all chains of an interval model; `None` if it can.
@@ -36,7 +41,11 @@ fn sentence((what, remedy): Missing) -> String {
     format!("{what} cannot be computed yet: {remedy}")
 }
 
-const OBJECTIVES: Missing = ("several objectives (`multi`)", ASK_EACH);
+const OBJECTIVES: Missing = ("several objectives (`multi`) over intervals", ASK_EACH);
+const CURVES: Missing = (
+    "the curve of more than two objectives (`multi`)",
+    "give bounds to all but one",
+);
 
 /// What is missing, and what to do instead.
 type Missing = (&'static str, &'static str);
@@ -49,6 +58,7 @@ const FILTERS: Missing = (
 );
 const REWARDS: Missing = ("expected rewards (`R`) over intervals", ASK_P);
 const LONG_RUN: Missing = ("long-run probabilities (`S`) over intervals", ASK_P);
+const CONDITIONAL: Missing = ("conditional probabilities (`||`) over intervals", ASK_EACH);
 const SCHEDULERS: Missing = (
     "minimal and maximal probabilities over schedulers",
     "use a model without choices",
@@ -63,6 +73,7 @@ fn in_number(number: &prism_lang::property::Quantity) -> Option<Missing> {
     use prism_lang::property::Quantity;
     Some(match number {
         Quantity::Probability { .. } => SCHEDULERS,
+        Quantity::Conditional { .. } => CONDITIONAL,
         Quantity::Reward { .. } => REWARDS,
         Quantity::LongRun(_) => LONG_RUN,
         Quantity::Filter(_) => FILTERS,

@@ -82,6 +82,8 @@ impl Bounds {
     pub fn middle(&self) -> f64 {
         if self.is_exact() {
             self.low
+        } else if self.low.is_nan() || self.high.is_nan() {
+            f64::NAN
         } else {
             (self.low + (self.high - self.low) / 2.0).clamp(self.low, self.high)
         }

@@ -6,6 +6,7 @@
 //!
 //! Cost: 8 bytes per state and word, plus 4 bytes and one number per transition and one offset per row.
 
+mod induced;
 mod layout;
 mod matrix;
 mod rewards;

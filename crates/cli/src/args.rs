@@ -1,9 +1,11 @@
 //! The command line, as plain data.
 
 mod assurance;
+mod check;
 mod diagnose;
 mod engines;
 mod explore;
+mod peers;
 mod rare;
 mod recordings;
 mod refine;
@@ -12,9 +14,11 @@ mod simulate;
 mod watch;
 
 pub use assurance::{Assure, Verify};
+pub use check::{Check, CheckFormat};
 pub use diagnose::Diagnose;
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
+pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Opening, Requirements, TimeChoice};
 pub use refine::{Refine, WhatIf};
@@ -22,9 +26,7 @@ pub use replay::{Replay, Shrink};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
 
-use crate::study::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Corroborative verification and validation: model checking, simulation and
@@ -142,52 +144,6 @@ pub struct Run {
     pub format: Format,
 }
 
-/// Arguments of `check`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  corroborate check model.prism 'P=? [ F \"done\" ]'
-  corroborate check model.prism properties.props --prop safety --const N=5,p=0.1
-  corroborate check model.prism properties.props --method exact
-  corroborate check model.prism 'P>=0.95 [ F \"done\" ]'   exits 1 if it does not hold
-  corroborate check model.prism                          counts states and transitions
-
-PRISM's spellings -const, -pf, -prop, -epsilon and -maxiters are understood.")]
-pub struct Check {
-    /// The model, in the PRISM language.
-    pub model: PathBuf,
-    /// A file of properties, or one property.
-    #[arg(allow_hyphen_values = false)]
-    pub properties: Option<String>,
-    /// A property, beside those of the file (may be repeated).
-    #[arg(long = "pf", value_name = "PROPERTY")]
-    pub property_texts: Vec<String>,
-    /// Only the property with this name or number (may be repeated).
-    #[arg(long = "prop", value_name = "NAME")]
-    pub selected: Vec<String>,
-    /// Values of undefined constants: `a=1,b=0.5` (may be repeated).
-    #[arg(long = "const", short = 'c', value_name = "VALUES")]
-    pub constants: Vec<String>,
-    /// How the answer is computed.
-    #[arg(long, value_enum, default_value_t = Method::Sound)]
-    pub method: Method,
-    /// Relative width of the bounds of the sound method.
-    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
-    pub precision: f64,
-    /// When the method of PRISM's default settings stops: relative change.
-    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
-    pub epsilon: f64,
-    /// How many states the model may have.
-    #[arg(long, value_name = "N", default_value_t = 20_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
-    pub max_states: u64,
-    /// How many iterations a method may take.
-    #[arg(long = "maxiters", value_name = "N")]
-    pub max_iterations: Option<u64>,
-    /// How the answers are printed.
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -252,32 +208,6 @@ pub struct Explain {
     pub topic: Option<String>,
 }
 
-fn precision(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
-        _ => Err("must be a number between 0 and 1, for example 1e-6".into()),
-    }
-}
-
-/// Accepts the spellings with one dash of the peers' command lines.
-pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
-    const SPELLINGS: [(&str, &str); 7] = [
-        ("-const", "--const"),
-        ("-pf", "--pf"),
-        ("-pctl", "--pf"),
-        ("-prop", "--prop"),
-        ("-property", "--prop"),
-        ("-epsilon", "--epsilon"),
-        ("-maxiters", "--maxiters"),
-    ];
-    arguments
-        .map(|argument| {
-            let known = SPELLINGS.iter().find(|(theirs, _)| argument == *theirs);
-            known.map_or(argument, |(_, ours)| OsString::from(*ours))
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -297,28 +227,5 @@ mod tests {
                 command.get_name()
             );
         }
-    }
-
-    #[test]
-    fn peers_spelling_of_constants_is_understood() {
-        let words = [
-            "corroborate",
-            "check",
-            "m.prism",
-            "-pf",
-            "P=? [ F x=1 ]",
-            "-const",
-            "N=3",
-        ];
-        let parsed =
-            Arguments::try_parse_from(with_peers_spelling(words.iter().map(OsString::from)))
-                .expect("parsed");
-        let Command::Check(check) = parsed.command else {
-            panic!("another command: {parsed:?}");
-        };
-        assert_eq!(
-            (check.constants, check.property_texts.len()),
-            (vec!["N=3".to_owned()], 1)
-        );
     }
 }

@@ -3,15 +3,18 @@
 use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::published;
-use crate::study::{Entry, Study};
+use crate::study::{Entry, Study, Work};
 use crate::technique::{Influence, Produced};
 use evidence::{
-    Asset, Cost, Discrepancy, Evidence, Inaccuracy, Measure, StudyResult, Subject, Technique,
-    Verdict,
+    Asset, Clue, Cost, Evidence, Inaccuracy, Matter, Measure, StudyResult, Subject, SuspectAsset,
+    SuspectKind, Symptom, Technique, Verdict,
 };
 
 /// Version of the form of `study.json`.
 pub const FORMAT: &str = "1.0";
+
+/// How commands that are kept name the study: results do not depend on where it lies.
+pub const ANY_STUDY: &str = "STUDY";
 
 /// One entry of the ledger with its evidence.
 #[derive(Debug)]
@@ -27,7 +30,7 @@ pub struct Piece {
     /// What a formal model tells of failure modes and requirements.
     pub influences: Vec<Influence>,
     /// Constants that do not have the value of the counts they were set to.
-    pub drifted: Vec<Discrepancy>,
+    pub drifted: Vec<Clue>,
 }
 
 /// Puts an entry and what was produced for it together.
@@ -132,20 +135,26 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         influences: &influences,
         levels,
     };
-    let comparisons = evidence::compare(&to_compare);
+    let mut comparisons = evidence::compare(&to_compare);
+    let undecided = evidence::undecided(&to_compare, &mut comparisons, &study.costs);
     let conclusions = evidence::conclude(&to_compare, &comparisons);
     let synthesis = evidence::synthesise(
         &to_compare,
-        &comparisons,
+        (&comparisons, undecided),
         &conclusions,
         study.costs.clone(),
         &study.weights,
     );
     published.extend(published::reproductions(study, &evidence));
-    let mut discrepancies =
-        evidence::diagnose(&evidence, &comparisons, 1.0 - study.about.confidence);
-    discrepancies.extend(drifted);
-    discrepancies.extend(published::misses(&published));
+    let matter = Matter {
+        requirements: &study.requirements,
+        failure_modes: &study.failure_modes,
+        evidence: &evidence,
+        comparisons: &comparisons,
+        cells: &[],
+        study: ANY_STUDY,
+    };
+    let suspects = evidence::rank(&matter, drifted);
     let gaps = evidence::coverage_gaps(&to_compare);
     Ok(StudyResult {
         format: FORMAT.into(),
@@ -158,7 +167,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         comparisons,
         conclusions,
         synthesis,
-        discrepancies,
+        suspects,
         diagnosis: None,
         disagreement: None,
         gaps,
@@ -198,42 +207,62 @@ pub fn outcome(result: &StudyResult) -> Outcome {
     }
 }
 
-/// Constants whose value is not the rate that they are said to be set to: the
-/// same number declared twice has drifted.
-pub fn drift(
+/// Constants whose value is not the rate that they are said to be set to: the same number declared twice has drifted. It
+/// is certain, and explains no conflict by itself.
+pub fn drift<'e>(
     entry: &Entry,
     constant_of: impl Fn(&str) -> Option<f64>,
-    before: &[Piece],
-) -> Vec<Discrepancy> {
-    entry
-        .calibrated
-        .iter()
-        .filter_map(|calibrated| {
-            let name = calibrated.constant.as_ref()?;
-            let value = constant_of(name)?;
-            let source = before
-                .iter()
-                .find(|p| p.evidence.id == calibrated.calibration.from)?;
-            let finding = source.evidence.finding(&calibrated.calibration.subject)?;
-            let rate = finding.measure.estimate()?;
-            // Constants are written with a few digits; a rounding is no drift.
-            if (value - rate).abs() <= 5e-4 * rate.max(1e-3) {
-                return None;
-            }
-            Some(Discrepancy {
-                inaccuracy: Inaccuracy::SystemModel,
-                title: format!("{name} of {} has drifted from its source", entry.id),
-                explanation: format!(
-                    "It is {value}, but {} counts a rate of {rate:.6} for {}.",
-                    source.evidence.id,
-                    calibrated.calibration.subject.id().replace('_', " ")
-                ),
-                subjects: vec![calibrated.calibration.subject.clone()],
-                evidence: vec![entry.id.clone(), source.evidence.id.clone()],
-                witnesses: Vec::new(),
-                resolved_by: None,
-                proposal: Some(format!("Set {name} to {rate:.6}.")),
-            })
-        })
-        .collect()
+    evidence: impl Fn(&str) -> Option<&'e Evidence>,
+) -> Vec<Clue> {
+    let calibrated = entry.calibrated.iter();
+    let found = calibrated.filter_map(|calibrated| {
+        let name = calibrated.constant.as_ref()?;
+        let value = constant_of(name)?;
+        let source = evidence(&calibrated.calibration.from)?;
+        let subject = &calibrated.calibration.subject;
+        let rate = source.finding(subject)?.measure.estimate()?;
+        // Constants are written with a few digits; a rounding is no drift.
+        let is_same = (value - rate).abs() <= 5e-4 * rate.max(1e-3);
+        (!is_same).then(|| drifted(entry, (name, value), (&source.id, rate), subject))
+    });
+    found.collect()
+}
+
+fn drifted(
+    entry: &Entry,
+    (name, value): (&str, f64),
+    (source, rate): (&str, f64),
+    subject: &Subject,
+) -> Clue {
+    let counted = format!(
+        "{source} counts a rate of {rate:.6} for {}",
+        subject.id().replace('_', " ")
+    );
+    let file = match &entry.work {
+        Work::Check { model, .. } => Some(model.to_string_lossy().replace('\\', "/")),
+        _ => None,
+    };
+    Clue {
+        inaccuracy: Inaccuracy::SystemModel,
+        asset: SuspectAsset {
+            kind: SuspectKind::FormalModel,
+            file,
+            part: Some(format!("constant {name}")),
+            evidence: vec![entry.id.clone()],
+        },
+        subject: subject.clone(),
+        score: 0.0,
+        title: format!("{name} of {} has drifted from its source", entry.id),
+        explanation: format!("It is {value}, but {counted}."),
+        symptom: Symptom::Drifted {
+            subject: subject.clone(),
+            form: name.to_owned(),
+            required: format!("{rate:.6}, as {counted}"),
+            found: value.to_string(),
+        },
+        figures: Vec::new(),
+        witnesses: Vec::new(),
+        ruled_out: Vec::new(),
+        resolved_by: None,
+    }
 }

@@ -87,6 +87,18 @@ impl Problem {
         }
     }
 
+    /// Whether the user interrupted the work.
+    pub fn is_interruption(&self) -> bool {
+        self.kind == Kind::Interrupted
+    }
+
+    /// What is wrong, in one line, with its place.
+    pub fn line(&self) -> String {
+        let line = self.warning_line();
+        line.strip_prefix("warning: ")
+            .map_or(line.clone(), str::to_owned)
+    }
+
     /// An interruption of work whose finished parts are kept.
     pub fn resumable(self) -> Self {
         if self.kind == Kind::Interrupted {

@@ -6,9 +6,7 @@
 
 use crate::study::{Entry, Study};
 use crate::technique::Produced;
-use evidence::{
-    Discrepancy, Evidence, Inaccuracy, Measure, MethodAnswer, PublishedFigure, Subject,
-};
+use evidence::{Evidence, Measure, MethodAnswer, PublishedFigure, Subject};
 
 /// Distance at which two printed probabilities count as the same.
 const TOLERANCE: f64 = 1e-12;
@@ -149,29 +147,4 @@ fn in_words(subject: &Subject) -> String {
         Subject::Requirement(id) => format!("requirement {id} passed"),
         Subject::FailureMode(id) => id.replace('_', " "),
     }
-}
-
-/// A discrepancy for each figure that did not come out as published, so that
-/// the report says so itself.
-pub fn misses(figures: &[PublishedFigure]) -> Vec<Discrepancy> {
-    figures
-        .iter()
-        .filter(|figure| !figure.agrees)
-        .map(|figure| Discrepancy {
-            inaccuracy: Inaccuracy::Undetermined,
-            title: format!(
-                "{}: {} is not as published",
-                figure.evidence, figure.quantity
-            ),
-            explanation: format!(
-                "Published {}, here {} ({}).",
-                figure.published, figure.ours, figure.judged
-            ),
-            subjects: Vec::new(),
-            evidence: vec![figure.evidence.clone()],
-            witnesses: Vec::new(),
-            resolved_by: None,
-            proposal: None,
-        })
-        .collect()
 }

@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 17] = [
+const CRATES: [(&str, u8, &[&str]); 18] = [
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
     ("stats", 0, &[]),
@@ -19,6 +19,7 @@ const CRATES: [(&str, u8, &[&str]); 17] = [
     ("robot-model", 0, &[]),
     ("stimulus", 0, &[]),
     ("checker", 1, &["prism-lang", "temporal", "stats"]),
+    ("certifier", 1, &["prism-lang"]),
     ("recording", 1, &["trace"]),
     ("requirement-lang", 1, &["temporal", "trace"]),
     ("testbench", 1, &["trace", "robot-model", "stimulus"]),
@@ -52,6 +53,7 @@ const CRATES: [(&str, u8, &[&str]); 17] = [
             "trace",
             "robot-model",
             "stimulus",
+            "certifier",
             "checker",
             "recording",
             "requirement-lang",

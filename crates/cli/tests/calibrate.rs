@@ -19,7 +19,7 @@ fn study(changes: &[(&str, &str)]) -> tempfile::TempDir {
     let mut text = read(&file);
     let small = [
         ("rounds = 3", "rounds = 2"),
-        ("episodes_per_round = 160", "episodes_per_round = 8"),
+        ("episodes_per_round = 400", "episodes_per_round = 8"),
         ("check_episodes = 300", "check_episodes = 6"),
     ];
     for (old, new) in small.iter().chain(changes) {
@@ -125,9 +125,33 @@ fn a_small_calibration_reports_everything_and_the_same_again() {
     assert_eq!(kept(folder.path())[0], before[0]);
     let written = read(&folder.path().join("fitted.toml"));
     assert!(
-        written.contains("false_negative_pressure 5/88") && written.contains("runs of 8"),
+        written.contains("false_negative_pressure 5/88")
+            && written.contains("runs of 8")
+            && written.contains("(posterior mode)"),
         "{written}"
     );
+}
+
+/// The tuned handover is what the command wrote from the files that are there: who changes one of them
+/// has to calibrate again.
+#[test]
+fn the_handovers_tuned_set_names_the_files_that_it_was_made_from() {
+    let folder = handover();
+    let text = read(&folder.join("simulation/tuned.toml"));
+    let comments = text.lines().filter_map(|line| line.strip_prefix("#   "));
+    let files: Vec<(&str, &str)> = comments
+        .filter_map(|line| line.strip_suffix(')')?.rsplit_once(" ("))
+        .filter(|(_, hash)| hash.len() == 64)
+        .collect();
+    assert_eq!(files.len(), 6, "{text}");
+    for (file, hash) in files {
+        let content = read(&folder.join(file));
+        assert_eq!(
+            blake3::hash(content.as_bytes()).to_hex().as_str(),
+            hash,
+            "{file}"
+        );
+    }
 }
 
 /// The kept episodes in order, with when they were written.

@@ -55,6 +55,10 @@ fn a_study_in_order_has_no_strong_suspect_and_its_matrix_is_kept() {
     assert!(support::read(&study.path("results/report.html")).contains("id=\"suspects\""));
     let verified = study.run(&["verify", "study/results"]);
     assert_eq!(verified.code, 0, "{verified:?}");
+    let deep = study.run(&["verify", "study/results", "--deep"]);
+    assert_eq!(deep.code, 0, "{deep:?}");
+    let said = "values of the diagnosis follow from making it again";
+    assert!(deep.out.contains(said), "{deep:?}");
     study.run(&["run", "study", "--quiet"]);
     let again: Value =
         serde_json::from_str(&support::read(&study.path("results/study.json"))).expect("JSON");

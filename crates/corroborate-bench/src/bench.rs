@@ -22,6 +22,8 @@ pub struct Plan {
     pub corridor: u64,
     /// From which everything is drawn.
     pub seed: u64,
+    /// Only studies of this family, if any; each is the one that it is among all.
+    pub only: Option<Family>,
 }
 
 impl Plan {
@@ -32,6 +34,7 @@ impl Plan {
         handover: 4,
         corridor: 6,
         seed: 5,
+        only: None,
     };
 
     /// What a change is judged by.
@@ -41,6 +44,7 @@ impl Plan {
         handover: 0,
         corridor: 0,
         seed: 5,
+        only: None,
     };
 }
 
@@ -66,9 +70,10 @@ pub struct Line {
 /// # Errors
 /// What could not be produced, with the study's number.
 pub fn run(plan: &Plan) -> Result<Vec<Line>, String> {
-    jobs(plan)
-        .into_par_iter()
-        .enumerate()
+    let jobs: Vec<(usize, (Family, Fault))> = jobs(plan).into_iter().enumerate().collect();
+    let is_wanted = |family: Family| plan.only.is_none_or(|only| only == family);
+    jobs.into_par_iter()
+        .filter(|(_, (family, _))| is_wanted(*family))
         .map(|(number, (family, fault))| {
             one(family, fault, plan.seed, number as u64).map_err(|error| {
                 format!(

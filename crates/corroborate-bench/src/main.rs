@@ -1,18 +1,24 @@
 //! The benchmark as a command.
 //!
-//! `corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
+//! `corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
 
 use corroborate_bench::bench::{Plan, run};
+use corroborate_bench::family::Family;
 use corroborate_bench::table::tables;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str =
-    "usage: corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--to FOLDER]";
+const USAGE: &str = "usage: corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER]";
 
 fn seed(text: Option<String>) -> Result<u64, String> {
     let seed = text.and_then(|text| text.parse().ok());
     seed.ok_or_else(|| format!("`--seed` needs a whole number; {USAGE}"))
+}
+
+fn family(name: Option<String>) -> Result<Family, String> {
+    let mut all = Family::ALL.into_iter();
+    let found = all.find(|family| name.as_deref() == Some(family.name()));
+    found.ok_or_else(|| format!("`--only` needs toy, serial, handover or corridor; {USAGE}"))
 }
 
 fn main() -> ExitCode {
@@ -34,6 +40,7 @@ fn benchmark() -> Result<(), String> {
             "--small" => plan = Plan::SMALL,
             "--seed" => plan.seed = seed(arguments.next())?,
             "--without-case-studies" => (plan.handover, plan.corridor) = (0, 0),
+            "--only" => plan.only = Some(family(arguments.next())?),
             "--to" => folder = Some(arguments.next().ok_or(USAGE)?),
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }

@@ -9,8 +9,8 @@ use crate::study::ids;
 use crate::task::{Run, Task};
 use crate::texts::STEP_KEY;
 use evidence::{
-    Cell, Clue, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset, SuspectKind, Symptom,
-    Technique, Traces, strength,
+    Cell, CellPlace, Clue, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset, SuspectKind,
+    Symptom, Technique, Traces, VerdictCounts, strength,
 };
 use stats::Confidence;
 
@@ -19,7 +19,13 @@ const PATHS: usize = 400;
 
 /// The cells of one source of traces.
 #[must_use]
-pub fn cells(piece: &str, technique: Technique, judged: &Judged, assets: &Assets) -> Vec<Cell> {
+pub fn cells(
+    piece: &str,
+    technique: Technique,
+    judged: &Judged,
+    assets: &Assets,
+    level: Confidence,
+) -> Vec<Cell> {
     let traces = match technique {
         Technique::ModelChecking => Traces::Model,
         Technique::Simulation => Traces::Simulator,
@@ -39,7 +45,20 @@ pub fn cells(piece: &str, technique: Technique, judged: &Judged, assets: &Assets
             _ => &[JudgedBy::Monitor],
         };
         for judged_by in judged_by {
-            let cell = cell(piece, traces, *judged_by, subject, count);
+            let place = CellPlace {
+                traces,
+                judged_by: *judged_by,
+                evidence: piece,
+                subject,
+            };
+            let [not_covered, kept, violated, undecided] = *count;
+            let counts = VerdictCounts {
+                kept,
+                violated,
+                not_covered,
+                undecided,
+            };
+            let cell = place.filled(counts, level);
             let same = |c: &&mut Cell| c.subject == *subject && c.judged_by == *judged_by;
             match cells.iter_mut().find(same) {
                 Some(of_sentence) => *of_sentence = cell,
@@ -56,36 +75,6 @@ pub fn cells(piece: &str, technique: Technique, judged: &Judged, assets: &Assets
     cells
 }
 
-fn cell(
-    piece: &str,
-    traces: Traces,
-    judged_by: JudgedBy,
-    subject: &Subject,
-    count: &[u64; 4],
-) -> Cell {
-    let [not_covered, satisfied, violated, open] = *count;
-    let letters = match judged_by {
-        JudgedBy::Property => ['A', 'B', 'C'],
-        JudgedBy::Monitor => ['D', 'E', 'F'],
-    };
-    Cell {
-        cell: letters[traces as usize],
-        traces,
-        judged_by,
-        evidence: piece.to_owned(),
-        subject: subject.clone(),
-        count: match subject {
-            Subject::Requirement(_) => satisfied,
-            Subject::FailureMode(_) => violated,
-        },
-        trials: satisfied + violated,
-        runs: not_covered + satisfied + violated + open,
-        undecided: open,
-        interval: None,
-        not_judged: None,
-    }
-}
-
 /// The cells of paths that are sampled from the formal model.
 ///
 /// # Errors
@@ -98,7 +87,13 @@ pub fn of_paths(
 ) -> Result<Vec<Cell>, String> {
     let runs: Vec<Run> = (0..PATHS).map(|_| formal.run(random)).collect();
     let judged = Judges::new(formal, &assets.forms, &assets.words)?.judge(&runs, level)?;
-    Ok(cells(ids::MODEL, Technique::ModelChecking, &judged, assets))
+    Ok(cells(
+        ids::MODEL,
+        Technique::ModelChecking,
+        &judged,
+        assets,
+        level,
+    ))
 }
 
 /// The same episodes with half the time step, as clues: where verdicts go one way, the step decides them.

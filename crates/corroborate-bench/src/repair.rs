@@ -1,7 +1,7 @@
 //! The first proposal applied, and the study run again.
 //!
 //! # Definition
-//! The suspects are gone through in their order; the first that has an offer ([`refinement::Ground::of_suspect`]) gives
+//! The suspects are gone through in their order; the first that has an offer ([`refinement::Ground::first_against`]) gives
 //! the first proposal. It is made on the asset's text by the code of the product. Then what rests on the asset is
 //! produced again, from the same truth, with the same people and recordings. The study is *repaired* if
 //!
@@ -111,25 +111,19 @@ pub fn first_offer(study: &Synthetic) -> Result<Option<Offer>, String> {
         evidence: &study.evidence,
         requirements: &requirements,
         failure_modes: &failure_modes,
+        comparisons: &study.comparisons,
         confidence: LEVEL,
     };
     let (text, _) = formal_text(&study.setup, &study.assets)?;
     let asked: &[Asked] = &study.assets.vocabulary.asked;
     let solver = Texts(&study.assets);
-    let model = |id: &str| {
-        (id == ids::MODEL).then_some(Model {
-            evidence: ids::MODEL,
-            text: &text,
-            asked,
-            solver: &solver,
-        })
+    let model = Model {
+        evidence: ids::MODEL,
+        text: &text,
+        asked,
+        solver: &solver,
     };
-    for suspect in &study.suspects {
-        if let Some(first) = ground.of_suspect(suspect, &model)?.into_iter().next() {
-            return Ok(Some(first));
-        }
-    }
-    Ok(None)
+    ground.first_against(&study.suspects, &[model], &[ids::SIMULATION])
 }
 
 /// Whether an offer is a change of the faulty asset at the place of the fault.

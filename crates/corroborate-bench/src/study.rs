@@ -198,7 +198,7 @@ fn ledger(
         let runs: Vec<Run> = (0..runs).map(|_| task.run(&mut random)).collect();
         let judges = Judges::new(task, &assets.forms, &assets.words)?;
         let judged = judges.judge(&runs, level)?;
-        cells.extend(matrix::cells(id, technique, &judged, assets));
+        cells.extend(matrix::cells(id, technique, &judged, assets, level));
         let mut piece = piece(id, technique, judged.findings);
         piece.form_differences = judged.differences;
         Ok::<Evidence, String>(piece)
@@ -253,8 +253,7 @@ fn experiments(
 }
 
 fn levels() -> Result<Levels, String> {
-    let levels = Levels::new(LEVEL, LEVEL).map_err(|error| error.to_string())?;
-    Ok(levels.without_plans())
+    Levels::new(LEVEL, LEVEL).map_err(|error| error.to_string())
 }
 
 /// Sets the simulator's rate to what the experiments count, where that was planted; with what it was fitted to since.

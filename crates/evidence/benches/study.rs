@@ -194,12 +194,20 @@ fn compare_conclude_and_diagnose(bencher: Bencher) {
         let comparisons = compare(&study);
         let conclusions = conclude(&study, &comparisons);
         let together = compare_together(&study, &comparisons);
-        let discrepancies = diagnose(&full.evidence, &comparisons, 0.05);
+        let matter = Matter {
+            requirements: &full.requirements,
+            failure_modes: &full.failure_modes,
+            evidence: &full.evidence,
+            comparisons: &comparisons,
+            cells: &[],
+            study: "full",
+        };
+        let suspects = rank(&matter, Vec::new());
         (
             comparisons,
             conclusions,
             together,
-            discrepancies,
+            suspects,
             coverage_gaps(&study),
         )
     });
@@ -211,5 +219,5 @@ fn plan_for_the_undecided(bencher: Bencher) {
     let influences = Influences::learn(&full.evidence);
     let study = full.study(&influences).expect("levels are between 0 and 1");
     let comparisons = compare(&study);
-    bencher.bench_local(|| undecided(&study, &comparisons, &TrialCosts::equal()));
+    bencher.bench_local(|| undecided(&study, &mut comparisons.clone(), &TrialCosts::equal()));
 }

@@ -11,7 +11,7 @@
 //!   posterior probability of at least `g`;
 //! * *conflicts*: "no difference" is rejected at level `1 - c`, corrected for all comparable pairs of
 //!   the study by closed testing (`compare/closed.rs`; Holm's correction where a subject has many pieces);
-//! * *inconclusive*: neither; the further trials that would decide are given.
+//! * *inconclusive*: neither; [`undecided`] gives the further trials that would decide.
 //!
 //! Agreement comes first: a difference that is detectable but certainly below the margin was
 //! declared not to matter. A pair is *independent* unless one side was calibrated on the other, or
@@ -56,13 +56,10 @@ pub(crate) use lineage::Lineage;
 pub use programme::{Programme, programme};
 pub use together::{Spreading, Together, compare_together};
 
-use crate::{
-    Comparison, Evidence, FailureMode, FurtherTrials, Interval, Outcome, Requirement, Subject,
-};
-use decide::{Plan, Planning};
+use crate::{Comparison, Evidence, FailureMode, Interval, Outcome, Requirement, Subject};
 use pair::Pair;
 use stats::{Confidence, StatsError};
-use words::{list, p_value, percent, points, probability, sentence};
+use words::{p_value, points, probability, sentence};
 
 /// The levels that a study declares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +67,6 @@ pub struct Levels {
     pub(crate) confidence: Confidence,
     pub(crate) agreement: Confidence,
     pub(crate) power: f64,
-    pub(crate) plans: bool,
 }
 
 impl Levels {
@@ -85,18 +81,7 @@ impl Levels {
             confidence: Confidence::new(confidence)?,
             agreement: Confidence::new(agreement)?,
             power: 0.8,
-            plans: true,
         })
-    }
-
-    /// The same, but comparisons name no further trials: planning them takes most of the time, and
-    /// no outcome rests on it.
-    #[must_use]
-    pub fn without_plans(self) -> Self {
-        Self {
-            plans: false,
-            ..self
-        }
     }
 }
 
@@ -144,7 +129,8 @@ impl<'a> Study<'a> {
 /// Compares every pair of evidence that is not intermediate, on every subject about which both
 /// have a finding, in the order of subjects and then of the ledger.
 ///
-/// Requirements that are the same quantity as another are compared once, under the other's name.
+/// Requirements that are the same quantity as another are compared once, under the other's name. What would decide the
+/// undecided is not planned here, which takes most of the time: see [`undecided`].
 ///
 /// ```
 /// use evidence::*;
@@ -228,8 +214,6 @@ struct Draft {
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
     obstacle: Option<String>,
-    /// To which sides trials can be added.
-    open: (bool, bool),
     /// The conditions of both sides, where they are comparable.
     conditions: String,
 }
@@ -267,7 +251,6 @@ fn draft(
         fit,
         pair,
         obstacle,
-        open: (is_open(left), is_open(right)),
         conditions: left.conditions.clone(),
     })
 }
@@ -371,7 +354,7 @@ impl Draft {
         let reason = match self.comparison.outcome {
             Outcome::Corroborates => self.agreement_in_words(differ),
             Outcome::Conflicts => self.conflict_in_words(pair, corrected, family),
-            _ => self.doubt_in_words(pair, levels, family),
+            _ => self.doubt_in_words(pair),
         };
         self.comparison.reason = reason + &self.fit_in_words();
     }
@@ -410,46 +393,13 @@ impl Draft {
         )
     }
 
-    fn doubt_in_words(&mut self, pair: &Pair, levels: &Levels, family: usize) -> String {
-        let mut words = format!(
+    fn doubt_in_words(&self, pair: &Pair) -> String {
+        format!(
             "Neither a difference ({}) nor agreement within {} ({}) is shown.",
             self.difference_in_words(pair),
             points(self.comparison.margin),
             self.test_in_words()
-        );
-        if !levels.plans {
-            return words;
-        }
-        let plans = Planning::new(pair, levels, family)
-            .with_open_sides(self.open)
-            .plans((1.0, 1.0));
-        let sides = [
-            (
-                &self.comparison.left,
-                pair.first(),
-                self.open.0,
-                plans.first.map(|plan| plan.trials.0),
-            ),
-            (
-                &self.comparison.right,
-                pair.second(),
-                self.open.1,
-                plans.second.map(|plan| plan.trials.1),
-            ),
-        ];
-        self.comparison.further_trials = sides
-            .into_iter()
-            .filter(|(_, belief, open, _)| *open && belief.design_effect().is_some())
-            .map(|(evidence, _, _, trials)| FurtherTrials {
-                evidence: evidence.clone(),
-                trials,
-            })
-            .collect();
-        words.push_str(&match plans.cheapest() {
-            Some(plan) => self.plan_in_words(plan),
-            None => " Further trials alone would not decide.".to_owned(),
-        });
-        words
+        )
     }
 
     /// The p-value of "no difference", with Fisher's where that is another one.
@@ -463,20 +413,6 @@ impl Draft {
             Some(fishers) => format!("p {p}, by Fisher's test {fishers}"),
             None => format!("p {p}"),
         }
-    }
-
-    fn plan_in_words(&self, plan: Plan) -> String {
-        let sides = [
-            (plan.trials.0, &self.comparison.left),
-            (plan.trials.1, &self.comparison.right),
-        ];
-        let parts: Vec<String> = sides
-            .into_iter()
-            .filter(|(trials, _)| *trials > 0)
-            .map(|(trials, evidence)| format!("{trials} further trials in {evidence}"))
-            .collect();
-        let chance = percent(plan.chance.min(0.999));
-        format!(" {} would decide with a chance of {chance}.", list(&parts))
     }
 
     fn test_in_words(&self) -> String {

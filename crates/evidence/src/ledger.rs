@@ -1,8 +1,8 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, Discrepancy,
-    FailureMode, Finding, FormDifference, Requirement, Subject, Synthesis, Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, FailureMode, Finding,
+    FormDifference, Requirement, Subject, Suspect, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -141,8 +141,8 @@ pub struct StudyResult {
     /// What all evidence amounts to together, and what would decide the undecided.
     #[serde(default)]
     pub synthesis: Synthesis,
-    /// Disagreements explained, most important first.
-    pub discrepancies: Vec<Discrepancy>,
+    /// Who is suspected by the evidence alone, the strongest first; see [`StudyResult::suspected`].
+    pub suspects: Vec<Suspect>,
     /// What changing one asset at a time shows; `corroborate diagnose` finds it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Diagnosis>,
@@ -163,5 +163,15 @@ impl StudyResult {
     /// The JSON schema of a serialised study result.
     pub fn json_schema() -> serde_json::Value {
         schemars::schema_for!(StudyResult).into()
+    }
+
+    /// The suspects by their ranks: those of the diagnosis where one was made, which looked further, else those of the
+    /// evidence alone.
+    #[must_use]
+    pub fn suspected(&self) -> &[Suspect] {
+        match &self.diagnosis {
+            Some(diagnosis) => &diagnosis.suspects,
+            None => &self.suspects,
+        }
     }
 }

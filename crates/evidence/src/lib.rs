@@ -6,7 +6,7 @@
 //! [`Asset`]s (a system model and a requirement model); the result is
 //! [`Evidence`], a list of [`Finding`]s with their uncertainty. Pairs of
 //! evidence are [`Comparison`]s with one of four [`Outcome`]s, and a
-//! disagreement is explained by [`Discrepancy`]s. [`compare_together`] looks at all pieces on a
+//! disagreement is explained by [`Suspect`]s. [`compare_together`] looks at all pieces on a
 //! subject at once, [`undecided`] plans the trials that would decide, and [`combine`] gives the
 //! interval that independent pieces support together; [`synthesise`] does all of these. A [`StudyResult`] holds all
 //! of it and is what a report shows; everything here serialises, and
@@ -37,9 +37,9 @@ pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::Deciding;
 pub use conclude::{CERTAINTY, conclude};
 pub use diagnose::{
-    CERTAIN, Cell, Clue, Contrast, Diagnosis, Figure, JudgedBy, Matter, Rate, SameTraces, Suspect,
-    SuspectAsset, SuspectKind, Symptom, Traces, Witness, contrasts, diagnose, rank,
-    requirement_form, strength, system_model,
+    CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, JudgedBy, Matter, Rate,
+    STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces, VerdictCounts,
+    Witness, contrasts, rank, requirement_form, strength, system_model,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
@@ -54,5 +54,5 @@ pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, Stu
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use synthesis::{Synthesis, synthesise};
 pub use verdict::{
-    Comparison, Conclusion, CoverageGap, Discrepancy, FurtherTrials, Inaccuracy, Outcome, Verdict,
+    Comparison, Conclusion, CoverageGap, FurtherTrials, Inaccuracy, Outcome, Verdict,
 };

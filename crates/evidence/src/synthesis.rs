@@ -3,7 +3,7 @@
 use crate::compare::{Programme, Together, TrialCosts, Undecided, programme};
 use crate::conclude::combined::{Combined, Weights, combine};
 use crate::conclude::threshold::{Deciding, deciding};
-use crate::{Comparison, Conclusion, Study, compare_together, undecided};
+use crate::{Comparison, Conclusion, Study, compare_together};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,15 +24,15 @@ pub struct Synthesis {
     pub deciding: Vec<Deciding>,
 }
 
-/// Compares, combines and plans, given the pairs' comparisons and the conclusions of the same study.
+/// Compares, combines and plans, given the pairs' comparisons, the plans for those undecided ([`crate::undecided`], at the
+/// same costs) and the conclusions of the same study.
 pub fn synthesise(
     study: &Study<'_>,
-    comparisons: &[Comparison],
+    (comparisons, undecided): (&[Comparison], Vec<Undecided>),
     conclusions: &[Conclusion],
     costs: TrialCosts,
     weights: &Weights,
 ) -> Synthesis {
-    let undecided = undecided(study, comparisons, &costs);
     Synthesis {
         together: compare_together(study, comparisons),
         combined: combine(study, comparisons, weights),

@@ -1,4 +1,4 @@
-//! Comparisons, conclusions and discrepancies: what the evidence amounts to.
+//! Comparisons and conclusions: what the evidence amounts to.
 
 use crate::{Interval, Subject};
 use schemars::JsonSchema;
@@ -112,27 +112,6 @@ pub enum Inaccuracy {
     SystemModel,
     /// The evidence at hand does not separate the three.
     Undetermined,
-}
-
-/// A disagreement and its reason.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Discrepancy {
-    /// Where the fault is to be sought.
-    pub inaccuracy: Inaccuracy,
-    /// What is wrong, as a headline.
-    pub title: String,
-    /// The argument, with figures.
-    pub explanation: String,
-    /// The subjects that it touches.
-    pub subjects: Vec<Subject>,
-    /// The evidence that it touches.
-    pub evidence: Vec<String>,
-    /// Runs that show it.
-    pub witnesses: Vec<String>,
-    /// The later evidence in which it is mended, if it is.
-    pub resolved_by: Option<String>,
-    /// What to do about it.
-    pub proposal: Option<String>,
 }
 
 /// Something that evidence does not cover.

@@ -264,7 +264,7 @@ fn plans_decide_as_often_as_they_say() {
         let plans = with_study(&ledger(&counts), &asked, |study| {
             undecided(
                 study,
-                &compare(study),
+                &mut compare(study),
                 &TrialCosts::equal().declare("E", 3.0),
             )
         });
@@ -422,7 +422,7 @@ fn costs_are_measured_or_declared_and_the_cheapest_plan_comes_first() {
     let asked = requirements(1, 0.1, 0.9);
     let plans = |costs: &TrialCosts| {
         with_study(&ledger, &asked, |study| {
-            undecided(study, &compare(study), costs)
+            undecided(study, &mut compare(study), costs)
                 .swap_remove(0)
                 .plans
         })
@@ -443,4 +443,53 @@ fn costs_are_measured_or_declared_and_the_cheapest_plan_comes_first() {
             .map_or(0, |t| t.trials)
     };
     assert!(experiments(&dear) <= experiments(&plans(&TrialCosts::equal())));
+}
+
+/// The same in a study with several requirements and pieces, all of whose comparisons are corrected for: all else stays.
+#[test]
+fn plans_decide_as_often_as_they_say_beside_other_comparisons() {
+    let mut uniform = Uniform(7);
+    let asked = requirements(3, 0.1, 0.9);
+    let now = [
+        vec![(160, 200), (180, 200), (100, 120)],
+        vec![(33, 50), (44, 50), (43, 50)],
+        vec![(157, 200), (176, 200), (100, 125)],
+    ];
+    let plans = with_study(&ledger(&now), &asked, |study| {
+        undecided(study, &mut compare(study), &TrialCosts::equal())
+    });
+    let of_pair = |one: &&Undecided| (one.left.as_str(), one.right.as_str()) == ("S", "E");
+    let mut all = plans.iter().filter(of_pair);
+    let first = all
+        .find(|one| one.subject == subject(0))
+        .expect("undecided");
+    let plan = &first.plans[0];
+    let further = |id: &str| {
+        let mut all = plan.trials.iter();
+        all.find(|t| t.evidence == id).map_or(0, |t| t.trials)
+    };
+    let (repetitions, mut decided) = (300, 0);
+    for _ in 0..repetitions {
+        let mut then = now.clone();
+        for (place, id) in ["S", "E"].into_iter().enumerate() {
+            let (successes, trials) = now[place][0];
+            let posterior = BetaPosterior::jeffreys(Sample { successes, trials });
+            let more = further(id);
+            let rate = posterior.quantile(uniform.next());
+            then[place][0] = (successes + uniform.count(more, rate), trials + more);
+        }
+        let outcome = with_study(&ledger(&then), &asked, |study| {
+            let found = compare(study);
+            let mut all = found.iter();
+            let pair = all.find(|c| (c.left == "S") && c.right == "E" && c.subject == subject(0));
+            pair.expect("compared").outcome
+        });
+        decided += usize::from(outcome != Outcome::Inconclusive);
+    }
+    let share = decided as f64 / repetitions as f64;
+    let error = tolerance(0.8, repetitions);
+    assert!(
+        share > plan.chance - error && share < plan.chance + 0.08 + error,
+        "{share} {plan:?}"
+    );
 }

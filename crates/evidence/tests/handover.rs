@@ -324,7 +324,9 @@ fn judge() -> Judged {
         influences: &influences,
         levels: Levels::new(0.95, 0.95).unwrap(),
     };
-    let comparisons = compare(&study);
+    let mut comparisons = compare(&study);
+    assert!(comparisons.iter().all(|c| c.further_trials.is_empty()));
+    undecided(&study, &mut comparisons, &TrialCosts::equal());
     let conclusions = conclude(&study, &comparisons);
     Judged {
         conclusions,

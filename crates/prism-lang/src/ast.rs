@@ -299,7 +299,7 @@ pub enum ExprKind {
     Call(Name, Vec<Expr>),
     /// `[0.1,0.2]`: an interval, as the probability of an update.
     Interval(Box<Expr>, Box<Expr>),
-    /// `P=? [ path ]`, `Pmax=? [ path ]`, `P>=0.5 [ path ]`.
+    /// `P=? [ path ]`, `Pmax=? [ path ]`, `P>=0.5 [ path ]`, `P=? [ path || condition ]`.
     Probability {
         /// `min`, `max`, ...
         optimum: Option<Optimum>,
@@ -307,6 +307,8 @@ pub enum ExprKind {
         bound: Option<(Comparison, Box<Expr>)>,
         /// The path formula.
         path: Box<Expr>,
+        /// What is given, behind `||`, if written.
+        condition: Option<Box<Expr>>,
         /// The old form of a filter, if written.
         filter: Option<Box<StateFilter>>,
     },

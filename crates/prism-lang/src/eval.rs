@@ -268,6 +268,9 @@ impl Expr {
             values.push(argument.eval_number::<N>(state)?);
         }
         let ill_typed = || self.no_value(EvalErrorKind::IllTyped);
+        if matches!(function, Function::Min | Function::Max) && !are_ordered(&values) {
+            return Err(self.no_value(EvalErrorKind::OpenParameter));
+        }
         match (function, &values[..]) {
             (Function::Min, _) => least(values, Ordering::Less).ok_or_else(ill_typed),
             (Function::Max, _) => least(values, Ordering::Greater).ok_or_else(ill_typed),
@@ -365,6 +368,12 @@ fn round(function: Function, value: &Number) -> Option<i64> {
             value.add(&half).floor()
         }
     }
+}
+
+/// Whether all values of an exact domain compare with each other: functions of open constants need not.
+fn are_ordered<N: Arithmetic>(values: &[N]) -> bool {
+    let pairs = |a: &N| values.iter().all(|b| a.partial_cmp(b).is_some());
+    !N::EXACT || values.iter().all(pairs)
 }
 
 /// The first extreme value: less (or greater) than all others.

@@ -124,6 +124,7 @@ fn temporal(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
                 optimum: None,
                 bound,
                 path: Box::new(path),
+                condition: None,
                 filter: None,
             }),
     ]
@@ -199,6 +200,7 @@ fn probability(inner: BoxedStrategy<Expr>) -> BoxedStrategy<Expr> {
                 optimum,
                 bound,
                 path,
+                condition: None,
                 filter,
             })
         })

@@ -2,8 +2,8 @@
 //!
 //! A change is of one text: a formal model ([`ModelChange`]), the requirements' forms ([`FormChange`]), the ledger, a
 //! scene or a table ([`TextChange`]). It is made on the text, at the places that it touches, and a change of a model is
-//! solved before it is offered, by whatever [`Solver`] the caller has. [`Ground::of_suspect`] says what is offered
-//! against a suspect of [`evidence::rank`], [`Ground::of_model`] what a model's failures ask for.
+//! solved before it is offered, by whatever [`Solver`] the caller has. [`Ground::against`] says what is offered
+//! against the suspects of [`evidence::rank`], [`Ground::of_model`] what a model's failures ask for.
 //!
 //! Nothing here reads or writes files, or runs a technique.
 //!
@@ -46,5 +46,5 @@ pub use diff::unified;
 pub use form_change::FormChange;
 pub use model_change::{Changed, ModelChange, NEAR, Refusal, SAME, Solver, Values, rate_of};
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
-pub use offers::Offer;
+pub use offers::{Offer, Offers, Ranked};
 pub use text_change::{TextChange, steps};

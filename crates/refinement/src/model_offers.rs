@@ -8,7 +8,7 @@
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{Changed, ModelChange, SAME, Solver, Values, is_set_to, rate_of};
-use evidence::{Evidence, FailureMode, Requirement, Subject};
+use evidence::{Comparison, Evidence, FailureMode, Requirement, Subject};
 
 /// A study's evidence, and what it declares.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +19,8 @@ pub struct Ground<'a> {
     pub requirements: &'a [Requirement],
     /// What can go wrong, with margins.
     pub failure_modes: &'a [FailureMode],
+    /// The pairs of evidence.
+    pub comparisons: &'a [Comparison],
     /// The study's confidence.
     pub confidence: f64,
 }

@@ -5,16 +5,19 @@
 //!
 //! | suspect | offer |
 //! |---|---|
-//! | formal model | [`Ground::of_model`], the failure modes that the suspect is named for first |
+//! | formal model | [`Ground::of_model`] of the latest that rests on it, the failure modes that the suspect is named for first |
 //! | property, monitor | the form goes, and that of the sentence takes its place |
 //! | solver whose answer counts | the method whose bounds hold comes first |
 //! | time step | divided until the error that is left is a tenth of the margin ([`crate::steps`]) |
-//! | simulation | its parameters fitted to the counts of the failure modes that it is named for |
+//! | simulation | its parameters fitted to the counts of the failure modes that it is named for, if it is likelier than not the odd one out |
 //! | data | two names change places, if that explains what the table differs in |
 //!
 //! *Two names* `a`, `b` of a table were mixed up if the strengths (see [`evidence::strength`]) with which its two rates
-//! differ from those of all other evidence sum to at least [`MIXED_UP`] as they are, and to less than [`STRONG`] for
+//! differ from those of all other evidence sum to at least [`MIXED_UP`] as they are, and to less than [`evidence::STRONG`] for
 //! every other piece once they are exchanged; of several pairs the one that explains most.
+//!
+//! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
+//! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
 //!
 //! Other engines and vocabularies have no offer: which of two is right is nothing that the evidence says.
 
@@ -23,16 +26,16 @@ use crate::form_change::FormChange;
 use crate::model_change::{Changed, ModelChange};
 use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
-use evidence::{Evidence, Measure, Rate, Subject, Suspect, SuspectKind, Symptom, strength};
-
-/// What is strong evidence, in decades.
-const STRONG: f64 = 1.0;
+use evidence::{Evidence, Measure, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, strength};
 
 /// From how many decades on an exchange of names is offered.
 const MIXED_UP: f64 = 2.0;
 
 /// The part of the margin that may be left of a step's error.
 const LEFT_OF_MARGIN: f64 = 0.1;
+
+/// From which probability on of being the odd one out a simulation is fitted again.
+const LIKELY: f64 = 0.5;
 
 /// A change that is offered.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,25 +67,179 @@ pub enum Offer {
     },
 }
 
-impl Ground<'_> {
-    /// What is offered against a suspect, best first; `model` gives the formal model of a piece of evidence.
+/// An offer with the suspect that it is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranked {
+    /// The suspect's rank; none if the model's failures ask for it and nothing is suspected.
+    pub suspect: Option<u32>,
+    /// What is offered.
+    pub offer: Offer,
+}
+
+/// All that is offered, in the order of the suspects.
+#[derive(Clone, Debug, Default)]
+pub struct Offers {
+    /// The offers.
+    pub ranked: Vec<Ranked>,
+    /// Failures of models for which there is none, with the reason.
+    pub refused: Vec<String>,
+}
+
+impl Offers {
+    /// Adds what is not offered already.
+    fn extend(&mut self, suspect: Option<u32>, offers: Vec<Offer>) {
+        for offer in offers {
+            if self.ranked.iter().all(|known| known.offer != offer) {
+                self.ranked.push(Ranked { suspect, offer });
+            }
+        }
+    }
+
+    /// Whether parameters of this simulation are offered already.
+    fn fits(&self, simulation: &str) -> bool {
+        self.ranked.iter().any(|known| {
+            matches!(&known.offer, Offer::Parameters { evidence, .. } if evidence == simulation)
+        })
+    }
+}
+
+/// What a model's failures ask for, as far as it is not offered yet.
+struct OfModel<'a> {
+    evidence: &'a str,
+    changes: Vec<(ModelChange, Changed)>,
+}
+
+impl OfModel<'_> {
+    /// Offers all that is left, the changes for these subjects first.
+    fn take(&mut self, first: &[Subject]) -> Vec<Offer> {
+        let place = |change: &ModelChange| {
+            let mut all = first.iter();
+            let place = all.position(|subject| subject.id() == change.mode());
+            place.unwrap_or(usize::MAX)
+        };
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.sort_by_key(|(change, _)| place(change));
+        let offer = |(change, changed)| Offer::Model {
+            evidence: self.evidence.to_owned(),
+            change,
+            changed,
+        };
+        changes.into_iter().map(offer).collect()
+    }
+}
+
+/// Models, asked when a suspect rests on them: solving them takes most of the time.
+struct Asking<'m> {
+    ground: Ground<'m>,
+    models: &'m [Model<'m>],
+    asked: Vec<Option<OfModel<'m>>>,
+    refused: Vec<String>,
+}
+
+impl<'m> Asking<'m> {
+    fn new(ground: Ground<'m>, models: &'m [Model<'m>]) -> Self {
+        Self {
+            ground,
+            models,
+            asked: models.iter().map(|_| None).collect(),
+            refused: Vec::new(),
+        }
+    }
+
+    /// Offers what is left of what a model asks for, the changes for these subjects first.
+    fn take(&mut self, place: usize, first: &[Subject]) -> Result<Vec<Offer>, String> {
+        if let Some(known) = &mut self.asked[place] {
+            return Ok(known.take(first));
+        }
+        let model = &self.models[place];
+        let before = model.solver.values(model.text)?;
+        let found = self.ground.of_model(model, &before);
+        self.refused.extend(found.refused);
+        let known = self.asked[place].insert(OfModel {
+            evidence: model.evidence,
+            changes: found.changes,
+        });
+        Ok(known.take(first))
+    }
+}
+
+impl<'g> Ground<'g> {
+    /// What is offered against the suspects that nothing has mended, the first suspect's first; then what else the
+    /// failures of the models and of the simulations ask for. `models` and `simulations` are those that may be changed.
     ///
     /// # Errors
     /// Why a model cannot be solved as it is.
-    pub fn of_suspect<'m>(
+    pub fn against<'m>(
+        &self,
+        suspects: &[Suspect],
+        models: &'m [Model<'m>],
+        simulations: &[&str],
+    ) -> Result<Offers, String>
+    where
+        'g: 'm,
+    {
+        self.at_most(usize::MAX, suspects, models, simulations)
+    }
+
+    /// The first of them; models are only solved as far as that needs.
+    ///
+    /// # Errors
+    /// Why a model cannot be solved as it is.
+    pub fn first_against<'m>(
+        &self,
+        suspects: &[Suspect],
+        models: &'m [Model<'m>],
+        simulations: &[&str],
+    ) -> Result<Option<Offer>, String>
+    where
+        'g: 'm,
+    {
+        let found = self.at_most(1, suspects, models, simulations)?;
+        Ok(found.ranked.into_iter().next().map(|first| first.offer))
+    }
+
+    fn at_most<'m>(
+        &self,
+        most: usize,
+        suspects: &[Suspect],
+        models: &'m [Model<'m>],
+        simulations: &[&str],
+    ) -> Result<Offers, String>
+    where
+        'g: 'm,
+    {
+        let mut asking = Asking::new(*self, models);
+        let mut found = Offers::default();
+        for suspect in suspects.iter().filter(|suspect| suspect.is_open()) {
+            if found.ranked.len() < most {
+                let offers = self.of_suspect(suspect, &mut asking, simulations)?;
+                found.extend(Some(suspect.rank), offers);
+            }
+        }
+        for place in 0..models.len() {
+            if found.ranked.len() < most {
+                found.extend(None, asking.take(place, &[])?);
+            }
+        }
+        let rest = simulations.iter().filter(|id| !found.fits(id));
+        let rest: Vec<Offer> = rest.filter_map(|id| self.of_counts(id)).collect();
+        found.extend(None, rest);
+        found.refused = asking.refused;
+        Ok(found)
+    }
+
+    fn of_suspect(
         &self,
         suspect: &Suspect,
-        model: &dyn Fn(&str) -> Option<Model<'m>>,
+        asking: &mut Asking<'_>,
+        simulations: &[&str],
     ) -> Result<Vec<Offer>, String> {
-        if suspect.resolved_by.is_some() {
-            return Ok(Vec::new());
-        }
         Ok(match suspect.asset.kind {
-            SuspectKind::FormalModel => return self.of_formal(suspect, model),
+            SuspectKind::FormalModel => return self.of_formal(suspect, asking),
             SuspectKind::Property | SuspectKind::Monitor => self.of_form(suspect),
             SuspectKind::Solver => self.of_solver(suspect),
             SuspectKind::TimeStep => self.of_step(suspect),
-            SuspectKind::Simulation => self.of_simulation(suspect),
+            SuspectKind::Simulation => self.of_simulation(suspect, simulations),
             SuspectKind::Data => self.of_data(suspect),
             SuspectKind::Vocabulary | SuspectKind::Engine => Vec::new(),
         })
@@ -105,28 +262,16 @@ impl Ground<'_> {
         margin.map_or(0.0, |(_, margin)| margin)
     }
 
-    fn of_formal<'m>(
-        &self,
-        suspect: &Suspect,
-        model: &dyn Fn(&str) -> Option<Model<'m>>,
-    ) -> Result<Vec<Offer>, String> {
-        let Some(model) = self.pieces(suspect).find_map(|piece| model(&piece.id)) else {
-            return Ok(Vec::new());
-        };
-        let before = model.solver.values(model.text)?;
-        let mut changes = self.of_model(&model, &before).changes;
-        let place = |change: &ModelChange| {
-            let mut all = suspect.subjects.iter();
-            let place = all.position(|subject| subject.id() == change.mode());
-            place.unwrap_or(usize::MAX)
-        };
-        changes.sort_by_key(|(change, _)| place(change));
-        let offer = |(change, changed)| Offer::Model {
-            evidence: model.evidence.to_owned(),
-            change,
-            changed,
-        };
-        Ok(changes.into_iter().map(offer).collect())
+    /// What the latest model asks for that the suspect rests on, the failure modes first that it is named for.
+    fn of_formal(&self, suspect: &Suspect, asking: &mut Asking<'_>) -> Result<Vec<Offer>, String> {
+        let latest = self.pieces(suspect).find_map(|piece| {
+            let mut all = asking.models.iter();
+            all.position(|model| model.evidence == piece.id)
+        });
+        match latest {
+            Some(place) => asking.take(place, &suspect.subjects),
+            None => Ok(Vec::new()),
+        }
     }
 
     fn of_form(&self, suspect: &Suspect) -> Vec<Offer> {
@@ -144,6 +289,10 @@ impl Ground<'_> {
             let Subject::Requirement(id) = subject else {
                 continue;
             };
+            // Which reading is meant is not the sentence's to say.
+            if !["property", "monitor"].contains(&form.as_str()) {
+                continue;
+            }
             let offer = Offer::Form(FormChange::Derived {
                 requirement: id.clone(),
                 form: form.clone(),
@@ -208,9 +357,14 @@ impl Ground<'_> {
             .collect()
     }
 
-    /// All failure modes that the suspect is named for, or all that it counts if it is named for none.
-    fn of_simulation(&self, suspect: &Suspect) -> Vec<Offer> {
-        let Some(piece) = self.pieces(suspect).next() else {
+    /// All failure modes that the suspect is named for, or all that it counts if it is named for none; nothing unless it
+    /// is more likely than not the odd one out somewhere: data are not to be fitted to a simulator's errors, nor a
+    /// simulator to those of a model.
+    fn of_simulation(&self, suspect: &Suspect, simulations: &[&str]) -> Vec<Offer> {
+        let is_odd = suspect.odd_one_out().is_none_or(|odd| odd >= LIKELY);
+        let mut pieces = self.pieces(suspect);
+        let current = pieces.find(|piece| simulations.contains(&piece.id.as_str()));
+        let Some(piece) = current.filter(|_| is_odd) else {
             return Vec::new();
         };
         let named = suspect.subjects.iter();
@@ -223,16 +377,42 @@ impl Ground<'_> {
                 .filter(|s| matches!(s, Subject::FailureMode(_)))
                 .collect();
         }
-        let counts = modes.into_iter().filter_map(|mode| {
+        let offer = self.fitted(piece, modes.into_iter());
+        offer.into_iter().collect()
+    }
+
+    /// A simulation's parameters fitted to the counts of these failure modes that come nearest to the real system.
+    fn fitted<'s>(
+        &self,
+        piece: &Evidence,
+        modes: impl Iterator<Item = &'s Subject>,
+    ) -> Option<Offer> {
+        let counts = modes.filter_map(|mode| {
             let best = anchors(self.evidence, piece, mode).into_iter().next()?;
             Some((mode.id().to_owned(), best))
         });
         let counts: Vec<(String, Counts)> = counts.collect();
         let evidence = piece.id.clone();
-        match counts.is_empty() {
-            true => Vec::new(),
-            false => vec![Offer::Parameters { evidence, counts }],
-        }
+        (!counts.is_empty()).then_some(Offer::Parameters { evidence, counts })
+    }
+
+    /// A simulation's parameters fitted to the counts from which its own differ beyond chance, each by itself: what a
+    /// study's many comparisons leave undecided may still be worth a fit.
+    fn of_counts(&self, id: &str) -> Option<Offer> {
+        let piece = self.evidence.iter().find(|piece| piece.id == id)?;
+        let differs = |mode: &&Subject| {
+            let best = anchors(self.evidence, piece, mode).into_iter().next();
+            let mut all = self.comparisons.iter().filter(|c| &c.subject == *mode);
+            best.is_some_and(|best| {
+                let pair = [&best.evidence, &piece.id];
+                let found = all.find(|c| pair.contains(&&c.left) && pair.contains(&&c.right));
+                let p = found.and_then(|c| c.p_difference);
+                p.is_some_and(|p| p < 1.0 - self.confidence)
+            })
+        };
+        let modes = piece.findings.iter().map(|finding| &finding.subject);
+        let modes = modes.filter(|s| matches!(s, Subject::FailureMode(_)));
+        self.fitted(piece, modes.filter(differs))
     }
 
     fn of_data(&self, suspect: &Suspect) -> Vec<Offer> {

@@ -13,7 +13,7 @@
 //! # let study = evidence::StudyResult {
 //! #     format: "1.0".into(), title: "A robot hands over".into(), summary: String::new(),
 //! #     confidence: 0.95, requirements: vec![], failure_modes: vec![], evidence: vec![],
-//! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), discrepancies: vec![],
+//! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), suspects: vec![],
 //! #     diagnosis: None,
 //! #     disagreement: None, gaps: vec![],
 //! #     published: vec![], costs: vec![], produced_by: "example".into(),

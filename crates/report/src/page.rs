@@ -19,7 +19,7 @@ pub const SECTIONS: [(&str, &str); 13] = [
     ("matrix", "Matrix"),
     ("forest", "Evidence"),
     ("modes", "Failure modes"),
-    ("discrepancies", "Conflicts"),
+    ("suspects", "Suspects"),
     ("comparisons", "Comparisons"),
     ("further", "What would decide"),
     ("argument", "Argument"),
@@ -99,7 +99,6 @@ fn sections(view: View) -> Markup {
         (section::modes::render(view))
         (section::suspects::render(view))
         (section::parting::render(view))
-        (section::discrepancies::render(view))
         (section::comparisons::render(view))
         (section::further::render(view))
         (section::assurance::render(view))

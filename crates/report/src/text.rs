@@ -14,8 +14,8 @@ use crate::words::{self, Mark};
 
 /// Narrower than this nothing can be laid out.
 const LEAST_WIDTH: usize = 40;
-/// Discrepancies listed; the rest are counted.
-const DISCREPANCIES_SHOWN: usize = 8;
+/// Suspects listed; the rest are counted.
+const SUSPECTS_SHOWN: usize = 8;
 /// Undecided pairs listed with what would decide them; the rest are counted.
 const PLANS_SHOWN: usize = 6;
 
@@ -33,7 +33,7 @@ pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
     combined(&mut page, study);
     outcomes(&mut page, study);
     further(&mut page, view);
-    discrepancies(&mut page, study);
+    suspects(&mut page, study);
     gaps(&mut page, view);
     page.text
 }
@@ -358,32 +358,34 @@ fn agreement(page: &mut Page, conclusions: &[Conclusion]) {
     }
 }
 
-fn discrepancies(page: &mut Page, study: &StudyResult) {
-    if study.discrepancies.is_empty() {
-        return;
+fn suspects(page: &mut Page, study: &StudyResult) {
+    let suspects = study.suspected();
+    if !suspects.is_empty() {
+        page.heading("Suspects: where the evidence disagrees, and why");
     }
-    page.heading("Conflicts and their reasons");
-    for discrepancy in study.discrepancies.iter().take(DISCREPANCIES_SHOWN) {
-        let state = match &discrepancy.resolved_by {
+    for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
+        let state = match &suspect.resolved_by {
             Some(id) => format!("mended in {id}"),
             None => "still open".to_owned(),
         };
-        let kind = words::inaccuracy(discrepancy.inaccuracy);
-        page.item(
-            "≠ ",
-            "31;1",
-            &format!("{} ({kind}, {state})", discrepancy.title),
-        );
-        if let Some(proposal) = &discrepancy.proposal {
-            page.item("  → ", "", proposal);
-        }
+        let kind = words::inaccuracy(suspect.inaccuracy);
+        let (rank, title, score) = (suspect.rank, &suspect.title, suspect.score);
+        let line = format!("{rank}. {title} ({kind}, score {score:.1}, {state})");
+        page.item("≠ ", "31;1", &line);
     }
-    let rest = study
-        .discrepancies
-        .len()
-        .saturating_sub(DISCREPANCIES_SHOWN);
+    let rest = suspects.len().saturating_sub(SUSPECTS_SHOWN);
     if rest > 0 {
         page.item("  ", "", &format!("and {rest} more in the report"));
+    }
+    let missed = study.published.iter().filter(|f| !f.agrees).count();
+    if missed > 0 {
+        page.heading("Not as published");
+        let of = study.published.len();
+        page.item(
+            "≠ ",
+            "",
+            &format!("{missed} of {of} figures, see the report"),
+        );
     }
 }
 

@@ -62,10 +62,9 @@ fn everything_of_the_study_is_on_the_page() {
         expected.extend(conclusion.independent_agreement.iter().map(String::as_str));
         expected.extend(conclusion.fitted_agreement.iter().map(String::as_str));
     }
-    for discrepancy in &study.discrepancies {
-        expected.push(&discrepancy.title);
-        expected.extend(discrepancy.proposal.as_deref());
-        expected.extend(discrepancy.witnesses.iter().map(String::as_str));
+    for suspect in study.suspected() {
+        expected.push(&suspect.title);
+        expected.extend(suspect.witnesses.iter().map(|w| w.replay.as_str()));
     }
     expected.extend(study.gaps.iter().map(|g| g.reason.as_str()));
     for figure in &study.published {
@@ -105,7 +104,7 @@ fn the_verdict_comes_before_everything_else() {
         "matrix",
         "forest",
         "modes",
-        "discrepancies",
+        "suspects",
         "comparisons",
         "argument",
         "ledger",

@@ -43,7 +43,7 @@ fn fits_and_conflicts_are_said() {
     for part in [
         "A fit, 1a and 1b: E3 and E4",
         "Independent, 1a and 1b: E2",
-        "requirement model inaccuracy, still open",
+        "(requirement model inaccuracy, score 5.3, still open)",
         "mended in E5",
         "Covered by nothing",
     ] {

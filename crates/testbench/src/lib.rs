@@ -86,15 +86,15 @@
 //! * Steady motion, in which no drive speeds up or slows down and nobody's force changes: bursts of
 //!   three steps of the whole model alternate with glides of at most 40, in which the joints, and the
 //!   object in the hand, go on at the rates measured. A glide is so long that a change of these rates as
-//!   great as that since the last one moves nothing by more than half a micrometre (the hand by five).
+//!   great as that since the last one moves nothing by more than a micrometre (the hand by ten).
 //! * The model lists the pairs that can touch, and the object's weight is a force: the same equations.
 //!
 //! Everything that decides how the fingers meet the object is the full physics. `tests/fast.rs` bounds
 //! how far hand and object are from where the full physics has them.
 //!
-//! Paired by seed with the full physics, in 1000 tuned handovers (E4), 9 episodes differ in a verdict, 5
-//! and 4 either way (false negatives of the pressure sensor); each monitor's rate is the same within
-//! 0.67 points (90 % interval of the paired difference). `tests/fast/verdicts.py` prints the table from
+//! Paired by seed with the full physics, in 500 tuned handovers (E4), 4 episodes differ in a verdict, 1
+//! and 3 either way (false negatives of the pressure sensor); each monitor's rate is the same within
+//! 1.32 points (90 % interval of the paired difference). `tests/fast/verdicts.py` prints the table from
 //! two campaigns; `examples/fast_against_full.rs` compares how episodes end and where hand and object
 //! are; `examples/profile.rs` says what either costs in each state of the robot.
 //!

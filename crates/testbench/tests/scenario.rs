@@ -69,8 +69,8 @@ fn a_probability_above_one_and_an_inverted_range_are_refused() {
         message.contains("planner.failure_rate_per_run"),
         "{message}"
     );
-    let message = refused("[1.0, 15.0]", "[15.0, 1.0]");
-    assert!(message.contains("human.pull_forward_newtons"), "{message}");
+    let message = refused("[1.0, 10.0]", "[10.0, 1.0]");
+    assert!(message.contains("human.pull_up_newtons"), "{message}");
 }
 
 #[test]

@@ -128,6 +128,29 @@ fn a_parameter_without_influence_is_named() {
 }
 
 #[test]
+fn the_mode_of_a_few_in_a_hundred_reproduces_them_and_lies_below_the_mean() {
+    let mut random = Random::new(21, "few");
+    let options = CalibrationOptions {
+        dimensions: 1,
+        points: 1000,
+        seed: 3,
+    };
+    let observed = vec![Observed::new("slip", 3, 100)];
+    let mut calibration = Calibration::new(observed, options).unwrap();
+    for _round in 0..3 {
+        for unit in calibration.ask(1000) {
+            let outcomes = vec![Some(random.chance(0.15 * unit[0]))];
+            calibration.tell(Episode { unit, outcomes }).unwrap();
+        }
+    }
+    let posterior = calibration.posterior();
+    let (mode, mean) = (posterior.mode()[0], posterior.mean()[0]);
+    // The posterior is near Beta(4, 98) in the rate: mode 0.03, mean 0.039.
+    assert!((0.15 * mode - 0.03).abs() < 0.006, "{mode}");
+    assert!(mode < mean, "{mode} {mean}");
+}
+
+#[test]
 fn a_mode_that_the_simulator_cannot_show_fails_its_prediction() {
     let mut random = Random::new(8, "blind");
     let observed = vec![

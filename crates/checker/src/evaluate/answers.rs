@@ -50,7 +50,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         Ok(self.of_amounts(&values, &guarantees))
     }
 
-    fn of_amounts(&mut self, values: &[E::Amount], guarantees: &[Guarantee]) -> Answer {
+    pub(super) fn of_amounts(&mut self, values: &[E::Amount], guarantees: &[Guarantee]) -> Answer {
         let states = self.space.initial_states().iter();
         let pairs = values.iter().zip(guarantees);
         let initial: Vec<InitialValue> = (states.zip(pairs))
@@ -100,7 +100,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         self.base(truth, guarantee, initial)
     }
 
-    fn base(
+    pub(super) fn base(
         &mut self,
         value: AnswerValue,
         guarantee: Guarantee,

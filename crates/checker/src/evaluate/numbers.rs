@@ -26,6 +26,11 @@ impl<E: Numbers> Evaluator<'_, E> {
                 let values = self.probability(path, maximise, from)?;
                 values.iter().map(E::amount).collect()
             }
+            Quantity::Conditional {
+                optimum,
+                path,
+                condition,
+            } => self.conditional((path, condition), *optimum != Some(Optimum::Min), from)?,
             Quantity::Reward { optimum, reward } => {
                 self.reward(reward, *optimum != Some(Optimum::Min), from)?
             }

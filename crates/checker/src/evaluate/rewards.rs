@@ -98,20 +98,23 @@ impl<E: Numbers> Evaluator<'_, E> {
     }
 
     /// The rewards of the model by row: per step, or per unit of time in a `ctmc`.
-    fn reward_model(&self, structure: usize) -> Result<RewardModel<E::Amount>, CheckError> {
+    pub(super) fn reward_model(
+        &self,
+        structure: usize,
+    ) -> Result<RewardModel<E::Amount>, CheckError> {
         if structure >= self.space.num_rewards() {
             return Err(CheckError::Unsupported(
                 "the model has no such reward structure".to_owned(),
             ));
         }
         let found = self.space.rewards(structure);
-        let rewards = found.map_err(|error| CheckError::Unsupported(error.to_string()))?;
+        let rewards = found.map_err(|error| CheckError::Reward(error.to_string()))?;
         let own = Choices::new(&self.space.matrix, &self.space.choice_start);
         Ok(RewardModel::new(own, rewards, self.context.entry_error))
     }
 
     /// What is earned per step: in a `ctmc`, per unit of time over the rate of leaving.
-    fn per_step(&self, model: &RewardModel<E::Amount>) -> RewardModel<E::Amount> {
+    pub(super) fn per_step(&self, model: &RewardModel<E::Amount>) -> RewardModel<E::Amount> {
         if self.space.kind != ModelType::Ctmc {
             return model.clone();
         }
@@ -205,10 +208,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         };
         let optimal = self.long_run_of(&part, true)?;
         self.iterations += optimal.iterations;
-        let probability = |state: &usize| {
-            let value = optimal.values[*state].clone();
-            value.least(&E::Amount::one())
-        };
+        let probability = |state: &usize| optimal.values[*state].at_most_one();
         Ok(from.iter().map(probability).collect())
     }
 

@@ -288,6 +288,9 @@ pub(super) fn probability<N: Arithmetic>(
     expr: &Expr,
     state: &[i64],
 ) -> Result<Rounded<N>, BadNumber> {
+    if expr.has_parameters() {
+        return function(expr, state);
+    }
     let number: Number = expr.eval_number(state).map_err(BadNumber::NoValue)?;
     if !number.is_non_negative() {
         return Err(BadNumber::OutOfBounds(number.to_f64()));
@@ -300,6 +303,9 @@ pub(super) fn probability<N: Arithmetic>(
 
 /// A reward: as a probability, but it may be negative, and is 0 where it is too small for a double.
 pub(super) fn reward<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounded<N>, BadNumber> {
+    if expr.has_parameters() {
+        return function(expr, state);
+    }
     let number: Number = expr.eval_number(state).map_err(BadNumber::NoValue)?;
     if !number.to_f64().is_finite() {
         return Err(BadNumber::OutOfBounds(number.to_f64()));
@@ -309,6 +315,19 @@ pub(super) fn reward<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounde
         reward.roundings = None;
     }
     Ok(reward)
+}
+
+/// What depends on constants that were left open, in a domain that has these as numbers.
+fn function<N: Arithmetic>(expr: &Expr, state: &[i64]) -> Result<Rounded<N>, BadNumber> {
+    let value: N = expr.eval_number(state).map_err(BadNumber::NoValue)?;
+    let known = value.to_f64();
+    if !value.is_non_negative() {
+        return Err(BadNumber::OutOfBounds(known));
+    }
+    Ok(Rounded {
+        value,
+        roundings: Some(0),
+    })
 }
 
 fn rounded<N: Arithmetic>(expr: &Expr, number: &Number) -> Result<Rounded<N>, BadNumber> {

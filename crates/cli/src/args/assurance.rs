@@ -47,7 +47,7 @@ pub struct Verify {
     /// How what was found is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Also solve formal models and judge recordings again, which takes as long as when they were run.
+    /// Also solve formal models, judge recordings and make the diagnosis again, which takes as long as at first.
     #[arg(long)]
     pub deep: bool,
 }

@@ -22,9 +22,9 @@ changes, as `run` does.")]
 pub struct Refine {
     /// The study's folder.
     pub study: PathBuf,
-    /// Offer only what is for this suspect, as numbered in the list.
-    #[arg(long, value_name = "N")]
-    pub suspect: Option<usize>,
+    /// Offer only what is for this suspect, by its rank as `diagnose` shows it.
+    #[arg(long, value_name = "RANK")]
+    pub suspect: Option<u32>,
     /// Accept this proposal (may be repeated).
     #[arg(long, value_name = "N", conflicts_with = "all")]
     pub accept: Vec<usize>,
@@ -34,6 +34,9 @@ pub struct Refine {
     /// Go on refining the models that result, so many times in all.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=20))]
     pub rounds: u16,
+    /// Episodes of a simulation that is fitted again; as many as before unless given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    pub episodes: Option<u64>,
     /// Work in a copy of the study, made in this folder.
     #[arg(long, value_name = "FOLDER")]
     pub to: Option<PathBuf>,

@@ -1,204 +1,324 @@
 //! `corroborate check`: properties of one model, like the peers' command
 //! lines.
 
+mod certify;
+mod export;
+mod form;
+mod memory;
+mod parametric;
 mod print;
 mod properties;
+mod ranges;
+mod results;
 
 use super::{Done, Setting, json};
-use crate::args::{Check, Format};
+use crate::args::{Check, CheckFormat};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
-use crate::technique::model_checking::{sharp_complement, warning_line};
+use crate::technique::model_checking::warning_line;
 use checker::explore::ExploreOptions;
+use checker::formats::Written;
 use checker::state_space::StateSpace;
-use checker::{Answer, AnswerValue, Guarantee, Options};
-use prism_lang::{Constants, Experiment, NamedProperty, Rational, resolved};
-use properties::{Asked, Wrong};
-use schemars::JsonSchema;
-use serde::Serialize;
+use checker::{Answer, Options};
+use form::{Built, CheckReport, PropertyReport, empty, wrong_report};
+use memory::Memory;
+use prism_lang::ast::ModelType;
+use prism_lang::{Arithmetic, Constants, Experiment, NamedProperty, Rational, resolved};
+use properties::{Asked, Text};
+use ranges::Ranges;
 use std::time::Instant;
-
-/// What `check --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct CheckReport {
-    /// Version of this form.
-    pub format: String,
-    /// The model's file.
-    pub model: String,
-    /// The state space; of several valuations of constants the first one's.
-    #[serde(flatten)]
-    pub built: Built,
-    /// The state spaces of further valuations, in their order.
-    pub further: Vec<Built>,
-    /// One for each property, in the order asked, for each valuation.
-    pub properties: Vec<PropertyReport>,
-}
-
-/// A state space that was built.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct Built {
-    /// The values of the constants that run over ranges, as `name=value,...`.
-    pub constants: Option<String>,
-    /// Reachable states.
-    pub states: u64,
-    /// Transitions between pairs of states.
-    pub transitions: u64,
-    /// Initial states.
-    pub initial_states: u64,
-    /// States without a command, which were given a self-loop.
-    pub deadlocks: u64,
-    /// Seconds for building it.
-    pub build_secs: f64,
-}
-
-/// The answer to one property.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct PropertyReport {
-    /// Its place among the properties, from 1.
-    pub prop_idx: usize,
-    /// Its name, if it has one.
-    pub name: Option<String>,
-    /// Its text.
-    pub property: String,
-    /// The values of the constants that run over ranges, as `name=value,...`.
-    pub constants: Option<String>,
-    /// The value as text: a number, a fraction, `true`, `false`, `Infinity` or `NaN`, or
-    /// `[low,high]` over several initial states.
-    pub result: Option<String>,
-    /// The value as a number, if it is one.
-    pub value: Option<f64>,
-    /// One minus the value, computed directly.
-    pub complement: Option<f64>,
-    /// `exact`, `bounded`, `statistical` or `estimated`.
-    pub guarantee: Option<String>,
-    /// Lower bound, where there are bounds.
-    pub low: Option<f64>,
-    /// Upper bound, where there are bounds.
-    pub high: Option<f64>,
-    /// Largest distance of the value from the truth, where it is known.
-    pub abs_err: Option<f64>,
-    /// Whether the value is exact.
-    pub exact: bool,
-    /// How it was computed.
-    pub method: String,
-    /// Rounds of iteration.
-    pub iterations: u64,
-    /// What to know besides, for example why a value is only an estimate.
-    pub notes: Vec<String>,
-    /// The states that the property's filters list.
-    pub printed: Vec<PrintedState>,
-    /// Why there is no answer.
-    pub error: Option<String>,
-    /// Whether that is because it is not supported.
-    pub unsupported: bool,
-    /// Seconds for the answer.
-    pub check_secs: f64,
-}
-
-/// A state that a filter lists.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct PrintedState {
-    /// Its number.
-    pub state: u64,
-    /// Its variables' values, as `(name=value,...)`.
-    pub values: String,
-    /// The property's value there.
-    pub result: String,
-}
 
 /// How many valuations of constants one command checks.
 const MOST_VALUATIONS: u64 = 1_000_000;
 
+/// What is the same for all valuations of constants.
+struct Work<'a> {
+    arguments: &'a Check,
+    setting: &'a Setting,
+    source: Source,
+    tree: prism_lang::ast::Model,
+    warnings: Vec<prism_lang::Diagnostic>,
+    texts: &'a [Text],
+    memory: Memory,
+}
+
 /// Checks properties of a model, for each valuation of its constants.
 pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
     let experiment = constants(&arguments.constants)?;
-    let source = Source::read(&arguments.model)?;
-    let parsed = prism_lang::parse_model(&source.text);
-    if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
-        return Err(problem);
-    }
-    let ranges = experiment.ranges();
-    let mut all: Option<CheckReport> = None;
-    for given in experiment.valuations() {
-        let mut report = check_one(arguments, &source, &parsed, &given, setting)?;
-        report.built.constants = valuation(&given, &ranges);
-        for property in &mut report.properties {
-            property.constants = valuation(&given, &ranges);
+    say_what_has_no_effect(arguments, setting);
+    let texts = properties::read(arguments)?;
+    let (report, problem) = match Work::new(arguments, setting, &texts) {
+        Ok(work) => work.all(experiment)?,
+        Err(problem) if arguments.format == CheckFormat::Jsonl => {
+            let failed = properties::failed(&texts, arguments.method, &problem);
+            (CheckReport::new(arguments, failed), Some(problem))
         }
-        match &mut all {
-            None => all = Some(report),
-            Some(all) => {
-                all.further.push(report.built);
-                all.properties.append(&mut report.properties);
-            }
-        }
-    }
-    // An experiment has at least one valuation.
-    let report = all.ok_or_else(|| Problem::new("bad-constants", "there is no valuation"))?;
-    let outcome = outcome(&report);
-    let output = match arguments.format {
-        Format::Json => json(&report)?,
-        Format::Text => print::text(&report),
+        Err(problem) => return Err(problem),
     };
-    Ok(Done { output, outcome })
-}
-
-/// The values of the constants that run over ranges, if any does.
-fn valuation(given: &Constants, ranges: &[&str]) -> Option<String> {
-    let value = |name: &&str| given.get(name).map(|value| format!("{name}={value}"));
-    let values: Vec<String> = ranges.iter().filter_map(value).collect();
-    (!values.is_empty()).then(|| values.join(","))
-}
-
-/// Checks properties of a model whose constants have one value each.
-fn check_one(
-    arguments: &Check,
-    source: &Source,
-    parsed: &prism_lang::Parsed<prism_lang::ast::Model>,
-    given: &Constants,
-    setting: &Setting,
-) -> Result<CheckReport, Problem> {
-    let own = constants_of_model(arguments, &parsed.tree, given)?;
-    let model = prism_lang::resolve(&parsed.tree, &own).map_err(|found| {
-        Problem::from_diagnostics(source, &found)
-            .unwrap_or_else(|| Problem::new("cannot-resolve", "the model cannot be resolved"))
-    })?;
-    for warning in parsed.diagnostics.iter().chain(&model.warnings) {
-        setting.talk.say(&warning_line(source, warning));
+    if let Some(problem) = problem {
+        if !report.is_built && arguments.format != CheckFormat::Jsonl {
+            return Err(problem);
+        }
+        setting.talk.say(&problem.render(false));
     }
-    let asked = properties::properties(arguments, &model, given)?;
-    if asked.is_empty() && (arguments.properties.is_some() || !arguments.property_texts.is_empty())
-    {
+    if let Some(file) = &arguments.export_results {
+        results::write(file, &report)?;
+    }
+    let output = match arguments.format {
+        CheckFormat::Json => json(&report)?,
+        CheckFormat::Jsonl => print::lines(&report)?,
+        CheckFormat::Text => print::text(&report),
+    };
+    Ok(Done {
+        output,
+        outcome: outcome(&report),
+    })
+}
+
+fn say_what_has_no_effect(arguments: &Check, setting: &Setting) {
+    for flag in &arguments.without_effect {
+        let why = match flag.as_str() {
+            file if file.starts_with("-export") => "what it writes cannot be written yet",
+            "-sim" => "the answers are computed, not estimated from samples",
+            _ => "our bounds hold by any method, in any data structure",
+        };
         setting
             .talk
-            .say("warning: no property was given, so nothing is checked");
+            .say(&format!("note: {flag} has no effect: {why}"));
     }
-    let meaningful = asked.iter().filter_map(|asked| match asked {
-        Asked::Property(property) => Some(&property.property),
-        Asked::Wrong(_) => None,
-    });
-    let limits = ExploreOptions {
-        max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
-        ..ExploreOptions::for_properties(meaningful)
-    };
-    let began = Instant::now();
-    match arguments.method {
-        Method::Exact => {
-            let space = explore::<Rational>(source, &model, &limits, setting)?;
-            let build_secs = began.elapsed().as_secs_f64();
-            let answer =
-                |p: &NamedProperty, o: &Options| checker::check_exact(&space, &p.property, o);
-            report(arguments, &space, build_secs, &asked, setting, answer)
+}
+
+impl<'a> Work<'a> {
+    /// Reads the model.
+    fn new(arguments: &'a Check, setting: &'a Setting, texts: &'a [Text]) -> Result<Self, Problem> {
+        if arguments.fair {
+            let message = "probabilities over fair schedulers only (-fair) are not supported yet";
+            let remedy = "leave -fair out for all schedulers";
+            return Err(Problem::new("unsupported", message).remedy(remedy));
         }
-        _ => {
-            let space = explore::<f64>(source, &model, &limits, setting)?;
-            let build_secs = began.elapsed().as_secs_f64();
-            let answer =
-                |p: &NamedProperty, o: &Options| checker::check(&space, &model, &p.property, o);
-            report(arguments, &space, build_secs, &asked, setting, answer)
+        let source = Source::read(&arguments.model)?;
+        let parsed = prism_lang::parse_model(&source.text);
+        if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
+            return Err(problem);
         }
+        let mut tree = parsed.tree;
+        if let Some(keyword) = &arguments.model_type {
+            let span = tree
+                .model_type
+                .map_or_else(Default::default, |(_, span)| span);
+            let own = [ModelType::Dtmc, ModelType::Ctmc, ModelType::Mdp];
+            let asked = own.into_iter().find(|own| own.keyword() == keyword);
+            tree.model_type = asked.map(|own| (own, span));
+        }
+        Ok(Self {
+            arguments,
+            setting,
+            source,
+            tree,
+            warnings: parsed.diagnostics,
+            texts,
+            memory: Memory::new(arguments.memory_limit),
+        })
     }
+
+    /// All valuations; a valuation over which the model means nothing does not keep others from being checked.
+    fn all(&self, experiment: Experiment) -> Result<(CheckReport, Option<Problem>), Problem> {
+        let mut ranges = Ranges::new(&self.tree, self.texts, experiment);
+        let mut report = CheckReport::new(self.arguments, Vec::new());
+        let mut first_problem = None;
+        for (valuation, given) in ranges.valuations().into_iter().enumerate() {
+            let values = ranges.values(&given, None);
+            let found = self.one(&given, &mut ranges);
+            let mut found = match found.map_err(|problem| self.memory.instead_of(problem)) {
+                Ok((mut built, found)) => {
+                    (built.constants, built.valuation) = (values, valuation);
+                    report.push(built);
+                    found
+                }
+                Err(problem) if problem.is_interruption() => return Err(problem),
+                Err(problem) => {
+                    let failed = properties::failed(self.texts, self.arguments.method, &problem);
+                    first_problem.get_or_insert(problem);
+                    failed
+                }
+            };
+            for property in &mut found {
+                property.valuation = valuation;
+                property.constants = ranges.values(&given, Some(property.prop_idx));
+            }
+            report.properties.append(&mut found);
+        }
+        Ok((report, first_problem))
+    }
+
+    /// Checks properties of a model whose constants have one value each.
+    fn one(
+        &self,
+        given: &Constants,
+        ranges: &mut Ranges,
+    ) -> Result<(Built, Vec<PropertyReport>), Problem> {
+        let own = self.constants_of_model(given)?;
+        if !self.arguments.open.is_empty() {
+            let (arguments, setting) = (self.arguments, self.setting);
+            let report =
+                parametric::check(arguments, &self.source, &self.tree, &own, given, setting)?;
+            let mut found = report.properties;
+            found.retain(|property| ranges.is_new(property.prop_idx, given));
+            return Ok((report.built, found));
+        }
+        let model = prism_lang::resolve(&self.tree, &own).map_err(|found| {
+            Problem::from_diagnostics(&self.source, &found)
+                .unwrap_or_else(|| Problem::new("cannot-resolve", "the model cannot be resolved"))
+        })?;
+        for warning in self.warnings.iter().chain(&model.warnings) {
+            self.setting.talk.say(&warning_line(&self.source, warning));
+        }
+        let asked = properties::resolved(self.texts, &model, given)?;
+        if asked.is_empty() && !self.texts.is_empty() {
+            self.setting
+                .talk
+                .say("warning: no property was given, so nothing is checked");
+        }
+        let mut chosen = selected(self.arguments, &asked)?;
+        chosen.retain(|(place, _)| ranges.is_new(*place, given));
+        let meaningful = chosen.iter().filter_map(|(_, asked)| match asked {
+            Asked::Property(property) => Some(&property.property),
+            Asked::Wrong(_) => None,
+        });
+        let limits = ExploreOptions {
+            max_states: usize::try_from(self.arguments.max_states).unwrap_or(usize::MAX),
+            ..ExploreOptions::for_properties(meaningful)
+        };
+        let (built, found) = match self.arguments.method {
+            Method::Exact => self.explored::<Rational>(&model, &limits, &chosen, |space, p, o| {
+                checker::check_exact(space, &p.property, o)
+            }),
+            _ => self.explored::<f64>(&model, &limits, &chosen, |space, p, o| {
+                checker::check(space, &model, &p.property, o)
+            }),
+        }?;
+        let mut report = CheckReport::new(self.arguments, found);
+        if self.arguments.certify {
+            let (source, setting) = (&self.source, self.setting);
+            certify::all(&mut report, self.arguments, source, &model, &asked, setting)?;
+        }
+        Ok((built, report.properties))
+    }
+
+    /// Constants may be meant for the model or for the properties' file; the model
+    /// is given those that it declares.
+    fn constants_of_model(&self, given: &Constants) -> Result<Constants, Problem> {
+        let names = self.tree.constants.iter().map(|c| c.name.text.as_str());
+        let declared: Vec<&str> = names.collect();
+        let mut own = Constants::new();
+        for (name, value) in &given.0 {
+            if declared.contains(&name.as_str()) {
+                own.set(name.clone(), value.clone());
+            } else if self.arguments.properties.is_none() {
+                return Err(Problem::new(
+                    "unknown-constant",
+                    format!("the model declares no constant `{name}`"),
+                )
+                .remedy(format!("it declares {}", declared.join(", "))));
+            }
+        }
+        Ok(own)
+    }
+
+    fn explored<N: Arithmetic + Written + 'static>(
+        &self,
+        model: &resolved::Model,
+        limits: &ExploreOptions,
+        chosen: &[(usize, &Asked)],
+        answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
+    ) -> Result<(Built, Vec<PropertyReport>), Problem> {
+        let began = Instant::now();
+        let (setting, arguments) = (self.setting, self.arguments);
+        let space: StateSpace<N> = crate::technique::model_checking::explore_within(
+            &self.source,
+            model,
+            limits.clone(),
+            &|| setting.interrupt.is_set() || self.memory.is_passed(),
+        )?;
+        let built = Built::new(&space, began.elapsed().as_secs_f64());
+        export::model(arguments, model, &space)?;
+        let cancel = || setting.interrupt.is_set() || self.memory.is_passed();
+        let mut options = Options::with_method(arguments.method.of_checker());
+        options.precision = arguments.precision;
+        options.epsilon = arguments.epsilon;
+        options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
+        options.cancel = Some(&cancel);
+        let answer = |property: &NamedProperty| answer(&space, property, &options);
+        let mut reports = Vec::new();
+        for (place, asked) in chosen {
+            reports.push(self.answered(*place, asked, &space, answer)?);
+        }
+        Ok((built, reports))
+    }
+
+    fn answered<N: Arithmetic + Written + 'static>(
+        &self,
+        place: usize,
+        asked: &Asked,
+        space: &StateSpace<N>,
+        answer: impl Fn(&NamedProperty) -> Result<Answer, checker::CheckError>,
+    ) -> Result<PropertyReport, Problem> {
+        let method = self.arguments.method;
+        let began = Instant::now();
+        let property = match asked {
+            Asked::Property(property) => property.as_ref(),
+            Asked::Wrong(wrong) => return Ok(wrong_report(place, wrong, method)),
+        };
+        let answered = answer(property);
+        if matches!(answered, Err(checker::CheckError::Cancelled)) {
+            return Err(Problem::interrupted());
+        }
+        let check_secs = began.elapsed().as_secs_f64();
+        if let (Some(file), Ok(answer)) = (&self.arguments.export_strategy, &answered) {
+            export::strategy(file, space, answer, &self.setting.talk)?;
+        }
+        let witness = match &answered {
+            Ok(answer) if self.arguments.witness => witness(space, property, answer),
+            _ => None,
+        };
+        let mut report = form::property_report(place, property, answered, method, check_secs);
+        report.witness = witness;
+        for listed in &mut report.printed {
+            listed.values = space.describe(listed.state as usize);
+        }
+        Ok(report)
+    }
+}
+
+/// The state space of a model, whatever memory it takes.
+fn explore<N: Arithmetic>(
+    source: &Source,
+    model: &resolved::Model,
+    limits: &ExploreOptions,
+    setting: &Setting,
+) -> Result<StateSpace<N>, Problem> {
+    crate::technique::model_checking::explore_within(source, model, limits.clone(), &|| {
+        setting.interrupt.is_set()
+    })
+}
+
+/// The most probable path that shows why an answer is as it is.
+fn witness<N: Arithmetic + 'static>(
+    space: &StateSpace<N>,
+    property: &NamedProperty,
+    answer: &Answer,
+) -> Option<form::WitnessReport> {
+    // Rational state spaces have none: the sound method shows it.
+    let space = (space as &dyn std::any::Any).downcast_ref::<StateSpace<f64>>()?;
+    let found = checker::witness(space, &property.property, answer, &Options::default());
+    let found = found.ok().flatten()?;
+    Some(form::WitnessReport {
+        violates: found.violates,
+        probability: found.probability,
+        states: found.states,
+        actions: found.actions,
+    })
 }
 
 fn constants(texts: &[String]) -> Result<Experiment, Problem> {
@@ -215,251 +335,36 @@ fn constants(texts: &[String]) -> Result<Experiment, Problem> {
     Ok(experiment)
 }
 
-/// Constants may be meant for the model or for the properties' file; the model
-/// is given those that it declares.
-fn constants_of_model(
-    arguments: &Check,
-    tree: &prism_lang::ast::Model,
-    given: &Constants,
-) -> Result<Constants, Problem> {
-    let declared: Vec<&str> = tree
-        .constants
-        .iter()
-        .map(|c| c.name.text.as_str())
-        .collect();
-    let mut own = Constants::new();
-    for (name, value) in &given.0 {
-        if declared.contains(&name.as_str()) {
-            own.set(name.clone(), value.clone());
-        } else if arguments.properties.is_none() {
-            return Err(Problem::new(
-                "unknown-constant",
-                format!("the model declares no constant `{name}`"),
-            )
-            .remedy(format!("it declares {}", declared.join(", "))));
-        }
-    }
-    Ok(own)
-}
-
-fn explore<N: prism_lang::Arithmetic>(
-    source: &Source,
-    model: &resolved::Model,
-    limits: &ExploreOptions,
-    setting: &Setting,
-) -> Result<StateSpace<N>, Problem> {
-    crate::technique::model_checking::explore_within(source, model, limits.clone(), &|| {
-        setting.interrupt.is_set()
-    })
-}
-
-fn report<N>(
-    arguments: &Check,
-    space: &StateSpace<N>,
-    build_secs: f64,
-    asked: &[Asked],
-    setting: &Setting,
-    answer: impl Fn(&NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
-) -> Result<CheckReport, Problem> {
-    let cancel = || setting.interrupt.is_set();
-    let mut options = Options::with_method(arguments.method.of_checker());
-    options.precision = arguments.precision;
-    options.epsilon = arguments.epsilon;
-    options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
-    options.cancel = Some(&cancel);
-    let mut properties = Vec::new();
-    for (place, property) in selected(arguments, asked)? {
-        let began = Instant::now();
-        let property = match property {
-            Asked::Property(property) => property.as_ref(),
-            Asked::Wrong(wrong) => {
-                properties.push(wrong_report(place, wrong, arguments.method));
-                continue;
-            }
-        };
-        let answered = answer(property, &options);
-        if matches!(answered, Err(checker::CheckError::Cancelled)) {
-            return Err(Problem::interrupted());
-        }
-        let check_secs = began.elapsed().as_secs_f64();
-        properties.push(property_report(
-            place,
-            property,
-            answered,
-            arguments.method,
-            check_secs,
-        ));
-        let described = properties
-            .last_mut()
-            .into_iter()
-            .flat_map(|p| &mut p.printed);
-        described.for_each(|listed| listed.values = space.describe(listed.state as usize));
-    }
-    Ok(CheckReport {
-        format: "1.0".into(),
-        model: arguments.model.display().to_string(),
-        built: Built {
-            constants: None,
-            states: space.num_states() as u64,
-            transitions: space.num_transitions() as u64,
-            initial_states: space.initial_states().len() as u64,
-            deadlocks: space.deadlocks().len() as u64,
-            build_secs,
-        },
-        further: Vec::new(),
-        properties,
-    })
-}
-
 fn selected<'a>(arguments: &Check, asked: &'a [Asked]) -> Result<Vec<(usize, &'a Asked)>, Problem> {
     let numbered = || asked.iter().enumerate().map(|(i, p)| (i + 1, p));
     if arguments.selected.is_empty() {
         return Ok(numbered().collect());
     }
-    arguments
-        .selected
-        .iter()
-        .map(|wanted| {
-            numbered()
-                .find(|(place, p)| {
-                    p.name() == Some(wanted.as_str()) || place.to_string() == *wanted
-                })
-                .ok_or_else(|| {
-                    let names: Vec<&str> = asked.iter().filter_map(Asked::name).collect();
-                    Problem::new(
-                        "unknown-property",
-                        format!("there is no property `{wanted}`"),
-                    )
-                    .remedy(format!(
-                        "there are {} properties{}{}",
-                        asked.len(),
-                        if names.is_empty() { "" } else { ", named " },
-                        names.join(", ")
-                    ))
-                })
+    let find = |wanted: &String| {
+        let is_wanted = |(place, p): &(usize, &Asked)| {
+            p.name() == Some(wanted.as_str()) || place.to_string() == *wanted
+        };
+        numbered().find(is_wanted).ok_or_else(|| {
+            let names: Vec<&str> = asked.iter().filter_map(Asked::name).collect();
+            let message = format!("there is no property `{wanted}`");
+            let named = if names.is_empty() { "" } else { ", named " };
+            let (count, names) = (asked.len(), names.join(", "));
+            Problem::new("unknown-property", message)
+                .remedy(format!("there are {count} properties{named}{names}"))
         })
-        .collect()
-}
-
-fn property_report(
-    prop_idx: usize,
-    property: &NamedProperty,
-    answered: Result<Answer, checker::CheckError>,
-    method: Method,
-    check_secs: f64,
-) -> PropertyReport {
-    let mut report = empty(
-        prop_idx,
-        property.name.clone(),
-        property.text.clone(),
-        method,
-    );
-    report.check_secs = check_secs;
-    match answered {
-        Ok(answer) => fill(&mut report, answer),
-        Err(error) => {
-            report.unsupported = matches!(error, checker::CheckError::Unsupported(_));
-            report.error = Some(error.to_string());
-        }
-    }
-    report
-}
-
-/// A property that means nothing over this model.
-fn wrong_report(prop_idx: usize, wrong: &Wrong, method: Method) -> PropertyReport {
-    let mut report = empty(prop_idx, wrong.name.clone(), wrong.text.clone(), method);
-    report.unsupported = wrong.unsupported;
-    report.error = Some(wrong.message.clone());
-    report
-}
-
-fn empty(
-    prop_idx: usize,
-    name: Option<String>,
-    property: String,
-    method: Method,
-) -> PropertyReport {
-    PropertyReport {
-        prop_idx,
-        name,
-        property,
-        constants: None,
-        result: None,
-        value: None,
-        complement: None,
-        guarantee: None,
-        low: None,
-        high: None,
-        abs_err: None,
-        exact: false,
-        method: method.name().into(),
-        iterations: 0,
-        notes: Vec::new(),
-        printed: Vec::new(),
-        error: None,
-        unsupported: false,
-        check_secs: 0.0,
-    }
-}
-
-fn fill(report: &mut PropertyReport, answer: Answer) {
-    let value = match &answer.value {
-        AnswerValue::Number(value) => Some(*value),
-        AnswerValue::Exact(value) => Some(prism_lang::rational_to_f64(value)),
-        _ => None,
     };
-    report.result = Some(print::value(&answer.value));
-    report.value = value.filter(|value| value.is_finite());
-    let listed = |(state, value): &(usize, AnswerValue)| PrintedState {
-        state: *state as u64,
-        values: String::new(),
-        result: print::value(value),
-    };
-    report.printed = answer.printed.iter().map(listed).collect();
-    report.complement = sharp_complement(&answer);
-    report.iterations = answer.iterations;
-    report.notes = answer.notes;
-    let guarantee = match answer.guarantee {
-        Guarantee::Exact => {
-            report.exact = true;
-            report.abs_err = Some(0.0);
-            "exact"
-        }
-        Guarantee::Bounded { low, high } => {
-            (report.low, report.high) = (Some(low), Some(high));
-            report.abs_err = value.map(|v| (high - v).max(v - low).next_up());
-            "bounded"
-        }
-        Guarantee::Statistical { low, high, .. } => {
-            (report.low, report.high) = (Some(low), Some(high));
-            "statistical"
-        }
-        Guarantee::Estimated { reason } => {
-            report.notes.insert(0, reason);
-            "estimated"
-        }
-    };
-    report.guarantee = Some(guarantee.into());
+    // PRISM's switch takes several, separated by commas.
+    let wanted = arguments.selected.iter().flat_map(|names| names.split(','));
+    wanted.map(|name| find(&name.trim().to_owned())).collect()
 }
 
 fn outcome(report: &CheckReport) -> Outcome {
     let any = |test: &dyn Fn(&PropertyReport) -> bool| report.properties.iter().any(test);
     if any(&|p| p.result.as_deref() == Some("false")) {
         Outcome::Violated
-    } else if any(&|p| p.error.is_some()) {
+    } else if any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good())) {
         Outcome::Inconclusive
     } else {
         Outcome::Holds
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_committed_schema_is_the_form_that_is_printed() {
-        let schema: serde_json::Value = schemars::schema_for!(CheckReport).into();
-        crate::command::tests::assert_schema_is_committed("check.schema.json", &schema);
     }
 }

@@ -8,8 +8,8 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::Store;
 use crate::study::{Study, Work};
-use crate::technique::matrix::{Effort, ModelPaths, as_text, diagnose as diagnosed, path_seeds};
-use evidence::{Diagnosis, StudyResult};
+use crate::technique::matrix::{ModelPaths, as_text, diagnose as diagnosed, path_seeds};
+use evidence::{Diagnosis, Effort, StudyResult};
 use std::fmt::Write as _;
 
 /// Runs the command.
@@ -31,7 +31,7 @@ pub fn diagnose(arguments: &Diagnose, setting: &Setting) -> Result<Done, Problem
     let diagnosis = diagnosed(&study, &result, &folder, &effort, setting)?;
     let output = match arguments.format {
         Format::Json => json(&diagnosis)?,
-        Format::Text => as_text(&diagnosis),
+        Format::Text => as_text(&diagnosis, &arguments.study.display().to_string()),
     };
     let outcome = outcome(&diagnosis);
     store.keep(DIAGNOSIS, &diagnosis.inputs, &diagnosis)?;

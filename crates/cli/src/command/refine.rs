@@ -9,10 +9,11 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::refine::apply::{Applied, Applier, append_to_ledger};
 use crate::refine::ledger_text::Names;
-use crate::refine::proposal::{Change, Offered, Proposal, offered};
+use crate::refine::proposal::{Change, Offered, Proposal};
 use crate::refine::report::{Open, RefineReport};
 use crate::refine::simulator::Recalibration;
 use crate::refine::solver::Solver;
+use crate::refine::suspects::offered;
 use crate::study::Study;
 use evidence::StudyResult;
 use std::path::{Path, PathBuf};
@@ -23,10 +24,7 @@ pub fn refine(arguments: &Refine, setting: &Setting) -> Result<Done, Problem> {
     let folder = folder(arguments)?;
     let result = run::result(&folder, setting)?;
     let study = Study::load(&folder)?;
-    let solver = Solver {
-        study: &study,
-        interrupt: &setting.interrupt,
-    };
+    let solver = Solver::new(&study, &setting.interrupt);
     let mut offered = offered(&study, &result, &solver)?;
     if let Some(suspect) = arguments.suspect {
         known_suspect(&result, suspect)?;
@@ -42,7 +40,12 @@ pub fn refine(arguments: &Refine, setting: &Setting) -> Result<Done, Problem> {
         rounds: usize::from(arguments.rounds),
     };
     let mut applied = applier.apply(&accepted)?;
-    applied.extend(recalibrations(&study, &accepted, setting)?);
+    applied.extend(recalibrations(
+        &study,
+        &accepted,
+        arguments.episodes,
+        setting,
+    )?);
     let is_changed = !applied.is_empty();
     let after = is_changed
         .then(|| run::result(&folder, setting))
@@ -58,8 +61,8 @@ fn done(
     applied: Vec<Applied>,
 ) -> Result<Done, Problem> {
     let report = RefineReport {
-        open: Open::all(before),
-        open_after: after.map(Open::all),
+        open: Open::all(before, &offered.proposals),
+        open_after: after.map(|result| Open::all(result, &[])),
         proposals: offered.proposals,
         refused: offered.refused,
         applied,
@@ -77,16 +80,17 @@ fn done(
     })
 }
 
-fn known_suspect(result: &StudyResult, suspect: usize) -> Result<(), Problem> {
-    let count = result.discrepancies.len();
-    if (1..=count).contains(&suspect) {
+fn known_suspect(result: &StudyResult, suspect: u32) -> Result<(), Problem> {
+    let suspects = result.suspected();
+    if suspects.iter().any(|known| known.rank == suspect) {
         return Ok(());
     }
+    let count = suspects.len();
     Err(Problem::new(
         "unknown-proposal",
         format!("there is no suspect {suspect}: the study has {count}"),
     )
-    .remedy("`corroborate refine STUDY` lists them with their numbers"))
+    .remedy("`corroborate refine STUDY` lists them with their ranks"))
 }
 
 fn accepted<'p>(
@@ -172,6 +176,7 @@ fn copy(from: &Path, to: &Path, below: &Path) -> Result<(), Problem> {
 fn recalibrations(
     study: &Study,
     accepted: &[&Proposal],
+    episodes: Option<u64>,
     setting: &Setting,
 ) -> Result<Vec<Applied>, Problem> {
     let wanted = accepted.iter().filter_map(|it| match &it.change {
@@ -179,13 +184,14 @@ fn recalibrations(
         _ => None,
     });
     wanted
-        .map(|recalibration| recalibrate(study, recalibration, setting))
+        .map(|recalibration| recalibrate(study, recalibration, episodes, setting))
         .collect()
 }
 
 fn recalibrate(
     study: &Study,
     recalibration: &Recalibration,
+    episodes: Option<u64>,
     setting: &Setting,
 ) -> Result<Applied, Problem> {
     let entry = study.entry(&recalibration.entry)?;
@@ -203,7 +209,7 @@ fn recalibrate(
     )?;
     setting.talk.say(done.output.trim_end());
     let id = Names::next_id(study, &entry.id, &[]);
-    let new = recalibration.new_entry(entry, id.clone(), &target);
+    let new = recalibration.new_entry(entry, id.clone(), &target, episodes);
     append_to_ledger(study, &new.text())?;
     Ok(Applied {
         entry: Some(id),

@@ -3,7 +3,7 @@
 //!
 //! # Definition
 //! From the kept evidence (`evidence/*.json`) and the study's own files the whole result is formed
-//! again: comparisons, conclusions, discrepancies, gaps, figures beside the publication's. The result
+//! again: comparisons, conclusions, suspects, gaps, figures beside the publication's. The result
 //! must be `study.json`, value by value and byte by byte, and the report drawn from it `report.html`.
 //! The evidence itself is held against what it was counted from: tables are read again, journals of
 //! episodes counted again, intervals formed again from their counts. Assets and recordings must have
@@ -12,16 +12,17 @@
 //! # Guarantee
 //! A figure that was changed anywhere between the evidence and the page is found, whatever else was
 //! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
-//! recordings judged again, too. What is not derived again is listed as such. Nothing is written.
+//! recordings judged again, too, and the diagnosis is made again: the same paths are sampled, the same
+//! episodes judged, the same suspects ranked. What is not derived again is listed as such. Nothing is written.
 
 mod audit;
 mod compare;
 mod counts;
 mod deep;
+mod diagnosis;
 mod kept;
 
 use super::assure::{self, ASSURANCE};
-use super::diagnose::DIAGNOSIS;
 use super::explore::kept_map;
 use super::report::read_result;
 use super::run::STUDY;
@@ -32,9 +33,8 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::store::Stored;
 use crate::study::Study;
-use crate::technique::matrix::inputs_of;
 use audit::{Audit, VerifyReport};
-use evidence::{Diagnosis, DisagreementMap, StudyResult};
+use evidence::{DisagreementMap, StudyResult};
 use std::path::{Path, PathBuf};
 
 /// Verifies the results of a study.
@@ -48,7 +48,7 @@ pub fn verify(arguments: &Verify, setting: &Setting) -> Result<Done, Problem> {
     let deep = arguments.deep.then_some(setting);
     let pieces = kept::pieces(&study, results, &claimed, deep, &mut audit)?;
     match pieces {
-        Some(pieces) => figures(&study, pieces, &claimed, results, &mut audit)?,
+        Some(pieces) => figures(&study, pieces, &claimed, results, deep, &mut audit)?,
         None => audit.not_checked("comparisons and conclusions: not all evidence could be read"),
     }
     written(&claimed, results, &mut audit)?;
@@ -121,6 +121,7 @@ fn figures(
     pieces: Vec<Piece>,
     claimed: &StudyResult,
     results: &Path,
+    deep: Option<&Setting>,
     audit: &mut Audit,
 ) -> Result<(), Problem> {
     let mut expected = corroboration::corroborate(study, pieces)?;
@@ -133,7 +134,7 @@ fn figures(
     }
     let file = results.join("study.json");
     let compared = expected.clone();
-    expected.diagnosis = diagnosed(claimed, results, audit);
+    expected.diagnosis = diagnosis::again((study, &expected), claimed, results, deep, audit)?;
     expected.disagreement = mapped(study, claimed, results, audit);
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
@@ -148,21 +149,6 @@ fn figures(
         audit.checked(values, "values of comparison.json follow from the evidence");
     }
     Ok(())
-}
-
-/// The diagnosis that was kept beside the result, if it is of this evidence.
-fn diagnosed(claimed: &StudyResult, results: &Path, audit: &mut Audit) -> Option<Diagnosis> {
-    claimed.diagnosis.as_ref()?;
-    let path = results.join(DIAGNOSIS);
-    let kept = kept::read::<Stored<Diagnosis>>(&path, audit)?;
-    if !kept.is_as_kept() {
-        audit.fault(&path, "/digest", "the hash of the content does not hold");
-    }
-    if kept.inputs != inputs_of(claimed) {
-        audit.fault(&path, "/inputs", "it is a diagnosis of other evidence");
-    }
-    audit.not_checked("the diagnosis: nothing was sampled or judged again");
-    Some(kept.content)
 }
 
 /// The map of disagreement beside the result, if it is of these assets.

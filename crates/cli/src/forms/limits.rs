@@ -330,7 +330,13 @@ fn operands(expr: &Expr) -> Vec<&Expr> {
         ExprKind::Binary(_, left, right) => vec![left, right],
         ExprKind::IfThenElse(first, second, third) => vec![first, second, third],
         ExprKind::Call(_, arguments) => arguments.iter().collect(),
-        ExprKind::Probability { path, .. } => vec![path],
+        ExprKind::Probability {
+            path, condition, ..
+        } => [Some(path), condition.as_ref()]
+            .into_iter()
+            .flatten()
+            .map(AsRef::as_ref)
+            .collect(),
         ExprKind::Temporal { left, right, .. } => left
             .iter()
             .map(AsRef::as_ref)

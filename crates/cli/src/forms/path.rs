@@ -29,7 +29,12 @@ pub fn judged_on_paths(
 ) -> Result<JudgingForm, String> {
     let file = prism_lang::parse_properties(text).tree;
     let property = file.properties.first().ok_or("there is no property")?;
-    let ExprKind::Probability { path, .. } = &property.formula.kind else {
+    let ExprKind::Probability {
+        path,
+        condition: None,
+        ..
+    } = &property.formula.kind
+    else {
         return Err("it asks for no probability of paths".into());
     };
     let mut reader = Reader {

@@ -7,7 +7,7 @@
 use super::proposal::{Change, Effect, Offered, Proposal};
 use crate::forms::drift::{self, Drift, DriftKind};
 use crate::study::{ReadingForm, Study};
-use evidence::{Finding, Measure, StudyResult, Subject};
+use evidence::{Finding, Measure, StudyResult, Subject, Suspect, SuspectKind};
 use refinement::{FormChange, unified};
 
 /// What is offered for the requirements' forms.
@@ -74,11 +74,14 @@ fn of_reading(
         p_value: None,
     });
     let words: Vec<String> = shown.iter().map(in_words).collect();
-    let place = result.discrepancies.iter().position(|d| {
-        d.inaccuracy == evidence::Inaccuracy::RequirementModel && d.subjects.contains(subject)
-    });
+    let mut suspects = result.suspected().iter();
+    let is_reading = |it: &&Suspect| {
+        let is_form = matches!(it.asset.kind, SuspectKind::Monitor | SuspectKind::Property);
+        is_form && it.is_open() && it.subjects.contains(subject)
+    };
+    let place = suspects.find(is_reading).map(|it| it.rank);
     let offer = FormOffer {
-        suspect: place.map(|place| place + 1),
+        suspect: place,
         title: format!(
             "requirement {}: its monitor takes the reading `{}`",
             subject.id(),
@@ -93,7 +96,7 @@ fn of_reading(
 
 /// What is said of a change of the forms.
 struct FormOffer {
-    suspect: Option<usize>,
+    suspect: Option<u32>,
     title: String,
     reason: String,
     effects: Vec<Effect>,

@@ -1,11 +1,9 @@
 //! Proposals: what may be changed, why, and what it is predicted to do.
 
-use super::forms::of_forms;
 use super::ledger_text::Names;
-use super::simulator::{Recalibration, of_simulator};
+use super::simulator::Recalibration;
 use super::solver::Solver;
-use super::suspects::of_suspects;
-use crate::problem::{Problem, Source};
+use crate::problem::Problem;
 use crate::study::{Entry, Study, Work, quoted_names};
 use evidence::{StudyResult, Subject};
 use refinement::{
@@ -21,9 +19,9 @@ use std::path::{Path, PathBuf};
 pub struct Proposal {
     /// By which it is accepted, from 1.
     pub number: usize,
-    /// The suspect that it is for, from 1 in the study's order; none if it
-    /// stands for no disagreement that is shown.
-    pub suspect: Option<usize>,
+    /// The suspect that it is for, by its rank as `diagnose` and the report show
+    /// it; none if nothing is suspected for it.
+    pub suspect: Option<u32>,
     /// What is changed, as a headline.
     pub title: String,
     /// Why.
@@ -97,34 +95,6 @@ impl Offered {
     }
 }
 
-/// All that is offered for a study's result.
-pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
-    let mut offered = Offered::default();
-    for entry in current(study) {
-        match &entry.work {
-            Work::Check { model, .. } => {
-                let source = Source::read(&study.folder.join(model))?;
-                let asset = Asset {
-                    entry,
-                    path: model,
-                    text: &source.text,
-                };
-                let found = of_model(study, result, &asset, solver)?;
-                let before = solver.values(model, &source.text)?;
-                for (change, changed) in found.changes {
-                    offered.add(model_proposal(result, &asset, &before, change, changed));
-                }
-                offered.refused.extend(found.refused);
-            }
-            Work::Simulate { .. } => of_simulator(study, result, entry, &mut offered)?,
-            _ => {}
-        }
-    }
-    of_forms(study, result, &mut offered);
-    of_suspects(study, result, &mut offered)?;
-    Ok(offered)
-}
-
 /// The current evidence of each technique: the last in the ledger under each
 /// condition.
 pub fn current(study: &Study) -> Vec<&Entry> {
@@ -150,6 +120,30 @@ pub struct Asset<'a> {
     pub text: &'a str,
 }
 
+/// What is refined: a study's evidence, and what it declares.
+pub fn ground<'a>(study: &'a Study, result: &'a StudyResult) -> Ground<'a> {
+    Ground {
+        evidence: &result.evidence,
+        requirements: &study.requirements,
+        failure_modes: &study.failure_modes,
+        comparisons: &result.comparisons,
+        confidence: result.confidence,
+    }
+}
+
+/// How formal models are asked about failure modes.
+pub fn asked(study: &Study) -> Vec<Asked> {
+    let modes = study.forms.subjects.iter();
+    let modes = modes.filter(|form| matches!(form.subject, Subject::FailureMode(_)));
+    modes
+        .map(|form| Asked {
+            mode: form.subject.id().to_owned(),
+            occurs: binding(study, form.property.as_ref().map(|p| p.text.as_str())),
+            after: binding(study, form.opportunity.as_ref().map(|p| p.text.as_str())),
+        })
+        .collect()
+}
+
 /// What could be changed in a formal model so that its failures come as often
 /// as they were counted.
 pub fn of_model(
@@ -159,28 +153,13 @@ pub fn of_model(
     solver: &Solver,
 ) -> Result<ModelOffers, Problem> {
     let before = solver.values(asset.path, asset.text)?;
-    let modes = study.forms.subjects.iter();
-    let modes = modes.filter(|form| matches!(form.subject, Subject::FailureMode(_)));
-    let asked: Vec<Asked> = modes
-        .map(|form| Asked {
-            mode: form.subject.id().to_owned(),
-            occurs: binding(study, form.property.as_ref().map(|p| p.text.as_str())),
-            after: binding(study, form.opportunity.as_ref().map(|p| p.text.as_str())),
-        })
-        .collect();
-    let ground = Ground {
-        evidence: &result.evidence,
-        requirements: &study.requirements,
-        failure_modes: &study.failure_modes,
-        confidence: result.confidence,
-    };
     let model = Model {
         evidence: &asset.entry.id,
         text: asset.text,
-        asked: &asked,
+        asked: &asked(study),
         solver: &solver.at(asset.path),
     };
-    Ok(ground.of_model(&model, &before))
+    Ok(ground(study, result).of_model(&model, &before))
 }
 
 /// What the only proposition of a question means to the model.
@@ -193,12 +172,13 @@ fn binding(study: &Study, question: Option<&str>) -> Option<String> {
     Some(proposition.model.as_ref()?.text.clone())
 }
 
-fn model_proposal(
+/// A change of a formal model as a proposal.
+pub fn model_proposal(
     result: &StudyResult,
     asset: &Asset,
     before: &Values,
-    change: ModelChange,
-    changed: Changed,
+    suspect: Option<u32>,
+    (change, changed): (ModelChange, Changed),
 ) -> Proposal {
     let entry = &asset.entry.id;
     let counts = change.counts();
@@ -213,7 +193,7 @@ fn model_proposal(
     notes.extend(remains(&change, &changed));
     Proposal {
         number: 0,
-        suspect: suspect(result, entry, &mode),
+        suspect,
         title: format!("{}: {}", entry, changed.what),
         reason: reason(&change, rate_of(before, change.mode()), counts),
         diff: unified(&old, &new, asset.text, &changed.text),
@@ -261,22 +241,6 @@ fn remains(change: &ModelChange, changed: &Changed) -> Option<String> {
             counts.rate()
         )
     })
-}
-
-/// The disagreement that touches an entry and a subject and is not yet mended.
-pub fn suspect(result: &StudyResult, entry: &str, subject: &Subject) -> Option<usize> {
-    let touches = |d: &&evidence::Discrepancy| {
-        d.evidence.iter().any(|id| id == entry) && d.subjects.contains(subject)
-    };
-    let is_open = |d: &&evidence::Discrepancy| d.resolved_by.as_deref() != Some(entry);
-    let all = result.discrepancies.iter();
-    let place = all
-        .clone()
-        .position(|d| {
-            touches(&d) && is_open(&d) && d.evidence.first().is_some_and(|id| id == entry)
-        })
-        .or_else(|| all.clone().position(|d| touches(&d) && is_open(&d)));
-    place.map(|place| place + 1)
 }
 
 fn effects(

@@ -10,38 +10,45 @@ use std::fmt::Write;
 /// What was offered, and what was done.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RefineReport {
-    /// Disagreements that nothing has mended yet, as the suspects are numbered.
+    /// Suspects that nothing has mended yet, the strongest first.
     pub open: Vec<Open>,
     /// What is offered.
     pub proposals: Vec<Proposal>,
-    /// Disagreements for which nothing is offered, with the reason.
+    /// What nothing can be offered for, with the reason.
     pub refused: Vec<String>,
     /// What was accepted and made.
     pub applied: Vec<Applied>,
-    /// Disagreements that are still open after that; none if nothing was made.
+    /// Suspects that are still open after that; none if nothing was made.
     pub open_after: Option<Vec<Open>>,
 }
 
-/// A disagreement that is open.
+/// A suspect that nothing has mended yet.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Open {
-    /// Its number in the study's order, from 1.
-    pub suspect: usize,
+    /// Its rank, as `diagnose` and the report show it.
+    pub suspect: u32,
     /// Its headline.
     pub title: String,
+    /// Disagreement that goes away without it, in decades.
+    pub score: f64,
+    /// What is offered against it, by the proposals' numbers.
+    pub proposals: Vec<usize>,
 }
 
 impl Open {
-    /// All of a result.
-    pub fn all(result: &StudyResult) -> Vec<Self> {
-        let numbered = result.discrepancies.iter().enumerate();
-        numbered
-            .filter(|(_, d)| d.resolved_by.is_none())
-            .map(|(place, d)| Self {
-                suspect: place + 1,
-                title: d.title.clone(),
-            })
-            .collect()
+    /// All of a result, with what is offered against each.
+    pub fn all(result: &StudyResult, proposals: &[Proposal]) -> Vec<Self> {
+        let open = result.suspected().iter().filter(|it| it.is_open());
+        open.map(|it| {
+            let own = proposals.iter().filter(|p| p.suspect == Some(it.rank));
+            Self {
+                suspect: it.rank,
+                title: it.title.clone(),
+                score: it.score,
+                proposals: own.map(|p| p.number).collect(),
+            }
+        })
+        .collect()
     }
 }
 
@@ -55,7 +62,7 @@ impl RefineReport {
     }
 
     fn write(&self, text: &mut String) -> std::fmt::Result {
-        write_open(text, "Open disagreements", &self.open)?;
+        write_open(text, "Open suspects", &self.open)?;
         if self.proposals.is_empty() {
             writeln!(text, "Nothing is offered.")?;
         }
@@ -75,7 +82,7 @@ impl RefineReport {
         }
         if let Some(open) = &self.open_after {
             writeln!(text)?;
-            write_open(text, "Open disagreements now", open)?;
+            write_open(text, "Open suspects now", open)?;
         }
         Ok(())
     }
@@ -84,7 +91,19 @@ impl RefineReport {
 fn write_open(text: &mut String, heading: &str, open: &[Open]) -> std::fmt::Result {
     writeln!(text, "{heading}: {}", open.len())?;
     for it in open {
-        writeln!(text, "  suspect {}: {}", it.suspect, it.title)?;
+        write!(
+            text,
+            "  suspect {} (score {:.1}): {}",
+            it.suspect, it.score, it.title
+        )?;
+        match it.proposals.as_slice() {
+            [] => writeln!(text)?,
+            [one] => writeln!(text, " (proposal {one})")?,
+            more => {
+                let numbers: Vec<String> = more.iter().map(usize::to_string).collect();
+                writeln!(text, " (proposals {})", numbers.join(", "))?;
+            }
+        }
     }
     writeln!(text)
 }

@@ -5,7 +5,7 @@
 //! known once it has run: hundreds of episodes.
 
 use super::ledger_text::{Names, NewEntry, SetTo};
-use super::proposal::{Change, Offered, Proposal, suspect};
+use super::proposal::{Change, Offered, Proposal};
 use crate::problem::{Problem, Source};
 use crate::study::{Entry, Study, Work};
 use evidence::{Measure, StudyResult, Subject};
@@ -45,20 +45,17 @@ struct Named {
     name: String,
 }
 
-/// What is offered for a simulation.
+/// What is offered for a simulation that is suspected for these failure modes.
 pub fn of_simulator(
     study: &Study,
     result: &StudyResult,
     entry: &Entry,
+    (suspect, disagrees): (Option<u32>, &[String]),
     offered: &mut Offered,
 ) -> Result<(), Problem> {
     let Work::Simulate { parameters, .. } = &entry.work else {
         return Ok(());
     };
-    let disagrees = disagreeing(result, &entry.id);
-    if disagrees.is_empty() {
-        return Ok(());
-    }
     let Some((file, text)) = calibration(study, parameters)? else {
         offered.refused.push(format!(
             "{} of {}: no file of the study says which of {} may be fitted (`corroborate help calibrate`).",
@@ -76,8 +73,7 @@ pub fn of_simulator(
             entry.id,
             rates(result, &entry.id, &subject)
         );
-        let place = suspect(result, &entry.id, &subject);
-        offered.add(proposal(entry, parameters, place, reason, file, text));
+        offered.add(proposal(entry, parameters, suspect, reason, file, text));
     }
     Ok(())
 }
@@ -85,7 +81,7 @@ pub fn of_simulator(
 fn proposal(
     entry: &Entry,
     parameters: &Path,
-    suspect: Option<usize>,
+    suspect: Option<u32>,
     reason: String,
     file: PathBuf,
     text: Text,
@@ -125,25 +121,6 @@ fn proposal(
             name: text.name,
         }),
     }
-}
-
-/// The failure modes on which an entry conflicts with others and is not mended.
-fn disagreeing(result: &StudyResult, id: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for discrepancy in &result.discrepancies {
-        let is_first = discrepancy.evidence.first().is_some_and(|e| e == id);
-        if !is_first || discrepancy.resolved_by.is_some() {
-            continue;
-        }
-        for subject in &discrepancy.subjects {
-            if let Subject::FailureMode(mode) = subject
-                && !found.contains(mode)
-            {
-                found.push(mode.clone());
-            }
-        }
-    }
-    found
 }
 
 fn rates(result: &StudyResult, id: &str, subject: &Subject) -> String {
@@ -193,17 +170,26 @@ impl Recalibration {
         }
     }
 
-    /// The entry that simulates with them.
-    pub fn new_entry(&self, entry: &Entry, id: String, target: &str) -> NewEntry {
+    /// The entry that simulates with them, as many episodes as before unless told otherwise.
+    pub fn new_entry(
+        &self,
+        entry: &Entry,
+        id: String,
+        target: &str,
+        episodes: Option<u64>,
+    ) -> NewEntry {
         let mut assets = Vec::new();
         if let Work::Simulate {
-            scenario, episodes, ..
+            scenario,
+            episodes: before,
+            ..
         } = &entry.work
         {
+            let episodes = episodes.unwrap_or(*before);
             let scenario = scenario.to_string_lossy().replace('\\', "/");
             assets.push(("scenario", scenario.into()));
             assets.push(("parameters", target.into()));
-            assets.push(("episodes", i64::try_from(*episodes).unwrap_or(100).into()));
+            assets.push(("episodes", i64::try_from(episodes).unwrap_or(100).into()));
         }
         let all = self.parameters.join(", ");
         let set_to = self.fit.iter().map(|mode| SetTo {

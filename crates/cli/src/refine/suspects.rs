@@ -1,62 +1,116 @@
-//! What is offered against the suspects of the diagnosis: forms by those of their sentences, a sound method first, a
-//! smaller time step, names of a table exchanged.
+//! What is offered against the suspects, in their order, and the rest of what the models' failures ask for.
 //!
 //! The suspects are those of `corroborate diagnose`, where one was made of the same evidence; else what the evidence
-//! itself shows.
+//! itself shows. Only current evidence is changed: what later evidence of the technique replaced stays as it is.
 
-use super::proposal::{Change, Offered, Proposal};
+use super::forms::of_forms;
+use super::proposal::{Asset, Change, Offered, Proposal, asked, current, ground, model_proposal};
+use super::simulator::of_simulator;
+use super::solver::Solver;
 use crate::problem::{Problem, Source};
-use crate::study::{Study, Work};
-use evidence::{Matter, StudyResult, Suspect, SuspectKind, rank};
-use refinement::{FormChange, Ground, Offer, TextChange, unified};
+use crate::study::{Entry, Study, Work};
+use evidence::{StudyResult, Suspect};
+use refinement::{FormChange, Model, Offer, Ranked, TextChange, unified};
 use std::path::PathBuf;
 
-/// What is offered for the suspects that are neither a formal model nor a simulation.
-pub fn of_suspects(
-    study: &Study,
-    result: &StudyResult,
-    offered: &mut Offered,
-) -> Result<(), Problem> {
-    let ground = Ground {
-        evidence: &result.evidence,
-        requirements: &study.requirements,
-        failure_modes: &study.failure_modes,
-        confidence: result.confidence,
-    };
-    for suspect in suspects(result) {
-        if matches!(
-            suspect.asset.kind,
-            SuspectKind::FormalModel | SuspectKind::Simulation
-        ) {
-            continue;
-        }
-        let offers = ground.of_suspect(&suspect, &|_| None);
-        for offer in offers.unwrap_or_default() {
-            match offer {
-                Offer::Form(change) => of_form(study, &suspect, change, offered),
-                Offer::Text { evidence, change } => {
-                    of_text(study, &suspect, &evidence, change, offered)?;
-                }
-                Offer::Model { .. } | Offer::Parameters { .. } => {}
-            }
+/// All that is offered for a study's result.
+pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
+    let mut sources = Vec::new();
+    for entry in current(study) {
+        if let Work::Check { model, .. } = &entry.work {
+            let source = Source::read(&study.folder.join(model))?;
+            sources.push((entry, model, source.text, solver.at(model)));
         }
     }
-    Ok(())
+    let asked = asked(study);
+    let models = sources.iter().map(|(entry, _, text, solver)| Model {
+        evidence: &entry.id,
+        text,
+        asked: &asked,
+        solver,
+    });
+    let models: Vec<Model<'_>> = models.collect();
+    let assets = sources
+        .iter()
+        .map(|(entry, path, text, _)| Asset { entry, path, text });
+    let assets: Vec<Asset<'_>> = assets.collect();
+    let simulations = current(study)
+        .into_iter()
+        .filter(|entry| is_simulated(entry));
+    let simulations: Vec<&str> = simulations.map(|entry| entry.id.as_str()).collect();
+    let found = ground(study, result).against(result.suspected(), &models, &simulations);
+    let found = found.map_err(|reason| solver.problem(reason))?;
+    let mut offering = Offering {
+        study,
+        result,
+        solver,
+        assets,
+        offered: Offered::default(),
+    };
+    for ranked in found.ranked {
+        offering.add(ranked)?;
+    }
+    let mut offered = offering.offered;
+    offered.refused.extend(found.refused);
+    of_forms(study, result, &mut offered);
+    Ok(offered)
 }
 
-fn suspects(result: &StudyResult) -> Vec<Suspect> {
-    if let Some(diagnosis) = &result.diagnosis {
-        return diagnosis.suspects.clone();
+fn is_simulated(entry: &Entry) -> bool {
+    matches!(entry.work, Work::Simulate { .. })
+}
+
+/// Offers on their way to proposals.
+struct Offering<'a> {
+    study: &'a Study,
+    result: &'a StudyResult,
+    solver: &'a Solver<'a>,
+    assets: Vec<Asset<'a>>,
+    offered: Offered,
+}
+
+impl Offering<'_> {
+    fn add(&mut self, Ranked { suspect, offer }: Ranked) -> Result<(), Problem> {
+        let mut all = self.result.suspected().iter();
+        let of = all.find(|it| Some(it.rank) == suspect);
+        match (offer, of) {
+            (
+                Offer::Model {
+                    evidence,
+                    change,
+                    changed,
+                },
+                _,
+            ) => {
+                let mut all = self.assets.iter();
+                if let Some(asset) = all.find(|asset| asset.entry.id == evidence) {
+                    let before = self.solver.values(asset.path, asset.text)?;
+                    let change = (change, changed);
+                    let new = model_proposal(self.result, asset, &before, suspect, change);
+                    self.offered.add(new);
+                }
+            }
+            (Offer::Form(change), Some(of)) => of_form(self.study, of, change, &mut self.offered),
+            (Offer::Text { evidence, change }, Some(of)) => {
+                of_text(self.study, of, &evidence, change, &mut self.offered)?;
+            }
+            (Offer::Parameters { evidence, counts }, _) => {
+                let mut all = current(self.study).into_iter();
+                if let Some(entry) = all.find(|entry| entry.id == evidence) {
+                    let modes: Vec<String> = counts.into_iter().map(|(mode, _)| mode).collect();
+                    of_simulator(
+                        self.study,
+                        self.result,
+                        entry,
+                        (suspect, &modes),
+                        &mut self.offered,
+                    )?;
+                }
+            }
+            (Offer::Form(_) | Offer::Text { .. }, None) => {}
+        }
+        Ok(())
     }
-    let matter = Matter {
-        requirements: &result.requirements,
-        failure_modes: &result.failure_modes,
-        evidence: &result.evidence,
-        comparisons: &result.comparisons,
-        cells: &[],
-        study: "",
-    };
-    rank(&matter, Vec::new())
 }
 
 fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut Offered) {
@@ -83,7 +137,7 @@ fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut O
 fn of(suspect: &Suspect, change: Change) -> Proposal {
     Proposal {
         number: 0,
-        suspect: None,
+        suspect: Some(suspect.rank),
         title: String::new(),
         reason: format!("{}. {}", capital(&suspect.title), suspect.explanation),
         file: String::new(),

@@ -62,10 +62,7 @@ fn branch(mode: &str, occurs: &str, after: &str, counts: Counts) -> ModelChange 
 fn the_first_model_becomes_the_fifth_by_offered_changes() {
     let study = Study::load(&handover()).expect("the handover");
     let interrupt = Interrupt::default();
-    let solver = Solver {
-        study: &study,
-        interrupt: &interrupt,
-    };
+    let solver = Solver::new(&study, &interrupt);
     let path = Path::new("models/handover_v1.prism");
     let first = std::fs::read_to_string(handover().join(path)).expect("a model");
     let (mode, occurs) = denied("pressure");
@@ -116,10 +113,7 @@ fn the_first_model_becomes_the_fifth_by_offered_changes() {
 fn a_change_that_does_not_give_the_rate_is_not_made() {
     let study = Study::load(&handover()).expect("the handover");
     let interrupt = Interrupt::default();
-    let solver = Solver {
-        study: &study,
-        interrupt: &interrupt,
-    };
+    let solver = Solver::new(&study, &interrupt);
     let path = Path::new("models/handover_v3.prism");
     let text = std::fs::read_to_string(handover().join(path)).expect("a model");
     // Nothing that the humans module assigns is a robot's state.

@@ -196,6 +196,15 @@ impl Method {
         }
     }
 
+    /// The name of a method of the checker.
+    pub fn name_of_checker(method: checker::Method) -> &'static str {
+        match method {
+            checker::Method::Sound => Method::Sound.name(),
+            checker::Method::PrismDefault => Method::PrismDefault.name(),
+            checker::Method::Exact => Method::Exact.name(),
+        }
+    }
+
     /// Its name in evidence, reports and on the command line.
     pub fn name(self) -> &'static str {
         match self {

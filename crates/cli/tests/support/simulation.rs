@@ -1,12 +1,36 @@
 //! What tests need that simulate the handover: its folder, the physics library and a program that knows it.
 
 use super::program::{Said, command};
-use super::root;
+use super::{read, root};
 use std::path::{Path, PathBuf};
 
 /// The case study's folder.
 pub fn handover() -> PathBuf {
     root().join("case-studies/handover")
+}
+
+/// The ledger's entries with these identifiers, in its order, without what they
+/// say of entries that are left out.
+pub fn keep_only(folder: &Path, wanted: &[&str]) {
+    let path = folder.join("ledger.toml");
+    let text = read(&path);
+    let mut parts = text.split("[[evidence]]");
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        if wanted
+            .iter()
+            .any(|id| part.contains(&format!("id = \"{id}\"")))
+        {
+            let lines = part
+                .lines()
+                .filter(|line| !line.starts_with("reproduced_by"))
+                .filter(|line| !line.starts_with("published."));
+            kept.push_str("[[evidence]]");
+            kept.push_str(&lines.collect::<Vec<_>>().join("\n"));
+            kept.push('\n');
+        }
+    }
+    std::fs::write(path, kept).expect("written");
 }
 
 /// The physics library. `None` if it is missing, which is said; in continuous integration nothing may be missing.

@@ -15,9 +15,9 @@
 //!
 //! # Source
 //! A. O'Hagan, J. W. Stevens and M. J. Campbell, "Assurance in clinical trial design" (2005), with
-//! the decisions of this project. Conflicts are planned at Bonferroni's level for the number of
-//! comparisons, a little more than Holm's correction asks for, and by Fisher's test, which is never
-//! more powerful than Boschloo's and much quicker: a decision is a little likelier than planned.
+//! the decisions of this project. Conflicts are planned at the level that closed testing leaves the
+//! pair (see `further`), and by Fisher's test, which is never more powerful than Boschloo's and much
+//! quicker: a decision is a little likelier than planned.
 //!
 //! # Deviation
 //! For each outcome of one side, the undecided outcomes of the other are two runs about equality,
@@ -94,11 +94,12 @@ pub(crate) struct Planning<'a> {
 }
 
 impl<'a> Planning<'a> {
-    pub fn new(pair: &'a Pair, levels: &Levels, family: usize) -> Self {
+    /// Plans for a decision, where a conflict is shown at the level `conflict`.
+    pub fn new(pair: &'a Pair, levels: &Levels, conflict: Confidence) -> Self {
         Self {
             pair,
             agreement: levels.agreement,
-            conflict: levels.confidence.simultaneous(family),
+            conflict,
             power: levels.power,
             open: (true, true),
         }
@@ -347,9 +348,14 @@ mod tests {
         Levels::new(0.95, 0.95).unwrap()
     }
 
+    /// Plans at Bonferroni's level for a number of comparisons.
+    fn at(pair: &Pair, family: usize) -> Planning<'_> {
+        Planning::new(pair, &levels(), levels().confidence.simultaneous(family))
+    }
+
     /// The chance as the sum over all outcomes of both sides.
     fn by_full_sum(pair: &Pair, family: usize, first: u64, second: u64) -> f64 {
-        let planning = Planning::new(pair, &levels(), family);
+        let planning = at(pair, family);
         let (a, b) = (
             Side::new(pair.first(), first),
             Side::new(pair.second(), second),
@@ -380,7 +386,7 @@ mod tests {
         ];
         for (first, second, margin, n, m) in cases {
             let pair = Pair::new(first, second, margin);
-            let found = Planning::new(&pair, &levels(), 3).chance(n, m);
+            let found = at(&pair, 3).chance(n, m);
             let expected = by_full_sum(&pair, 3, n, m);
             assert!(
                 (found - expected).abs() < 0.01,
@@ -392,7 +398,7 @@ mod tests {
     #[test]
     fn plans_have_the_wanted_chance_and_little_less_has_not() {
         let pair = Pair::new(counts(88, 100), counts(4390, 5000), 0.05);
-        let planning = Planning::new(&pair, &levels(), 10);
+        let planning = at(&pair, 10);
         let plans = planning.plans((1.0, 1.0));
         let all = (plans.first.is_some(), plans.second, plans.both.is_some());
         // The experiment's own variance is too large for simulation alone to decide.
@@ -406,7 +412,7 @@ mod tests {
             );
         }
         let few = Pair::new(counts(88, 100), counts(439, 500), 0.05);
-        let plans = Planning::new(&few, &levels(), 10).plans((1.0, 1.0));
+        let plans = at(&few, 10).plans((1.0, 1.0));
         assert!(
             plans.first.is_none() && plans.both.is_some(),
             "now neither alone decides: {plans:?}"
@@ -416,7 +422,7 @@ mod tests {
     #[test]
     fn dear_trials_are_replaced_by_cheap_ones() {
         let pair = Pair::new(counts(88, 100), counts(44, 50), 0.08);
-        let planning = Planning::new(&pair, &levels(), 1);
+        let planning = at(&pair, 1);
         let equal = planning.plans((1.0, 1.0)).both.unwrap();
         let dear = planning.plans((100.0, 1.0)).both.unwrap();
         assert!(dear.trials.0 < equal.trials.0 && dear.trials.1 > equal.trials.1);
@@ -433,14 +439,11 @@ mod tests {
         let effective = EffectiveSample::at_size(sample, 50.0).unwrap();
         let clustered = Belief::Counts { sample, effective };
         let pair = Pair::new(clustered, known(0.88), 0.05);
-        let plans = Planning::new(&pair, &levels(), 10).plans((1.0, 1.0));
+        let plans = at(&pair, 10).plans((1.0, 1.0));
         assert_eq!((plans.second, plans.both), (None, None));
         // As many as 50 independent trials and twice the further ones would take.
         let plain = Pair::new(counts(44, 50), known(0.88), 0.05);
-        let single = Planning::new(&plain, &levels(), 10)
-            .plans((1.0, 1.0))
-            .first
-            .unwrap();
+        let single = at(&plain, 10).plans((1.0, 1.0)).first.unwrap();
         let ratio = plans.first.unwrap().trials.0 as f64 / single.trials.0 as f64;
         assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
     }

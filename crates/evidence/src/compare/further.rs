@@ -5,13 +5,22 @@
 //! made for each side alone and for both, at the declared cost of one trial of each; a trial is one
 //! that covers the subject (an opportunity of a failure mode, a run to which a requirement
 //! applies). The cheapest plan of all is the first.
+//!
+//! A conflict is planned at the level that closed testing (see `closed`) leaves the pair, if the other comparisons stay
+//! as they are: with `t` groups in which some pair is not rejected and `m > 2` pieces in its own, its p-value has to be
+//! at most `a / t`, and that of the piece against all others of the group together at most `a / (t m)`. The latter is
+//! asked of the pair: together with others that agree with one side it is rather smaller. So with two pieces the level
+//! is exact, and with more somewhat too strict: a decision is a little likelier than planned.
 
-use super::decide::{Plan, Planning};
+use super::closed::MOST_PIECES;
+use super::decide::{Plan, Planning, Plans};
+use super::words::{list, percent};
 use super::{Belief, Study, pair::Pair};
-use crate::{Comparison, Cost, Evidence, Measure, Outcome, Subject};
+use crate::{Comparison, Cost, Evidence, FurtherTrials, Measure, Outcome, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use stats::Confidence;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What one further trial of each piece of evidence costs, all in one unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -121,23 +130,75 @@ pub struct Undecided {
     pub plans: Vec<DecisionPlan>,
 }
 
-/// Plans for every inconclusive comparison, in their order.
+/// Plans for every inconclusive comparison, in their order; each names its further trials from then on.
 ///
 /// `comparisons` are those of [`crate::compare()`] on the same study.
 pub fn undecided(
     study: &Study<'_>,
-    comparisons: &[Comparison],
+    comparisons: &mut [Comparison],
     costs: &TrialCosts,
 ) -> Vec<Undecided> {
-    let family = comparisons
-        .iter()
-        .filter(|comparison| comparison.outcome != Outcome::NotComparable)
-        .count();
-    comparisons
-        .iter()
-        .filter(|comparison| comparison.outcome == Outcome::Inconclusive)
-        .filter_map(|comparison| plans(study, comparison, costs, family))
+    let levels = Conflicts::new(study, comparisons);
+    let open = comparisons.iter_mut();
+    let open = open.filter(|comparison| comparison.outcome == Outcome::Inconclusive);
+    open.filter_map(|comparison| plans(study, comparison, costs, &levels))
         .collect()
+}
+
+/// At which level pairs conflict, as far as it is known before there are further trials.
+struct Conflicts<'a> {
+    study: &'a Study<'a>,
+    /// Groups that are not decided: a pair of them may be equal.
+    undecided_groups: usize,
+    /// Pieces by group.
+    pieces: BTreeMap<(Subject, String), BTreeSet<String>>,
+    /// Pairs that are not decided.
+    undecided_pairs: usize,
+}
+
+impl<'a> Conflicts<'a> {
+    fn new(study: &'a Study<'a>, comparisons: &[Comparison]) -> Self {
+        let mut found = Self {
+            study,
+            undecided_groups: 0,
+            pieces: BTreeMap::new(),
+            undecided_pairs: 0,
+        };
+        let mut undecided = BTreeSet::new();
+        for one in comparisons {
+            let (Some(group), Some(p)) = (found.group(one), one.p_difference_corrected) else {
+                continue;
+            };
+            if p > study.levels.confidence.alpha() {
+                undecided.insert(group.clone());
+                found.undecided_pairs += 1;
+            }
+            let pieces = found.pieces.entry(group).or_default();
+            pieces.extend([one.left.clone(), one.right.clone()]);
+        }
+        found.undecided_groups = undecided.len();
+        found
+    }
+
+    fn group(&self, comparison: &Comparison) -> Option<(Subject, String)> {
+        let mut all = self.study.evidence.iter();
+        let left = all.find(|piece| piece.id == comparison.left)?;
+        Some((comparison.subject.clone(), left.conditions.clone()))
+    }
+
+    /// The p-value from which on a pair conflicts.
+    fn level(&self, comparison: &Comparison) -> Confidence {
+        let group = self.group(comparison);
+        let pieces = group.and_then(|group| self.pieces.get(&group));
+        let pieces = pieces.map_or(2, BTreeSet::len);
+        let is_closed = self.pieces.values().all(|all| all.len() <= MOST_PIECES);
+        let tests = match (is_closed, pieces) {
+            (false, _) => self.undecided_pairs,
+            (true, 2) => self.undecided_groups,
+            (true, more) => self.undecided_groups * more,
+        };
+        self.study.levels.confidence.simultaneous(tests.max(1))
+    }
 }
 
 /// Whether trials can be added: not to what others published.
@@ -160,29 +221,24 @@ fn is_current(study: &Study<'_>, subject: &Subject, ids: [&String; 2]) -> bool {
 
 fn plans(
     study: &Study<'_>,
-    comparison: &Comparison,
+    comparison: &mut Comparison,
     costs: &TrialCosts,
-    family: usize,
+    levels: &Conflicts<'_>,
 ) -> Option<Undecided> {
     let piece = |id: &str| study.evidence.iter().find(|piece| piece.id == id);
     let belief = |piece: &Evidence| Belief::of(&piece.finding(&comparison.subject)?.measure).ok();
-    let (left, right) = (&comparison.left, &comparison.right);
-    let (first, second) = (piece(left)?, piece(right)?);
+    let (first, second) = (piece(&comparison.left)?, piece(&comparison.right)?);
     let pair = Pair::new(belief(first)?, belief(second)?, comparison.margin);
     let open = (is_open(first), is_open(second));
-    let all = Planning::new(&pair, &study.levels, family)
+    let plans = Planning::new(&pair, &study.levels, levels.level(comparison))
         .with_open_sides(open)
-        .plans((costs.of(left), costs.of(right)))
-        .by_cost();
-    let trials = |plan: &Plan| {
-        [(left, plan.trials.0), (right, plan.trials.1)]
-            .into_iter()
-            .filter(|(_, trials)| *trials > 0)
-            .map(|(evidence, trials)| PlannedTrials {
-                evidence: evidence.clone(),
-                trials,
-            })
-            .collect()
+        .plans((costs.of(&first.id), costs.of(&second.id)));
+    name_trials(comparison, (&pair, open), &plans);
+    let (left, right) = (&comparison.left, &comparison.right);
+    let planned = |plan: &Plan| DecisionPlan {
+        trials: planned_trials(plan, [left, right]),
+        cost: plan.cost,
+        chance: plan.chance,
     };
     Some(Undecided {
         subject: comparison.subject.clone(),
@@ -190,13 +246,57 @@ fn plans(
         right: right.clone(),
         unit: costs.unit.clone(),
         current: is_current(study, &comparison.subject, [left, right]),
-        plans: all
-            .iter()
-            .map(|plan| DecisionPlan {
-                trials: trials(plan),
-                cost: plan.cost,
-                chance: plan.chance,
-            })
-            .collect(),
+        plans: plans.by_cost().iter().map(planned).collect(),
     })
+}
+
+fn planned_trials(plan: &Plan, sides: [&String; 2]) -> Vec<PlannedTrials> {
+    let trials = [plan.trials.0, plan.trials.1];
+    let wanted = sides.into_iter().zip(trials).filter(|(_, n)| *n > 0);
+    wanted
+        .map(|(evidence, trials)| PlannedTrials {
+            evidence: evidence.clone(),
+            trials,
+        })
+        .collect()
+}
+
+/// Says of an undecided pair how many trials of each side alone would decide it, and what is cheapest.
+fn name_trials(comparison: &mut Comparison, (pair, open): (&Pair, (bool, bool)), plans: &Plans) {
+    let sides = [
+        (
+            &comparison.left,
+            pair.first(),
+            open.0,
+            plans.first.map(|plan| plan.trials.0),
+        ),
+        (
+            &comparison.right,
+            pair.second(),
+            open.1,
+            plans.second.map(|plan| plan.trials.1),
+        ),
+    ];
+    let counted = sides
+        .into_iter()
+        .filter(|(_, belief, open, _)| *open && belief.design_effect().is_some());
+    let further = counted.map(|(evidence, _, _, trials)| FurtherTrials {
+        evidence: evidence.clone(),
+        trials,
+    });
+    comparison.further_trials = further.collect();
+    let words = match plans.cheapest() {
+        Some(plan) => plan_in_words(&plan, [&comparison.left, &comparison.right]),
+        None => " Further trials alone would not decide.".to_owned(),
+    };
+    comparison.reason.push_str(&words);
+}
+
+fn plan_in_words(plan: &Plan, sides: [&String; 2]) -> String {
+    let planned = planned_trials(plan, sides).into_iter();
+    let parts: Vec<String> = planned
+        .map(|it| format!("{} further trials in {}", it.trials, it.evidence))
+        .collect();
+    let chance = percent(plan.chance.min(0.999));
+    format!(" {} would decide with a chance of {chance}.", list(&parts))
 }

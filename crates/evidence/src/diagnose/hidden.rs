@@ -6,15 +6,12 @@
 //! strength `c(A, B)` (or `c(A, C)`), at most [`UNHARMFUL`], since no conflict hangs on it.
 
 use super::matter::{Clue, Matter, name_of, system_model};
-use super::strength::{Rate, strength};
+use super::strength::{Rate, STRONG, strength};
 use super::suspect::{Cell, Figure, JudgedBy, Symptom};
 use crate::{Evidence, Inaccuracy, Subject, Technique};
 
 /// The most that a difference counts on which no conflict hangs.
 const UNHARMFUL: f64 = 2.0;
-
-/// What is strong evidence, in decades.
-const STRONG: f64 = 1.0;
 
 impl Matter<'_> {
     /// Clues against system models that differ by the property on both, and do not conflict otherwise.

@@ -243,7 +243,10 @@ pub(super) fn rate_in_words(piece: &Evidence, subject: &Subject) -> String {
 
 /// A subject for people.
 pub(super) fn name_of(subject: &Subject) -> String {
-    super::name_of(subject)
+    match subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => id.replace('_', " "),
+    }
 }
 
 impl Suspect {

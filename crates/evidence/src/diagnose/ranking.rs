@@ -7,11 +7,14 @@
 //! the strongest counts. Suspects are ranked by score; of equal ones tools come first, then requirement
 //! models, then system models (the cheapest to look at first), then by the order of the ledger.
 //!
+//! A suspect is mended if the clues of strong evidence against it all are ([`STRONG`]; without such ones, all), by the
+//! evidence that mends the strongest of them.
+//!
 //! The suspect's title and first words are those of its strongest clue, the rest of the [`SAID`] strongest.
 
 use super::matter::{Clue, Matter};
 use super::shared::share_with_tools;
-use super::strength::CERTAIN;
+use super::strength::{CERTAIN, STRONG};
 use super::suspect::{Suspect, SuspectAsset};
 use crate::{Inaccuracy, Subject};
 use std::collections::BTreeMap;
@@ -96,6 +99,7 @@ fn order(inaccuracy: Inaccuracy) -> u8 {
 /// All clues against one asset, the strongest first, as one suspect.
 fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
     let score = score(&clues);
+    let mended = mended(&clues);
     let mut clues = clues.into_iter();
     let mut suspect = Suspect::of(clues.next()?);
     let mut said = 1;
@@ -116,7 +120,6 @@ fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
                 suspect.ruled_out.push(reason);
             }
         }
-        suspect.resolved_by = suspect.resolved_by.or(clue.resolved_by);
     }
     let mut kept: Vec<crate::Witness> = Vec::new();
     for witness in std::mem::take(&mut suspect.witnesses) {
@@ -127,7 +130,20 @@ fn suspect(asset: SuspectAsset, clues: Vec<Clue>) -> Option<Suspect> {
     suspect.witnesses = kept;
     suspect.asset = asset;
     suspect.score = score;
+    suspect.resolved_by = mended;
     Some(suspect)
+}
+
+/// The evidence that mends all that counts against an asset; `clues` are sorted, the strongest first.
+fn mended(clues: &[Clue]) -> Option<String> {
+    let strong = clues.iter().filter(|clue| clue.score >= STRONG).count();
+    let counting = match strong {
+        0 => clues,
+        _ => &clues[..strong],
+    };
+    let is_mended = counting.iter().all(|clue| clue.resolved_by.is_some());
+    let first = counting.first().filter(|_| is_mended);
+    first.and_then(|clue| clue.resolved_by.clone())
 }
 
 fn score(clues: &[Clue]) -> f64 {

@@ -21,13 +21,11 @@
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
 //! the shares add up to the conflict. Each conflict gives at least one clue.
 
+use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
-use super::strength::{CERTAIN, Rate, ln_together, strength};
-use super::suspect::{Figure, SuspectAsset, SuspectKind, Symptom};
+use super::strength::{CERTAIN, Rate, STRONG, ln_together, strength};
+use super::suspect::{Figure, ODD_ONE_OUT, SuspectAsset, SuspectKind, Symptom};
 use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Technique};
-
-/// What is strong evidence, in decades.
-const STRONG: f64 = 1.0;
 
 /// The most that two models count against each other: they differ for certain, but only data say which is wrong.
 const MODELS: f64 = 2.0;
@@ -201,7 +199,11 @@ impl<'a> Matter<'a> {
             asset: requirement_form(subject, doubted, &[&piece.id]),
             subject: subject.clone(),
             score: whole - like.left,
-            title: format!("the {doubted} of {} explains a conflict", name_of(subject)),
+            title: format!(
+                "the {} of {} explains a conflict",
+                named(doubted),
+                name_of(subject)
+            ),
             explanation: format!(
                 "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}",
                 like.form, like.left
@@ -321,7 +323,7 @@ impl<'a> Matter<'a> {
             },
             figures: vec![
                 figure("conflict, decades", left),
-                figure("probability of being the odd one out", share),
+                figure(ODD_ONE_OUT, share),
             ],
             witnesses: self.witnesses(piece, &runs, &format!("{} shows", name_of(subject))),
             ruled_out: self.alike(piece, subject),
@@ -408,6 +410,14 @@ fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate> {
         Some(Rate::Computed(0.0))
     } else {
         Rate::of(measure)
+    }
+}
+
+/// A form for people.
+fn named(form: &str) -> String {
+    match form {
+        "property" | "monitor" | SENTENCE => form.to_owned(),
+        reading => format!("reading `{reading}`"),
     }
 }
 

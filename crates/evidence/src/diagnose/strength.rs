@@ -29,6 +29,9 @@
 use crate::Measure;
 use stats::special::ln_gamma;
 
+/// What is strong evidence, in decades: a Bayes factor of 10, by Jeffreys' scale.
+pub const STRONG: f64 = 1.0;
+
 /// The strength of what cannot be otherwise: a greater one is cut to this.
 pub const CERTAIN: f64 = 100.0;
 

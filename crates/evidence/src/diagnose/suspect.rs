@@ -1,8 +1,12 @@
 //! Suspects: assets that explain disagreements, ranked; and the matrix of cells they follow from.
 
+use super::strength::STRONG;
 use crate::{Inaccuracy, Interval, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// The name of a figure: the probability that an asset is the odd one out of a conflict.
+pub(super) const ODD_ONE_OUT: &str = "probability of being the odd one out";
 
 /// What kind of thing is suspected.
 #[derive(
@@ -80,15 +84,15 @@ pub enum Symptom {
         /// Of how many.
         runs: u64,
     },
-    /// A form's limit is not the declared one.
+    /// A form's limit is not the declared one, or a model's constant not the counts that it is said to be set to.
     Drifted {
-        /// The requirement.
+        /// The requirement, or what the constant is the rate of.
         subject: Subject,
-        /// The form: `property`, `monitor`, or a reading's name.
+        /// The form (`property`, `monitor`, or a reading's name), or the constant's name.
         form: String,
-        /// What the requirement declares, in words.
+        /// What is declared, in words.
         required: String,
-        /// What the form says, in words.
+        /// What it has, in words.
         found: String,
     },
     /// An event of the simulator or of a recording has no counterpart in the model.
@@ -195,6 +199,27 @@ pub struct Suspect {
     pub resolved_by: Option<String>,
 }
 
+impl Suspect {
+    /// Whether nothing has mended it yet.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.resolved_by.is_none()
+    }
+
+    /// Whether what speaks against it is strong evidence: [`STRONG`] or more.
+    #[must_use]
+    pub fn is_strong(&self) -> bool {
+        self.score >= STRONG
+    }
+
+    /// The greatest probability that it is the odd one out of a conflict; none if it is suspected for something else.
+    #[must_use]
+    pub fn odd_one_out(&self) -> Option<f64> {
+        let figures = self.figures.iter().filter(|f| f.name == ODD_ONE_OUT);
+        figures.map(|f| f.value).max_by(f64::total_cmp)
+    }
+}
+
 /// What is judged in a cell of the matrix.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
@@ -268,11 +293,25 @@ pub struct Contrast {
     pub differing: Option<u64>,
 }
 
+/// How much a diagnosis looked at.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Effort {
+    /// Paths that were sampled from each formal model.
+    pub paths: u64,
+    /// Episodes that were run again with half the time step, if any.
+    pub half_step: Option<u64>,
+    /// Episodes that were run in the other engine, too, if any.
+    pub engines: Option<u64>,
+}
+
 /// What changing one asset at a time shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Diagnosis {
     /// Hash of all that it was made from.
     pub inputs: String,
+    /// How much was looked at.
+    #[serde(default)]
+    pub effort: Effort,
     /// The matrix.
     pub cells: Vec<Cell>,
     /// Pairs of cells that differ in one asset.

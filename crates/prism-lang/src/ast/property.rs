@@ -1,6 +1,6 @@
 //! What only properties contain.
 
-use super::{Constant, Expr, Formula, Label, Name};
+use super::{BinaryOp, Constant, Expr, Formula, Label, Name};
 use crate::diagnostic::Span;
 
 /// The comparison of a probability or an expectation with its bound.
@@ -17,6 +17,16 @@ pub enum Comparison {
 }
 
 impl Comparison {
+    /// The same as an operator of expressions.
+    pub fn operator(self) -> BinaryOp {
+        match self {
+            Self::Less => BinaryOp::Less,
+            Self::LessEqual => BinaryOp::LessEqual,
+            Self::Greater => BinaryOp::Greater,
+            Self::GreaterEqual => BinaryOp::GreaterEqual,
+        }
+    }
+
     /// The comparison as written.
     pub fn symbol(self) -> &'static str {
         match self {

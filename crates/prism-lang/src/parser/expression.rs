@@ -184,6 +184,9 @@ impl Parser<'_> {
         if token.kind != TokenKind::Symbol || self.is_doubled("<") {
             return None;
         }
+        if self.takes_condition && self.is_doubled("|") {
+            return None;
+        }
         binary_of(token.text).filter(|op| level_of(*op) >= least)
     }
 
@@ -306,7 +309,11 @@ impl Parser<'_> {
 
     fn parenthesised(&mut self, context: Context) -> Parse<Node> {
         let open = self.advance();
-        let inside = self.nested(|p| p.temporal_binary(context))?;
+        // In parentheses, `||` is not what separates a condition.
+        let outside = std::mem::replace(&mut self.takes_condition, false);
+        let inside = self.nested(|p| p.temporal_binary(context));
+        self.takes_condition = outside;
+        let inside = inside?;
         if self.is_symbol(")") {
             self.advance();
             return Ok(inside);

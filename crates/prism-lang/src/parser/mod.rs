@@ -39,6 +39,8 @@ struct Parser<'t> {
     depth: usize,
     /// Whether too deep a nesting has been reported.
     is_too_deep: bool,
+    /// Whether `||` ends the formula that is read: it then separates what is asked for from what is given.
+    takes_condition: bool,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -51,6 +53,7 @@ impl<'t> Parser<'t> {
             at: 0,
             depth: 0,
             is_too_deep: false,
+            takes_condition: false,
             diagnostics,
         }
     }

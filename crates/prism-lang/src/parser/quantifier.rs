@@ -14,22 +14,39 @@ use crate::lexer::{Token, TokenKind};
 type QueryBound = Option<(Comparison, Box<Expr>)>;
 
 impl Parser<'_> {
-    /// Reads `P=? [ ... ]`, `Pmax=? [ ... ]`, `P>=p [ ... ]`.
+    /// Reads `P=? [ ... ]`, `Pmax=? [ ... ]`, `P>=p [ ... ]`, `P=? [ ... || ... ]`.
     pub(super) fn probability(&mut self, context: Context) -> Parse<Node> {
         let operator = self.operator_letter(context, "P");
         let optimum = self.optimum(&operator);
         let bound = self.query_bound(optimum, "P")?;
         self.expect("[")?;
-        let path = self.nested(|p| p.temporal_binary(Context::Path))?;
+        let path = self.formula_before_condition(true)?;
+        let (mut condition, mut height) = (None, path.height);
+        if self.is_doubled("|") {
+            self.advance();
+            self.advance();
+            let given = self.formula_before_condition(false)?;
+            height = height.max(given.height);
+            condition = Some(Box::new(given.expr));
+        }
         let filter = self.state_filter(bound.is_some())?;
         let close = self.expect("]")?;
         let kind = ExprKind::Probability {
             optimum,
             bound,
             path: Box::new(path.expr),
+            condition,
             filter: filter.map(Box::new),
         };
-        Ok(self.node(kind, operator.span.to(close), path.height + 1))
+        Ok(self.node(kind, operator.span.to(close), height + 1))
+    }
+
+    /// Reads a path formula that a condition may or may not follow.
+    fn formula_before_condition(&mut self, takes_condition: bool) -> Parse<Node> {
+        let outside = std::mem::replace(&mut self.takes_condition, takes_condition);
+        let found = self.nested(|p| p.temporal_binary(Context::Path));
+        self.takes_condition = outside;
+        found
     }
 
     /// Reads `S=? [ ... ]`, `S>=p [ ... ]`.

@@ -16,10 +16,14 @@ pub(super) fn write_operator(f: &mut Formatter<'_>, kind: &ExprKind) -> fmt::Res
             optimum,
             bound,
             path,
+            condition,
             filter,
         } => {
             write_query(f, "P", *optimum, bound.as_ref())?;
             write!(f, " [ {path}")?;
+            if let Some(condition) = condition {
+                write!(f, " || {condition}")?;
+            }
             write_state_filter(f, filter.as_deref())?;
             f.write_str(" ]")
         }

@@ -17,6 +17,16 @@ pub enum Quantity {
         /// The path formula.
         path: Box<Path>,
     },
+    /// The probability of a path formula, given that another one holds: least or greatest over the schedulers
+    /// under which that is possible, if the model has choices.
+    Conditional {
+        /// `min` or `max`; none in a model without choices.
+        optimum: Option<Optimum>,
+        /// The path formula.
+        path: Box<Path>,
+        /// What is given.
+        condition: Box<Path>,
+    },
     /// An expected reward: least or greatest over schedulers, if the model has choices.
     Reward {
         /// `min` or `max`; none in a model without choices.
@@ -44,7 +54,10 @@ impl Quantity {
         let join = |a: Type, b: Type| if a == Type::Int { b } else { a };
         match self {
             Self::Expr(expr) => expr.ty,
-            Self::Probability { .. } | Self::Reward { .. } | Self::LongRun(_) => Type::Double,
+            Self::Probability { .. }
+            | Self::Conditional { .. }
+            | Self::Reward { .. }
+            | Self::LongRun(_) => Type::Double,
             Self::Minus(operand) => operand.ty(),
             Self::Binary(BinaryOp::Divide, ..) => Type::Double,
             Self::Binary(_, a, b) | Self::Choice(_, a, b) => join(a.ty(), b.ty()),

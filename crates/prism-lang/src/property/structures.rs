@@ -85,6 +85,9 @@ fn in_quantity(quantity: &Quantity, found: &mut Found) {
     match quantity {
         Quantity::Expr(_) => {}
         Quantity::Probability { path, .. } => in_path(path, found),
+        Quantity::Conditional {
+            path, condition, ..
+        } => [path, condition].iter().for_each(|p| in_path(p, found)),
         Quantity::Reward { reward, .. } => in_query(reward, found),
         Quantity::LongRun(states) => in_state(states, found),
         Quantity::Minus(a) => in_quantity(a, found),

@@ -21,9 +21,13 @@ impl<'a> PropertyResolver<'a> {
                 optimum,
                 bound,
                 path,
+                condition,
                 filter,
             } => {
-                let formula = self.probability(*optimum, bound, path, expr.span);
+                let formula = match condition {
+                    Some(given) => self.conditional(*optimum, bound, (path, given), expr.span),
+                    None => self.probability(*optimum, bound, path, expr.span),
+                };
                 (formula, filter.as_deref())
             }
             ExprKind::LongRun {
@@ -55,6 +59,48 @@ impl<'a> PropertyResolver<'a> {
             Some(bound) => Formula::State(StateFormula::Probability { bound, path }),
             None => Formula::Number(Quantity::Probability { optimum, path }),
         })
+    }
+
+    /// `P=? [ path || condition ]`; with a bound, a comparison of the worst case.
+    fn conditional(
+        &mut self,
+        optimum: Option<Optimum>,
+        bound: &'a WrittenBound,
+        (path, condition): (&'a ast::Expr, &'a ast::Expr),
+        span: Span,
+    ) -> Option<Formula> {
+        let limit = self.bound(bound, true);
+        let optimum = self.optimum("P", optimum, matches!(limit, Some(None)), span);
+        let path = self.path(path);
+        let given = Box::new(self.path(condition)?);
+        if matches!(*given, Path::State(_)) {
+            let message = "what stands behind `||` is a condition on paths, but this has no temporal operator.";
+            let error = Diagnostic::error("condition", condition.span, message);
+            let remedy =
+                "Write `|` if one of the two is to hold, or for example `P=? [ F a || G b ]`.";
+            self.scope.report(error.remedy(remedy));
+            return None;
+        }
+        let condition = given;
+        let (path, optimum) = (Box::new(path?), optimum?);
+        let Some((comparison, limit)) = limit? else {
+            return Some(Formula::Number(Quantity::Conditional {
+                optimum,
+                path,
+                condition,
+            }));
+        };
+        let least = matches!(comparison, Comparison::Greater | Comparison::GreaterEqual);
+        let worst = if least { Optimum::Min } else { Optimum::Max };
+        let conditional = Quantity::Conditional {
+            optimum: self.model.model_type.has_choices().then_some(worst),
+            path,
+            condition,
+        };
+        let limit = Quantity::Expr(crate::expr::Expr::double(limit, span));
+        let operator = comparison.operator();
+        let compared = StateFormula::Compare(operator, Box::new(conditional), Box::new(limit));
+        Some(Formula::State(compared))
     }
 
     fn long_run(

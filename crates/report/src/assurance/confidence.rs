@@ -7,7 +7,7 @@ use super::words::{
 };
 use crate::view::View;
 use crate::words::inaccuracy;
-use evidence::{Comparison, Discrepancy, Evidence, Measure, Outcome, Requirement, Subject};
+use evidence::{Comparison, Evidence, Measure, Outcome, Requirement, Subject, Suspect};
 
 /// The argument.
 pub fn argument(view: View) -> Argument {
@@ -60,9 +60,9 @@ fn rely(builder: &mut Builder, parent: usize, view: View, requirement: &Requirem
     agree(builder, goal, view, &subject, &ids, text);
     numbers(builder, goal, id, &pieces);
     let own = Subject::Requirement(id.clone());
-    let touches = |d: &&Discrepancy| d.subjects.contains(&own) || d.subjects.contains(&subject);
-    for discrepancy in view.study.discrepancies.iter().filter(touches) {
-        doubt(builder, goal, id, discrepancy, &ids);
+    let touches = |s: &&Suspect| s.subjects.contains(&own) || s.subjects.contains(&subject);
+    for suspect in view.study.suspected().iter().filter(touches) {
+        doubt(builder, goal, id, suspect, &ids);
     }
 }
 
@@ -86,9 +86,9 @@ fn agree(
         builder.support(goal, Kind::Goal, &format!("{name}-open"), text);
     }
     if let Subject::FailureMode(_) = subject {
-        let of_it = |d: &&Discrepancy| d.subjects.contains(subject);
-        for discrepancy in view.study.discrepancies.iter().filter(of_it) {
-            doubt(builder, goal, &name, discrepancy, ids);
+        let of_it = |s: &&Suspect| s.subjects.contains(subject);
+        for suspect in view.study.suspected().iter().filter(of_it) {
+            doubt(builder, goal, &name, suspect, ids);
         }
     }
 }
@@ -132,21 +132,18 @@ fn numbers(builder: &mut Builder, parent: usize, id: &str, pieces: &[(&Evidence,
     }
 }
 
-/// A discrepancy that touches evidence in use is a reason to doubt it; one
-/// that later evidence mends is a doubt defeated.
-fn doubt(builder: &mut Builder, goal: usize, name: &str, discrepancy: &Discrepancy, ids: &[&str]) {
-    if !discrepancy
-        .evidence
-        .iter()
-        .any(|e| ids.contains(&e.as_str()))
-    {
+/// A suspect on which evidence in use rests is a reason to doubt it, if what speaks against it is strong; one that later
+/// evidence mends is a doubt defeated.
+fn doubt(builder: &mut Builder, goal: usize, name: &str, suspect: &Suspect, ids: &[&str]) {
+    let mut resting = suspect.asset.evidence.iter();
+    if !suspect.is_strong() || !resting.any(|e| ids.contains(&e.as_str())) {
         return;
     }
     let name = format!("{name}-doubt");
-    let kind = inaccuracy(discrepancy.inaccuracy);
-    let text = format!("{} ({kind})", discrepancy.title);
+    let kind = inaccuracy(suspect.inaccuracy);
+    let text = format!("{} ({kind})", suspect.title);
     let counter = builder.challenge(goal, &name, text, false);
-    if let Some(mended) = &discrepancy.resolved_by {
+    if let Some(mended) = &suspect.resolved_by {
         let text = format!("It is mended in {mended}");
         builder.challenge(counter, &format!("{name}-mended"), text, true);
     }

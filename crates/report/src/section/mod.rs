@@ -4,7 +4,6 @@ pub mod assurance;
 pub mod comparisons;
 pub mod cost;
 pub mod coverage;
-pub mod discrepancies;
 pub mod forest;
 pub mod further;
 pub mod glossary;

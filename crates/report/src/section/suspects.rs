@@ -9,27 +9,31 @@ use crate::words;
 /// Suspects that are shown in full; the rest is folded.
 const SHOWN: usize = 5;
 
-/// The section; nothing where no diagnosis was made.
+/// The section.
 pub fn render(view: View) -> Markup {
-    let Some(diagnosis) = &view.study.diagnosis else {
-        return html! {};
-    };
+    let suspects = view.study.suspected();
     let lead = html! {
-        "Which file to look at first: found by changing one asset at a time. "
-        "The score says how much disagreement goes away without it, in powers of ten; above 2 is decisive."
+        "Which file to look at first, with the most likely reason: the tool, the model of the system, or the model of the "
+        "requirement. The score says how much disagreement goes away without it, in powers of ten; above 2 is decisive."
     };
     let body = html! {
-        @if diagnosis.suspects.is_empty() {
+        @if suspects.is_empty() {
             p class="empty" { "Nothing is suspected." }
         }
-        @for suspect in diagnosis.suspects.iter().take(SHOWN) { (item(view, suspect)) }
-        @if diagnosis.suspects.len() > SHOWN {
+        @for suspect in suspects.iter().take(SHOWN) { (item(view, suspect)) }
+        @if suspects.len() > SHOWN {
             details {
-                summary { (diagnosis.suspects.len() - SHOWN) " more, weaker ones" }
-                @for suspect in diagnosis.suspects.iter().skip(SHOWN) { (item(view, suspect)) }
+                summary { (suspects.len() - SHOWN) " more, weaker ones" }
+                @for suspect in suspects.iter().skip(SHOWN) { (item(view, suspect)) }
             }
         }
-        (behind(view, diagnosis))
+        @match &view.study.diagnosis {
+            Some(diagnosis) => (behind(view, diagnosis)),
+            None => p class="small" {
+                "From the evidence alone. " code { "corroborate diagnose" } " also changes one asset at a time, and "
+                code { "corroborate refine" } " offers changes against each."
+            },
+        }
     };
     section("suspects", "Suspects", lead, body)
 }
@@ -38,7 +42,7 @@ fn item(view: View, suspect: &Suspect) -> Markup {
     let asset = [&suspect.asset.file, &suspect.asset.part];
     let asset: Vec<&str> = asset.into_iter().flatten().map(String::as_str).collect();
     html! {
-        article class="discrepancy" id={ "suspect-" (suspect.rank) } {
+        article class="suspect" id={ "suspect-" (suspect.rank) } {
             p class="kind" {
                 (words::inaccuracy(suspect.inaccuracy))
                 @match &suspect.resolved_by {

@@ -1,13 +1,13 @@
 //! The verdict: what the study concludes, before anything else.
 
-use evidence::{Conclusion, Discrepancy, StudyResult};
+use evidence::{Conclusion, StudyResult, Suspect};
 use maud::{Markup, html};
 
 use crate::number;
 use crate::view::{View, chip, merged, section, unbroken};
 use crate::words;
 
-/// Discrepancies named with the verdict; the section on them has them all.
+/// Suspects named with the verdict; the section on them has them all.
 const FIRST: usize = 10;
 
 /// The section.
@@ -22,7 +22,8 @@ pub fn render(view: View) -> Markup {
             @for conclusion in &study.conclusions { (conclusion_item(view, conclusion)) }
         }
         (agreement(study))
-        (first_discrepancies(view, &study.discrepancies))
+        (first_suspects(view, study.suspected()))
+        (misses(study))
     };
     let lead = html! { "What the evidence amounts to, requirement by requirement. Everything below shows how it was reached." };
     section("verdict", "Verdict", lead, body)
@@ -109,17 +110,17 @@ fn agreement_list(heading: &str, meaning: &str, none: &str, lines: &[(&str, Vec<
     }
 }
 
-fn first_discrepancies(view: View, discrepancies: &[Discrepancy]) -> Markup {
+fn first_suspects(view: View, suspects: &[Suspect]) -> Markup {
     html! {
-        @if !discrepancies.is_empty() {
+        @if !suspects.is_empty() {
             h3 { "Where the evidence disagrees, and why" }
             ol class="headlines" {
-                @for (i, discrepancy) in discrepancies.iter().take(FIRST).enumerate() {
+                @for suspect in suspects.iter().take(FIRST) {
                     li {
-                        a href={ "#discrepancy-" (i + 1) } { (discrepancy.title) }
+                        a href={ "#suspect-" (suspect.rank) } { (suspect.title) }
                         span class="small" {
-                            " " (words::inaccuracy(discrepancy.inaccuracy))
-                            @match &discrepancy.resolved_by {
+                            " " (words::inaccuracy(suspect.inaccuracy))
+                            @match &suspect.resolved_by {
                                 Some(id) => { ", mended in " (view.link(id)) },
                                 None => ", still open",
                             }
@@ -127,11 +128,21 @@ fn first_discrepancies(view: View, discrepancies: &[Discrepancy]) -> Markup {
                     }
                 }
             }
-            @if discrepancies.len() > FIRST {
+            @if suspects.len() > FIRST {
                 p class="small" {
-                    a href="#discrepancies" { "and " (discrepancies.len() - FIRST) " more" }
+                    a href="#suspects" { "and " (suspects.len() - FIRST) " more" }
                 }
             }
+        }
+    }
+}
+
+/// Figures that did not come out as published.
+fn misses(study: &StudyResult) -> Markup {
+    let missed = study.published.iter().filter(|f| !f.agrees).count();
+    html! {
+        @if missed > 0 {
+            p { a href="#published" { "Not as published: " (missed) " of " (study.published.len()) " figures" } }
         }
     }
 }

@@ -238,7 +238,7 @@ impl Plant {
         self.land();
         let (blueprint, joints) = (&self.blueprint, &self.joints);
         let now = self.whole_now();
-        let begun = Apart::begin(blueprint, joints, &self.whole, &now);
+        let begun = Apart::begin(blueprint, joints, &self.whole, &now, self.fingers_swing);
         let may_move = !(self.fingers_swing && self.arm_accelerates);
         if let Some(apart) =
             begun.filter(|it| may_move && it.may_go_on(joints, self.arm_accelerates))

@@ -2,6 +2,7 @@
 
 pub use crate::command::rare::file::quoted;
 use crate::problem::{Problem, Source};
+use campaign::calibration::Posterior;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -40,6 +41,9 @@ pub struct CalibrationText {
     /// Points of the posterior's sample.
     #[serde(default = "points")]
     pub points: usize,
+    /// Which point of the posterior becomes the fitted set.
+    #[serde(default)]
+    pub point: Point,
     /// Level of the intervals.
     #[serde(default = "ninety_five")]
     pub confidence: f64,
@@ -71,6 +75,35 @@ pub enum HeldOutRuns {
     /// All, in so many groups of subjects drawn by the study's seed: each group is predicted from
     /// the others, and the fitted set rests on all.
     Folds(usize),
+}
+
+/// Which point of the posterior is taken.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Point {
+    /// Its mean: the least squared error in the parameters.
+    #[default]
+    Mean,
+    /// Its mode: where what was counted is most probable, given the prior.
+    Mode,
+}
+
+impl Point {
+    /// That point, in the unit cube.
+    pub fn of(self, posterior: &Posterior) -> Vec<f64> {
+        match self {
+            Self::Mean => posterior.mean(),
+            Self::Mode => posterior.mode(),
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "posterior mean",
+            Self::Mode => "posterior mode",
+        }
+    }
 }
 
 fn yes() -> bool {

@@ -75,7 +75,8 @@ impl Written<'_> {
     fn values(&self, text: &mut String) -> std::fmt::Result {
         writeln!(
             text,
-            "# Fitted values (posterior mean), with their credible intervals and priors:"
+            "# Fitted values ({}), with their credible intervals and priors:",
+            self.about.point.name()
         )?;
         for it in self.fitted {
             let unit = it

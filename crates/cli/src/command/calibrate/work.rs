@@ -53,12 +53,13 @@ impl Work<'_> {
     pub fn report(&self, base: &Source, level: Confidence) -> Result<CalibrationReport, Problem> {
         let calibration = self.rounds()?;
         let posterior = calibration.posterior();
-        let fitted = self.space.at(&posterior.mean());
+        let unit = self.text.point.of(&posterior);
+        let fitted = self.space.at(&unit);
         let settings = self
             .space
             .settings(&fitted)
             .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
-        let units = vec![posterior.mean(); self.text.check_episodes as usize];
+        let units = vec![unit; self.text.check_episodes as usize];
         let check = self.episodes("fitted set", CHECK_FROM, &units)?;
         let modes = mode_reports(&self.reality, &calibration, &posterior, &check)?;
         let held_out_runs = held_out_runs(&self.reality, &calibration)?;

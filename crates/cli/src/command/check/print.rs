@@ -1,6 +1,7 @@
 //! Answers as text.
 
-use super::{Built, CheckReport, PropertyReport};
+use super::form::{Built, CheckReport, PropertyReport, WitnessReport};
+use crate::problem::Problem;
 use checker::AnswerValue;
 
 /// A value, as PRISM writes it.
@@ -11,6 +12,15 @@ pub(super) fn value(value: &AnswerValue) -> String {
         AnswerValue::Range { low, high } => format!("[{},{}]", number(*low), number(*high)),
         AnswerValue::ExactRange { low, high } => format!("[{low},{high}]"),
         AnswerValue::Truth(truth) => truth.to_string(),
+        AnswerValue::Corners(corners) => {
+            let number = |value: &prism_lang::Rational| number(prism_lang::rational_to_f64(value));
+            let corner = |corner: &Vec<prism_lang::Rational>| {
+                let numbers: Vec<String> = corner.iter().map(number).collect();
+                format!("({})", numbers.join(","))
+            };
+            let corners: Vec<String> = corners.iter().map(corner).collect();
+            format!("[{}]", corners.join(","))
+        }
     }
 }
 
@@ -41,13 +51,30 @@ fn built(model: &str, built: &Built) -> String {
     line
 }
 
+/// Whether a property is the first of a further state space.
+fn begins(built: &Built, property: &PropertyReport) -> bool {
+    built.valuation == property.valuation
+}
+
+/// One line for each answer.
+pub(super) fn lines(report: &CheckReport) -> Result<String, Problem> {
+    let mut output = String::new();
+    for property in &report.properties {
+        let line = serde_json::to_string(property)
+            .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
+        output.push_str(&line);
+        output.push('\n');
+    }
+    Ok(output)
+}
+
 /// The report for reading.
 pub(super) fn text(report: &CheckReport) -> String {
     let mut output = built(&report.model, &report.built);
     let mut further = report.further.iter().peekable();
     for property in &report.properties {
         // The properties of one valuation follow each other.
-        if let Some(next) = further.next_if(|next| next.constants == property.constants) {
+        if let Some(next) = further.next_if(|next| begins(next, property)) {
             output.push('\n');
             output.push_str(&built(&report.model, next));
         }
@@ -66,6 +93,10 @@ pub(super) fn text(report: &CheckReport) -> String {
             ));
         }
         match (&property.result, &property.error) {
+            // One line for each part of the region.
+            (Some(result), _) if property.parametric.is_some() => {
+                output.push_str(&format!("Result: {result}\n"));
+            }
             (Some(result), _) => {
                 output.push_str(&format!("Result: {result}{}\n", in_brackets(property)));
             }
@@ -76,11 +107,36 @@ pub(super) fn text(report: &CheckReport) -> String {
                 ));
             }
         }
+        if let Some(certificate) = &property.certificate {
+            output.push_str(&super::certify::text(certificate));
+        }
+        if let Some(path) = &property.witness {
+            output.push_str(&witness(path));
+        }
         for note in &property.notes {
             output.push_str(&format!("Note: {note}\n"));
         }
     }
     output
+}
+
+/// A path, one line for each state.
+fn witness(path: &WitnessReport) -> String {
+    let does = if path.violates {
+        "violates"
+    } else {
+        "satisfies"
+    };
+    let mut text = format!(
+        "Most probable path that {does} it ({}):\n",
+        path.probability
+    );
+    for (place, state) in path.states.iter().enumerate() {
+        let action = path.actions.get(place).and_then(Option::as_ref);
+        let action = action.map_or(String::new(), |action| format!("  [{action}]"));
+        text.push_str(&format!("  {state}{action}\n"));
+    }
+    text
 }
 
 fn in_brackets(property: &PropertyReport) -> String {

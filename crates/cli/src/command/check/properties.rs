@@ -3,8 +3,10 @@
 //! A property that means nothing over the model does not keep the others from being checked: it gets an error of
 //! its own. If none is left, the mistakes end the command.
 
+use super::form::{PropertyReport, wrong_report};
 use crate::args::Check;
 use crate::problem::{Problem, Source};
+use crate::study::Method;
 use prism_lang::ast::PropertyFile;
 use prism_lang::{Constants, Diagnostic, NamedProperty, resolved};
 use std::path::Path;
@@ -32,12 +34,14 @@ impl Asked {
     }
 }
 
-/// All properties that were asked for, in order.
-pub(super) fn properties(
-    arguments: &Check,
-    model: &resolved::Model,
-    given: &Constants,
-) -> Result<Vec<Asked>, Problem> {
+/// A text of properties.
+pub(super) struct Text {
+    pub source: Source,
+    pub tree: PropertyFile,
+}
+
+/// Reads the texts of all properties that were asked for.
+pub(super) fn read(arguments: &Check) -> Result<Vec<Text>, Problem> {
     let mut sources = Vec::new();
     if let Some(argument) = &arguments.properties {
         let looks_like_file = Path::new(argument).exists()
@@ -50,21 +54,57 @@ pub(super) fn properties(
             given_property(argument)
         });
     }
-    sources.extend(
-        arguments
-            .property_texts
-            .iter()
-            .map(|text| given_property(text)),
-    );
-    let mut all = Vec::new();
-    for source in &sources {
+    let given = arguments.property_texts.iter();
+    sources.extend(given.map(|text| given_property(text)));
+    let parsed = |source: Source| {
         let parsed = prism_lang::parse_properties(&source.text);
-        if let Some(problem) = Problem::from_diagnostics(source, &parsed.diagnostics) {
-            return Err(problem);
+        match Problem::from_diagnostics(&source, &parsed.diagnostics) {
+            Some(problem) => Err(problem),
+            None => Ok(Text {
+                source,
+                tree: parsed.tree,
+            }),
         }
-        all.extend(resolve(source, parsed.tree, model, given)?);
+    };
+    sources.into_iter().map(parsed).collect()
+}
+
+/// All properties that were asked for, in order.
+pub(super) fn resolved(
+    texts: &[Text],
+    model: &resolved::Model,
+    given: &Constants,
+) -> Result<Vec<Asked>, Problem> {
+    let mut all = Vec::new();
+    for text in texts {
+        all.extend(resolve(&text.source, text.tree.clone(), model, given)?);
     }
     Ok(all)
+}
+
+/// The same, read again.
+pub(super) fn properties(
+    arguments: &Check,
+    model: &resolved::Model,
+    given: &Constants,
+) -> Result<Vec<Asked>, Problem> {
+    resolved(&read(arguments)?, model, given)
+}
+
+/// The properties, none of which can be checked.
+pub(super) fn failed(texts: &[Text], method: Method, problem: &Problem) -> Vec<PropertyReport> {
+    let all = texts.iter().flat_map(|text| &text.tree.properties);
+    all.enumerate()
+        .map(|(place, property)| {
+            let wrong = Wrong {
+                name: property.name.as_ref().map(|name| name.text.clone()),
+                text: property.text.clone(),
+                message: problem.line(),
+                unsupported: problem.code == "unsupported",
+            };
+            wrong_report(place + 1, &wrong, method)
+        })
+        .collect()
 }
 
 /// The properties of a text, those with mistakes set apart.

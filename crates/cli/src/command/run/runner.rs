@@ -255,7 +255,8 @@ impl Runner<'_> {
             .unwrap_or_default();
         let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
         if let Prepared::Check(compiled) = prepared {
-            piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), before);
+            let known = |id: &str| before.iter().map(|p| &p.evidence).find(|e| e.id == id);
+            piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), known);
         }
         let (id, title, headline) = (&entry.id, &entry.title, &piece.headline);
         self.setting

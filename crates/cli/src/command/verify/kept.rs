@@ -113,11 +113,7 @@ pub fn hash_of_file(path: &Path) -> Option<String> {
 }
 
 /// Constants that do not have the value of the counts they were set to.
-fn drifted(
-    study: &Study,
-    entry: &Entry,
-    before: &[Piece],
-) -> Result<Vec<evidence::Discrepancy>, Problem> {
+fn drifted(study: &Study, entry: &Entry, before: &[Piece]) -> Result<Vec<evidence::Clue>, Problem> {
     let Work::Check { model, .. } = &entry.work else {
         return Ok(Vec::new());
     };
@@ -125,6 +121,6 @@ fn drifted(
     Ok(corroboration::drift(
         entry,
         |name| compiled.constant(name),
-        before,
+        |id| before.iter().map(|p| &p.evidence).find(|e| e.id == id),
     ))
 }

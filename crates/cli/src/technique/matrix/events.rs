@@ -5,6 +5,7 @@
 //! belongs to the failure mode that occurs in at least [`MOST`] of the runs that show it.
 
 use super::{Diagnosing, Gathered};
+use crate::corroboration::ANY_STUDY;
 use crate::problem::Problem;
 use crate::study::{Entry, Work};
 use crate::technique::campaign::form_verdicts;
@@ -209,7 +210,7 @@ impl Diagnosing<'_> {
                 .map(|number| Witness {
                     name: format!("{id} episode {number}"),
                     shows: words.clone(),
-                    replay: format!("corroborate replay {} {id}:{number}", self.named),
+                    replay: format!("corroborate replay {ANY_STUDY} {id}:{number}"),
                 })
                 .collect(),
             subject,

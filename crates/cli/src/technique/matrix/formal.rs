@@ -1,11 +1,13 @@
 //! Cells A and D: properties and monitors on paths of the formal models, and the sampled answers held
 //! against the computed ones.
 
-use super::cells::{Place, Verdicts};
+use super::cells::{Place, counts};
 use super::paths::{ModelPaths, PathForm};
 use super::{Diagnosing, Gathered};
+use crate::corroboration::ANY_STUDY;
 use crate::problem::Problem;
 use crate::study::Work;
+use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use evidence::{
@@ -13,6 +15,7 @@ use evidence::{
     Subject, SuspectAsset, SuspectKind, Symptom, Traces, Witness, strength,
 };
 use rayon::prelude::*;
+use stats::Confidence;
 use temporal::monitor::Verdict;
 
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.
@@ -122,7 +125,7 @@ impl Diagnosing<'_> {
         verdicts: &[Vec<Verdict>],
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let level = self.study.about.confidence;
+        let level = confidence(self.study.about.confidence)?;
         let find = |judged_by, opportunity| {
             forms
                 .iter()
@@ -147,13 +150,12 @@ impl Diagnosing<'_> {
                 .push(match (form.judging.as_ref().err().or(missing), of_other) {
                     (Some(why), _) => place.empty(why.clone()),
                     (None, None) => {
-                        let mut sum = Verdicts::default();
-                        verdicts.iter().for_each(|v| sum.add(v[first + at]));
-                        place.filled(sum, level)?
+                        let own = verdicts.iter().map(|v| v[first + at]);
+                        place.filled(counts(own), level)
                     }
                     (None, Some(other)) => {
                         let pairs = verdicts.iter().map(|v| (v[first + at], v[first + other]));
-                        given_opportunity(&place, pairs, level)?
+                        given_opportunity(&place, pairs, level)
                     }
                 });
         }
@@ -249,7 +251,7 @@ impl Diagnosing<'_> {
             witnesses: vec![Witness {
                 name: format!("{} path 1", piece.id),
                 shows: "a path of the model".into(),
-                replay: format!("corroborate diagnose {} --show {}:1", self.named, piece.id),
+                replay: format!("corroborate diagnose {ANY_STUDY} --show {}:1", piece.id),
             }],
             ruled_out: Vec::new(),
             resolved_by: None,
@@ -266,24 +268,25 @@ pub fn path_seeds(study: u64, id: &str) -> Seeds {
 fn given_opportunity(
     place: &Place<'_>,
     pairs: impl Iterator<Item = (Verdict, Verdict)>,
-    level: f64,
-) -> Result<Cell, Problem> {
-    let (mut sum, mut without) = (Verdicts::default(), 0_u64);
+    level: Confidence,
+) -> Cell {
+    let (mut verdicts, mut without) = (Vec::new(), 0_u64);
     for (occurs, opportunity) in pairs {
         match (holds(occurs), holds(opportunity)) {
-            (Some(true), Some(true)) => sum.add(Verdict::Violated),
-            (Some(false), Some(true)) => sum.add(Verdict::Satisfied),
+            (Some(true), Some(true)) => verdicts.push(Verdict::Violated),
+            (Some(false), Some(true)) => verdicts.push(Verdict::Satisfied),
             (Some(true), Some(false)) => without += 1,
-            (Some(false), Some(false)) => sum.add(Verdict::NotCovered),
-            _ => sum.add(Verdict::Inconclusive),
+            (Some(false), Some(false)) => verdicts.push(Verdict::NotCovered),
+            _ => verdicts.push(Verdict::Inconclusive),
         }
     }
     if without > 0 {
-        return Ok(place.empty(format!(
+        return place.empty(format!(
             "it occurs without its opportunity on {without} paths"
-        )));
+        ));
     }
-    place.counted(sum.violated, sum.violated + sum.kept, sum, level)
+    let sum = counts(verdicts);
+    place.counted((sum.violated, sum.violated + sum.kept), sum, level)
 }
 
 /// Whether a formula holds; one that does not come up does.

@@ -22,26 +22,17 @@ pub use paths::ModelPaths;
 pub use text::as_text;
 
 use crate::command::Setting;
+use crate::corroboration::{self, ANY_STUDY};
 use crate::forms::drift;
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Study, Work};
+use crate::technique::model_checking::Compiled;
 use evidence::{
-    Clue, Diagnosis, Inaccuracy, Matter, SameTraces, StudyResult, Subject, Symptom, contrasts,
-    requirement_form,
+    Clue, Diagnosis, Effort, Inaccuracy, Matter, SameTraces, StudyResult, Subject, Symptom,
+    contrasts, requirement_form,
 };
 use std::path::Path;
-
-/// How much is looked at.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Effort {
-    /// Paths that are sampled from each formal model.
-    pub paths: u64,
-    /// Episodes that are run again with half the time step, if any.
-    pub half_step: Option<u64>,
-    /// Episodes that are run in the other engine, too, if any.
-    pub engines: Option<u64>,
-}
 
 /// What is gathered before it is ranked.
 #[derive(Debug, Default)]
@@ -56,8 +47,6 @@ struct Gathered {
 /// What a diagnosis is made of.
 struct Diagnosing<'a> {
     study: &'a Study,
-    /// How a command names the study.
-    named: String,
     result: &'a StudyResult,
     /// The folder of its results.
     folder: &'a Path,
@@ -75,7 +64,6 @@ pub fn diagnose(
 ) -> Result<Diagnosis, Problem> {
     let diagnosing = Diagnosing {
         study,
-        named: study.folder.display().to_string(),
         result,
         folder,
         effort,
@@ -87,13 +75,14 @@ pub fn diagnose(
     diagnosing.events(&mut gathered)?;
     diagnosing.repeated(&mut gathered)?;
     gathered.clues.extend(drifts(study));
+    diagnosing.drifted_constants(&mut gathered)?;
     let matter = Matter {
         requirements: &result.requirements,
         failure_modes: &result.failure_modes,
         evidence: &result.evidence,
         comparisons: &result.comparisons,
         cells: &gathered.cells,
-        study: &diagnosing.named,
+        study: ANY_STUDY,
     };
     let contrasts = contrasts(&gathered.cells, &gathered.same, |subject| {
         matter.margin(subject)
@@ -101,6 +90,7 @@ pub fn diagnose(
     let suspects = evidence::rank(&matter, gathered.clues);
     Ok(Diagnosis {
         inputs: inputs_of(result),
+        effort: effort.clone(),
         contrasts,
         suspects,
         cells: gathered.cells,
@@ -119,6 +109,19 @@ pub fn inputs_of(result: &StudyResult) -> String {
 }
 
 impl Diagnosing<'_> {
+    /// Constants that do not have the value of the counts they were set to.
+    fn drifted_constants(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+        for entry in &self.study.ledger {
+            if let Work::Check { model, .. } = &entry.work {
+                let compiled = Compiled::new(self.study, model)?;
+                let known = |id: &str| self.result.evidence.iter().find(|e| e.id == id);
+                let found = corroboration::drift(entry, |name| compiled.constant(name), known);
+                gathered.clues.extend(found);
+            }
+        }
+        Ok(())
+    }
+
     /// The entries that speak for themselves and whose work `wanted` takes.
     fn entries(&self, wanted: impl Fn(&Work) -> bool) -> Vec<&crate::study::Entry> {
         let entries = self.study.ledger.iter();

@@ -5,6 +5,7 @@
 //! episodes that come out otherwise, some one way and some the other, are no fault.
 
 use super::{Diagnosing, Gathered};
+use crate::corroboration::ANY_STUDY;
 use crate::problem::Problem;
 use crate::study::{Entry, Work};
 use crate::technique::exploration::OpenBench;
@@ -246,7 +247,7 @@ impl Diagnosing<'_> {
                 .map(|number| Witness {
                     name: format!("{} episode {number}", entry.id),
                     shows: format!("{} with another verdict than with {changed}", subject.id()),
-                    replay: format!("corroborate replay {} {}:{number}", self.named, entry.id),
+                    replay: format!("corroborate replay {ANY_STUDY} {}:{number}", entry.id),
                 })
                 .collect(),
             ruled_out: Vec::new(),

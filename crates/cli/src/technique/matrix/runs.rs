@@ -3,15 +3,16 @@
 //! Episodes are not judged again: their journals have the verdict of each form on each. Evidence has the
 //! counts of its monitors. Recordings are read again.
 
-use super::cells::{Place, Verdicts};
+use super::cells::{Place, counts};
 use super::{Diagnosing, Gathered};
 use crate::forms::differences::{OCCURS, PROPERTY, forms_of, judges};
 use crate::problem::Problem;
 use crate::study::{Entry, Study, Work};
 use crate::technique::campaign::form_verdicts;
+use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::operation::Recordings;
-use evidence::{Cell, JudgedBy, Measure, SameTraces, Subject, Traces};
+use evidence::{Cell, JudgedBy, Measure, SameTraces, Subject, Traces, VerdictCounts};
 use temporal::monitor::Verdict;
 
 /// The verdicts of one campaign's episodes.
@@ -100,11 +101,11 @@ impl Diagnosing<'_> {
         monitors: &Monitors,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let level = self.study.about.confidence;
+        let level = confidence(self.study.about.confidence)?;
         let (form, main) = monitors.places(property.subject);
         let own = self.by_monitor(monitor)?;
         let again = match (episodes, main) {
-            (Some(episodes), Some(main)) => Some(monitor.filled(sum(&episodes.main, main), level)?),
+            (Some(episodes), Some(main)) => Some(monitor.filled(sum(&episodes.main, main), level)),
             _ => None,
         };
         // A journal that does not give the evidence's own counts is of other episodes.
@@ -113,7 +114,7 @@ impl Diagnosing<'_> {
             (Some(episodes), Some(form)) if same.is_some() => {
                 let pair = main.map(|main| differing(property, episodes, (form, main)));
                 gathered.same.extend(pair);
-                property.filled(sum(&episodes.forms, form), level)?
+                property.filled(sum(&episodes.forms, form), level)
             }
             (_, Some(_)) => property
                 .empty("no journal of these runs says what the property says of each".into()),
@@ -135,12 +136,13 @@ impl Diagnosing<'_> {
         };
         match &finding.measure {
             Measure::Counts { count, trials, .. } => {
-                let verdicts = Verdicts {
+                let verdicts = VerdictCounts {
                     kept: *trials,
                     undecided: finding.undecided,
-                    ..Verdicts::default()
+                    ..VerdictCounts::default()
                 };
-                place.counted(*count, *trials, verdicts, self.study.about.confidence)
+                let level = confidence(self.study.about.confidence)?;
+                Ok(place.counted((*count, *trials), verdicts, level))
             }
             Measure::NotExpressible { reason } | Measure::NotCovered { reason } => {
                 Ok(place.empty(reason.clone()))
@@ -163,11 +165,8 @@ impl Diagnosing<'_> {
     }
 }
 
-fn sum(verdicts: &[Vec<Verdict>], at: usize) -> Verdicts {
-    let mut sum = Verdicts::default();
-    let all = verdicts.iter().filter_map(|of_run| of_run.get(at));
-    all.for_each(|verdict| sum.add(*verdict));
-    sum
+fn sum(verdicts: &[Vec<Verdict>], at: usize) -> VerdictCounts {
+    counts(verdicts.iter().filter_map(|of_run| of_run.get(at).copied()))
 }
 
 /// Why there is no property to judge runs by.

@@ -1,10 +1,11 @@
 //! A diagnosis for people.
 
+use crate::corroboration::ANY_STUDY;
 use evidence::{Cell, Diagnosis, Inaccuracy, Suspect};
 use std::fmt::Write as _;
 
-/// The matrix with its figures, then the suspects.
-pub fn as_text(diagnosis: &Diagnosis) -> String {
+/// The matrix with its figures, then the suspects; `study` is how the user named it.
+pub fn as_text(diagnosis: &Diagnosis, study: &str) -> String {
     let mut out = String::from(
         "Matrix: A, B, C properties on model paths, episodes, recordings; D, E, F monitors on the same\n",
     );
@@ -53,7 +54,7 @@ pub fn as_text(diagnosis: &Diagnosis) -> String {
         out.push_str("  none\n");
     }
     for suspect in &diagnosis.suspects {
-        suspected(suspect, &mut out);
+        suspected(suspect, study, &mut out);
     }
     out
 }
@@ -85,7 +86,7 @@ fn listed(title: &str, lines: &[String], out: &mut String) {
     }
 }
 
-fn suspected(suspect: &Suspect, out: &mut String) {
+fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
     let source = match suspect.inaccuracy {
         Inaccuracy::Tool => "tool",
         Inaccuracy::RequirementModel => "requirement model",
@@ -104,7 +105,8 @@ fn suspected(suspect: &Suspect, out: &mut String) {
     );
     let _ = writeln!(out, "     {}", suspect.explanation);
     for witness in &suspect.witnesses {
-        let _ = writeln!(out, "     witness: {}  ({})", witness.replay, witness.shows);
+        let replay = witness.replay.replacen(ANY_STUDY, study, 1);
+        let _ = writeln!(out, "     witness: {replay}  ({})", witness.shows);
     }
     for reason in &suspect.ruled_out {
         let _ = writeln!(out, "     ruled out: {reason}");

@@ -19,8 +19,10 @@ use crate::geometry::norm;
 use crate::scenario::Body as Link;
 
 /// Nearer than this the fingers of an empty hand stay where they are: speed times their servos' time
-/// constant.
-const FINGERS_REST_RAD: f64 = 3e-4;
+/// constant. It is a third of what dry friction lets them rest away from where they were sent.
+const FINGERS_REST_RAD: f64 = 4e-3;
+/// The same of fingers so heavy that their swinging moves the arm.
+const HEAVY_FINGERS_REST_RAD: f64 = 3e-4;
 /// Slower than this an object that nothing holds rests.
 const RESTS_M_S: f64 = 1e-4;
 const RESTS_RAD_S: f64 = 1e-3;
@@ -41,13 +43,18 @@ impl Apart {
         joints: &[DrivenJoint],
         body: &Body,
         now: &Configuration,
+        fingers_swing: bool,
     ) -> Option<Self> {
         let object = &now.object;
+        let rest_rad = match fingers_swing {
+            true => HEAVY_FINGERS_REST_RAD,
+            false => FINGERS_REST_RAD,
+        };
         let servo = &blueprint.parameters.hand;
         let constant_secs = servo.damping_nms_rad / servo.stiffness_nm_rad;
         let fingers_rest = fingers(joints).all(|index| {
             let left_rad = now.velocities_rad_s[index].abs() * constant_secs;
-            joints[index].is_at_rest() && left_rad < FINGERS_REST_RAD
+            joints[index].is_at_rest() && left_rad < rest_rad
         });
         let rests = fingers_rest
             && norm(object.velocity_m_s) < RESTS_M_S

@@ -40,7 +40,7 @@ const LONGEST_STEPS: f64 = 40.0;
 const SHORTEST_STEPS: f64 = 4.0;
 /// What a glide may be wrong by: the object against the hand, and the angles that move a finger's tip
 /// or the object's skin by as much.
-const ALLOWED_M: f64 = 5e-7;
+const ALLOWED_M: f64 = 1e-6;
 const ALLOWED_FINGER_RAD: f64 = ALLOWED_M / 0.05;
 const ALLOWED_OBJECT_RAD: f64 = ALLOWED_M / 0.03;
 /// The arm takes the object with it, and its servos make up for what it lacks: ten times as much at

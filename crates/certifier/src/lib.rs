@@ -1,0 +1,177 @@
+//! Checks bounds of a probability or an expected reward again, with code that shares nothing with the solver.
+//!
+//! A solver hands over what it found as a [`Certificate`]: a lower and an upper bound for every state. [`certify`]
+//! reads the model anew, by evaluating its commands state by state ([`Reading`]), and checks in exact arithmetic that
+//! the bounds are inductive ([`inequalities`]): then they are true bounds, however they were found. No method of
+//! solution, no graph algorithm and no matrix of the solver is used; a mistake there cannot be repeated here.
+//!
+//! Sources: Hartmanns and Kaminski 2020, "Optimistic Value Iteration" (inductive bounds); Baier, Klein, Leuschner, Parker
+//! and Wunderlich 2017, "Ensuring the Reliability of Your Model Checker: Interval Iteration for Markov Decision
+//! Processes"; Chatterjee, Quatmann, Schäffeler, Weininger, Winkler and Zilken 2025, "Fixed Point Certificates for
+//! Reachability and Expected Rewards in MDPs" (that progress towards the target must be shown for lower bounds).
+//!
+//! ```
+//! use certifier::{Certificate, certify};
+//! use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+//!
+//! let text = "dtmc module coin s : [0..2]; [] s=0 -> 1/3:(s'=0) + 1/3:(s'=1) + 1/3:(s'=2); endmodule";
+//! let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+//! let asked = parse_properties("P=? [ F s=1 ]").tree;
+//! let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
+//! let certificate = |lower: f64, upper: f64| Certificate {
+//!     states: vec![vec![0], vec![1], vec![2]],
+//!     lower: vec![lower, 1.0, 0.0],
+//!     upper: vec![upper, 1.0, 0.0],
+//!     scheduler: None,
+//! };
+//! let certified = certify(&model, &asked[0].property, &certificate(0.49, 0.51)).unwrap();
+//! assert_eq!((certified.low, certified.high), (0.49, 0.51));
+//! // Too small an upper bound does not pass.
+//! assert!(certify(&model, &asked[0].property, &certificate(0.4, 0.45)).is_err());
+//! ```
+
+mod failure;
+pub mod inequalities;
+mod question;
+mod reading;
+
+pub use failure::Failure;
+pub use question::Question;
+pub use reading::{Choice, Reading};
+
+use prism_lang::Property;
+use prism_lang::resolved::Model;
+use rustc_hash::FxHashMap;
+
+/// Bounds for every reachable state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Certificate {
+    /// The states: the values of the model's variables in its order.
+    pub states: Vec<Vec<i64>>,
+    /// A lower bound of the value in each of them; infinite where the value is claimed to be.
+    pub lower: Vec<f64>,
+    /// An upper bound, likewise.
+    pub upper: Vec<f64>,
+    /// For each state the outcomes of the choice that the scheduler takes, if one was found: the bound on its side (the
+    /// lower one of a greatest value, the upper one of a least) is then that of the chain it induces. The states' numbers
+    /// ascend; probabilities are compared to within 1e-9.
+    pub scheduler: Option<Vec<Option<Outcomes>>>,
+}
+
+/// The places of a choice's targets among the certificate's states, with their probabilities.
+pub type Outcomes = Vec<(usize, f64)>;
+
+/// What was shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certified {
+    /// The value is at least this in the initial states (the least of them).
+    pub low: f64,
+    /// The value is at most this in the initial states (the greatest of them).
+    pub high: f64,
+    /// How many states were read.
+    pub states: usize,
+    /// How many inequalities were checked.
+    pub inequalities: u64,
+}
+
+/// Checks a certificate of a property's value.
+///
+/// # Errors
+/// What does not hold, or what cannot be certified.
+pub fn certify(
+    model: &Model,
+    property: &Property,
+    certificate: &Certificate,
+) -> Result<Certified, Failure> {
+    let question = Question::new(model, property)?;
+    let reading = Reading::new(model, &question)?;
+    let bounds = ordered(&reading, certificate)?;
+    let inequalities = inequalities::check(&reading, &question, &bounds)?;
+    let initial = 0..reading.num_initial;
+    let fold = |bounds: &[f64], join: fn(f64, f64) -> f64| {
+        (initial.clone().map(|state| bounds[state])).reduce(join)
+    };
+    let low = fold(&bounds.lower, f64::min).ok_or(Failure::NoInitialState)?;
+    let high = fold(&bounds.upper, f64::max).ok_or(Failure::NoInitialState)?;
+    let (low, high) = match question.contrary {
+        true => ((1.0 - high).next_down(), (1.0 - low).next_up()),
+        false => (low, high),
+    };
+    Ok(Certified {
+        low,
+        high,
+        states: reading.states.len(),
+        inequalities,
+    })
+}
+
+/// The certificate in the order of the states that were read here.
+fn ordered(reading: &Reading, certificate: &Certificate) -> Result<inequalities::Bounds, Failure> {
+    let lengths = [certificate.lower.len(), certificate.upper.len()];
+    if lengths.iter().any(|n| *n != certificate.states.len()) {
+        return Err(Failure::Incomplete(
+            "the bounds are not as many as the states".to_owned(),
+        ));
+    }
+    let places: FxHashMap<&[i64], usize> = (certificate.states.iter().enumerate())
+        .map(|(place, state)| (state.as_slice(), place))
+        .collect();
+    let mut order = Vec::with_capacity(reading.states.len());
+    for state in &reading.states {
+        let place = places.get(state.as_slice());
+        order.push(*place.ok_or_else(|| {
+            Failure::Incomplete(format!(
+                "the state {state:?} can be reached, but has no bounds"
+            ))
+        })?);
+    }
+    let scheduler = match &certificate.scheduler {
+        None => None,
+        Some(taken) => Some(chosen(reading, &order, taken)?),
+    };
+    Ok(inequalities::Bounds {
+        lower: order
+            .iter()
+            .map(|place| certificate.lower[*place])
+            .collect(),
+        upper: order
+            .iter()
+            .map(|place| certificate.upper[*place])
+            .collect(),
+        scheduler,
+    })
+}
+
+/// For each state the place of the choice with these outcomes.
+fn chosen(
+    reading: &Reading,
+    order: &[usize],
+    taken: &[Option<Outcomes>],
+) -> Result<Vec<Option<usize>>, Failure> {
+    let mut number = vec![usize::MAX; taken.len()];
+    for (state, place) in order.iter().enumerate() {
+        if let Some(number) = number.get_mut(*place) {
+            *number = state;
+        }
+    }
+    let mut found = Vec::with_capacity(order.len());
+    for (state, place) in order.iter().enumerate() {
+        let Some(Some(outcomes)) = taken.get(*place) else {
+            found.push(None);
+            continue;
+        };
+        let mut outcomes: Vec<(usize, f64)> = (outcomes.iter())
+            .filter_map(|(target, p)| Some((*number.get(*target)?, *p)))
+            .collect();
+        outcomes.sort_unstable_by_key(|(target, _)| *target);
+        let same = |choice: &Choice| choice.is_like(&outcomes);
+        let place = reading.choices[state].iter().position(same);
+        found.push(Some(place.ok_or_else(|| {
+            Failure::Incomplete(format!(
+                "in the state {:?} the scheduler takes a choice that the model does not have",
+                reading.states[state]
+            ))
+        })?));
+    }
+    Ok(found)
+}

@@ -1,0 +1,115 @@
+//! Arguments of `check`.
+
+use crate::study::Method;
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// Arguments of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate check model.prism 'P=? [ F \"done\" ]'
+  corroborate check model.prism properties.props --prop safety --const N=5,p=0.1
+  corroborate check model.prism properties.props --method exact
+  corroborate check model.prism 'P>=0.95 [ F \"done\" ]'   exits 1 if it does not hold
+  corroborate check model.prism                          counts states and transitions
+  corroborate check model.prism 'P=? [ F \"done\" ]' --param p=0:1   a function of p
+
+PRISM's flags are understood, such as -const N=3, -pf, -prop, -exact, -exportresults, -exportmodel and
+-exportstrat; those that choose an engine or a numerical method have no effect, as bounds hold by any.")]
+pub struct Check {
+    /// The model, in the PRISM language.
+    pub model: PathBuf,
+    /// A file of properties, or one property.
+    #[arg(allow_hyphen_values = false)]
+    pub properties: Option<String>,
+    /// A property, beside those of the file (may be repeated).
+    #[arg(long = "pf", value_name = "PROPERTY")]
+    pub property_texts: Vec<String>,
+    /// Only the property with this name or number (may be repeated).
+    #[arg(long = "prop", value_name = "NAME")]
+    pub selected: Vec<String>,
+    /// Values of undefined constants: `a=1,b=0.5` (may be repeated).
+    #[arg(long = "const", short = 'c', value_name = "VALUES")]
+    pub constants: Vec<String>,
+    /// Constants that stay open, with their ranges: `p=0:1,q=0.2:0.4`; answers are rational functions of them
+    /// (may be repeated).
+    #[arg(long = "param", value_name = "RANGES")]
+    pub open: Vec<String>,
+    /// Check each answer again with code that shares nothing with the solver.
+    #[arg(long)]
+    pub certify: bool,
+    /// How the answer is computed.
+    #[arg(long, value_enum, default_value_t = Method::Sound)]
+    pub method: Method,
+    /// Relative width of the bounds of the sound method.
+    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
+    pub precision: f64,
+    /// When the method of PRISM's default settings stops: relative change.
+    #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
+    pub epsilon: f64,
+    /// How many states the model may have.
+    #[arg(long, value_name = "N", default_value_t = 20_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
+    pub max_states: u64,
+    /// How many iterations a method may take.
+    #[arg(long = "maxiters", value_name = "N")]
+    pub max_iterations: Option<u64>,
+    /// How the answers are printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: CheckFormat,
+    /// Take the model for one of this type.
+    #[arg(long = "type", value_name = "TYPE", value_parser = ["dtmc", "ctmc", "mdp"])]
+    pub model_type: Option<String>,
+    /// Write the answers to FILE, in PRISM's form: FILE[:csv|matrix|matrix,csv|dataframe|comment].
+    #[arg(long = "export-results", value_name = "FILE")]
+    pub export_results: Option<String>,
+    /// Write the model: FILE.tra (transitions), .sta (states), .lab (labels), .srew and .trew (rewards), .dot,
+    /// .drn; several as FILE.tra,sta; as many as there are as FILE.all (may be repeated).
+    #[arg(long = "export-model", value_name = "FILE")]
+    pub export_model: Vec<String>,
+    /// Write the labels.
+    #[arg(long = "export-labels", value_name = "FILE")]
+    pub export_labels: Option<PathBuf>,
+    /// Write the scheduler of each answer that has one: FILE.tra is the chain that it induces, another file
+    /// names its action in each state.
+    #[arg(long = "export-strategy", value_name = "FILE")]
+    pub export_strategy: Option<String>,
+    /// Show the most probable path that satisfies (or violates) each path formula with one temporal operator.
+    #[arg(long)]
+    pub witness: bool,
+    /// End with a message when more than this many GB of memory are taken.
+    #[arg(long, value_name = "GB", value_parser = gigabytes)]
+    pub memory_limit: Option<f64>,
+    /// Only fair schedulers, which is refused.
+    #[arg(long, hide = true)]
+    pub fair: bool,
+    /// PRISM's flags that have none.
+    #[arg(long = "without-effect", value_name = "FLAG", hide = true)]
+    pub without_effect: Vec<String>,
+}
+
+/// How answers are printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum CheckFormat {
+    /// For people.
+    #[default]
+    Text,
+    /// For programs; the schema is `schemas/check.schema.json`.
+    Json,
+    /// One line of JSON for each answer, also where the model has a mistake.
+    Jsonl,
+}
+
+fn precision(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err("must be a number between 0 and 1, for example 1e-6".into()),
+    }
+}
+
+fn gigabytes(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a number above 0, for example 4 or 0.5".into()),
+    }
+}

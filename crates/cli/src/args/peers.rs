@@ -1,0 +1,245 @@
+//! PRISM's command line, understood by `check`.
+//!
+//! Flags that have the same meaning here are rewritten to ours. Flags that choose among PRISM's engines, numerical
+//! methods and data structures change no answer, since all our answers carry their guarantee: they are noted and
+//! have no effect. Flags that would change an answer and that we do not have are left as they are, and are errors.
+
+use std::ffi::OsString;
+
+/// Flags with the same meaning, and ours.
+const SAME: [(&str, &[&str]); 27] = [
+    ("-const", &["--const"]),
+    ("-param", &["--param"]),
+    ("-pf", &["--pf"]),
+    ("-pctl", &["--pf"]),
+    ("-csl", &["--pf"]),
+    ("-prop", &["--prop"]),
+    ("-property", &["--prop"]),
+    ("-epsilon", &["--epsilon"]),
+    ("-e", &["--epsilon"]),
+    ("-maxiters", &["--maxiters"]),
+    ("-exact", &["--method", "exact"]),
+    ("--exact", &["--method", "exact"]),
+    ("-fair", &["--fair"]),
+    ("-dtmc", &["--type", "dtmc"]),
+    ("-ctmc", &["--type", "ctmc"]),
+    ("-mdp", &["--type", "mdp"]),
+    ("-exportresults", &["--export-results"]),
+    ("-exportmodel", &["--export-model"]),
+    ("-exporttrans", &["--export-model"]),
+    ("-exportstates", &["--export-model"]),
+    ("-exportlabels", &["--export-labels"]),
+    ("-exportdot", &["--export-model"]),
+    ("-exporttransdot", &["--export-model"]),
+    ("-exporttransdotstates", &["--export-model"]),
+    ("-exportstrat", &["--export-strategy"]),
+    ("-exportadv", &["--export-strategy"]),
+    ("-exportadvmdp", &["--export-strategy"]),
+];
+
+/// Flags without a value that change no answer.
+const WITHOUT_EFFECT: [&str; 54] = [
+    "-mtbdd",
+    "-m",
+    "-sparse",
+    "-s",
+    "-hybrid",
+    "-h",
+    "-explicit",
+    "-ex",
+    "-power",
+    "-pow",
+    "-pwr",
+    "-jacobi",
+    "-jac",
+    "-gaussseidel",
+    "-gs",
+    "-bgaussseidel",
+    "-bgs",
+    "-pgaussseidel",
+    "-pgs",
+    "-bpgaussseidel",
+    "-bpgs",
+    "-jor",
+    "-sor",
+    "-bsor",
+    "-psor",
+    "-bpsor",
+    "-valiter",
+    "-politer",
+    "-modpoliter",
+    "-linprog",
+    "-lp",
+    "-intervaliter",
+    "-ii",
+    "-topological",
+    "-relative",
+    "-rel",
+    "-absolute",
+    "-abs",
+    "-nopre",
+    "-noprob0",
+    "-noprob1",
+    "-nofair",
+    "-fixdl",
+    "-nossdetect",
+    "-noprobchecks",
+    "-nocompact",
+    "-pathviaautomata",
+    "-verbose",
+    "-v",
+    "-extraddinfo",
+    "-extrareachinfo",
+    "-test",
+    "-testall",
+    "-sim",
+];
+
+/// Flags with a value that change no answer.
+const VALUE_WITHOUT_EFFECT: [&str; 28] = [
+    "-transientmethod",
+    "-paretoepsilon",
+    "-multimaxpoints",
+    "-cuddepsilon",
+    "-cuddmaxmem",
+    "-javamaxmem",
+    "-javastack",
+    "-omega",
+    "-sbmax",
+    "-sbl",
+    "-gsmax",
+    "-gsl",
+    "-partitions",
+    "-heuristic",
+    "-ltl2dasyntax",
+    "-simmethod",
+    "-simsamples",
+    "-simconf",
+    "-simwidth",
+    "-simapprox",
+    "-simpathlen",
+    "-simmanual",
+    "-exportmodelprecision",
+    "-exportvector",
+    "-exporttarget",
+    "-exportproplabels",
+    "-exportprodtrans",
+    "-exportprodstates",
+];
+
+/// Rewrites the flags of a `check`; other commands are left as they are.
+pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let all: Vec<OsString> = arguments.collect();
+    let command = (1..all.len()).find(|at| !is_flag(&all[*at]));
+    let Some(start) = command.filter(|at| all[*at] == "check") else {
+        return all;
+    };
+    let mut given = all[start + 1..].iter();
+    let mut rewritten = all[..=start].to_vec();
+    let mut has_model = false;
+    while let Some(argument) = given.next() {
+        let text = argument.to_str().unwrap_or_default();
+        if let Some((_, ours)) = SAME.iter().find(|(theirs, _)| *theirs == text) {
+            rewritten.extend(ours.iter().map(OsString::from));
+            if let [flag] = ours
+                && *flag != "--fair"
+                && let Some(value) = given.next()
+            {
+                rewritten.push(value.clone());
+                let is_export = flag.starts_with("--export-") && text != "-exportmodel";
+                if is_export && let Some(kind) = kind_of_export(text) {
+                    let last = rewritten.len() - 1;
+                    rewritten[last] = OsString::from(format!("{kind}={}", value.to_string_lossy()));
+                }
+            }
+            continue;
+        }
+        // `check -h` alone asks for help.
+        let without = WITHOUT_EFFECT.contains(&text) && (text != "-h" || has_model);
+        if without || VALUE_WITHOUT_EFFECT.contains(&text) {
+            rewritten.push(OsString::from(format!("--without-effect={text}")));
+            if !without {
+                given.next();
+            }
+            continue;
+        }
+        has_model |= !is_flag(argument);
+        rewritten.push(argument.clone());
+    }
+    rewritten
+}
+
+/// The form that a flag for one form asks for, whatever the file's name.
+fn kind_of_export(flag: &str) -> Option<&'static str> {
+    match flag {
+        "-exporttrans" => Some("tra"),
+        "-exportstates" => Some("sta"),
+        "-exportdot" | "-exporttransdotstates" => Some("dot"),
+        "-exporttransdot" => Some("dot-plain"),
+        _ => None,
+    }
+}
+
+fn is_flag(argument: &OsString) -> bool {
+    argument.to_str().is_some_and(|text| text.starts_with('-'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rewritten(words: &[&str]) -> Vec<String> {
+        let words = ["corroborate"].iter().chain(words).map(OsString::from);
+        let found = with_peers_spelling(words);
+        found[1..]
+            .iter()
+            .map(|w| w.to_string_lossy().into_owned())
+            .collect()
+    }
+
+    #[test]
+    fn flags_with_the_same_meaning_are_ours() {
+        let found = rewritten(&[
+            "check",
+            "m.pm",
+            "-pf",
+            "P=? [ F x=1 ]",
+            "-const",
+            "N=3",
+            "-exact",
+        ]);
+        let ours = [
+            "check",
+            "m.pm",
+            "--pf",
+            "P=? [ F x=1 ]",
+            "--const",
+            "N=3",
+            "--method",
+            "exact",
+        ];
+        assert_eq!(found, ours);
+        let found = rewritten(&["check", "m.pm", "-exporttrans", "a.txt"]);
+        assert_eq!(found, ["check", "m.pm", "--export-model", "tra=a.txt"]);
+    }
+
+    #[test]
+    fn flags_without_effect_are_noted_with_their_values() {
+        let found = rewritten(&["check", "m.pm", "-h", "-transientmethod", "fau", "p.props"]);
+        let ours = [
+            "check",
+            "m.pm",
+            "--without-effect=-h",
+            "--without-effect=-transientmethod",
+            "p.props",
+        ];
+        assert_eq!(found, ours);
+        assert_eq!(rewritten(&["check", "-h"]), ["check", "-h"]);
+        assert_eq!(rewritten(&["run", "s", "-h"]), ["run", "s", "-h"]);
+        // What would change an answer is not swallowed.
+        assert_eq!(
+            rewritten(&["check", "m.pm", "-tr", "5"]),
+            ["check", "m.pm", "-tr", "5"]
+        );
+    }
+}

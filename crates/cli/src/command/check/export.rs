@@ -1,0 +1,187 @@
+//! The model and the schedulers, written to files.
+
+use crate::args::Check;
+use crate::problem::{Problem, write_whole};
+use crate::talk::Talk;
+use checker::Answer;
+use checker::formats::{Explicit, Written};
+use checker::state_space::StateSpace;
+use prism_lang::{Arithmetic, resolved};
+use std::path::{Path, PathBuf};
+
+/// The forms of a model's files.
+const FORMS: [&str; 7] = ["tra", "sta", "lab", "srew", "trew", "dot", "drn"];
+
+/// Writes the model as the arguments ask for.
+pub(super) fn model<N: Arithmetic + Written>(
+    arguments: &Check,
+    model: &resolved::Model,
+    space: &StateSpace<N>,
+) -> Result<(), Problem> {
+    let explicit = Explicit::new(space);
+    let export = Export {
+        model,
+        space,
+        explicit,
+    };
+    for asked in &arguments.export_model {
+        for (form, path) in files(asked)? {
+            export.write(&form, &path)?;
+        }
+    }
+    match &arguments.export_labels {
+        Some(path) => export.write("lab", path),
+        None => Ok(()),
+    }
+}
+
+/// Writes a file whole; a device or a pipe, which must not be replaced, as it is.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    match std::fs::metadata(path) {
+        Ok(known) if !known.is_file() => {
+            std::fs::write(path, bytes).map_err(|error| Problem::cannot_write(path, &error))
+        }
+        _ => write_whole(path, bytes),
+    }
+}
+
+/// The files that are asked for: `FORM=FILE`, `FILE.form,form` or `FILE.all`.
+fn files(asked: &str) -> Result<Vec<(String, PathBuf)>, Problem> {
+    if let Some((form, path)) = asked.split_once('=')
+        && (FORMS.contains(&form) || form == "dot-plain")
+    {
+        return Ok(vec![(form.to_owned(), PathBuf::from(path))]);
+    }
+    let unknown = |what: &str| {
+        Problem::new(
+            "bad-form",
+            format!("a model cannot be written in the form `{what}`"),
+        )
+        .remedy(format!(
+            "the forms are {} and all, as the file's ending",
+            FORMS.join(", ")
+        ))
+    };
+    if let Some((_, options)) = asked.split_once(':') {
+        return Err(unknown(options));
+    }
+    // Without an ending: the transitions.
+    let Some((stem, endings)) = asked.rsplit_once('.') else {
+        return Ok(vec![("tra".to_owned(), PathBuf::from(asked))]);
+    };
+    let endings: Vec<&str> = match endings {
+        "all" => FORMS[..5].to_vec(),
+        endings => endings.split(',').collect(),
+    };
+    let file = |ending: &&str| match FORMS.contains(ending) {
+        true => Ok((
+            (*ending).to_owned(),
+            PathBuf::from(format!("{stem}.{ending}")),
+        )),
+        false => Err(unknown(ending)),
+    };
+    endings.iter().map(file).collect()
+}
+
+struct Export<'a, N> {
+    model: &'a resolved::Model,
+    space: &'a StateSpace<N>,
+    explicit: Explicit<'a, N>,
+}
+
+impl<N: Arithmetic + Written> Export<'_, N> {
+    fn write(&self, form: &str, path: &Path) -> Result<(), Problem> {
+        let cannot = |error: std::io::Error| Problem::cannot_write(path, &error);
+        let mut bytes = Vec::new();
+        match form {
+            "tra" => self
+                .explicit
+                .write_transitions(&mut bytes)
+                .map_err(cannot)?,
+            "sta" => self.explicit.write_states(&mut bytes).map_err(cannot)?,
+            "lab" => {
+                let labels = self.labels()?;
+                self.explicit
+                    .write_labels(&labels, &mut bytes)
+                    .map_err(cannot)?;
+            }
+            "dot" => self.explicit.write_dot(true, &mut bytes).map_err(cannot)?,
+            "dot-plain" => self.explicit.write_dot(false, &mut bytes).map_err(cannot)?,
+            "drn" => {
+                let labels = self.labels()?;
+                self.explicit
+                    .write_drn(&labels, &mut bytes)
+                    .map_err(cannot)?;
+            }
+            rewards => return self.rewards(rewards == "srew", path),
+        }
+        write(path, &bytes)
+    }
+
+    fn labels(&self) -> Result<Vec<(String, Vec<bool>)>, Problem> {
+        let of = |(name, _): &(String, _)| match self.space.label(name) {
+            Ok(states) => Ok((name.clone(), states)),
+            Err(error) => Err(Problem::new("cannot-explore", error.to_string())),
+        };
+        self.model.labels.iter().map(of).collect()
+    }
+
+    /// One file for each structure, numbered if there are several.
+    fn rewards(&self, of_states: bool, path: &Path) -> Result<(), Problem> {
+        for index in 0..self.space.num_rewards() {
+            let rewards = self.space.rewards(index);
+            let rewards = rewards.map_err(|e| Problem::new("cannot-explore", e.to_string()))?;
+            let file = match (self.space.num_rewards(), path.extension()) {
+                (2.., Some(ending)) => {
+                    let stem = path.with_extension("").display().to_string();
+                    PathBuf::from(format!("{stem}{}.{}", index + 1, ending.display()))
+                }
+                _ => path.to_owned(),
+            };
+            let mut bytes = Vec::new();
+            let written = match of_states {
+                true => self
+                    .explicit
+                    .write_state_rewards(index, rewards, &mut bytes),
+                false => self
+                    .explicit
+                    .write_transition_rewards(index, rewards, &mut bytes),
+            };
+            written.map_err(|error| Problem::cannot_write(&file, &error))?;
+            write(&file, &bytes)?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes the scheduler of an answer, if it has one.
+pub(super) fn strategy<N: Arithmetic + Written>(
+    asked: &str,
+    space: &StateSpace<N>,
+    answer: &Answer,
+    talk: &Talk,
+) -> Result<(), Problem> {
+    let (file, options) = asked.split_once(':').unwrap_or((asked, ""));
+    let path = Path::new(file);
+    let Some(scheduler) = &answer.scheduler else {
+        talk.say("note: this answer has no scheduler that chooses by the state alone, so none is written");
+        return Ok(());
+    };
+    let cannot = |error: std::io::Error| Problem::cannot_write(path, &error);
+    let mut bytes = Vec::new();
+    let induces_chain = path.extension().is_some_and(|ending| ending == "tra")
+        || options.split(',').any(|option| option == "type=induced");
+    if induces_chain {
+        let chain = space.induced(scheduler);
+        Explicit::new(&chain)
+            .write_transitions(&mut bytes)
+            .map_err(cannot)?;
+    } else {
+        let with_states = !options.split(',').any(|option| option == "states=false");
+        let explicit = Explicit::new(space);
+        explicit
+            .write_scheduler(scheduler, with_states, &mut bytes)
+            .map_err(cannot)?;
+    }
+    write(path, &bytes)
+}
