@@ -34,6 +34,8 @@ pub struct Options<'a> {
     pub max_iters: u64,
     /// Most states of a product with an automaton, and of an automaton.
     pub product_limit: usize,
+    /// Only fair schedulers: each choice of each state that is visited infinitely often is taken infinitely often.
+    pub fair: bool,
     /// Most states for which a comparison that bounds leave open is decided by rational arithmetic.
     pub exact_limit: usize,
     /// Asked now and then; the check ends with [`CheckError::Cancelled`] when it returns true.
@@ -48,6 +50,7 @@ impl Default for Options<'_> {
             epsilon: 1e-6,
             max_iters: 10_000,
             product_limit: 50_000_000,
+            fair: false,
             exact_limit: 1_000_000,
             cancel: None,
         }
@@ -79,6 +82,7 @@ impl fmt::Debug for Options<'_> {
             .field("epsilon", &self.epsilon)
             .field("max_iters", &self.max_iters)
             .field("product_limit", &self.product_limit)
+            .field("fair", &self.fair)
             .field("exact_limit", &self.exact_limit)
             .finish_non_exhaustive()
     }

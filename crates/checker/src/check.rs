@@ -51,12 +51,26 @@ pub fn check(
     property: &Property,
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
+    check_or_exact(space, property, options, &|| exact_space(model, options))
+}
+
+/// The same for a state space that no model in the PRISM language stands behind, such as one that was read from
+/// files; `exact` is asked for it with rational probabilities.
+///
+/// # Errors
+/// See [`CheckError`], and what `exact` fails with.
+pub fn check_or_exact(
+    space: &StateSpace<f64>,
+    property: &Property,
+    options: &Options<'_>,
+    exact: &dyn Fn() -> Result<StateSpace<Rational>, CheckError>,
+) -> Result<Answer, CheckError> {
     if options.method == Method::Exact {
-        return check_exact(&exact_space(model, options)?, property, options);
+        return check_exact(&exact()?, property, options);
     }
     let is_multi = matches!(property, Property::Objectives(_));
     if is_multi && options.method == Method::Sound && space.num_states() <= options.exact_limit {
-        return check_exact(&exact_space(model, options)?, property, options).map(in_floats);
+        return check_exact(&exact()?, property, options).map(in_floats);
     }
     let tighter = Options {
         precision: (options.precision * TIGHTER)
@@ -81,7 +95,7 @@ pub fn check(
         Err(CheckError::Undecided { comparison, .. })
             if space.num_states() <= options.exact_limit =>
         {
-            let mut answer = check_exact(&exact_space(model, options)?, property, options)?;
+            let mut answer = check_exact(&exact()?, property, options)?;
             answer.notes.push(format!(
                 "floating-point bounds left open whether a probability is {comparison}, so \
                  rational arithmetic was used"

@@ -22,6 +22,7 @@
 
 mod dot;
 mod drn;
+mod outline;
 mod read;
 mod write;
 

@@ -47,6 +47,7 @@ mod engine;
 mod evaluate;
 mod exact;
 pub mod explore;
+mod fairness;
 pub mod formats;
 pub mod graph;
 mod interval_iteration;
@@ -77,7 +78,7 @@ mod transient;
 mod witness;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
-pub use check::{bounds_of_states, check, check_exact, check_space};
+pub use check::{bounds_of_states, check, check_exact, check_or_exact, check_space};
 pub use evaluate::bounds_of_states::{Outcomes, StateBounds};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;

@@ -9,7 +9,8 @@
 //! an accepting one. *With choices* the greatest probability is that of reaching an end component with an
 //! accepting set of marks. A maximal one that rejects may contain one that accepts: that one must avoid the
 //! least priority of some part of the automaton, since with all the same least priorities it would reject too;
-//! so each of them is removed in turn, and what remains is searched again.
+//! so each of them is removed in turn, and what remains is searched again. Over fair schedulers only some count
+//! ([`crate::fairness`]).
 //!
 //! Source: Vardi 1985, Courcoubetis and Yannakakis 1995; Baier and Katoen 2008, sections 10.3 and 10.6.4; de
 //! Alfaro 1997. Deviation: where the automaton's verdict is settled, the product stops.
@@ -24,6 +25,7 @@ use temporal::automaton::Automaton;
 use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::co_safe::CoSafe;
+use crate::fairness::is_complete;
 use crate::graph::{EndComponent, maximal_end_components};
 use crate::state_space::Csr;
 
@@ -95,7 +97,7 @@ pub(crate) fn product<N: Arithmetic>(
 ) -> Result<Product<N>, CheckError> {
     let mut builder = Builder::new(model, automaton, letters, options);
     let mut product = builder.build(from, options)?;
-    product.accepting = builder.accepting(&product.matrix, &product.choice_start)?;
+    product.accepting = builder.accepting(&product, options.fair)?;
     Ok(product)
 }
 
@@ -205,17 +207,19 @@ impl<N: Arithmetic, R: Reader> Builder<'_, N, R> {
 }
 
 impl<N: Arithmetic> Builder<'_, N, Automaton> {
-    fn accepting(
-        &mut self,
-        matrix: &Csr<N>,
-        choice_start: &[usize],
-    ) -> Result<Vec<bool>, CheckError> {
-        let choices = Choices::new(matrix, choice_start);
+    /// The states of accepting end components; only of those in which a scheduler can be `fair`, if it must.
+    fn accepting(&mut self, product: &Product<N>, fair: bool) -> Result<Vec<bool>, CheckError> {
+        let choices = product.choices();
         let owner = choices.owners();
         let mut accepting = vec![false; choices.num_states()];
         let everywhere = vec![true; accepting.len()];
         let mut open = maximal_end_components(choices, &everywhere, |_| true);
         while let Some(component) = open.pop() {
+            let state = |s: usize| product.state[s] as usize;
+            let must_be_complete = fair && !choices.is_chain();
+            if must_be_complete && !is_complete(self.model, &component, state, &product.origin) {
+                continue;
+            }
             let marks = self.marks(choices, &owner, &component)?;
             if self.accepts(&component, &marks) {
                 for state in &component.states {

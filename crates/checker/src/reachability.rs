@@ -8,6 +8,8 @@
 //! *Bounded in steps.* `x'_i = opt over c of sum_j p_cj x_j`, step by step from the target's indicator; the
 //! scheduler counts steps, so that none is kept.
 //!
+//! *Over fair schedulers* only the least unbounded one differs: [`crate::fairness`].
+//!
 //! Source: Baier and Katoen 2008, section 10.6; Bianco and de Alfaro 1995. Guarantee: that of the engine.
 
 use prism_lang::Arithmetic;
@@ -16,6 +18,7 @@ use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
+use crate::fairness;
 use crate::graph::{Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum};
 use crate::quotient::{Optimal, Quotient};
 
@@ -33,11 +36,16 @@ pub(crate) fn until<E: Numbers>(
 ) -> Result<Found<E::Value>, CheckError> {
     let sets = qualitative_optimum(choices, left, right, maximise);
     let (mut values, mut scheduler, mut iterations) = (Vec::new(), None, 0);
+    let fair = context.options.fair;
     match last {
+        None if fair && !maximise => {
+            (values, iterations) = fairness::least_until::<E>(choices, left, right, context)?;
+        }
         None => {
             let optimal = unbounded::<E>(choices, left, right, &sets, maximise, context)?;
             values.extend(optimal.values.iter().map(E::probability));
-            scheduler = (first == 0).then_some(optimal.scheduler);
+            // One that is the same at all times may stay away from a choice for ever.
+            scheduler = (first == 0 && !fair).then_some(optimal.scheduler);
             iterations = optimal.iterations;
         }
         Some(last) => {

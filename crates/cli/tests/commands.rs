@@ -144,6 +144,74 @@ fn check_says_how_large_the_model_is_for_each_value_of_a_range() {
     assert_eq!(report["properties"][2]["value"], 1.0);
 }
 
+/// A model that was written as files of states and transitions has the same answers when it is read again.
+#[test]
+fn check_reads_explicit_models() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let models = root().join("conformance/models");
+    let files = folder.path().join("die");
+    let files = files.display();
+    for form in ["all", "drn"] {
+        let export = format!("{files}.{form}");
+        let call = ["check", "knuth_die.prism", "--method", "exact"];
+        let said = corroborate(&models, &[&call[..], &["--export-model", &export]].concat());
+        assert_eq!(said.code, 0, "{said:?}");
+    }
+    let own = ["P=? [ F s=7 & d=1 ]", "P>=1/6 [ F d=1 ]"];
+    let labelled = "P=? [ F \"deadlock\" ]";
+    for (model, properties) in [
+        ("die.all", &own[..]),
+        ("die.tra,sta", &own[..]),
+        ("die.drn", &[labelled][..]),
+    ] {
+        for property in properties {
+            for method in ["sound", "exact"] {
+                let call = |model| {
+                    let call = ["check", model, property, "--method", method];
+                    corroborate(folder.path(), &[&call[..], &["--format", "jsonl"]].concat())
+                };
+                let named = models.join("knuth_die.prism").display().to_string();
+                let (read, original) = (call(model), call(&named));
+                assert_eq!(read.code, original.code, "{read:?}");
+                let [read, original] =
+                    [&read.out, &original.out].map(|out| json(out)["result"].clone());
+                assert_eq!(read, original, "{model}, {property}, {method}");
+            }
+        }
+    }
+    // Only what is asked for is read, and what is left out is said.
+    let said = corroborate(folder.path(), &["check", "die.tra"]);
+    assert!(said.talk.contains("die.sta"), "{said:?}");
+    for (call, code) in [
+        (&["check", "die.sta"][..], "no-transitions"),
+        (&["check", "die.all", "--import", "xyz=f"][..], "bad-form"),
+        (
+            &["check", "die.all", own[0], "--certify"][..],
+            "unsupported",
+        ),
+    ] {
+        let said = corroborate(folder.path(), call);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(said.talk.contains(code), "{said:?}");
+    }
+    std::fs::write(folder.path().join("die.tra"), "2 2\n0 1 0.5\n1 1 1\n").expect("written");
+    let said = corroborate(folder.path(), &["check", "die.tra"]);
+    assert!(said.talk.contains("bad-model-file"), "{said:?}");
+}
+
+/// Over fair schedulers only.
+#[test]
+fn check_leaves_out_unfair_schedulers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = "mdp module m x : [0..1]; [] x=0 -> true; [] true -> (x'=1); endmodule";
+    std::fs::write(folder.path().join("m.prism"), model).expect("written");
+    for (flag, value) in [("-nofair", 0.0), ("-fair", 1.0), ("--fair", 1.0)] {
+        let call = ["check", "m.prism", "Pmin=? [ F x=1 ]", flag];
+        let said = corroborate(folder.path(), &[&call[..], &["--format", "jsonl"]].concat());
+        assert_eq!(json(&said.out)["value"], value, "{said:?}");
+    }
+}
+
 /// A bound that the computed bounds leave open is decided by exact arithmetic, or is said to be open; never guessed.
 #[test]
 fn check_does_not_guess_about_a_value_on_the_bound() {

@@ -55,9 +55,11 @@ impl EvalErrorKind {
             Self::DivisionByZero => "this divides by zero",
             Self::Overflow => "this integer does not fit into 64 bits",
             Self::NonPositiveModulus => "this computes `mod` by zero or by a negative number",
-            Self::NegativeExponent => "this raises an integer to a negative power",
+            Self::NegativeExponent => "this raises an integer to a negative exponent",
             Self::NotReal => "this power or logarithm is not a (finite) real number",
-            Self::NotRational => "this logarithm or root is irrational and has no exact value",
+            Self::NotRational => {
+                "this logarithm, or this power with a fractional exponent, has no exact value in general"
+            }
             Self::OpenParameter => "this depends on a constant that was left open",
             Self::IllTyped => "this expression does not have the type that its place requires",
         }

@@ -15,6 +15,7 @@ use super::{Evaluator, worst};
 use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::Sound;
+use crate::fairness::not_yet;
 use crate::graph::{Backward, NO_ROW, maximal_end_components, qualitative_optimum};
 use crate::quotient::Quotient;
 use crate::rewards;
@@ -57,6 +58,9 @@ impl Evaluator<'_, Sound> {
         property: &Property,
         slack: f64,
     ) -> Result<StateBounds, CheckError> {
+        if self.context.options.fair && !self.choices().is_chain() {
+            return Err(not_yet("certificates"));
+        }
         let found = match property {
             Property::Probability { bound, path } => {
                 let maximise = bound.as_ref().is_none_or(|(c, _)| worst(*c));

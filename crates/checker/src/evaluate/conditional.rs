@@ -23,6 +23,7 @@ use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::Numbers;
+use crate::fairness::not_yet;
 use crate::graph::maximal_end_components;
 use crate::joint::Joint;
 use crate::reachability;
@@ -46,6 +47,9 @@ impl<E: Numbers> Evaluator<'_, E> {
             return Ok(pairs
                 .map(|(both, given)| E::amount(both).div(&E::amount(given)).least(&one))
                 .collect());
+        }
+        if self.context.options.fair {
+            return Err(not_yet("conditional probabilities"));
         }
         let mut sets = Vec::new();
         let path = read_path(path, &mut sets, &mut |f| self.set(f))?;

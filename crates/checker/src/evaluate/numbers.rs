@@ -196,7 +196,7 @@ fn binary<A: Amount>(operator: BinaryOp, a: &A, b: &A, integers: bool) -> Result
 fn power<A: Amount>(a: &A, b: &A, integers: bool) -> Result<A, CheckError> {
     if integers && b.bounds().high < 0.0 {
         return Err(CheckError::Unsupported(
-            "an integer is raised to a negative power: write the base as a real number, such as `2.0`"
+            "an integer is raised to a negative exponent: write the base as a real number, such as `2.0`"
                 .to_owned(),
         ));
     }

@@ -11,6 +11,7 @@ use super::Evaluator;
 use crate::amount::Extended;
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee};
 use crate::engine::Exact;
+use crate::fairness::not_yet;
 use crate::joint::Joint;
 use crate::multi::{self, Achieved, Goal, Kind, Skeleton};
 use crate::shape::{letters, read_path};
@@ -31,6 +32,9 @@ impl Evaluator<'_, Exact> {
         objectives: &[Objective],
         property: &Property,
     ) -> Result<Answer, CheckError> {
+        if self.context.options.fair && !self.choices().is_chain() {
+            return Err(not_yet("several objectives"));
+        }
         let [initial] = *self.space.initial_states() else {
             return Err(CheckError::Unsupported(
                 "`multi` over several initial states cannot be computed yet: use a model with one"

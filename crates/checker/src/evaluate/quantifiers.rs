@@ -17,6 +17,7 @@ use super::Evaluator;
 use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::Numbers;
+use crate::fairness::not_yet;
 use crate::graph::{Backward, qualitative_optimum};
 use crate::product::product;
 use crate::shape::{Shape, letters, read_path, shape};
@@ -30,6 +31,9 @@ impl<E: Numbers> Evaluator<'_, E> {
         negated: bool,
         from: &[usize],
     ) -> Result<Vec<bool>, CheckError> {
+        if self.context.options.fair && !self.choices().is_chain() {
+            return Err(not_yet("`A` and `E`"));
+        }
         let mut sets = Vec::new();
         let formula = read_path(path, &mut sets, &mut |f| self.set(f))?;
         let formula = match negated {

@@ -11,6 +11,7 @@ use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::co_safe::CoSafe;
 use crate::engine::{Context, Numbers};
+use crate::fairness::not_yet;
 use crate::long_run;
 use crate::product::co_safe_product;
 use crate::quotient::Optimal;
@@ -53,6 +54,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         from: &[usize],
     ) -> Result<Vec<E::Amount>, CheckError> {
         let by_time = self.reward_model(structure)?;
+        self.check_fair(&query.objective, &by_time, maximise)?;
         let optimal = match &query.objective {
             RewardObjective::Reach(target) => {
                 let target = self.set(target)?;
@@ -95,6 +97,28 @@ impl<E: Numbers> Evaluator<'_, E> {
             .iter()
             .map(|state| optimal.values[*state].clone())
             .collect())
+    }
+
+    /// Over fair schedulers the least reward before a target is the same, since one that attains it reaches the target
+    /// almost surely and may turn fair there; so is what happens within finitely many steps.
+    fn check_fair(
+        &self,
+        objective: &RewardObjective,
+        model: &RewardModel<E::Amount>,
+        maximise: bool,
+    ) -> Result<(), CheckError> {
+        if !self.context.options.fair || self.choices().is_chain() {
+            return Ok(());
+        }
+        match objective {
+            RewardObjective::Cumulative(_) | RewardObjective::Instantaneous(_) => Ok(()),
+            RewardObjective::Reach(_) | RewardObjective::CoSafe(_)
+                if !maximise && model.loss.is_none() =>
+            {
+                Ok(())
+            }
+            _ => Err(not_yet("this reward")),
+        }
     }
 
     /// The rewards of the model by row: per step, or per unit of time in a `ctmc`.

@@ -339,6 +339,7 @@ impl<N: Arithmetic> Drn<N> {
         self.labels.remove("deadlock");
         let labels = self.labels.into_iter().collect();
         let mut space = StateSpace::from_parts(self.kind, matrix, starts, initial, labels);
+        space.roundings = Some(super::read::roundings(space.kind, &space.matrix));
         if has_choices {
             (space.actions, space.choice_action) = (self.actions, self.choice_action);
         }

@@ -5,7 +5,8 @@
 //! without a `dtmc`. A state without transitions gets a self-loop and is a deadlock.
 //!
 //! Deviation from PRISM: the probabilities of a row must sum to 1 to within 1e-9 (PRISM: 1e-5), for what is
-//! missing would be lost. Cost: linear in the files, plus sorting of rows.
+//! missing would be lost. What is missing is taken for an error of the entries, so that bounds allow for it; in an
+//! exact domain nothing may be missing. Cost: linear in the files, plus sorting of rows.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,6 +14,7 @@ use std::fmt;
 use prism_lang::resolved::{ModelType, Variable, VariableKind};
 use prism_lang::{Arithmetic, Number, Span};
 
+use crate::rounding::UNIT;
 use crate::state_space::{
     Csr, Layout, NO_ACTION, Rewards, RewardsOf, StateSpace, TransitionRewards,
 };
@@ -169,6 +171,7 @@ fn empty(file: &'static str) -> ExplicitError {
 pub fn read_explicit<N: Arithmetic>(files: &ExplicitFiles<'_>) -> Read<StateSpace<N>> {
     let (mut space, deadlocks) = transitions(files)?;
     space.deadlocks = deadlocks;
+    space.roundings = Some(roundings(space.kind, &space.matrix));
     let states = space.num_states();
     if let Some(text) = files.states {
         (space.variables, space.layout, space.packed) = values(text, states)?;
@@ -313,6 +316,15 @@ pub(super) fn check_row<N: Arithmetic>(kind: ModelType, row: &[(u32, N)]) -> Res
             "there are two transitions to {target}: add them up"
         ));
     }
+    if N::EXACT && kind != ModelType::Ctmc {
+        let sum = row.iter().fold(N::zero(), |sum, (_, p)| sum.add(p));
+        return match sum == N::one() {
+            true => Ok(()),
+            false => Err("the probabilities do not sum to 1 exactly, so that there is no exact value: write \
+                 fractions such as 1/3, as they are exported with the exact method"
+                .to_owned()),
+        };
+    }
     let sum = row.iter().map(|(_, p)| p.to_f64()).sum::<f64>();
     if kind != ModelType::Ctmc && (sum - 1.0).abs() > SUM_TOLERANCE {
         return Err(format!(
@@ -320,6 +332,24 @@ pub(super) fn check_row<N: Arithmetic>(kind: ModelType, row: &[(u32, N)]) -> Res
         ));
     }
     Ok(())
+}
+
+/// How many roundings bring the written numbers to probabilities that sum to 1; one for a rate.
+pub(super) fn roundings<N: Arithmetic>(kind: ModelType, matrix: &Csr<N>) -> u32 {
+    if N::EXACT {
+        return 0;
+    }
+    if kind == ModelType::Ctmc {
+        return 1;
+    }
+    let of_row = |row: usize| {
+        let (sum, terms) = matrix
+            .row(row)
+            .fold((0.0, 0), |(sum, n), (_, p)| (sum + p.to_f64(), n + 1));
+        // The sum itself is rounded. At most SUM_TOLERANCE / UNIT, some ten million.
+        ((sum - 1.0).abs() / UNIT).ceil() as u32 + terms + 1
+    };
+    (0..matrix.num_rows()).map(of_row).max().unwrap_or(0)
 }
 
 /// The number of a name, which is added if it is new.

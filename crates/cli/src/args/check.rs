@@ -14,11 +14,13 @@ Examples:
   corroborate check model.prism 'P>=0.95 [ F \"done\" ]'   exits 1 if it does not hold
   corroborate check model.prism                          counts states and transitions
   corroborate check model.prism 'P=? [ F \"done\" ]' --param p=0:1   a function of p
+  corroborate check model.all 'P=? [ F \"done\" ]'       of model.tra, model.sta, model.lab, ...
 
 PRISM's flags are understood, such as -const N=3, -pf, -prop, -exact, -exportresults, -exportmodel and
 -exportstrat; those that choose an engine or a numerical method have no effect, as bounds hold by any.")]
 pub struct Check {
-    /// The model, in the PRISM language.
+    /// The model, in the PRISM language; or its states and transitions: FILE.tra, FILE.tra,sta,lab, FILE.all
+    /// (all that there are: .tra, .sta, .lab, .srew, .trew) or FILE.drn.
     pub model: PathBuf,
     /// A file of properties, or one property.
     #[arg(allow_hyphen_values = false)]
@@ -67,6 +69,9 @@ pub struct Check {
     /// .drn; several as FILE.tra,sta; as many as there are as FILE.all (may be repeated).
     #[arg(long = "export-model", value_name = "FILE")]
     pub export_model: Vec<String>,
+    /// Read a part of the model from another file: tra=FILE, sta=, lab=, srew=, trew= (may be repeated).
+    #[arg(long = "import", value_name = "FORM=FILE")]
+    pub import: Vec<String>,
     /// Write the labels.
     #[arg(long = "export-labels", value_name = "FILE")]
     pub export_labels: Option<PathBuf>,
@@ -80,8 +85,8 @@ pub struct Check {
     /// End with a message when more than this many GB of memory are taken.
     #[arg(long, value_name = "GB", value_parser = gigabytes)]
     pub memory_limit: Option<f64>,
-    /// Only fair schedulers, which is refused.
-    #[arg(long, hide = true)]
+    /// Only fair schedulers: each choice of each state that is visited infinitely often is taken infinitely often.
+    #[arg(long)]
     pub fair: bool,
     /// PRISM's flags that have none.
     #[arg(long = "without-effect", value_name = "FLAG", hide = true)]

@@ -37,6 +37,14 @@ const SAME: [(&str, &[&str]); 27] = [
     ("-exportadvmdp", &["--export-strategy"]),
 ];
 
+/// Flags that read a part of a model, and its form.
+const IMPORTS: [(&str, &str); 4] = [
+    ("-importstates", "sta"),
+    ("-importlabels", "lab"),
+    ("-importstaterewards", "srew"),
+    ("-importtransrewards", "trew"),
+];
+
 /// Flags without a value that change no answer.
 const WITHOUT_EFFECT: [&str; 54] = [
     "-mtbdd",
@@ -139,6 +147,25 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
     let mut has_model = false;
     while let Some(argument) = given.next() {
         let text = argument.to_str().unwrap_or_default();
+        let import = IMPORTS.iter().find(|(theirs, _)| *theirs == text);
+        let is_model = matches!(text, "-importmodel" | "-importtrans");
+        if is_model || import.is_some() {
+            let Some(file) = given.next() else {
+                rewritten.push(argument.clone());
+                continue;
+            };
+            let part = |form: &str| format!("--import={form}={}", file.to_string_lossy());
+            if is_model {
+                // The model is the first argument that is no flag, wherever the flag stands.
+                rewritten.insert(start + 1, file.clone());
+                has_model = true;
+            }
+            if text == "-importtrans" {
+                rewritten.push(OsString::from(part("tra")));
+            }
+            rewritten.extend(import.map(|(_, form)| OsString::from(part(form))));
+            continue;
+        }
         if let Some((_, ours)) = SAME.iter().find(|(theirs, _)| *theirs == text) {
             rewritten.extend(ours.iter().map(OsString::from));
             if let [flag] = ours
@@ -221,6 +248,29 @@ mod tests {
         assert_eq!(found, ours);
         let found = rewritten(&["check", "m.pm", "-exporttrans", "a.txt"]);
         assert_eq!(found, ["check", "m.pm", "--export-model", "tra=a.txt"]);
+    }
+
+    #[test]
+    fn the_files_of_a_model_are_the_model() {
+        let found = rewritten(&["check", "p.props", "-importmodel", "m.all"]);
+        assert_eq!(found, ["check", "m.all", "p.props"]);
+        let found = rewritten(&[
+            "check",
+            "-importtrans",
+            "m.txt",
+            "-importlabels",
+            "l",
+            "-mdp",
+        ]);
+        let ours = [
+            "check",
+            "m.txt",
+            "--import=tra=m.txt",
+            "--import=lab=l",
+            "--type",
+            "mdp",
+        ];
+        assert_eq!(found, ours);
     }
 
     #[test]

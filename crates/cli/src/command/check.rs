@@ -2,6 +2,7 @@
 //! lines.
 
 mod certify;
+mod explicit;
 mod export;
 mod form;
 mod memory;
@@ -39,6 +40,8 @@ struct Work<'a> {
     source: Source,
     tree: prism_lang::ast::Model,
     warnings: Vec<prism_lang::Diagnostic>,
+    /// The model's files, if it is not in the PRISM language.
+    explicit: Option<explicit::Files>,
     texts: &'a [Text],
     memory: Memory,
 }
@@ -92,14 +95,18 @@ fn say_what_has_no_effect(arguments: &Check, setting: &Setting) {
 impl<'a> Work<'a> {
     /// Reads the model.
     fn new(arguments: &'a Check, setting: &'a Setting, texts: &'a [Text]) -> Result<Self, Problem> {
-        if arguments.fair {
-            let message = "probabilities over fair schedulers only (-fair) are not supported yet";
-            let remedy = "leave -fair out for all schedulers";
-            return Err(Problem::new("unsupported", message).remedy(remedy));
-        }
-        let source = Source::read(&arguments.model)?;
+        let explicit = explicit::Files::read(arguments, &setting.talk)?;
+        let source = match &explicit {
+            // It declares nothing.
+            Some(_) => Source {
+                name: arguments.model.display().to_string(),
+                text: String::new(),
+            },
+            None => Source::read(&arguments.model)?,
+        };
         let parsed = prism_lang::parse_model(&source.text);
-        if let Some(problem) = Problem::from_diagnostics(&source, &parsed.diagnostics) {
+        let found = Problem::from_diagnostics(&source, &parsed.diagnostics);
+        if let (Some(problem), None) = (found, &explicit) {
             return Err(problem);
         }
         let mut tree = parsed.tree;
@@ -117,6 +124,7 @@ impl<'a> Work<'a> {
             source,
             tree,
             warnings: parsed.diagnostics,
+            explicit,
             texts,
             memory: Memory::new(arguments.memory_limit),
         })
@@ -158,6 +166,9 @@ impl<'a> Work<'a> {
         given: &Constants,
         ranges: &mut Ranges,
     ) -> Result<(Built, Vec<PropertyReport>), Problem> {
+        if let Some(files) = &self.explicit {
+            return self.of_files(files, given, ranges);
+        }
         let own = self.constants_of_model(given)?;
         if !self.arguments.open.is_empty() {
             let (arguments, setting) = (self.arguments, self.setting);
@@ -174,12 +185,7 @@ impl<'a> Work<'a> {
         for warning in self.warnings.iter().chain(&model.warnings) {
             self.setting.talk.say(&warning_line(&self.source, warning));
         }
-        let asked = properties::resolved(self.texts, &model, given)?;
-        if asked.is_empty() && !self.texts.is_empty() {
-            self.setting
-                .talk
-                .say("warning: no property was given, so nothing is checked");
-        }
+        let asked = self.asked(&model, given)?;
         let mut chosen = selected(self.arguments, &asked)?;
         chosen.retain(|(place, _)| ranges.is_new(*place, given));
         let meaningful = chosen.iter().filter_map(|(_, asked)| match asked {
@@ -204,6 +210,54 @@ impl<'a> Work<'a> {
             certify::all(&mut report, self.arguments, source, &model, &asked, setting)?;
         }
         Ok((built, report.properties))
+    }
+
+    /// The properties over a model.
+    fn asked(&self, model: &resolved::Model, given: &Constants) -> Result<Vec<Asked>, Problem> {
+        let asked = properties::resolved(self.texts, model, given)?;
+        if asked.is_empty() && !self.texts.is_empty() {
+            let warning = "warning: no property was given, so nothing is checked";
+            self.setting.talk.say(warning);
+        }
+        Ok(asked)
+    }
+
+    /// Checks properties of a model that was read from its states and transitions.
+    fn of_files(
+        &self,
+        files: &explicit::Files,
+        given: &Constants,
+        ranges: &mut Ranges,
+    ) -> Result<(Built, Vec<PropertyReport>), Problem> {
+        let began = Instant::now();
+        match self.arguments.method {
+            Method::Exact => {
+                let space = files.space::<Rational>()?;
+                let model = space.outline();
+                let asked = self.asked(&model, given)?;
+                let mut chosen = selected(self.arguments, &asked)?;
+                chosen.retain(|(place, _)| ranges.is_new(*place, given));
+                let exactly = |space: &_, property: &NamedProperty, options: &Options<'_>| {
+                    checker::check_exact(space, &property.property, options)
+                };
+                self.on_space(&space, &model, began, &chosen, exactly)
+            }
+            _ => {
+                let space = files.space::<f64>()?;
+                let model = space.outline();
+                let asked = self.asked(&model, given)?;
+                let mut chosen = selected(self.arguments, &asked)?;
+                chosen.retain(|(place, _)| ranges.is_new(*place, given));
+                let exact = || {
+                    let space = files.space::<Rational>();
+                    space.map_err(|problem| checker::CheckError::ExactModel(problem.line()))
+                };
+                let soundly = |space: &_, property: &NamedProperty, options: &Options<'_>| {
+                    checker::check_or_exact(space, &property.property, options, &exact)
+                };
+                self.on_space(&space, &model, began, &chosen, soundly)
+            }
+        }
     }
 
     /// Constants may be meant for the model or for the properties' file; the model
@@ -234,25 +288,39 @@ impl<'a> Work<'a> {
         answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
     ) -> Result<(Built, Vec<PropertyReport>), Problem> {
         let began = Instant::now();
-        let (setting, arguments) = (self.setting, self.arguments);
+        let setting = self.setting;
         let space: StateSpace<N> = crate::technique::model_checking::explore_within(
             &self.source,
             model,
             limits.clone(),
             &|| setting.interrupt.is_set() || self.memory.is_passed(),
         )?;
-        let built = Built::new(&space, began.elapsed().as_secs_f64());
-        export::model(arguments, model, &space)?;
+        self.on_space(&space, model, began, chosen, answer)
+    }
+
+    /// Answers over a state space, which was begun to be built at some time.
+    fn on_space<N: Arithmetic + Written + 'static>(
+        &self,
+        space: &StateSpace<N>,
+        model: &resolved::Model,
+        began: Instant,
+        chosen: &[(usize, &Asked)],
+        answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
+    ) -> Result<(Built, Vec<PropertyReport>), Problem> {
+        let (setting, arguments) = (self.setting, self.arguments);
+        let built = Built::new(space, began.elapsed().as_secs_f64());
+        export::model(arguments, model, space)?;
         let cancel = || setting.interrupt.is_set() || self.memory.is_passed();
         let mut options = Options::with_method(arguments.method.of_checker());
         options.precision = arguments.precision;
+        options.fair = arguments.fair;
         options.epsilon = arguments.epsilon;
         options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
         options.cancel = Some(&cancel);
-        let answer = |property: &NamedProperty| answer(&space, property, &options);
+        let answer = |property: &NamedProperty| answer(space, property, &options);
         let mut reports = Vec::new();
         for (place, asked) in chosen {
-            reports.push(self.answered(*place, asked, &space, answer)?);
+            reports.push(self.answered(*place, asked, space, answer)?);
         }
         Ok((built, reports))
     }

@@ -58,6 +58,7 @@ pub(super) fn all(
     let cancel = || setting.interrupt.is_set();
     let options = Options {
         precision: arguments.precision,
+        fair: arguments.fair,
         cancel: Some(&cancel),
         ..Options::default()
     };

@@ -116,6 +116,7 @@ pub(super) fn check(
     let cancel = || setting.interrupt.is_set();
     let mut options = Options::with_method(Method::Exact.of_checker());
     options.cancel = Some(&cancel);
+    options.fair = arguments.fair;
     let mut properties = Vec::new();
     for (place, property) in selected(arguments, &asked)? {
         properties.push(match property {
