@@ -194,7 +194,11 @@ impl<'a> Work<'a> {
         });
         let limits = ExploreOptions {
             max_states: usize::try_from(self.arguments.max_states).unwrap_or(usize::MAX),
-            ..ExploreOptions::for_properties(meaningful)
+            ..match self.arguments.export_model.is_empty() {
+                true => ExploreOptions::for_properties(meaningful),
+                // What is written has all reward structures.
+                false => ExploreOptions::default(),
+            }
         };
         let (built, found) = match self.arguments.method {
             Method::Exact => self.explored::<Rational>(&model, &limits, &chosen, |space, p, o| {
