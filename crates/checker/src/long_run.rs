@@ -7,7 +7,8 @@
 //!
 //! *Gain of a component*, without alternatives: with a state `z`, the expected reward of a round trip from `z`
 //! over its expected time (renewal theorem), both by elimination ([`crate::elimination`]) without subtraction,
-//! hence with small relative error. If that takes too long, or with alternatives: for any numbers `x`
+//! hence with small relative error. If that takes more than some work for each transition, or with alternatives: for any
+//! numbers `x`
 //!
 //! ```text
 //! min_i d_i  <=  gain  <=  max_i d_i       d_i = opt over c of  r_c + sum_j p_cj (x_j - x_i)
@@ -15,8 +16,9 @@
 //!
 //! (Puterman 1994, theorem 8.5.5); `x` is improved by `x_i += d_i / 2` until the bounds are close. `d` is
 //! computed to nearest and its rounding error added. The same holds with rates for `p`, per unit of time. The
-//! improvement goes state by state in place (Gauss-Seidel), which changes nothing of the guarantee: see
-//! [`iteration`].
+//! improvement goes state by state in place (Gauss-Seidel), and where that is slow `x` comes from linear equations
+//! ([`krylov`]), which changes nothing of the guarantee: see [`iteration`]. Where neither helps, elimination is tried with
+//! more work.
 //!
 //! Source: Puterman 1994, chapters 8 and 9; Ashok, Chatterjee, Daca, Křetínský and Meggendorfer 2017, "Value
 //! iteration for long-run average reward in Markov decision processes". Guarantee: that of the engine; exact
@@ -35,9 +37,13 @@ use crate::rewards::Part;
 use crate::rounding::{Bounds, UNIT};
 
 mod iteration;
+mod krylov;
 use iteration::Iteration;
 
-/// Multiplications that are spent on eliminating a component.
+/// Multiplications that are spent on eliminating a component before iteration, and some for each of its entries.
+const FIRST_BUDGET: u64 = 10_000_000;
+const BUDGET_OF_ENTRY: u64 = 8;
+/// The same after iteration that was cut short.
 const BUDGET: u64 = 300_000_000;
 
 /// The long-run average of rewards that are not negative, in all states.
@@ -105,27 +111,42 @@ fn gain<E: Numbers>(
     for (place, state) in component.states.iter().enumerate() {
         local[*state as usize] = place as u32;
     }
-    let mut found = None;
-    if component.rows.len() == component.states.len() {
-        found = round_trip::<E>(rates, part, component, local, context)?.map(|gain| (gain, 0));
-    }
-    let found = match found {
-        Some(found) => Ok(found),
-        None => match E::floats(rates.matrix) {
-            Some(matrix) => {
-                let rewards: Vec<Bounds> =
-                    component.rows.iter().map(|row| part.row[*row].bounds()).collect();
-                let rows = |state: u32| rates.rows(state as usize);
-                let work = Iteration::new(matrix, rows, &rewards, component, local);
-                let found = work.run(maximise, context);
-                found.map(|(bounds, rounds)| (E::from_bounds(bounds), rounds))
-            }
-            None => Err(CheckError::Unsupported(
+    let is_chain = component.rows.len() == component.states.len();
+    let entries = component
+        .rows
+        .iter()
+        .map(|row| rates.entries(*row).len() as u64);
+    let first = FIRST_BUDGET + BUDGET_OF_ENTRY * entries.sum::<u64>();
+    let directly = |budget: u64| -> Result<Option<(E::Amount, u64)>, CheckError> {
+        let found = match is_chain {
+            true => round_trip::<E>(rates, part, component, local, budget, context)?,
+            false => None,
+        };
+        Ok(found.map(|gain| (gain, 0)))
+    };
+    let iterated = || -> Result<(E::Amount, u64), CheckError> {
+        let Some(matrix) = E::floats(rates.matrix) else {
+            return Err(CheckError::Unsupported(
                 "long-run averages over schedulers cannot be computed exactly yet: use the sound method"
                     .to_owned(),
-            )),
-        },
+            ));
+        };
+        let rewards = component.rows.iter().map(|row| part.row[*row].bounds());
+        let rewards: Vec<Bounds> = rewards.collect();
+        let rows = |state: u32| rates.rows(state as usize);
+        let work = Iteration::new(matrix, rows, &rewards, component, local);
+        let of_bounds = |(bounds, rounds)| (E::from_bounds(bounds), rounds);
+        if is_chain {
+            if let Some(found) = work.quickly(context)? {
+                return Ok(of_bounds(found));
+            }
+            if let Some(found) = directly(BUDGET)? {
+                return Ok(found);
+            }
+        }
+        work.run(maximise, context).map(of_bounds)
     };
+    let found = directly(first).and_then(|found| found.map_or_else(iterated, Ok));
     component
         .states
         .iter()
@@ -139,6 +160,7 @@ fn round_trip<E: Numbers>(
     part: &Part<E::Amount>,
     component: &EndComponent,
     local: &[u32],
+    budget: u64,
     context: &Context<'_>,
 ) -> Result<Option<E::Amount>, CheckError> {
     let entry = |amount: &E::Amount, high: bool| E::entry_of(amount, high);
@@ -173,7 +195,7 @@ fn round_trip<E: Numbers>(
     let budget = if <E::Entry as Arithmetic>::EXACT {
         u64::MAX
     } else {
-        BUDGET
+        budget
     };
     let solution = match system.solve(budget, &cancelled) {
         Ok(solution) => solution,

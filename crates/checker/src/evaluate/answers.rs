@@ -45,6 +45,15 @@ impl<E: Numbers> Evaluator<'_, E> {
             initial
         };
         let values = self.numbers(quantity, asked)?;
+        for bounds in values.iter().map(Amount::bounds) {
+            // Something in the middle of these would be no answer.
+            if bounds.low.is_finite() != bounds.high.is_finite() {
+                return Err(CheckError::Unsupported(format!(
+                    "only one side of this value could be bounded, between {} and {}: use the exact method",
+                    bounds.low, bounds.high
+                )));
+            }
+        }
         let guarantee = |value: &E::Amount| E::guarantee_of(value, &self.context, self.iterations);
         let guarantees: Vec<Guarantee> = values.iter().map(guarantee).collect();
         Ok(self.of_amounts(&values, &guarantees))

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::krylov::Equations;
 use crate::answer::CheckError;
 use crate::engine::Context;
 use crate::graph::EndComponent;
@@ -12,6 +13,10 @@ use crate::state_space::Csr;
 const ROUNDS: u64 = 1_000_000;
 /// Rounds in place before rounds by the greatest rate.
 const IN_PLACE: u64 = 20_000;
+/// Rounds in place before the equations are solved.
+const QUICK: u64 = 200;
+/// Solutions of the equations, each of what the one before left.
+const SOLUTIONS: usize = 8;
 /// Rounds in place between two looks at the bounds.
 const SWEEPS: usize = 8;
 /// Less than 1, so that periodic chains do not go round for ever.
@@ -68,6 +73,70 @@ impl<'a> Iteration<'a> {
             work.choice_start.push(next);
         }
         work
+    }
+
+    /// The number of states.
+    pub fn num_states(&self) -> usize {
+        self.choice_start.len() - 1
+    }
+
+    /// The number of transitions between different states.
+    pub fn num_entries(&self) -> usize {
+        self.column.len()
+    }
+
+    /// Where a row's entries are.
+    pub fn range(&self, row: usize) -> Range<usize> {
+        self.row_start[row]..self.row_start[row + 1]
+    }
+
+    /// A row's targets, ascending, and their rates.
+    pub fn entries(&self, row: usize) -> (&[u32], &[f64]) {
+        (&self.column[self.range(row)], &self.rate[self.range(row)])
+    }
+
+    /// Bounds of a component without alternatives, and the rounds; `None` if they do not come close soon.
+    ///
+    /// A few rounds in place, then by the equations ([`super::krylov`]).
+    pub fn quickly(&self, context: &Context<'_>) -> Result<Option<(Bounds, u64)>, CheckError> {
+        let states = self.num_states();
+        let (mut x, mut drift) = (vec![0.0; states], vec![0.0; states]);
+        let mut best = Bounds {
+            low: 0.0,
+            high: f64::INFINITY,
+        };
+        let mut rounds = 0;
+        let mut equations = None;
+        for solution in 0.. {
+            context.options.check_cancelled()?;
+            let now = self.bounds(&x, &mut drift, true, context.entry_error);
+            if !(now.low.is_finite() && now.high.is_finite()) {
+                return Ok(None);
+            }
+            best.low = best.low.max(now.low);
+            best.high = best.high.min(now.high);
+            rounds += 1;
+            if best.high - best.low <= context.options.precision / 2.0 * best.low {
+                return Ok(Some((best, rounds)));
+            }
+            let mut gain = now.middle();
+            if rounds < QUICK {
+                for _ in 0..SWEEPS {
+                    self.sweep(&mut x, gain, rounds.is_multiple_of(2));
+                    rounds += 1;
+                }
+                continue;
+            }
+            if solution > QUICK as usize / SWEEPS + SOLUTIONS {
+                return Ok(None);
+            }
+            let equations = equations.get_or_insert_with(|| Equations::new(self, 0));
+            let reward = |state: usize| self.rewards[state].middle();
+            if !equations.improve(&mut x, &mut gain, reward, context)? {
+                return Ok(None);
+            }
+        }
+        Ok(None)
     }
 
     /// Iterates until the bounds are close; the bounds and the rounds.

@@ -362,8 +362,8 @@ impl Search<'_> {
         let lower: Vec<f64> = self.low.iter().map(|x| x * (1.0 - distance)).collect();
         let upper: Vec<f64> = self.high.iter().map(|x| x * (1.0 + distance)).collect();
         let held = [
-            self.inductive(lower, Side::Low),
-            self.inductive(upper, Side::High),
+            self.inductive(lower, Side::Low, distance),
+            self.inductive(upper, Side::High, distance),
         ];
         for (place, found) in self.found.iter_mut().enumerate() {
             if let Some(lower) = &held[0] {
@@ -378,18 +378,24 @@ impl Search<'_> {
 
     /// The guess, or what some rounds make of it, if that is inductive.
     ///
-    /// A guess that fails by no more than rounding is worth more rounds, forwards and backwards in turn: where a
-    /// state's choice neither earns nor leaves, what is to spare has to arrive from other states first.
-    fn inductive(&self, mut guess: Vec<f64>, side: Side) -> Option<Vec<f64>> {
+    /// A guess that fails by much less than its distance is worth more rounds, forwards and backwards in turn: where a
+    /// state's choice neither earns nor leaves, what is to spare has to arrive from other states first, and within one
+    /// round the allowance for rounding adds up along the states that are looked at one after the other.
+    fn inductive(&self, mut guess: Vec<f64>, side: Side, distance: f64) -> Option<Vec<f64>> {
         const FEW: usize = 6;
         const MANY: usize = 1000;
+        /// Rounds in which what is missing has to become less.
+        const SPAN: usize = 64;
         let error = match side {
             Side::Low => 1.0 - self.local.error,
             Side::High => 1.0 + self.local.error,
         };
+        let by_rounding = 8.0 * self.local.error;
+        let allowed = by_rounding.max(distance / 100.0);
         let states = guess.len();
+        let mut worst_before = f64::INFINITY;
         for round in 0..MANY {
-            let (mut holds, mut nearly) = (true, true);
+            let (mut holds, mut worst) = (true, 0.0_f64);
             for position in 0..states {
                 let place = if round % 2 == 0 {
                     position
@@ -402,15 +408,24 @@ impl Search<'_> {
                     Side::Low => known - next,
                     Side::High => next - known,
                 };
-                holds &= missing <= 0.0;
-                nearly &= missing <= 8.0 * self.local.error * known;
+                if missing > 0.0 || missing.is_nan() {
+                    holds = false;
+                    let share = missing / known;
+                    worst = worst.max(if share.is_nan() { f64::INFINITY } else { share });
+                }
                 guess[place] = next;
             }
             if holds {
                 return Some(guess);
             }
-            if round >= FEW && !nearly {
+            if round >= FEW && worst > allowed {
                 return None;
+            }
+            if round % SPAN == SPAN - 1 {
+                if worst > by_rounding && worst > 0.9 * worst_before {
+                    return None;
+                }
+                worst_before = worst;
             }
         }
         None
