@@ -109,6 +109,13 @@ pub enum AnswerValue {
         /// Greatest value.
         high: Rational,
     },
+    /// Least and greatest value over several initial states, of which one at least is infinite.
+    Ends {
+        /// Least value.
+        low: Box<AnswerValue>,
+        /// Greatest value.
+        high: Box<AnswerValue>,
+    },
     /// Whether the property holds (in all initial states).
     Truth(bool),
     /// The corners of what two objectives can reach together, in the order of the first.

@@ -10,7 +10,7 @@
 //! leave open is an error and never a guess.
 
 use prism_lang::resolved::ModelType;
-use prism_lang::{Bound, Comparison, Path, Property, StateFormula};
+use prism_lang::{Bound, Comparison, Path, Property, Rational, StateFormula};
 use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
 use temporal::ltl::Ltl;
 
@@ -339,6 +339,16 @@ pub(crate) fn range(initial: &[InitialValue]) -> AnswerValue {
     if let [only] = initial {
         return only.value.clone();
     }
+    let numbers = initial.iter().filter_map(|initial| match initial.value {
+        AnswerValue::Number(value) => Some(value),
+        _ => None,
+    });
+    if numbers.clone().any(f64::is_nan) {
+        let (low, high) = (f64::NAN, f64::NAN);
+        return AnswerValue::Range { low, high };
+    }
+    let low = numbers.clone().fold(f64::INFINITY, f64::min);
+    let high = numbers.fold(f64::NEG_INFINITY, f64::max);
     let mut exact: Vec<_> = (initial.iter())
         .filter_map(|initial| match &initial.value {
             AnswerValue::Exact(value) => Some(value.clone()),
@@ -346,18 +356,22 @@ pub(crate) fn range(initial: &[InitialValue]) -> AnswerValue {
         })
         .collect();
     exact.sort();
-    if let (Some(low), Some(high)) = (exact.first(), exact.last()) {
-        let (low, high) = (low.clone(), high.clone());
-        return AnswerValue::ExactRange { low, high };
+    let (Some(least), Some(greatest)) = (exact.first(), exact.last()) else {
+        return AnswerValue::Range { low, high };
+    };
+    // Beside exact values stand infinite ones only.
+    if low == f64::NEG_INFINITY || high == f64::INFINITY {
+        let end = |is_infinite: bool, infinite: f64, finite: &Rational| match is_infinite {
+            true => AnswerValue::Number(infinite),
+            false => AnswerValue::Exact(finite.clone()),
+        };
+        return AnswerValue::Ends {
+            low: Box::new(end(low == f64::NEG_INFINITY, low, least)),
+            high: Box::new(end(high == f64::INFINITY, high, greatest)),
+        };
     }
-    let numbers = initial.iter().filter_map(|initial| match initial.value {
-        AnswerValue::Number(value) => Some(value),
-        _ => None,
-    });
-    AnswerValue::Range {
-        low: numbers.clone().fold(f64::INFINITY, f64::min),
-        high: numbers.fold(f64::NEG_INFINITY, f64::max),
-    }
+    let (low, high) = (least.clone(), greatest.clone());
+    AnswerValue::ExactRange { low, high }
 }
 
 /// What is known of the values in all initial states.

@@ -119,6 +119,40 @@ fn bounds_that_floating_point_leaves_open_are_decided_exactly() {
     );
 }
 
+/// Found by `conformance/peers/random_models.py`: the infinite values were left out.
+#[test]
+fn a_range_has_its_infinite_values_in_exact_arithmetic_too() {
+    let walk = model(
+        "dtmc module w x : [0..4]; [] x=1 -> 1/3:(x'=1) + 2/3:(x'=2); [] x=3 -> 1/2:(x'=3) + 1/2:(x'=4); endmodule
+         rewards true : 1; endrewards
+         init x>0 & x<4 endinit",
+    );
+    let ends = AnswerValue::Ends {
+        low: Box::new(AnswerValue::Exact(Rational::from_integer(2.into()))),
+        high: Box::new(AnswerValue::Number(f64::INFINITY)),
+    };
+    assert_eq!(exact(&walk, "R=? [ F x=4 ]"), ends);
+    let filter = "filter(range, R=? [ F x=4 ], x>=1 & x<=3)";
+    assert_eq!(exact(&walk, filter), ends);
+    let AnswerValue::Range { low, high } =
+        answer(&walk, filter, &Options::default()).unwrap().value
+    else {
+        panic!("no range");
+    };
+    assert!(
+        (low - 2.0).abs() < 1e-5 && high == f64::INFINITY,
+        "{low} {high}"
+    );
+    // Where no value is finite, and where a value does not exist.
+    let (low, high) = (f64::INFINITY, f64::INFINITY);
+    let stuck = "filter(range, R=? [ F x=4 ], x<=2)";
+    assert_eq!(exact(&walk, stuck), AnswerValue::Range { low, high });
+    let AnswerValue::Range { low, high } = exact(&walk, "P=? [ F x=4 || F x=2 ]") else {
+        panic!("a range without the undefined value");
+    };
+    assert!(low.is_nan() && high.is_nan(), "{low} {high}");
+}
+
 #[test]
 fn several_initial_states_give_a_range() {
     let walk = model(

@@ -11,6 +11,7 @@ pub(super) fn value(value: &AnswerValue) -> String {
         AnswerValue::Exact(value) => value.to_string(),
         AnswerValue::Range { low, high } => format!("[{},{}]", number(*low), number(*high)),
         AnswerValue::ExactRange { low, high } => format!("[{low},{high}]"),
+        AnswerValue::Ends { low, high } => format!("[{},{}]", self::value(low), self::value(high)),
         AnswerValue::Truth(truth) => truth.to_string(),
         AnswerValue::Corners(corners) => {
             let number = |value: &prism_lang::Rational| number(prism_lang::rational_to_f64(value));
