@@ -271,6 +271,11 @@ impl fmt::Display for CheckError {
                 "the probability of leaving state {state} is too small for this method, which takes it \
                  for 0 and divides by it; use the sound or the exact method"
             ),
+            Self::Undecided { comparison, bounds } if bounds.low.is_nan() => write!(
+                formatter,
+                "whether the value is {comparison} is not the same for all values of the open constants, or \
+                 not known to be: give them narrower ranges"
+            ),
             Self::Undecided { comparison, bounds } => write!(
                 formatter,
                 "whether the value is {comparison} cannot be told: it lies between {} and {}; \

@@ -245,6 +245,7 @@ fn side(study: &Synthetic, piece: &Evidence, subject: &Subject) -> Option<Side> 
                     let column = study.assets.modes.iter().position(|m| m == mode)?;
                     rate = truth.stages[study.assets.columns[column]].fails;
                 }
+                trials = trials.min(told(cohort.by_subject, cohort.subjects, rate));
             }
             Some(Side { rate, trials })
         }
@@ -261,6 +262,18 @@ fn side(study: &Synthetic, piece: &Evidence, subject: &Subject) -> Option<Side> 
             },
         }),
         _ => None,
+    }
+}
+
+/// The most independent trials that a test may take people's attempts for. Where nobody ever fails (or everybody does), the
+/// counts say nothing of how alike the attempts of one person are. If they are all alike, a rate `p` has this outcome
+/// with probability `(1 - p)^people`: no test that holds its level there rejects `p` sooner.
+fn told(by_subject: bool, people: usize, rate: f64) -> f64 {
+    let is_certain = rate <= 0.0 || rate >= 1.0;
+    if by_subject && is_certain {
+        people as f64
+    } else {
+        f64::INFINITY
     }
 }
 

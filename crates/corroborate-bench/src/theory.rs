@@ -7,7 +7,8 @@
 //!   the probability that a run is such.
 //!
 //! The chi-squared test errs a little more often than declared, so that no exact test has much more power.
-//! Clustered trials count at their effective size, rounded. Source: A. Agresti, "Categorical data
+//! Clustered trials count at their effective size, rounded, and where nobody ever fails at one for each person: how alike
+//! the attempts are is not known, and does not show. Source: A. Agresti, "Categorical data
 //! analysis" (2013), sections 3.2 and 6.6. Cost: the product of the outcomes that matter, some thousands.
 
 use stats::special::{binomial_pmf, normal_quantile};

@@ -1,6 +1,6 @@
 //! What suspects are found in, and what each single thing says against an asset.
 
-use super::strength::{Rate, strength};
+use super::strength::{Rate, STRONG, strength};
 use super::suspect::{
     Cell, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind, Symptom, Witness,
 };
@@ -64,6 +64,29 @@ pub(super) struct Judged {
     pub(super) main: bool,
 }
 
+/// The form by which a cell is judged.
+fn form_of(cell: &Cell) -> &'static str {
+    match cell.judged_by {
+        JudgedBy::Property => "property",
+        JudgedBy::Monitor => "monitor",
+    }
+}
+
+/// The rate under another form. Some hundred paths alone say less than a computed value, and a conflict that shrinks only
+/// for that is not explained: to the value is added what the two forms differ by on the same traces. Where its own
+/// form could not judge them, it stands as long as the other does not contradict it.
+fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -> Rate {
+    let share = |cell: &Cell| cell.count as f64 / cell.trials as f64;
+    let counted = Rate::counted(other.count, other.trials);
+    match (rate, own) {
+        (Rate::Computed(value), Some(own)) => {
+            Rate::Computed((value + share(other) - share(own)).clamp(0.0, 1.0))
+        }
+        (Rate::Computed(_), None) if strength(rate, counted, margin) < STRONG => rate,
+        _ => counted,
+    }
+}
+
 impl<'a> Matter<'a> {
     /// The declared margin of a subject.
     pub fn margin(&self, subject: &Subject) -> f64 {
@@ -122,18 +145,16 @@ impl<'a> Matter<'a> {
             rate,
             main: true,
         }];
+        let own_cell = self.cell(piece, subject, own);
         for cell in self.cells {
-            let form = match cell.judged_by {
-                JudgedBy::Property => "property",
-                JudgedBy::Monitor => "monitor",
-            };
+            let form = form_of(cell);
             let is_other = &cell.subject == subject && cell.evidence == piece.id && form != own;
             // The property of a failure mode speaks of runs, not of opportunities.
             let is_rate = matches!(subject, Subject::Requirement(_)) || form == "monitor";
             if is_other && is_rate && cell.trials > 0 {
                 all.push(Judged {
                     form: form.into(),
-                    rate: Rate::counted(cell.count, cell.trials),
+                    rate: judged_otherwise(rate, own_cell, cell, self.margin(subject)),
                     main: false,
                 });
             }
@@ -152,6 +173,17 @@ impl<'a> Matter<'a> {
             main: false,
         }));
         all
+    }
+
+    /// What a form says of the traces of a piece.
+    fn cell(&self, piece: &Evidence, subject: &Subject, form: &str) -> Option<&'a Cell> {
+        let mut cells = self.cells.iter();
+        cells.find(|cell| {
+            &cell.subject == subject
+                && cell.evidence == piece.id
+                && form_of(cell) == form
+                && cell.trials > 0
+        })
     }
 
     /// How strongly two pieces differ on a subject, by their own findings.
