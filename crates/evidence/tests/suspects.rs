@@ -351,3 +351,49 @@ fn the_same_property_on_runs_separates_requirement_from_system() {
     assert!(suspects.iter().all(|s| !monitor(s)), "{suspects:?}");
     assert_eq!(suspects[0].asset.file.as_deref(), Some("models/v1.prism"));
 }
+
+/// What judges some hundred paths says less than a computed value. A conflict that only shrinks for that is not explained.
+#[test]
+fn a_form_that_says_the_same_on_the_same_paths_explains_nothing() {
+    let cell = |cell, judged_by, traces, evidence: &str, count, trials| Cell {
+        cell,
+        traces,
+        judged_by,
+        evidence: evidence.into(),
+        subject: requirement("1a"),
+        count,
+        trials,
+        runs: trials,
+        undecided: 0,
+        interval: None,
+        not_judged: None,
+    };
+    let paths = |letter, judged_by, count| cell(letter, judged_by, Traces::Model, "M", count, 400);
+    let runs = |letter, judged_by| cell(letter, judged_by, Traces::Simulator, "S", 575, 1000);
+    let model = vec![computed(requirement("1a"), 0.8)];
+    let simulated = vec![counted(requirement("1a"), 575, 1000)];
+    let ledger = [
+        piece("M", Technique::ModelChecking, "models/v2.prism", model),
+        piece("S", Technique::Simulation, "sim.toml", simulated),
+    ];
+    let conflicts = [conflict(requirement("1a"), "M", "S")];
+    let on_runs = [runs('B', JudgedBy::Property), runs('E', JudgedBy::Monitor)];
+    let of_forms = |own: Option<u64>, monitor: u64| {
+        let mut cells = on_runs.to_vec();
+        cells.extend(own.map(|count| paths('A', JudgedBy::Property, count)));
+        cells.push(paths('D', JudgedBy::Monitor, monitor));
+        let suspects = ranked(&ledger, &conflicts, &cells);
+        let is_form = |s: &&Suspect| s.inaccuracy == Inaccuracy::RequirementModel;
+        suspects
+            .iter()
+            .filter(is_form)
+            .map(|s| s.score)
+            .sum::<f64>()
+    };
+    assert_eq!(of_forms(Some(318), 318), 0.0);
+    // The property could not be judged on paths, and the monitor does not contradict it.
+    assert_eq!(of_forms(None, 318), 0.0);
+    // On the same paths the monitor finds what the simulation does.
+    assert!(of_forms(Some(318), 228) > 10.0);
+    assert!(of_forms(None, 228) > 10.0);
+}
