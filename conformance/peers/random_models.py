@@ -30,6 +30,8 @@ ROOT = Path(__file__).resolve().parents[2]
 QUESTIONS = 6
 # What takes longer is counted, and not waited for: functions of two constants can grow without end.
 PATIENCE_SECS = 10
+# States up to which models are asked about: exact long-run averages of some hundred take Storm minutes.
+MOST_STATES = 128
 # States up to which functions of the constants are asked for.
 MOST_STATES_PARAMETRIC = 16
 # Exact values of some models have thousands of digits.
@@ -155,6 +157,9 @@ def one(program, folder, seed):
         oracle = Oracle(path, constants)
     except Exception:  # Storm's errors have no common class.
         comparison.counts["models that Storm does not read"] += 1
+        return comparison
+    if oracle.model.nr_states > MOST_STATES:
+        comparison.counts[f"models of more than {MOST_STATES} states, not asked"] += 1
         return comparison
     asked = []
     for question in questions:

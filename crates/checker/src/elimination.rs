@@ -94,10 +94,7 @@ impl<N: Arithmetic, const W: usize> System<N, W> {
         let mut removed = Vec::with_capacity(states);
         let mut relative_error = 0.0;
         while let Some(state) = elimination.next_state() {
-            if removed.len() % 256 == 0 && cancelled() {
-                return Err(GivenUp::Cancelled);
-            }
-            let step = elimination.remove(state)?;
+            let step = elimination.remove(state, cancelled)?;
             removed.push(step);
             if elimination.operations > budget {
                 return Err(GivenUp::Budget);
@@ -107,7 +104,7 @@ impl<N: Arithmetic, const W: usize> System<N, W> {
             relative_error += UNIT * (2.0 * remaining * (row + 3.0) + 2.0 * row + 4.0);
         }
         Ok(Solution {
-            values: put_back(removed, states)?,
+            values: put_back(removed, states, cancelled)?,
             relative_error,
         })
     }
@@ -159,7 +156,11 @@ impl<N: Arithmetic, const W: usize> Elimination<N, W> {
         None
     }
 
-    fn remove(&mut self, state: usize) -> Result<Removed<N, W>, GivenUp> {
+    fn remove(
+        &mut self,
+        state: usize,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<Removed<N, W>, GivenUp> {
         self.present[state] = false;
         let row = std::mem::take(&mut self.system.rows[state]);
         let rhs = self.system.rhs[state].clone();
@@ -168,6 +169,10 @@ impl<N: Arithmetic, const W: usize> Elimination<N, W> {
             return Err(GivenUp::Singular);
         }
         for predecessor in std::mem::take(&mut self.predecessors[state]) {
+            // Rational functions can take minutes for one of them.
+            if cancelled() {
+                return Err(GivenUp::Cancelled);
+            }
             self.redirect(predecessor as usize, state, &row, &total, &rhs)?;
         }
         // Fewer predecessors may make a successor cheaper than the queue knows.
@@ -241,9 +246,13 @@ fn product<N: Arithmetic>(share: &N, value: &N) -> Result<N, GivenUp> {
 fn put_back<N: Arithmetic, const W: usize>(
     removed: Vec<Removed<N, W>>,
     states: usize,
+    cancelled: &dyn Fn() -> bool,
 ) -> Result<Vec<[N; W]>, GivenUp> {
     let mut values: Vec<[N; W]> = vec![std::array::from_fn(|_| N::zero()); states];
     for step in removed.into_iter().rev() {
+        if cancelled() {
+            return Err(GivenUp::Cancelled);
+        }
         let mut solution = step.rhs;
         for (column, weight) in &step.row {
             for (sum, value) in solution.iter_mut().zip(&values[*column as usize]) {

@@ -9,7 +9,8 @@
 //! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
 //!   solver's share is `T - T_s`;
 //! * *requirement model*: like is compared with like: property with property (cells A and B or C),
-//!   monitor with monitor (D and E or F), and each reading of one piece with the other piece. Of these
+//!   monitor with monitor (D and E or F), and each reading of one piece with the other piece. Under the
+//!   other form a computed value is moved by what the two forms differ by on the same sampled paths. Of these
 //!   `m` is the least that is left; the requirement models' share is `T_s - m` if that is strong
 //!   evidence (at least 1), else 0;
 //! * *system model*: the rest. It is shared out between `X` and `Y` by how much better the data of all
