@@ -46,7 +46,7 @@ use super::machine::{Monitor, PropId, Step};
 use super::report::{MonitorReport, Verdict};
 use super::spec::{AtEnd, Repeat, Trigger};
 use crate::formula::RobustnessBounds;
-use row::{Carry, MAX_VARIABLES, constant};
+use row::{Carry, MAX_VARIABLES, Row};
 use stage::{Given, Here, Lasting, StageWork, Window};
 use whole::Whole;
 
@@ -82,9 +82,7 @@ pub struct RobustnessMonitor {
 pub struct RobustnessJudge {
     rule: Rule,
     last_secs: f64,
-    low: Lane,
-    /// None as long as it would be the same as `low`.
-    high: Option<Lane>,
+    lanes: SizedLanes,
 }
 
 /// What the robustness of a staged monitor can be, given what is known.
@@ -107,6 +105,8 @@ struct Rule {
     at_end: AtEnd,
     /// The stages, the first one first.
     stages: Vec<Step>,
+    /// What trigger and stages read, each once.
+    propositions: Vec<PropId>,
 }
 
 /// More stages without a deadline than robustness can be computed for.
@@ -129,20 +129,50 @@ impl std::fmt::Display for TooManyUnbounded {
 
 impl std::error::Error for TooManyUnbounded {}
 
+/// Both lanes with room for as many variables as there are, or a few more: most monitors have one or
+/// two, whose rows stay in registers.
+#[derive(Debug, Clone)]
+enum SizedLanes {
+    One(Lanes<1>),
+    Two(Lanes<2>),
+    Four(Lanes<4>),
+    All(Lanes<MAX_VARIABLES>),
+}
+
+/// The same for lanes of any size.
+macro_rules! of_lanes {
+    ($lanes_of_size:expr, $lanes:ident => $value:expr) => {
+        match $lanes_of_size {
+            SizedLanes::One($lanes) => $value,
+            SizedLanes::Two($lanes) => $value,
+            SizedLanes::Four($lanes) => $value,
+            SizedLanes::All($lanes) => $value,
+        }
+    };
+}
+
+/// The computation for both ends of the bounds.
+#[derive(Debug, Clone)]
+struct Lanes<const N: usize> {
+    low: Lane<N>,
+    /// None as long as it would be the same as `low`.
+    high: Option<Lane<N>>,
+}
+
 /// The computation for one end of the bounds.
 #[derive(Debug, Clone)]
-struct Lane {
+struct Lane<const N: usize> {
     /// What unknown literals are taken for.
     unknown: f64,
     when_before: Option<f64>,
     /// The stages, the last one first; behind them, for monitors that judge one trigger, the trigger.
-    stages: Vec<StageWork>,
+    stages: Vec<StageWork<N>>,
     /// For samples whose demand is not known yet, by how much nothing triggers.
     unless: VecDeque<f64>,
     whole: Whole,
     /// What stages give, kept to avoid allocations.
-    given: Vec<Given>,
-    taken: Vec<Given>,
+    given: Vec<Given<N>>,
+    taken: Vec<Given<N>>,
 }
 
 impl Monitor {
@@ -158,14 +188,14 @@ impl Monitor {
             repeat,
             at_end,
             stages: stages.to_vec(),
+            propositions: propositions_of(when, stages),
         };
         let count = rule.unbounded();
         if count > MAX_UNBOUNDED_STAGES {
             return Err(TooManyUnbounded { count });
         }
         let start = RobustnessJudge {
-            low: Lane::new(&rule, count),
-            high: None,
+            lanes: SizedLanes::new(&rule, count),
             last_secs: f64::NEG_INFINITY,
             rule,
         };
@@ -196,20 +226,14 @@ impl RobustnessJudge {
             });
         }
         self.last_secs = time_secs;
-        if self.high.is_none() && self.rule.propositions().any(|p| value(p).is_nan()) {
-            self.high = Some(self.low.optimist());
-        }
-        self.low.step(&self.rule, time_secs, value);
-        if let Some(high) = &mut self.high {
-            high.step(&self.rule, time_secs, value);
-        }
+        of_lanes!(&mut self.lanes, lanes => lanes.step(&self.rule, time_secs, value));
         Ok(())
     }
 
     /// How many samples and numbers are kept.
     #[must_use]
     pub fn stored(&self) -> usize {
-        self.low.stored() + self.high.as_ref().map_or(0, Lane::stored)
+        of_lanes!(&self.lanes, lanes => lanes.stored())
     }
 
     /// Ends the trace, on which the monitor itself gave `report`. `complete` is false if it was cut
@@ -241,15 +265,54 @@ impl RobustnessJudge {
     /// The bounds of the formula's robustness.
     fn bounds_at_end(self, complete: bool) -> RobustnessBounds {
         let (worst, best) = (f64::NEG_INFINITY, f64::INFINITY);
-        let high = self.high.unwrap_or_else(|| self.low.optimist());
         // In a complete trace no more triggers come.
         let no_more = if complete { best } else { worst };
         let fails = complete && self.rule.at_end == AtEnd::FailPending;
+        let after = if fails { worst } else { best };
+        let (low, high) = of_lanes!(self.lanes, lanes => {
+            let high = lanes.high.unwrap_or_else(|| lanes.low.optimist());
+            let low = lanes.low.close(&self.rule, worst, no_more);
+            (low, high.close(&self.rule, after, best))
+        });
         // Adding 0 makes a negative zero positive.
         RobustnessBounds {
-            low: self.low.close(&self.rule, worst, no_more) + 0.0,
-            high: high.close(&self.rule, if fails { worst } else { best }, best) + 0.0,
+            low: low + 0.0,
+            high: high + 0.0,
         }
+    }
+}
+
+impl SizedLanes {
+    fn new(rule: &Rule, count: usize) -> Self {
+        match count {
+            0..=1 => SizedLanes::One(Lanes::new(rule, count)),
+            2 => SizedLanes::Two(Lanes::new(rule, count)),
+            3..=4 => SizedLanes::Four(Lanes::new(rule, count)),
+            _ => SizedLanes::All(Lanes::new(rule, count)),
+        }
+    }
+}
+
+impl<const N: usize> Lanes<N> {
+    fn new(rule: &Rule, count: usize) -> Self {
+        Lanes {
+            low: Lane::new(rule, count),
+            high: None,
+        }
+    }
+
+    fn step(&mut self, rule: &Rule, time_secs: f64, value: &dyn Fn(PropId) -> f64) {
+        if self.high.is_none() && rule.propositions.iter().any(|p| value(*p).is_nan()) {
+            self.high = Some(self.low.optimist());
+        }
+        self.low.step(rule, time_secs, value);
+        if let Some(high) = &mut self.high {
+            high.step(rule, time_secs, value);
+        }
+    }
+
+    fn stored(&self) -> usize {
+        self.low.stored() + self.high.as_ref().map_or(0, Lane::stored)
     }
 }
 
@@ -265,21 +328,23 @@ impl Rule {
             .iter()
             .all(|step| matches!(step, Step::Assert(_)))
     }
-
-    fn propositions(&self) -> impl Iterator<Item = PropId> + '_ {
-        let of_stages = self.stages.iter().flat_map(|step| match *step {
-            Step::Assert(proposition) | Step::WaitFor { proposition, .. } => {
-                [proposition, proposition]
-            }
-            Step::Hold {
-                proposition, until, ..
-            } => [proposition, until],
-        });
-        std::iter::once(self.when).chain(of_stages)
-    }
 }
 
-impl Lane {
+/// What a trigger and stages read, each once.
+fn propositions_of(when: PropId, stages: &[Step]) -> Vec<PropId> {
+    let of_stages = stages.iter().flat_map(|step| match *step {
+        Step::Assert(proposition) | Step::WaitFor { proposition, .. } => [proposition, proposition],
+        Step::Hold {
+            proposition, until, ..
+        } => [proposition, until],
+    });
+    let mut all: Vec<PropId> = std::iter::once(when).chain(of_stages).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+impl<const N: usize> Lane<N> {
     fn new(rule: &Rule, count: usize) -> Self {
         let once = rule.repeat == Repeat::Once;
         let mut variables = usize::from(once)..count;
@@ -287,13 +352,12 @@ impl Lane {
             Step::Assert(_) => Lasting::OneInstant,
             _ if step.within_secs() == f64::INFINITY => Lasting::Unbounded {
                 variable: variables.next().unwrap_or(0),
-                count,
             },
             _ => Lasting::Within(Box::new(Window::new(step.within_secs()))),
         };
-        let mut stages: Vec<Lasting> = rule.stages.iter().rev().map(lasting).collect();
+        let mut stages: Vec<Lasting<N>> = rule.stages.iter().rev().map(lasting).collect();
         if once {
-            stages.push(Lasting::Unbounded { variable: 0, count });
+            stages.push(Lasting::Unbounded { variable: 0 });
         }
         Lane {
             unknown: f64::NEG_INFINITY,
@@ -346,7 +410,7 @@ impl Lane {
             .push_back(if once { f64::INFINITY } else { unless });
         self.given.clear();
         self.given.push(Given {
-            row: constant(f64::INFINITY),
+            row: Row::constant(f64::INFINITY),
             carry: Carry::default(),
         });
         self.pass(None);

@@ -73,6 +73,8 @@ pub(crate) struct Plant {
     whole: Body,
     /// Steady motion of the whole model.
     glide: Glide,
+    /// Whether the hand held the object after the last step of the whole model.
+    is_held: bool,
     in_regime_steps: u64,
     /// Whether a drive of the arm changed its speed in the last step.
     arm_accelerates: bool,
@@ -107,6 +109,7 @@ impl Plant {
             regime: Regime::Whole,
             whole,
             glide: Glide::new(scenario, &joints),
+            is_held: false,
             in_regime_steps: 0,
             arm_accelerates: false,
             joints,
@@ -206,6 +209,9 @@ impl Plant {
             torque_nm,
         } = *wrench;
         self.whole.step(&self.joints, force_newtons, torque_nm);
+        if self.is_fast {
+            self.is_held = self.whole.grip() != Grip::default();
+        }
         if may_glide {
             self.glide.watch(&self.whole, wrench);
         }
@@ -215,7 +221,7 @@ impl Plant {
     /// and fingers so heavy that they swing take longer than a burst to follow what they hold.
     fn may_glide(&self) -> bool {
         let is_there = || joints::arm(&self.joints).all(|index| self.joints[index].is_at_target());
-        !self.fingers_swing && (self.whole.grip() != Grip::default() || is_there())
+        !self.fingers_swing && (self.is_held || is_there())
     }
 
     /// Takes a glide's state over into the whole model.
@@ -231,8 +237,7 @@ impl Plant {
         let is_time = self.in_regime_steps != 0
             && self.in_regime_steps.is_multiple_of(self.look_steps)
             && matches!(self.regime, Regime::Whole);
-        let is_held = self.glide.is_going() && self.whole.grip() != Grip::default();
-        if !is_time || is_pulled || is_held {
+        if !is_time || is_pulled || (self.glide.is_going() && self.is_held) {
             return;
         }
         self.land();

@@ -8,50 +8,81 @@
 /// The most variables.
 pub(super) const MAX_VARIABLES: usize = 8;
 
-/// A constant and a coefficient for each variable.
-pub(super) type Row = [f64; MAX_VARIABLES + 1];
-
-/// The row of minus infinity.
-pub(super) const NOTHING: Row = [f64::NEG_INFINITY; MAX_VARIABLES + 1];
-
-/// The row of a constant.
-pub(super) fn constant(value: f64) -> Row {
-    let mut row = NOTHING;
-    row[0] = value;
-    row
+/// A constant and a coefficient for each of up to `N` variables; those of variables that there are
+/// not are minus infinity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Row<const N: usize> {
+    pub(super) constant: f64,
+    pub(super) of: [f64; N],
 }
 
-/// The minimum of a row and a number.
-#[inline]
-pub(super) fn at_most(row: &Row, limit: f64) -> Row {
-    row.map(|value| value.min(limit))
-}
-
-/// The maximum of two rows.
-#[inline]
-pub(super) fn greater(left: &Row, right: &Row) -> Row {
-    let mut row = *left;
-    for (value, other) in row.iter_mut().zip(right) {
-        *value = value.max(*other);
+impl<const N: usize> Row<N> {
+    /// The row of a constant.
+    pub(super) fn constant(constant: f64) -> Self {
+        Row {
+            constant,
+            of: [f64::NEG_INFINITY; N],
+        }
     }
-    row
+
+    /// The row of minus infinity.
+    pub(super) fn nothing() -> Self {
+        Self::constant(f64::NEG_INFINITY)
+    }
+
+    /// That of a variable, and nothing where it is greater than `limit`.
+    #[inline]
+    pub(super) fn variable(variable: usize, limit: f64) -> Self {
+        let mut row = Self::nothing();
+        row.of[variable] = limit;
+        row
+    }
+
+    /// The minimum of a row and a number.
+    #[inline]
+    pub(super) fn at_most(&self, limit: f64) -> Self {
+        Row {
+            constant: self.constant.min(limit),
+            of: self.of.map(|value| value.min(limit)),
+        }
+    }
+
+    /// The maximum of two rows.
+    #[inline]
+    pub(super) fn greater(&self, other: &Self) -> Self {
+        let mut row = *self;
+        row.constant = row.constant.max(other.constant);
+        for (value, other) in row.of.iter_mut().zip(&other.of) {
+            *value = value.max(*other);
+        }
+        row
+    }
+
+    /// The value where variables are plus infinity if a bit of `corner` is set, else minus infinity.
+    #[inline]
+    pub(super) fn at_corner(&self, corner: usize) -> f64 {
+        let coefficients = self.of.iter().enumerate();
+        coefficients
+            .filter(|(variable, _)| corner >> variable & 1 == 1)
+            .fold(self.constant, |best, (_, value)| best.max(*value))
+    }
 }
 
 /// The rows of all variables; none at all where each variable stays what it is.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Carry(Vec<Row>);
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Carry<const N: usize>(Option<[Row<N>; N]>);
 
-impl Carry {
+impl<const N: usize> Carry<N> {
     /// A function of variables, as one of what they are later.
     #[inline]
-    pub(super) fn of_row(&self, row: &Row) -> Row {
-        if self.0.is_empty() {
+    pub(super) fn of_row(&self, row: &Row<N>) -> Row<N> {
+        let Some(later) = &self.0 else {
             return *row;
-        }
-        let mut sum = constant(row[0]);
-        for (coefficient, later) in row[1..].iter().zip(&self.0) {
+        };
+        let mut sum = Row::constant(row.constant);
+        for (coefficient, later) in row.of.iter().zip(later) {
             if *coefficient > f64::NEG_INFINITY {
-                sum = greater(&sum, &at_most(later, *coefficient));
+                sum = sum.greater(&later.at_most(*coefficient));
             }
         }
         sum
@@ -59,46 +90,28 @@ impl Carry {
 
     /// First this, then `next`.
     #[inline]
-    pub(super) fn then(&self, next: &Carry) -> Carry {
-        match (self.0.is_empty(), next.0.is_empty()) {
-            (true, _) => next.clone(),
-            (_, true) => self.clone(),
-            _ => Carry(self.0.iter().map(|row| next.of_row(row)).collect()),
+    pub(super) fn then(&self, next: &Self) -> Self {
+        match (&self.0, &next.0) {
+            (None, _) => *next,
+            (_, None) => *self,
+            (Some(rows), Some(_)) => Carry(Some(rows.map(|row| next.of_row(&row)))),
         }
     }
 
-    /// The same, but `variable`, one of `count`, was this row.
-    pub(super) fn with(&self, variable: usize, count: usize, row: Row) -> Carry {
-        let mut rows = self.0.clone();
-        for own in rows.len()..count {
-            let mut identity = NOTHING;
-            identity[own + 1] = f64::INFINITY;
-            rows.push(identity);
-        }
+    /// The same, but `variable` was this row.
+    #[inline]
+    pub(super) fn with(&self, variable: usize, row: Row<N>) -> Self {
+        let same = || std::array::from_fn(|own| Row::variable(own, f64::INFINITY));
+        let mut rows = self.0.unwrap_or_else(same);
         rows[variable] = row;
-        Carry(rows)
+        Carry(Some(rows))
     }
 
     /// What the variables were, if they are now plus infinity where a bit of `corner` is set, and
     /// else minus infinity; `None` if they stay so.
     #[inline]
-    pub(super) fn before_corner(&self, corner: usize) -> Option<Row> {
-        if self.0.is_empty() {
-            return None;
-        }
-        let mut values = NOTHING;
-        for (value, row) in values.iter_mut().zip(&self.0) {
-            *value = at_corner(row, corner);
-        }
-        Some(values)
+    pub(super) fn before_corner(&self, corner: usize) -> Option<[f64; N]> {
+        let rows = self.0.as_ref()?;
+        Some(rows.each_ref().map(|row| row.at_corner(corner)))
     }
-}
-
-/// The value of a row at a corner.
-#[inline]
-pub(super) fn at_corner(row: &Row, corner: usize) -> f64 {
-    let coefficients = row[1..].iter().enumerate();
-    coefficients
-        .filter(|(variable, _)| corner >> variable & 1 == 1)
-        .fold(row[0], |best, (_, value)| best.max(*value))
 }

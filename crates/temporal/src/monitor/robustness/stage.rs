@@ -7,14 +7,14 @@
 
 use std::collections::VecDeque;
 
-use super::row::{Carry, NOTHING, Row, at_most, greater};
+use super::row::{Carry, Row};
 use crate::clock::tolerance_secs;
 
 /// What a stage gives for a sample: D there, and what the variables were since the sample before.
-#[derive(Debug, Clone)]
-pub(super) struct Given {
-    pub(super) row: Row,
-    pub(super) carry: Carry,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<const N: usize> {
+    pub(super) row: Row<N>,
+    pub(super) carry: Carry<N>,
 }
 
 /// A stage at a sample.
@@ -29,25 +29,25 @@ pub(super) struct Here {
 
 /// How long a stage may last.
 #[derive(Debug, Clone)]
-pub(super) enum Lasting {
+pub(super) enum Lasting<const N: usize> {
     /// It is over where it begins.
     OneInstant,
-    /// For ever; it has a variable, one of `count`.
-    Unbounded { variable: usize, count: usize },
+    /// For ever; it has a variable.
+    Unbounded { variable: usize },
     /// Up to a deadline.
-    Within(Box<Window>),
+    Within(Box<Window<N>>),
 }
 
 /// A stage at work.
 #[derive(Debug, Clone)]
-pub(super) struct StageWork {
-    lasting: Lasting,
+pub(super) struct StageWork<const N: usize> {
+    lasting: Lasting<N>,
     /// Samples for which the next stage has not given its row.
     waiting: VecDeque<Here>,
 }
 
-impl StageWork {
-    pub(super) fn new(lasting: Lasting) -> Self {
+impl<const N: usize> StageWork<N> {
+    pub(super) fn new(lasting: Lasting<N>) -> Self {
         StageWork {
             lasting,
             waiting: VecDeque::new(),
@@ -68,31 +68,29 @@ impl StageWork {
     }
 
     /// Takes what the next stage gave, in order; gives what follows.
-    pub(super) fn take(&mut self, from_next: &[Given], out: &mut Vec<Given>) {
+    pub(super) fn take(&mut self, from_next: &[Given<N>], out: &mut Vec<Given<N>>) {
         for next in from_next {
             let Some(here) = self.waiting.pop_front() else {
                 return;
             };
-            let ended = at_most(&next.row, here.end);
+            let ended = next.row.at_most(here.end);
             match &mut self.lasting {
                 Lasting::OneInstant => out.push(Given {
                     row: ended,
-                    carry: next.carry.clone(),
+                    carry: next.carry,
                 }),
-                Lasting::Unbounded { variable, count } => {
-                    let mut on = NOTHING;
-                    on[*variable + 1] = here.on;
-                    let row = greater(&ended, &on);
+                Lasting::Unbounded { variable } => {
+                    let row = ended.greater(&Row::variable(*variable, here.on));
                     out.push(Given {
                         row,
-                        carry: next.carry.with(*variable, *count, row),
+                        carry: next.carry.with(*variable, row),
                     });
                 }
                 Lasting::Within(window) => {
                     let link = Link {
                         on: here.on,
                         ended,
-                        carry: next.carry.clone(),
+                        carry: next.carry,
                     };
                     window.take(here.time_secs, link, out);
                 }
@@ -101,7 +99,7 @@ impl StageWork {
     }
 
     /// No more samples come; a stage that could go on then has the value `after`.
-    pub(super) fn close(&mut self, after: f64, out: &mut Vec<Given>) {
+    pub(super) fn close(&mut self, after: f64, out: &mut Vec<Given<N>>) {
         if let Lasting::Within(window) = &mut self.lasting {
             window.close(after, out);
         }
@@ -109,30 +107,30 @@ impl StageWork {
 }
 
 /// Consecutive samples of a window.
-#[derive(Debug, Clone)]
-struct Link {
+#[derive(Debug, Clone, Copy)]
+struct Link<const N: usize> {
     /// The least by which the stage may go on in them.
     on: f64,
     /// The best if it ends in them.
-    ended: Row,
+    ended: Row<N>,
     /// What the variables were before them.
-    carry: Carry,
+    carry: Carry<N>,
 }
 
-impl Link {
+impl<const N: usize> Link<N> {
     fn empty() -> Self {
         Link {
             on: f64::INFINITY,
-            ended: NOTHING,
+            ended: Row::nothing(),
             carry: Carry::default(),
         }
     }
 
-    fn then(&self, next: &Link) -> Link {
+    fn then(&self, next: &Self) -> Self {
         let ended = next.carry.of_row(&self.ended);
         Link {
             on: self.on.min(next.on),
-            ended: greater(&ended, &at_most(&next.ended, self.on)),
+            ended: ended.greater(&next.ended.at_most(self.on)),
             carry: self.carry.then(&next.carry),
         }
     }
@@ -140,18 +138,18 @@ impl Link {
 
 /// The samples within a deadline of those whose value is not given.
 #[derive(Debug, Clone)]
-pub(super) struct Window {
+pub(super) struct Window<const N: usize> {
     within_secs: f64,
     times_secs: VecDeque<f64>,
     /// Older samples, the oldest last: each the fold from it on.
-    old: Vec<Link>,
-    new: Vec<Link>,
-    new_fold: Link,
+    old: Vec<Link<N>>,
+    new: Vec<Link<N>>,
+    new_fold: Link<N>,
     /// Since the last value was given.
-    carry: Carry,
+    carry: Carry<N>,
 }
 
-impl Window {
+impl<const N: usize> Window<N> {
     pub(super) fn new(within_secs: f64) -> Self {
         Window {
             within_secs,
@@ -163,7 +161,7 @@ impl Window {
         }
     }
 
-    fn take(&mut self, time_secs: f64, link: Link, out: &mut Vec<Given>) {
+    fn take(&mut self, time_secs: f64, link: Link<N>, out: &mut Vec<Given<N>>) {
         let tolerance_secs = tolerance_secs(time_secs);
         let latest_secs = self.within_secs + tolerance_secs;
         self.give_where(|from_secs| time_secs - from_secs > latest_secs, out);
@@ -176,20 +174,20 @@ impl Window {
     }
 
     /// Gives the values of those samples whose window is over.
-    fn give_where(&mut self, is_over: impl Fn(f64) -> bool, out: &mut Vec<Given>) {
+    fn give_where(&mut self, is_over: impl Fn(f64) -> bool, out: &mut Vec<Given<N>>) {
         while self.times_secs.front().is_some_and(|from| is_over(*from)) {
             self.give(f64::NEG_INFINITY, out);
         }
     }
 
     /// Gives the value of the first sample; `after` is that of going on beyond the last one.
-    fn give(&mut self, after: f64, out: &mut Vec<Given>) {
+    fn give(&mut self, after: f64, out: &mut Vec<Given<N>>) {
         let fold = match self.old.last() {
             Some(old) => old.then(&self.new_fold),
-            None => self.new_fold.clone(),
+            None => self.new_fold,
         };
         let mut row = fold.ended;
-        row[0] = row[0].max(fold.on.min(after));
+        row.constant = row.constant.max(fold.on.min(after));
         out.push(Given {
             row,
             carry: std::mem::take(&mut self.carry),
@@ -203,14 +201,14 @@ impl Window {
             let mut fold = Link::empty();
             for link in self.new.drain(..).rev() {
                 fold = link.then(&fold);
-                self.old.push(fold.clone());
+                self.old.push(fold);
             }
             self.new_fold = Link::empty();
         }
         self.old.pop();
     }
 
-    fn close(&mut self, after: f64, out: &mut Vec<Given>) {
+    fn close(&mut self, after: f64, out: &mut Vec<Given<N>>) {
         while !self.times_secs.is_empty() {
             self.give(after, out);
         }

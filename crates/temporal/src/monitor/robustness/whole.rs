@@ -7,7 +7,7 @@
 //! each k, of min(u_k, V(u_1 ... u_k at +inf, else -inf)): of all sets of variables with a given
 //! minimum, the largest gives the most, since V is monotone.
 
-use super::row::{MAX_VARIABLES, Row, at_corner};
+use super::row::MAX_VARIABLES;
 use super::stage::Given;
 
 /// V at all corners: number c is that where variable j is plus infinity if bit j is set.
@@ -45,20 +45,25 @@ impl Whole {
     }
 
     /// Time has passed to the next sample, where `unless` or the row must be.
-    pub(super) fn demand(&mut self, unless: f64, given: &Given) {
+    pub(super) fn demand<const N: usize>(&mut self, unless: f64, given: &Given<N>) {
         for corner in 0..self.corners.len() {
             let before = match given.carry.before_corner(corner) {
                 None => self.corners[corner],
                 Some(values) => self.at(&values),
             };
-            let now = at_corner(&given.row, corner).max(unless);
+            let now = given.row.at_corner(corner).max(unless);
             self.next[corner] = before.min(now);
         }
         std::mem::swap(&mut self.corners, &mut self.next);
     }
 
     /// The value at these values of the variables.
-    fn at(&self, values: &Row) -> f64 {
+    #[inline]
+    fn at(&self, values: &[f64]) -> f64 {
+        // What the rest comes to, for the many monitors with one variable.
+        if let (1, [nothing, all], [value]) = (self.variables, &self.corners[..], values) {
+            return nothing.max(all.min(*value));
+        }
         let mut order = [0; MAX_VARIABLES];
         let order = &mut order[..self.variables];
         for (place, variable) in order.iter_mut().enumerate() {

@@ -32,7 +32,7 @@ use crate::scenario::{Drive, Scenario};
 use crate::world::human::Wrench;
 
 /// Steps of the whole model between two glides.
-const BURST_STEPS: u32 = 3;
+const BURST_STEPS: u32 = 2;
 /// Steps over which rates are compared before a first glide, which is no longer than that.
 const FIRST_STEPS: u32 = 6;
 /// The longest and the shortest glide.
