@@ -118,6 +118,36 @@ fn the_crates_are_those_of_the_table() {
     assert_eq!(found, known);
 }
 
+/// The fuzz targets are a workspace apart, whose lock file only a slow step of continuous integration would find stale.
+#[test]
+fn the_fuzz_targets_lock_what_our_crates_depend_on() {
+    let lock: toml::Table = toml::from_str(&read(&root().join("fuzz/Cargo.lock"))).expect("TOML");
+    let locked: BTreeMap<&str, BTreeSet<&str>> = (lock["package"].as_array().into_iter().flatten())
+        .filter_map(|package| {
+            let names = package.get("dependencies").and_then(|it| it.as_array());
+            // "name", or "name version" where there are several versions.
+            let names = names
+                .into_iter()
+                .flatten()
+                .filter_map(|it| it.as_str()?.split(' ').next());
+            Some((package.get("name")?.as_str()?, names.collect()))
+        })
+        .collect();
+    for package in metadata().workspace_packages() {
+        let Some(locked) = locked.get(package.name.as_str()) else {
+            continue;
+        };
+        let wanted = package.dependencies.iter();
+        let wanted = wanted.filter(|it| it.kind != DependencyKind::Development);
+        let wanted: BTreeSet<&str> = wanted.map(|it| it.name.as_str()).collect();
+        assert_eq!(
+            *locked, wanted,
+            "{}: run `cargo update --workspace` in fuzz/",
+            package.name
+        );
+    }
+}
+
 #[test]
 fn each_allowed_edge_leads_to_a_lower_floor_or_to_a_neighbour_before() {
     for (position, (name, floor, uses)) in CRATES.iter().enumerate() {
