@@ -7,13 +7,13 @@
 //! of them does, and the exact p of McNemar's test ("Note on the sampling error of the difference
 //! between correlated proportions or percentages", Psychometrika 12, 1947): with `b` and `c`
 //! discordant episodes, twice the lower tail of a binomial of `b + c` and 1/2 at the smaller of
-//! them, at most 1. With `FULL_NUDGED=1` the full physics with its object displaced by a nanometre
-//! takes the place of the fast one, which says what differences mean nothing.
+//! them, at most 1. With `FULL_NUDGED=1e-9` the full physics with its object displaced by that many
+//! metres takes the place of the fast one, which says what differences mean nothing.
 
 use std::path::Path;
 
 use testbench::robot::{Decision, State};
-use testbench::{Cancel, Engine, Episode, Parameters, Scenario, World, run_episode};
+use testbench::{Cancel, Distribution, Engine, Episode, Parameters, Scenario, World, run_episode};
 use trace::Trace;
 
 type Test = fn(&Episode) -> bool;
@@ -71,22 +71,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scenario = std::fs::read_to_string(folder.join("scenario.toml"))?;
     let parameters = std::fs::read_to_string(folder.join(format!("{set}.toml")))?;
     let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
-    let world = |fast: bool, parameters: &str| -> Result<World, Box<dyn std::error::Error>> {
+    let world = |fast: bool, displaced_m: f64| -> Result<World, Box<dyn std::error::Error>> {
         let mut scenario = Scenario::parse(&scenario)?;
         scenario.simulation.fast = fast;
-        Ok(World::new(
-            &engine,
-            &scenario,
-            &Parameters::parse(parameters)?,
-        )?)
+        let mut parameters = Parameters::parse(&parameters)?;
+        match &mut parameters.object.x_error_m {
+            Distribution::Constant(value) => *value += displaced_m,
+            Distribution::Uniform { uniform } => {
+                uniform.iter_mut().for_each(|it| *it += displaced_m)
+            }
+            Distribution::Normal { normal } => normal[0] += displaced_m,
+        }
+        Ok(World::new(&engine, &scenario, &parameters)?)
     };
-    let nudged = parameters.replace(
-        "x_error_m = { normal = [0.0,",
-        "x_error_m = { normal = [1e-9,",
-    );
-    let is_nudged = std::env::var_os("FULL_NUDGED").is_some();
-    let full = world(false, &parameters)?;
-    let other = world(!is_nudged, if is_nudged { &nudged } else { &parameters })?;
+    let nudge_m = std::env::var("FULL_NUDGED");
+    let nudge_m = nudge_m.ok().map(|text| text.parse()).transpose()?;
+    let full = world(false, 0.0)?;
+    let other = world(nudge_m.is_none(), nudge_m.unwrap_or(0.0))?;
     let mut episodes = Vec::new();
     let (mut hand, mut speed) = (Apart::default(), Apart::default());
     let (mut held, mut placed) = (Apart::default(), Apart::default());
