@@ -30,7 +30,8 @@
 //!
 //! # Cost and guarantee
 //! For m stages, v of them unbounded: amortised O(m v^2 + v^2 2^v) for each sample; memory: the
-//! samples within the sum of the deadlines, v^2 numbers each, and 2^v numbers, however long the trace.
+//! samples within the sum of the deadlines, v^2 numbers each (v rounded up to 1, 2, 4 or 8), and 2^v
+//! numbers, however long the trace.
 //! v is limited to [`MAX_UNBOUNDED_STAGES`]. Only minima, maxima and changes of sign are taken, so there are no
 //! rounding errors: the result is that of the formula's engine, bit for bit (tested on random
 //! traces).

@@ -30,7 +30,7 @@ impl<const N: usize> Row<N> {
         Self::constant(f64::NEG_INFINITY)
     }
 
-    /// That of a variable, and nothing where it is greater than `limit`.
+    /// The minimum of a variable and a number.
     #[inline]
     pub(super) fn variable(variable: usize, limit: f64) -> Self {
         let mut row = Self::nothing();
