@@ -83,10 +83,11 @@
 //!   the arm's inertia, Coriolis and centrifugal torques. Fingers that are so heavy for the dry friction
 //!   of their drives that they swing (those of the untuned parameters weigh 0.1 kg m2) get the whole
 //!   model while the arm speeds up or slows down, and no glides.
-//! * Steady motion, in which no drive speeds up or slows down and nobody's force changes: bursts of
-//!   two steps of the whole model alternate with glides of at most 40, in which the joints, and the
-//!   object in the hand, go on at the rates measured. A glide is so long that a change of these rates as
-//!   great as that since the last one moves nothing by more than a micrometre (the hand by ten).
+//! * Steady motion, in which every drive of the arm speeds up as it did, or not at all, the fingers'
+//!   rest and nobody's force changes: bursts of two steps of the whole model alternate with glides of at
+//!   most 40, in which the joints, and the object in the hand, go on at the rates measured, and at the
+//!   rates' own change where that is regular. A glide is so long that a change of these rates as great
+//!   as was not foreseen since the last one moves nothing by more than a micrometre (the hand by ten).
 //! * The model lists the pairs that can touch, and the object's weight is a force: the same equations.
 //!
 //! Everything that decides how the fingers meet the object is the full physics. `tests/fast.rs` bounds

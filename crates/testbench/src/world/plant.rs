@@ -193,11 +193,12 @@ impl Plant {
 
     /// One time step of the whole model, or of its steady motion.
     fn step_whole(&mut self, wrench: &Wrench) {
-        let may_glide = self.is_fast && !self.arm_accelerates && self.may_glide();
+        let may_glide = self.is_fast && self.may_glide();
         let is_steady = may_glide
             && joints::fingers(&self.joints).all(|index| self.joints[index].is_at_rest())
-            && self.glide.is_same(wrench);
-        if is_steady && self.glide.step() {
+            && self.glide.is_same(wrench)
+            && self.glide.is_driven_alike(&self.joints);
+        if is_steady && self.glide.step(&self.joints) {
             return;
         }
         self.land();
@@ -213,7 +214,7 @@ impl Plant {
             self.is_held = self.whole.grip() != Grip::default();
         }
         if may_glide {
-            self.glide.watch(&self.whole, wrench);
+            self.glide.watch(&self.whole, &self.joints, wrench);
         }
     }
 

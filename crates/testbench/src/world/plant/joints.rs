@@ -18,6 +18,8 @@ pub(super) struct DrivenJoint {
     acceleration_rad_s2: f64,
     pub(super) setpoint: Setpoint,
     target_rad: f64,
+    /// How much the setpoint sped up in the last time step, in what it can at most.
+    acceleration: f64,
 }
 
 impl DrivenJoint {
@@ -30,7 +32,14 @@ impl DrivenJoint {
         };
         self.setpoint
             .advance(self.target_rad, limits, time_step_secs);
-        self.setpoint.speed_rad_s() != before
+        let change_rad_s = self.setpoint.speed_rad_s() - before;
+        self.acceleration = change_rad_s / (self.acceleration_rad_s2 * time_step_secs);
+        change_rad_s != 0.0
+    }
+
+    /// How much the setpoint sped up in the last time step, in what it can at most: -1 to 1.
+    pub(super) fn acceleration(&self) -> f64 {
+        self.acceleration
     }
 
     /// Whether the setpoint stands still.
@@ -110,6 +119,7 @@ pub(super) fn driven_joints(scenario: &Scenario, arm: &ArmParameters) -> Vec<Dri
             },
             setpoint: Setpoint::at(target_rad),
             target_rad,
+            acceleration: 0.0,
         })
     });
     driven.collect()
