@@ -446,6 +446,71 @@ fn a_planted_disagreement_is_found_and_none_where_there_is_none() {
     assert!((all - 1.0).abs() < 1e-9, "{found}");
 }
 
+/// What `verify` says of the results: its exit code, faults, what holds and what was not derived again.
+fn verified(library: &Path, folder: &Path, more: &[&str]) -> (i32, Value) {
+    let arguments = [&["verify", "results", "--format", "json"], more].concat();
+    let said = simulating(library, folder, &arguments);
+    (said.code, json(&said))
+}
+
+fn says(report: &Value, list: &str, words: &str) -> bool {
+    let list = report[list].as_array().expect("a list").iter();
+    list.clone().any(|it| it.to_string().contains(words))
+}
+
+#[test]
+fn a_map_of_disagreement_follows_from_its_journal_and_from_running_its_episodes_again() {
+    let Some(library) = library() else { return };
+    let folder = study(&[("episodes = 400", "episodes = 60")]);
+    let search = [
+        "--disagreement",
+        "--out",
+        "results/exploration",
+        "--seed",
+        "11",
+    ];
+    let said = explore(&library, folder.path(), &search);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let run = || simulating(&library, folder.path(), &["run", "."]);
+    let said = run();
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    for (more, from) in [
+        (&[][..], "the journal of its episodes"),
+        (&["--deep"], "running its episodes again"),
+    ] {
+        let (code, report) = verified(&library, folder.path(), more);
+        assert_eq!(code, 0, "{report}");
+        assert!(says(&report, "checked", from), "{report}");
+    }
+    // A count of the map is changed, and all that is drawn from it with it.
+    let path = folder.path().join("results/exploration/disagreement.json");
+    let text = std::fs::read_to_string(&path).expect("the map");
+    let mut map: Value = serde_json::from_str(&text).expect("JSON");
+    let successes = map["regions"][0]["successes"].as_u64().expect("a count");
+    map["regions"][0]["successes"] = (successes - 1).into();
+    std::fs::write(&path, serde_json::to_string_pretty(&map).expect("JSON")).expect("written");
+    run();
+    let (code, report) = verified(&library, folder.path(), &[]);
+    assert_eq!(code, 1, "{report}");
+    assert!(says(&report, "faults", "/regions/0/successes"), "{report}");
+    std::fs::write(&path, &text).expect("written");
+    run();
+    // Without the journal's last line the search ends sooner than the map says; without it nothing is derived.
+    let journal = folder
+        .path()
+        .join("results/exploration/disagreement/journal");
+    let lines = std::fs::read_to_string(&journal).expect("the journal");
+    let cut = lines.trim_end().rfind('\n').expect("lines") + 1;
+    std::fs::write(&journal, &lines[..cut]).expect("written");
+    let (code, report) = verified(&library, folder.path(), &[]);
+    assert_eq!(code, 1, "{report}");
+    assert!(says(&report, "faults", "/ended"), "{report}");
+    std::fs::remove_file(&journal).expect("removed");
+    let (code, report) = verified(&library, folder.path(), &[]);
+    assert_eq!(code, 0, "{report}");
+    assert!(says(&report, "not_checked", "no journal"), "{report}");
+}
+
 fn number(value: &Value) -> f64 {
     value
         .as_f64()

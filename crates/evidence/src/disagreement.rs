@@ -26,6 +26,12 @@ pub struct DisagreementMap {
     pub engine: String,
     /// What model, simulation and search rest on.
     pub assets: Vec<Asset>,
+    /// The plan of the search: one of the assets.
+    pub plan: String,
+    /// The seed from which those of the episodes are drawn.
+    pub seed: u64,
+    /// Episodes that were allowed.
+    pub budget: u64,
     /// Differences up to this one do not matter.
     pub margin: f64,
     /// Probability with which no region is wrongly decided, however often one looked.

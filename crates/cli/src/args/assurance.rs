@@ -31,7 +31,8 @@ pub struct Assure {
 #[command(after_help = "\
 Computes everything again from the kept evidence and the study's files: counts from tables and
 journals of episodes, intervals, comparisons, conclusions, the report; and checks every hash.
-Nothing is run, solved or simulated again, and nothing is written.
+A map of disagreement is searched again by the journal of its episodes; for it alone models are
+solved. Nothing else is run, solved or simulated again, and nothing is written.
 
 Examples:
   corroborate verify case-studies/handover/results
@@ -47,7 +48,8 @@ pub struct Verify {
     /// How what was found is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Also solve formal models, judge recordings and make the diagnosis again, which takes as long as at first.
+    /// Also solve formal models, judge recordings, make the diagnosis and run a map's episodes again, which takes as long
+    /// as at first.
     #[arg(long)]
     pub deep: bool,
 }

@@ -3,7 +3,7 @@
 
 mod disagreement;
 
-pub use disagreement::kept_map;
+pub use disagreement::{kept_map, map_again, map_file};
 
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};

@@ -13,7 +13,8 @@
 //! A figure that was changed anywhere between the evidence and the page is found, whatever else was
 //! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
 //! recordings judged again, too, and the diagnosis is made again: the same paths are sampled, the same
-//! episodes judged, the same suspects ranked. What is not derived again is listed as such. Nothing is written.
+//! episodes judged, the same suspects ranked. The map of where model and simulation part is searched
+//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. What is not derived again is listed as such. Nothing is written.
 
 mod audit;
 mod compare;
@@ -21,9 +22,9 @@ mod counts;
 mod deep;
 mod diagnosis;
 mod kept;
+mod map;
 
 use super::assure::{self, ASSURANCE};
-use super::explore::kept_map;
 use super::report::read_result;
 use super::run::STUDY;
 use super::{Done, Setting, json};
@@ -34,7 +35,7 @@ use crate::problem::{Problem, Source};
 use crate::store::Stored;
 use crate::study::Study;
 use audit::{Audit, VerifyReport};
-use evidence::{DisagreementMap, StudyResult};
+use evidence::StudyResult;
 use std::path::{Path, PathBuf};
 
 /// Verifies the results of a study.
@@ -48,7 +49,16 @@ pub fn verify(arguments: &Verify, setting: &Setting) -> Result<Done, Problem> {
     let deep = arguments.deep.then_some(setting);
     let pieces = kept::pieces(&study, results, &claimed, deep, &mut audit)?;
     match pieces {
-        Some(pieces) => figures(&study, pieces, &claimed, results, deep, &mut audit)?,
+        Some(pieces) => {
+            let rests_on = (&study, pieces);
+            figures(
+                rests_on,
+                &claimed,
+                results,
+                (setting, arguments.deep),
+                &mut audit,
+            )?;
+        }
         None => audit.not_checked("comparisons and conclusions: not all evidence could be read"),
     }
     written(&claimed, results, &mut audit)?;
@@ -117,11 +127,10 @@ fn assets(study: &Study, claimed: &StudyResult, results: &Path, audit: &mut Audi
 
 /// What is claimed is what follows from the evidence.
 fn figures(
-    study: &Study,
-    pieces: Vec<Piece>,
+    (study, pieces): (&Study, Vec<Piece>),
     claimed: &StudyResult,
     results: &Path,
-    deep: Option<&Setting>,
+    (setting, is_deep): (&Setting, bool),
     audit: &mut Audit,
 ) -> Result<(), Problem> {
     let mut expected = corroboration::corroborate(study, pieces)?;
@@ -134,8 +143,9 @@ fn figures(
     }
     let file = results.join("study.json");
     let compared = expected.clone();
+    let deep = is_deep.then_some(setting);
     expected.diagnosis = diagnosis::again((study, &expected), claimed, results, deep, audit)?;
-    expected.disagreement = mapped(study, claimed, results, audit);
+    expected.disagreement = map::again(study, claimed, results, (setting, is_deep), audit)?;
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
     let text = Source::read(&file)?.text;
@@ -149,25 +159,6 @@ fn figures(
         audit.checked(values, "values of comparison.json follow from the evidence");
     }
     Ok(())
-}
-
-/// The map of disagreement beside the result, if it is of these assets.
-fn mapped(
-    study: &Study,
-    claimed: &StudyResult,
-    results: &Path,
-    audit: &mut Audit,
-) -> Option<DisagreementMap> {
-    claimed.disagreement.as_ref()?;
-    audit.not_checked("the map of disagreement: no episode was run again");
-    match kept_map(study, results) {
-        Ok(map) => map,
-        Err(problem) => {
-            let file = results.join("study.json");
-            audit.fault(&file, "/disagreement", problem.to_string());
-            None
-        }
-    }
 }
 
 /// What was written of the claimed result is what this program writes of it.

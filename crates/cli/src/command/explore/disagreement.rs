@@ -7,12 +7,16 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::study::Study;
 use crate::technique::asset;
-use crate::technique::exploration::{Disagreement, Journal, OpenBench, Plan, disagreement_text};
+use crate::technique::exploration::{
+    Disagreement, Episodes, Journal, Known, OpenBench, Plan, disagreement_text,
+};
 use evidence::{Asset, AssetRole, DisagreementMap, SearchEnd};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file of the map, in the folder of an exploration.
 const DISAGREEMENT: &str = "disagreement.json";
+/// The folder of its journal there.
+const JOURNAL: &str = "disagreement";
 
 /// What is searched.
 pub struct Search<'a> {
@@ -25,20 +29,8 @@ pub struct Search<'a> {
 impl Search<'_> {
     /// Searches, and writes what was found.
     pub fn done(&self, format: Format, setting: &Setting) -> Result<Done, Problem> {
-        let search = Disagreement::new(
-            self.study,
-            self.plan,
-            self.bench,
-            self.assets()?,
-            &setting.interrupt,
-        )?;
-        let looked_at_by = super::inputs_of_all(self.study, self.plan, self.bench)?.hash();
-        let journal = Journal::open(&self.folder.join("disagreement"), &looked_at_by)?;
-        let stage = setting
-            .talk
-            .begin("looking for disagreement", search.episodes());
-        let report = search.run(self.plan, &journal, &stage)?;
-        drop(stage);
+        let journal = Journal::open(&self.folder.join(JOURNAL), &self.looked_at_by()?)?;
+        let report = self.map(Episodes::Journal(&journal), setting)?;
         let path = self.folder.join(DISAGREEMENT);
         write_whole(&path, json(&report)?.as_bytes())?;
         setting.talk.say(&format!("{} is written", path.display()));
@@ -53,6 +45,23 @@ impl Search<'_> {
 }
 
 impl Search<'_> {
+    fn map(&self, episodes: Episodes<'_>, setting: &Setting) -> Result<DisagreementMap, Problem> {
+        let search = Disagreement::new(
+            self.study,
+            self.plan,
+            self.bench,
+            self.assets()?,
+            &setting.interrupt,
+        )?;
+        let title = "looking for disagreement";
+        let stage = setting.talk.begin(title, search.episodes());
+        search.run(self.plan, episodes, &stage)
+    }
+
+    fn looked_at_by(&self) -> Result<String, Problem> {
+        Ok(super::inputs_of_all(self.study, self.plan, self.bench)?.hash())
+    }
+
     /// The files that simulation, model and search rest on, each once.
     fn assets(&self) -> Result<Vec<Asset>, Problem> {
         let plan = Path::new(&self.plan.file);
@@ -69,9 +78,47 @@ impl Search<'_> {
     }
 }
 
+/// The map's file beside these results.
+pub fn map_file(results: &Path) -> PathBuf {
+    results.join("exploration").join(DISAGREEMENT)
+}
+
+/// A map once more, by the same search: from the journal of its episodes, or by running all of them.
+/// `None` if there is no journal of this program and these inputs.
+pub fn map_again(
+    study: &Study,
+    map: &DisagreementMap,
+    results: &Path,
+    runs: bool,
+    setting: &Setting,
+) -> Result<Option<DisagreementMap>, Problem> {
+    let mut study = Study::load(&study.folder)?;
+    study.about.seed = map.seed;
+    let mut plan = Plan::load(&study.folder, Path::new(&map.plan))?;
+    if let Some(disagreement) = &mut plan.data.disagreement {
+        disagreement.episodes = map.budget;
+    }
+    let entry = study.entry(plan.evidence(true))?;
+    let bench = OpenBench::of_entry(&study, entry, setting.physics_library.as_deref())?;
+    let folder = results.join("exploration");
+    let search = Search {
+        study: &study,
+        plan: &plan,
+        bench: &bench,
+        folder: &folder,
+    };
+    if runs {
+        return search.map(Episodes::Anew, setting).map(Some);
+    }
+    match Known::of(&folder.join(JOURNAL), &search.looked_at_by()?) {
+        Some(known) => search.map(Episodes::Known(&known), setting).map(Some),
+        None => Ok(None),
+    }
+}
+
 /// The map of an exploration beside these results, if one was made of these very assets.
 pub fn kept_map(study: &Study, results: &Path) -> Result<Option<DisagreementMap>, Problem> {
-    let path = results.join("exploration").join(DISAGREEMENT);
+    let path = map_file(results);
     let Ok(bytes) = std::fs::read(&path) else {
         return Ok(None);
     };

@@ -134,6 +134,7 @@ impl Exploring<'_, '_> {
     ) -> Result<Vec<Shown>, Problem> {
         let known = numbered.iter().map(|(number, planned)| {
             self.journal
+                .known()
                 .read(*number, seeds.of(*number), &planned.stimulus)
         });
         let known: Vec<Option<Shown>> = known.collect();

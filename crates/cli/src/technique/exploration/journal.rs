@@ -23,8 +23,12 @@ use stimulus::Stimulus;
 pub struct Journal<T> {
     path: PathBuf,
     file: Mutex<File>,
-    known: BTreeMap<u64, Entry<T>>,
+    known: Known<T>,
 }
+
+/// What a journal has of episodes that were run before.
+#[derive(Debug)]
+pub struct Known<T>(BTreeMap<u64, Entry<T>>);
 
 /// What an episode was and what it showed.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -46,14 +50,14 @@ impl<T: Clone + Serialize + DeserializeOwned> Journal<T> {
     /// Opens the journal in a folder. Episodes that were looked at with
     /// something else, of which `looked_at_by` is the hash, are forgotten.
     pub fn open(folder: &Path, looked_at_by: &str) -> Result<Self, Problem> {
-        let path = folder.join("journal");
-        let header = format!("corroborate exploration 1 of {looked_at_by}\n");
+        let path = folder.join(JOURNAL);
+        let header = header(looked_at_by);
         let fail = |error: std::io::Error| Problem::cannot_write(&path, &error);
         std::fs::create_dir_all(folder).map_err(fail)?;
         let text = std::fs::read(&path).unwrap_or_default();
-        let known = entries(&text, &header);
+        let known = Known(entries(&text, &header));
         let mut whole = header.into_bytes();
-        for entry in known.values() {
+        for entry in known.0.values() {
             whole.extend(line_of(entry).map_err(|error| unwritten(&path, &error))?);
         }
         crate::problem::write_whole(&path, &whole)?;
@@ -65,11 +69,9 @@ impl<T: Clone + Serialize + DeserializeOwned> Journal<T> {
         })
     }
 
-    /// What an episode showed, if it was run with this seed and stimulus.
-    pub fn read(&self, episode: u64, seed: u64, stimulus: &Stimulus) -> Option<T> {
-        let entry = self.known.get(&episode)?;
-        let is_same = entry.seed == seed && entry.stimulus == short_hash(stimulus);
-        is_same.then(|| entry.shown.clone())
+    /// What it has of episodes that were run before.
+    pub fn known(&self) -> &Known<T> {
+        &self.known
     }
 
     /// Adds what an episode showed; any thread may.
@@ -93,6 +95,31 @@ impl<T: Clone + Serialize + DeserializeOwned> Journal<T> {
                 .remedy("make room on the disk or choose another folder, and run the command again")
         })
     }
+}
+
+impl<T: Clone + DeserializeOwned> Known<T> {
+    /// What the journal in a folder has, which is left as it is; `None` if there is none of episodes that
+    /// were looked at with what `looked_at_by` is the hash of.
+    pub fn of(folder: &Path, looked_at_by: &str) -> Option<Self> {
+        let text = std::fs::read(folder.join(JOURNAL)).ok()?;
+        let header = header(looked_at_by);
+        let is_of_these = text.starts_with(header.as_bytes());
+        is_of_these.then(|| Self(entries(&text, &header)))
+    }
+
+    /// What an episode showed, if it was run with this seed and stimulus.
+    pub fn read(&self, episode: u64, seed: u64, stimulus: &Stimulus) -> Option<T> {
+        let entry = self.0.get(&episode)?;
+        let is_same = entry.seed == seed && entry.stimulus == short_hash(stimulus);
+        is_same.then(|| entry.shown.clone())
+    }
+}
+
+/// The journal's name in its folder.
+const JOURNAL: &str = "journal";
+
+fn header(looked_at_by: &str) -> String {
+    format!("corroborate exploration 1 of {looked_at_by}\n")
 }
 
 fn unwritten(path: &Path, error: &serde_json::Error) -> Problem {
@@ -167,12 +194,15 @@ mod tests {
             .add(2, u64::MAX, &stimulus("go"), &shown(0.1))
             .unwrap();
         let journal = Journal::<Shown>::open(folder.path(), "a").unwrap();
-        assert_eq!(journal.read(2, u64::MAX, &stimulus("go")), Some(shown(0.1)));
-        assert_eq!(journal.read(2, 7, &stimulus("go")), None);
-        assert_eq!(journal.read(2, u64::MAX, &stimulus("stop")), None);
-        assert_eq!(journal.read(1, u64::MAX, &stimulus("go")), None);
+        assert_eq!(
+            journal.known().read(2, u64::MAX, &stimulus("go")),
+            Some(shown(0.1))
+        );
+        assert_eq!(journal.known().read(2, 7, &stimulus("go")), None);
+        assert_eq!(journal.known().read(2, u64::MAX, &stimulus("stop")), None);
+        assert_eq!(journal.known().read(1, u64::MAX, &stimulus("go")), None);
         let journal = Journal::<Shown>::open(folder.path(), "b").unwrap();
-        assert_eq!(journal.read(2, u64::MAX, &stimulus("go")), None);
+        assert_eq!(journal.known().read(2, u64::MAX, &stimulus("go")), None);
     }
 
     #[test]
@@ -189,7 +219,7 @@ mod tests {
             std::fs::write(&journal.path, &whole[..cut]).unwrap();
             let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count();
             let again = Journal::<Shown>::open(folder.path(), "a").unwrap();
-            let there = (1..=3).filter(|n| again.read(*n, 1, &stimulus("go")).is_some());
+            let there = (1..=3).filter(|n| again.known().read(*n, 1, &stimulus("go")).is_some());
             assert_eq!(there.count(), lines.saturating_sub(1), "cut at {cut}");
         }
         let mut damaged = whole.clone();
@@ -197,7 +227,7 @@ mod tests {
         damaged[place] = damaged[place].wrapping_add(1);
         std::fs::write(&journal.path, &damaged).unwrap();
         let again = Journal::<Shown>::open(folder.path(), "a").unwrap();
-        assert!(again.read(3, 1, &stimulus("go")).is_none());
-        assert!(again.read(2, 1, &stimulus("go")).is_some());
+        assert!(again.known().read(3, 1, &stimulus("go")).is_none());
+        assert!(again.known().read(2, 1, &stimulus("go")).is_some());
     }
 }

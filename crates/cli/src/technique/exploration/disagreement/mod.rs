@@ -15,7 +15,7 @@ mod report;
 mod text;
 
 use super::bench::OpenBench;
-use super::journal::Journal;
+use super::journal::{Journal, Known};
 use super::plan::{DisagreementData, Plan};
 use crate::problem::Problem;
 use crate::study::Study;
@@ -43,8 +43,31 @@ pub struct Disagreement<'a> {
     formal: Predictions<'a>,
     bench: &'a OpenBench,
     seeds: Seeds,
+    seed: u64,
+    plan: String,
     assets: Vec<Asset>,
     interrupt: &'a Interrupt,
+}
+
+/// Where what an episode showed is taken from.
+#[derive(Clone, Copy, Debug)]
+pub enum Episodes<'j> {
+    /// From a journal, as far as it goes; the others are run and added to it.
+    Journal(&'j Journal<Outcome>),
+    /// From what a journal has; none is run, and where it ends the search is interrupted.
+    Known(&'j Known<Outcome>),
+    /// All are run.
+    Anew,
+}
+
+impl Episodes<'_> {
+    fn known(&self) -> Option<&Known<Outcome>> {
+        match self {
+            Self::Journal(journal) => Some(journal.known()),
+            Self::Known(known) => Some(known),
+            Self::Anew => None,
+        }
+    }
 }
 
 /// What was run.
@@ -87,6 +110,8 @@ impl<'a> Disagreement<'a> {
                 study.about.seed,
                 &format!("disagree {}", plan.evidence(true)),
             ),
+            seed: study.about.seed,
+            plan: plan.file.clone(),
             data,
             bench,
             assets,
@@ -99,18 +124,18 @@ impl<'a> Disagreement<'a> {
         self.data.episodes
     }
 
-    /// Searches, going on from the journal.
+    /// Searches.
     pub fn run(
         &self,
         plan: &Plan,
-        journal: &Journal<Outcome>,
+        episodes: Episodes<'_>,
         stage: &Stage,
     ) -> Result<DisagreementMap, Problem> {
         let bad = |e: campaign::CampaignError| plan.mistake("[disagreement]", e.to_string());
         let space = self.contexts.space.clone();
         let search = DisagreementSearch::new(space, self.seeds.of(0), self.options);
         let mut search = search.map_err(bad)?;
-        let spent = self.batches(&mut search, journal, stage)?;
+        let spent = self.batches(&mut search, episodes, stage)?;
         let predict = |context: &Point| self.formal.at(&self.contexts.space, context);
         let map = search.map(0, 1, MAP_STEPS, &predict);
         self.formal.check()?;
@@ -120,7 +145,7 @@ impl<'a> Disagreement<'a> {
     fn batches(
         &self,
         search: &mut DisagreementSearch,
-        journal: &Journal<Outcome>,
+        episodes: Episodes<'_>,
         stage: &Stage,
     ) -> Result<Spent, Problem> {
         let mut spent = Spent::default();
@@ -136,7 +161,7 @@ impl<'a> Disagreement<'a> {
                 }
                 checked => checked?,
             }
-            let outcomes = match self.outcomes(spent.episodes, &contexts, journal, stage) {
+            let outcomes = match self.outcomes(spent.episodes, &contexts, episodes, stage) {
                 // Whole batches are counted: a part of one would depend on the threads. What of it
                 // was run is in the journal.
                 Err(_) if self.interrupt.is_set() => {
@@ -144,6 +169,10 @@ impl<'a> Disagreement<'a> {
                     break;
                 }
                 outcomes => outcomes?,
+            };
+            let Some(outcomes) = outcomes else {
+                spent.is_interrupted = true;
+                break;
             };
             spent.episodes += outcomes.len() as u64;
             spent.simulated_secs += outcomes.iter().map(|it| it.simulated_secs).sum::<f64>();
@@ -154,14 +183,14 @@ impl<'a> Disagreement<'a> {
         Ok(spent)
     }
 
-    /// What became of an episode in each context, from the journal if it is there.
+    /// What became of an episode in each context; `None` if one is neither known nor to be run.
     fn outcomes(
         &self,
         before: u64,
         contexts: &[Point],
-        journal: &Journal<Outcome>,
+        episodes: Episodes<'_>,
         stage: &Stage,
-    ) -> Result<Vec<Outcome>, Problem> {
+    ) -> Result<Option<Vec<Outcome>>, Problem> {
         let stimuli: Result<Vec<Stimulus>, Problem> = contexts
             .iter()
             .map(|context| self.contexts.stimulus(context))
@@ -169,8 +198,14 @@ impl<'a> Disagreement<'a> {
         let numbered: Vec<(u64, Stimulus)> = (before + 1..).zip(stimuli?).collect();
         let known: Vec<Option<Outcome>> = numbered
             .iter()
-            .map(|(number, stimulus)| journal.read(*number, self.seeds.of(*number), stimulus))
+            .map(|(number, stimulus)| {
+                let seed = self.seeds.of(*number);
+                episodes.known()?.read(*number, seed, stimulus)
+            })
             .collect();
+        if matches!(episodes, Episodes::Known(_)) {
+            return Ok(known.into_iter().collect());
+        }
         stage.skip(known.iter().flatten().count() as u64);
         let work = numbered.par_iter().zip(known);
         // What predicts is of one thread.
@@ -181,10 +216,12 @@ impl<'a> Disagreement<'a> {
             }
             let seed = seeds.of(*number);
             let outcome = bench.run(stimulus, seed, interrupt)?;
-            journal.add(*number, seed, stimulus, &outcome)?;
+            if let Episodes::Journal(journal) = episodes {
+                journal.add(*number, seed, stimulus, &outcome)?;
+            }
             stage.advance();
             Ok(outcome)
         });
-        outcomes.collect()
+        outcomes.collect::<Result<_, _>>().map(Some)
     }
 }

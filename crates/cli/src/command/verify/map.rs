@@ -1,0 +1,53 @@
+//! The map of disagreement: that it is of these assets, and that the same search gives it again, from the
+//! journal of its episodes or, with `--deep`, by running them.
+
+use super::audit::Audit;
+use super::compare;
+use crate::command::Setting;
+use crate::command::explore::{kept_map, map_again, map_file};
+use crate::problem::Problem;
+use crate::study::Study;
+use evidence::{DisagreementMap, StudyResult};
+use std::path::Path;
+
+/// The map that the result has to have.
+pub fn again(
+    study: &Study,
+    claimed: &StudyResult,
+    results: &Path,
+    (setting, is_deep): (&Setting, bool),
+    audit: &mut Audit,
+) -> Result<Option<DisagreementMap>, Problem> {
+    if claimed.disagreement.is_none() {
+        return Ok(None);
+    }
+    let kept = match kept_map(study, results) {
+        Ok(Some(kept)) => kept,
+        Ok(None) => return Ok(None),
+        Err(problem) => {
+            let file = results.join("study.json");
+            audit.fault(&file, "/disagreement", problem.to_string());
+            return Ok(None);
+        }
+    };
+    let what = match is_deep {
+        true => "values of the map of disagreement follow from running its episodes again",
+        false => "values of the map of disagreement follow from the journal of its episodes",
+    };
+    match map_again(study, &kept, results, is_deep, setting) {
+        Ok(Some(again)) => {
+            let values = compare::values(&map_file(results), &again, &kept, audit)?;
+            audit.checked(values, what);
+        }
+        Ok(None) => audit.not_checked(
+            "the map of disagreement: there is no journal of its episodes by this program (`--deep` runs them)",
+        ),
+        Err(problem) if setting.interrupt.is_set() => return Err(problem),
+        Err(problem) => {
+            audit.not_checked(&format!(
+                "the map of disagreement cannot be made again here: {problem}"
+            ));
+        }
+    }
+    Ok(Some(kept))
+}
