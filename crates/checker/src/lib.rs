@@ -53,6 +53,7 @@ pub mod graph;
 mod interval_iteration;
 pub mod interval_model;
 mod joint;
+mod krylov;
 mod long_run;
 mod multi;
 mod not_yet;
