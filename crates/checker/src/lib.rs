@@ -42,6 +42,7 @@ mod answer;
 mod check;
 pub mod choices;
 mod co_safe;
+mod cone;
 mod elimination;
 mod engine;
 mod evaluate;
