@@ -169,7 +169,9 @@ impl Back<'_, f64> {
                 Some(highs) => highs.value(state).map_or(values[state].high, |[high]| high),
                 None => low,
             };
-            result[state] = widened(Bounds { low, high }, error, f64::INFINITY);
+            if self.active[state] {
+                result[state] = widened(Bounds { low, high }, error, f64::INFINITY);
+            }
         }
         Ok(Some(result))
     }
@@ -272,20 +274,20 @@ mod tests {
         let options = Options::default();
         let context = Context::new(&options, 0.0);
         for (steps, maximise) in [(6, true), (7, true), (19, false), (60, true), (60, false)] {
-            let mut back = Back {
-                choices: Choices::new(&matrix, &choice_start),
-                active: &active,
-                steps,
-                from: None,
-                maximise,
-            };
             for rewards in [None, Some(&rewards[..])] {
-                back.from = None;
-                let all = back.amounts(rewards, &values, &context).unwrap().unwrap();
+                let found = |from: Option<&[usize]>| {
+                    let back = Back {
+                        choices: Choices::new(&matrix, &choice_start),
+                        active: &active,
+                        steps,
+                        from,
+                        maximise,
+                    };
+                    back.amounts(rewards, &values, &context).unwrap().unwrap()
+                };
+                let all = found(None);
                 for from in 0..40 {
-                    let asked = [from];
-                    back.from = Some(&asked);
-                    let one = back.amounts(rewards, &values, &context).unwrap().unwrap();
+                    let one = found(Some(&[from]));
                     assert_eq!(one[from], all[from], "{steps} {maximise} {from}");
                 }
             }
