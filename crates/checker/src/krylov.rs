@@ -62,8 +62,8 @@ impl Factors {
         let mut entries: Vec<(u32, f64)> = Vec::new();
         let mut below: BinaryHeap<Reverse<u32>> = BinaryHeap::new();
         let mut fill: Vec<(u32, f64)> = Vec::new();
-        for state in 0..states {
-            let mut pivot = diagonal[state];
+        for (state, own) in diagonal.iter().enumerate() {
+            let mut pivot = *own;
             if without == Some(state) {
                 pivot = 1.0;
             } else {
@@ -72,14 +72,14 @@ impl Factors {
                 let kept = kept.filter(|(target, _)| without != Some(**target as usize));
                 entries.clear();
                 entries.extend(kept.map(|(target, rate)| (*target, -rate)));
-                let own = entries.len();
+                let model = entries.len();
                 for (at, (column, _)) in entries.iter().enumerate() {
                     place[*column as usize] = at as u32 + 1;
                     if (*column as usize) < state {
                         below.push(Reverse(*column));
                     }
                 }
-                let small = DROPPED * diagonal[state];
+                let small = DROPPED * own;
                 while let Some(Reverse(above)) = below.pop() {
                     let at = place[above as usize] as usize - 1;
                     let above = above as usize;
@@ -110,12 +110,12 @@ impl Factors {
                 for (column, _) in &entries {
                     place[*column as usize] = 0;
                 }
-                if entries.len() > own + MOST_FILL {
+                if entries.len() > model + MOST_FILL {
                     fill.clear();
-                    fill.extend(entries.drain(own..));
+                    fill.extend(entries.drain(model..));
                     // Lower entries are multiples of a pivot, upper ones have the size of the diagonal.
                     let size = |(column, value): &(u32, f64)| match (*column as usize) < state {
-                        true => value.abs() * diagonal[state],
+                        true => value.abs() * own,
                         false => value.abs(),
                     };
                     fill.sort_by(|a, b| size(b).total_cmp(&size(a)).then(a.0.cmp(&b.0)));
@@ -131,10 +131,10 @@ impl Factors {
             factors.lower_start.push(factors.lower.len());
             factors.upper_start.push(factors.upper.len());
             // Rounding may leave nothing of a pivot that is positive.
-            let kept = if pivot > 1e-10 * diagonal[state] {
+            let kept = if pivot > 1e-10 * own {
                 pivot
             } else {
-                diagonal[state].max(f64::MIN_POSITIVE)
+                own.max(f64::MIN_POSITIVE)
             };
             factors.inverse.push(1.0 / kept);
         }
@@ -184,7 +184,7 @@ pub(crate) fn correct(
     let (mut near, mut second) = (vec![0.0; states], vec![0.0; states]);
     let (mut rho, mut alpha, mut omega) = (1.0, 1.0, 1.0);
     let mut round = 0;
-    while !(left <= goal(y)) && round < most && since < PATIENCE {
+    while left > goal(y) && round < most && since < PATIENCE {
         if round % 16 == 0 {
             options.check_cancelled()?;
         }

@@ -416,3 +416,6 @@ fn is_plain(x: &[f64]) -> bool {
 fn greatest(x: &[f64]) -> f64 {
     x.iter().copied().fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests;
