@@ -6,11 +6,13 @@ use prism_lang::{Arithmetic, Bound, Comparison, Number, Rational};
 
 use crate::amount::Amount;
 use crate::answer::{AnswerValue, CheckError, Guarantee, Options};
+use crate::choices::Choices;
 use crate::graph::{Qualitative, qualitative};
 use crate::rounding::{Bounds, LEAST_ENTRY_ERROR};
 use crate::sound::Probability;
 use crate::state_space::Csr;
-use crate::{exact, prism_default, sound, steps};
+use crate::steps::Back;
+use crate::{exact, prism_default, sound};
 
 pub(crate) use numbers::Numbers;
 
@@ -96,7 +98,8 @@ pub(crate) trait Engine {
         Ok(())
     }
 
-    /// `left U right` within the steps `first..=last`, in all states; and the rounds of iteration.
+    /// `left U right` within the steps `first..=last`, in the states `from` (all if not given); and the rounds of iteration.
+    /// Other states may have bounds that say nothing.
     ///
     /// From below: the probability within no step is the indicator of `right`; within one step more it is
     /// the mean over the transitions. Then `first` steps back, during which only `left` counts. All terms are
@@ -106,8 +109,10 @@ pub(crate) trait Engine {
         left: &[bool],
         right: &[bool],
         (first, last): (u64, Option<u64>),
+        from: Option<&[usize]>,
         context: &Context<'_>,
     ) -> Result<(Vec<Self::Value>, u64), CheckError> {
+        let from = from.filter(|_| first == 0);
         let sets = qualitative(matrix, left, right);
         let (mut values, iterations) = match last {
             None => Self::reachability(matrix, &sets, context)?,
@@ -117,28 +122,32 @@ pub(crate) trait Engine {
                     .collect();
                 let start = right.iter().map(|right| Self::indicator(*right)).collect();
                 let steps = last.saturating_sub(first);
-                (Self::steps_back(matrix, start, &active, steps, context)?, 0)
+                (
+                    Self::steps_back(matrix, start, &active, steps, from, context)?,
+                    0,
+                )
             }
         };
         if first > 0 {
             let outside = left.iter().map(|left| !left);
-            values = Self::steps_back(matrix, values, left, 1, context)?;
+            values = Self::steps_back(matrix, values, left, 1, None, context)?;
             for (value, outside) in values.iter_mut().zip(outside) {
                 if outside {
                     *value = Self::indicator(false);
                 }
             }
-            values = Self::steps_back(matrix, values, left, first - 1, context)?;
+            values = Self::steps_back(matrix, values, left, first - 1, None, context)?;
         }
         Ok((values, iterations))
     }
 
-    /// Replaces the values of the active states by the mean over their transitions, `steps` times.
+    /// Replaces the values of the active states by the mean over their transitions, `steps` times; those that are asked for.
     fn steps_back(
         matrix: &Csr<Self::Entry>,
         values: Vec<Self::Value>,
         active: &[bool],
         steps: u64,
+        _: Option<&[usize]>,
         context: &Context<'_>,
     ) -> Result<Vec<Self::Value>, CheckError> {
         let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
@@ -228,13 +237,21 @@ impl Engine for Sound {
         values: Vec<Probability>,
         active: &[bool],
         steps: u64,
+        from: Option<&[usize]>,
         context: &Context<'_>,
     ) -> Result<Vec<Probability>, CheckError> {
-        let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
-        match steps::back(matrix, &values, &states, steps, context)? {
-            Some(values) => Ok(values),
-            None => step_by_step::<Self>(matrix, values, &states, steps, context),
+        let back = Back {
+            choices: Choices::new(matrix, &[]),
+            active,
+            steps,
+            from,
+            maximise: true,
+        };
+        if let Some(values) = back.probabilities(&values, context)? {
+            return Ok(values);
         }
+        let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
+        step_by_step::<Self>(matrix, values, &states, steps, context)
     }
 
     fn check_entries(matrix: &Csr<f64>) -> Result<(), CheckError> {

@@ -43,7 +43,7 @@ pub(crate) fn least_until<E: Numbers>(
     let waiting: Vec<bool> = pairs.map(|(left, right)| *left && !right).collect();
     let steps = (0, None);
     let (values, _, rounds) =
-        reachability::until::<E>(choices, &waiting, &lost, steps, true, context)?;
+        reachability::until::<E>(choices, &waiting, &lost, steps, None, true, context)?;
     Ok((values.iter().map(E::contrary).collect(), rounds))
 }
 

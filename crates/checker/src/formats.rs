@@ -50,8 +50,9 @@ impl<'a, N: Written> Explicit<'a, N> {
         // Stable: states without variables stay in their order.
         order.sort_by(|a, b| {
             let value = |state: usize, v| space.value(state, v);
-            let each = variables.clone().map(|v| value(*a, v).cmp(&value(*b, v)));
-            each.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+            let mut each = variables.clone().map(|v| value(*a, v).cmp(&value(*b, v)));
+            each.find(|order| order.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
         });
         let mut place = vec![0; order.len()];
         for (at, state) in order.iter().enumerate() {

@@ -43,6 +43,9 @@ use iteration::Iteration;
 /// Multiplications that are spent on eliminating a component before iteration, and some for each of its entries.
 const FIRST_BUDGET: u64 = 10_000_000;
 const BUDGET_OF_ENTRY: u64 = 8;
+/// Components with fewer states than this, or fewer transitions for each state, are eliminated first.
+const SMALL: usize = 2_000;
+const SPARSE: usize = 4;
 /// The same after iteration that was cut short.
 const BUDGET: u64 = 300_000_000;
 
@@ -112,11 +115,10 @@ fn gain<E: Numbers>(
         local[*state as usize] = place as u32;
     }
     let is_chain = component.rows.len() == component.states.len();
-    let entries = component
-        .rows
-        .iter()
-        .map(|row| rates.entries(*row).len() as u64);
-    let first = FIRST_BUDGET + BUDGET_OF_ENTRY * entries.sum::<u64>();
+    let entries = component.rows.iter().map(|row| rates.entries(*row).len());
+    let entries: usize = entries.sum();
+    let is_simple = component.states.len() < SMALL || entries < SPARSE * component.states.len();
+    let first = FIRST_BUDGET + BUDGET_OF_ENTRY * entries as u64;
     let directly = |budget: u64| -> Result<Option<(E::Amount, u64)>, CheckError> {
         let found = match is_chain {
             true => round_trip::<E>(rates, part, component, local, budget, context)?,
@@ -146,7 +148,10 @@ fn gain<E: Numbers>(
         }
         work.run(maximise, context).map(of_bounds)
     };
-    let found = directly(first).and_then(|found| found.map_or_else(iterated, Ok));
+    let found = match is_simple {
+        true => directly(first).and_then(|found| found.map_or_else(iterated, Ok)),
+        false => iterated(),
+    };
     component
         .states
         .iter()

@@ -16,8 +16,9 @@
 
 pub(crate) mod exact;
 pub(crate) mod jacobi;
-mod local;
+pub(crate) mod local;
 mod policy;
+pub(crate) mod slack;
 pub(crate) mod sound;
 
 use crate::state_space::Csr;

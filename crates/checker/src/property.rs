@@ -222,7 +222,7 @@ impl<'a, E: Engine> Checker<'a, E> {
                 steps,
                 contrary,
             }) => {
-                let (values, rounds) = E::until(matrix, &left, &right, steps, &self.context)?;
+                let (values, rounds) = E::until(matrix, &left, &right, steps, None, &self.context)?;
                 self.iterations += rounds;
                 (values, contrary)
             }
@@ -252,6 +252,7 @@ impl<'a, E: Engine> Checker<'a, E> {
             &everywhere,
             &product.accepting,
             steps,
+            None,
             &self.context,
         )?;
         self.iterations += iterations;

@@ -21,16 +21,19 @@ use crate::engine::{Context, Numbers};
 use crate::fairness;
 use crate::graph::{Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum};
 use crate::quotient::{Optimal, Quotient};
+use crate::steps::Back;
 
 /// Values in all states, a scheduler that attains them if one does at all times, and the rounds of iteration.
 pub(crate) type Found<V> = (Vec<V>, Option<Vec<usize>>, u64);
 
-/// `left U right` within the steps `first..=last`, in all states.
+/// `left U right` within the steps `first..=last`, in the states `from` (all if not given); others may have bounds that say
+/// nothing.
 pub(crate) fn until<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     left: &[bool],
     right: &[bool],
     (first, last): (u64, Option<u64>),
+    from: Option<&[usize]>,
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Found<E::Value>, CheckError> {
@@ -54,17 +57,32 @@ pub(crate) fn until<E: Numbers>(
                 .map(|s| !sets.never[s] && !right[s])
                 .collect();
             let steps = last.saturating_sub(first);
-            steps_back::<E>(choices, &mut values, &active, steps, maximise, context)?;
+            let back = Back {
+                choices,
+                active: &active,
+                steps,
+                from: from.filter(|_| first == 0),
+                maximise,
+            };
+            steps_back::<E>(&back, &mut values, context)?;
         }
     }
     if first > 0 {
-        steps_back::<E>(choices, &mut values, left, 1, maximise, context)?;
+        let mut back = Back {
+            choices,
+            active: left,
+            steps: 1,
+            from: None,
+            maximise,
+        };
+        steps_back::<E>(&back, &mut values, context)?;
         for (value, left) in values.iter_mut().zip(left) {
             if !left {
                 *value = E::indicator(false);
             }
         }
-        steps_back::<E>(choices, &mut values, left, first - 1, maximise, context)?;
+        back.steps = first - 1;
+        steps_back::<E>(&back, &mut values, context)?;
     }
     Ok((values, scheduler, iterations))
 }
@@ -78,19 +96,34 @@ pub(crate) fn next<E: Numbers>(
 ) -> Result<Vec<E::Value>, CheckError> {
     let mut values = operand.iter().map(|holds| E::indicator(*holds)).collect();
     let everywhere = vec![true; operand.len()];
-    steps_back::<E>(choices, &mut values, &everywhere, 1, maximise, context)?;
+    let back = Back {
+        choices,
+        active: &everywhere,
+        steps: 1,
+        from: None,
+        maximise,
+    };
+    steps_back::<E>(&back, &mut values, context)?;
     Ok(values)
 }
 
 /// Replaces the values of the active states by the best mean over their choices, `steps` times.
 fn steps_back<E: Numbers>(
-    choices: Choices<'_, E::Entry>,
+    back: &Back<'_, E::Entry>,
     values: &mut Vec<E::Value>,
-    active: &[bool],
-    steps: u64,
-    maximise: bool,
     context: &Context<'_>,
 ) -> Result<(), CheckError> {
+    if let Some(found) = E::probabilities_back(back, values, context)? {
+        *values = found;
+        return Ok(());
+    }
+    let Back {
+        choices,
+        active,
+        steps,
+        maximise,
+        ..
+    } = *back;
     let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
     let mut next = values.clone();
     for step in 0..steps {

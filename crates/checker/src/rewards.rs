@@ -25,6 +25,7 @@ use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
 use crate::graph::{Backward, maximal_end_components, qualitative_optimum};
 use crate::quotient::{NO_CLASS, Optimal, Quotient};
+use crate::steps::Back;
 
 mod model;
 pub(crate) use model::{Part, RewardModel};
@@ -153,16 +154,28 @@ fn total_part<E: Numbers>(
     quotient.solve::<E>(&E::Amount::infinity(), context)
 }
 
-/// Steps back from `values`: each adds a choice's reward, if `rewards` are given, to its mean.
+/// Steps back from `values`, in the states `from`: each adds a choice's reward, if `rewards` are given, to its mean.
 pub(crate) fn steps<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     rewards: Option<&RewardModel<E::Amount>>,
     mut values: Vec<E::Amount>,
     steps: u64,
+    from: &[usize],
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Vec<E::Amount>, CheckError> {
     let earned = rewards.map(RewardModel::rows);
+    let everywhere = vec![true; values.len()];
+    let back = Back {
+        choices,
+        active: &everywhere,
+        steps,
+        from: Some(from),
+        maximise,
+    };
+    if let Some(found) = E::amounts_back(&back, earned.as_deref(), &values, context)? {
+        return Ok(found);
+    }
     for step in 0..steps {
         if step % 16 == 0 {
             context.options.check_cancelled()?;

@@ -139,6 +139,22 @@ impl Bounds {
     }
 }
 
+/// By how much the upper bounds exceed the lower ones, relatively, at most; infinite if one is 0 and its upper bound not.
+///
+/// What is monotone and homogeneous of degree 1 in numbers that are not negative can be computed from the lower bounds alone:
+/// the upper results exceed the lower ones by no more.
+pub(crate) fn spread<'a>(mut all: impl Iterator<Item = &'a Bounds>) -> f64 {
+    all.try_fold(0.0_f64, |spread, bounds| match bounds.is_exact() {
+        true => Some(spread),
+        false if bounds.low > 0.0 => Some(spread.max(bounds.relative_width())),
+        false => None,
+    })
+    .map_or(f64::INFINITY, |spread| spread * (1.0 + 4.0 * UNIT))
+}
+
+/// Spreads up to here hardly widen what is computed from lower bounds alone.
+pub(crate) const SMALL_SPREAD: f64 = 1e-12;
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,6 +167,22 @@ mod tests {
         assert_eq!(Bounds::ONE.widened(1e-10).high, 1.0);
         let tiny = Bounds::exactly(1e-200).widened(1e-10);
         assert!(tiny.low == 0.0 && tiny.high >= 1e-200);
+    }
+
+    #[test]
+    fn the_spread_covers_all_bounds() {
+        let near = Bounds {
+            low: 3.0,
+            high: 3.0 * (1.0 + 1e-13),
+        };
+        let all = [Bounds::ZERO, Bounds::ONE, near];
+        let spread = spread(all.iter());
+        assert!(near.high <= near.low * (1.0 + spread) && spread < 1.01e-13);
+        let open = Bounds {
+            low: 0.0,
+            high: 1e-300,
+        };
+        assert_eq!(super::spread([near, open].iter()), f64::INFINITY);
     }
 
     #[test]

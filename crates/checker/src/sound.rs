@@ -7,8 +7,8 @@
 //!
 //! *Method.* Component by component in reverse topological order (Ciesinski, Baier, Größer and Klein 2008;
 //! Dai, Strejček, Wu and Gupta 2011). A component of one state is substituted. A larger one is solved by
-//! elimination within a budget; failing that by interval iteration; failing that by elimination with a
-//! large budget. Both bounds of what lies below enter each component.
+//! elimination within a budget where it is small or sparse; else by linear equations and slack ([`crate::optimum::slack`]);
+//! failing that by interval iteration; failing that by elimination with a large budget. Both bounds of what lies below enter each component.
 //!
 //! *Guarantee.* The bounds contain the exact values. What is added at each component: rounding (the bounds
 //! in the heads of [`crate::elimination`] and [`crate::interval_iteration`]) and `2 m e` for a component
@@ -23,6 +23,8 @@ use crate::elimination::{GivenUp, System};
 use crate::engine::Context;
 use crate::graph::{Components, Qualitative};
 use crate::interval_iteration::Iteration;
+use crate::optimum::local::Local;
+use crate::optimum::slack::Slack;
 use crate::rounding::{Bounds, SMALLEST_ENTRY, UNIT};
 use crate::state_space::Csr;
 
@@ -31,6 +33,8 @@ use crate::state_space::Csr;
 struct Effort {
     /// Multiplications of the first elimination.
     first_budget: u64,
+    /// Whether linear equations and slack are tried thereafter.
+    equations: bool,
     /// Rounds of iteration thereafter.
     first_rounds: u64,
     /// Multiplications of the second elimination.
@@ -39,8 +43,13 @@ struct Effort {
     last_rounds: u64,
 }
 
+/// Components of fewer states than this, or fewer transitions for each state, are eliminated first.
+const EASY: usize = 1_000;
+const SPARSE: usize = 4;
+
 const EFFORT: Effort = Effort {
     first_budget: 100_000_000,
+    equations: true,
     first_rounds: 20_000,
     second_budget: 50_000_000_000,
     last_rounds: 1_000_000,
@@ -224,18 +233,18 @@ impl Solver<'_> {
         // Entries of the model, and the sums over transitions that leave.
         let inputs = self.context.entry_error + (exits.1 + 2) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
-        if self.eliminate(
-            component,
-            system.clone(),
-            self.effort.first_budget,
-            input_error,
-            &cancelled,
-        )? {
+        let entries: usize = system.rows.iter().map(Vec::len).sum();
+        let is_easy = component.len() < EASY || entries < SPARSE * component.len();
+        let first = self.effort.first_budget;
+        if is_easy && self.eliminate(component, system.clone(), first, input_error, &cancelled)? {
             return Ok(());
         }
         let share = component.len() as f64 / self.matrix.num_rows() as f64;
         let floor = 64.0 * (longest + 4) as f64 * UNIT;
         let tolerance = (self.context.options.precision * share / 4.0).max(floor);
+        if self.equations(component, &system, tolerance, input_error)? {
+            return Ok(());
+        }
         let mut iteration = Iteration::new(&system, exits.0);
         if !iteration.run(tolerance, self.effort.first_rounds, &cancelled) {
             self.context.options.check_cancelled()?;
@@ -263,6 +272,43 @@ impl Solver<'_> {
             self.store(*state as usize, value, complement, input_error);
         }
         Ok(())
+    }
+
+    /// Solves a component by linear equations and slack ([`crate::optimum::slack`]); false if that gave no close bounds.
+    fn equations(
+        &mut self,
+        component: &[u32],
+        system: &System<f64, 5>,
+        tolerance: f64,
+        input_error: f64,
+    ) -> Result<bool, CheckError> {
+        if !self.effort.equations {
+            return Ok(false);
+        }
+        let mut bounds = Vec::with_capacity(2);
+        for lanes in [[1, 2], [3, 4]] {
+            let local = Local::of_chain(system, lanes);
+            let slack = Slack {
+                local: &local,
+                maximise: true,
+                tolerance,
+                options: self.context.options,
+            };
+            let found = slack.search(vec![0.0; component.len()])?;
+            let (Some(lower), Some(upper), true) = (found.lower, found.upper, found.is_close)
+            else {
+                return Ok(false);
+            };
+            bounds.push((lower, upper));
+        }
+        for (place, state) in component.iter().enumerate() {
+            let [value, complement] = [0, 1].map(|problem: usize| Bounds {
+                low: bounds[problem].0[place],
+                high: bounds[problem].1[place].min(1.0),
+            });
+            self.store(*state as usize, value, complement, input_error);
+        }
+        Ok(true)
     }
 
     /// Solves a component directly; false if that was given up.
@@ -373,6 +419,7 @@ mod tests {
 
     const NEVER_ELIMINATE: Effort = Effort {
         first_budget: 0,
+        equations: false,
         first_rounds: 100_000,
         second_budget: 0,
         last_rounds: 1_000_000,

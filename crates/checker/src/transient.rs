@@ -16,14 +16,18 @@
 //! Cost: about `q t` products of the matrix with a vector, more for tiny probabilities.
 
 use crate::answer::CheckError;
+use crate::choices::Choices;
+use crate::cone::{Cone, Walk};
 use crate::engine::Context;
 use crate::optimum::sound::widened;
 use crate::poisson::Weights;
-use crate::rounding::{Bounds, UNIT};
+use crate::rounding::{Bounds, SMALL_SPREAD, UNIT, spread};
 use crate::state_space::Csr;
 
 /// What may be cut off, relative to the least value asked for.
 const CUT: f64 = 1e-9;
+/// What may be left of the weights after the first number of products that is tried.
+const FIRST_GUESS: f64 = 1e-18;
 /// Jumps beyond which a time is refused.
 const MOST_JUMPS: f64 = 1e9;
 
@@ -37,6 +41,18 @@ pub(crate) struct Transient<'a> {
     pub from: &'a [usize],
 }
 
+/// Sums in the states asked for.
+#[derive(Debug, Clone)]
+struct Found {
+    sums: Vec<f64>,
+    /// What was cut off at most.
+    cut: f64,
+    /// Products of the matrix with a vector.
+    products: usize,
+    /// Entries of the longest row.
+    longest: usize,
+}
+
 /// What is summed up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sum {
@@ -47,7 +63,8 @@ pub(crate) enum Sum {
 }
 
 impl Transient<'_> {
-    /// The values (not negative) of `x` after a time, or earned at rates `x` within it.
+    /// The values (not negative) of `x` after a time, or earned at rates `x` within it, in the states asked for; others get the
+    /// bounds that always hold.
     pub fn solve(&self, x: &[Bounds], time: &Bounds, sum: Sum) -> Result<Vec<Bounds>, CheckError> {
         if *time == Bounds::ZERO {
             let nothing = vec![Bounds::ZERO; x.len()];
@@ -81,27 +98,37 @@ impl Transient<'_> {
         };
         let lows: Vec<f64> = x.iter().map(|x| x.low).collect();
         let highs: Vec<f64> = x.iter().map(|x| x.high).collect();
-        let same = lows == highs;
-        let (low, rest, jumps) = self.run(lows, &coefficients, speed)?;
-        let (high, rest, jumps) = match same {
-            true => (low.clone(), rest, jumps),
-            false => self.run(highs, &coefficients, speed)?,
+        let low = self.run(&lows, &coefficients, speed)?;
+        let spread = spread(x.iter());
+        let is_close = spread <= SMALL_SPREAD;
+        let high = match is_close {
+            true => low.clone(),
+            false => self.run(&highs, &coefficients, speed)?,
         };
+        let jumps = low.products.max(high.products);
         let off_time = (time.high - time.low) / time.middle();
         let input = self.context.entry_error + off_time + 4.0 * UNIT;
-        let longest = self.longest();
+        let longest = low.longest.max(high.longest);
         let error = weights.error * 2.0
             + jumps as f64 * (longest as f64 + 70.0) * UNIT
-            + 2.0 * input * (jumps as f64 + mean + 10.0 * mean.sqrt());
-        let bounds = low.iter().zip(&high).map(|(low, high)| {
+            + 2.0 * input * (jumps as f64 + mean + 10.0 * mean.sqrt())
+            + if is_close { spread } else { 0.0 };
+        let unknown = Bounds {
+            low: 0.0,
+            high: f64::INFINITY,
+        };
+        let mut bounds: Vec<Bounds> = (x.iter().zip(&self.active))
+            .map(|(x, active)| if *active { unknown } else { *x })
+            .collect();
+        for ((state, low), high_sum) in self.from.iter().zip(&low.sums).zip(&high.sums) {
             let value = Bounds {
                 low: *low,
-                high: high + rest,
+                high: high_sum + high.cut,
             };
             // Sums that stayed 0 may only have been cut off.
-            widened(value, error, f64::INFINITY)
-        });
-        Ok(bounds.collect())
+            bounds[*state] = widened(value, error, f64::INFINITY);
+        }
+        Ok(bounds)
     }
 
     /// A rate above all rates of leaving an active state by 2 %, so that staying has a probability to subtract to.
@@ -114,85 +141,88 @@ impl Transient<'_> {
         1.02 * active.map(leaving).fold(0.0, f64::max)
     }
 
-    fn longest(&self) -> usize {
-        let lengths = self
-            .rates
-            .row_start
-            .windows(2)
-            .map(|ends| ends[1] - ends[0]);
-        lengths.max().unwrap_or(0)
-    }
-
-    /// `sum over k of c_k P^k x`, what was cut off at most, and the number of products.
-    fn run(
-        &self,
-        mut x: Vec<f64>,
-        coefficients: &[f64],
-        speed: f64,
-    ) -> Result<(Vec<f64>, f64, usize), CheckError> {
+    /// `sum over k of c_k P^k x` in the states asked for, what was cut off at most, the number of products, and the longest row.
+    ///
+    /// How many products are needed shows when the sums are there, but within which cone of states they are to be taken has to
+    /// be known before ([`crate::cone`]): a number that proves too small is tried again with a greater one.
+    fn run(&self, x: &[f64], coefficients: &[f64], speed: f64) -> Result<Found, CheckError> {
         let greatest = x.iter().copied().fold(0.0, f64::max);
         let mut rest = vec![0.0; coefficients.len() + 1];
         for k in (0..coefficients.len()).rev() {
             rest[k] = rest[k + 1] + coefficients[k];
         }
-        let states: Vec<usize> = (0..x.len()).filter(|s| self.active[*s]).collect();
-        let stay: Vec<f64> = states.iter().map(|s| self.stay(*s, speed)).collect();
-        let mut sum: Vec<f64> = x.iter().map(|x| x * coefficients[0]).collect();
-        let mut next = x.clone();
+        let most = coefficients.len() - 1;
+        let support: Vec<bool> = x.iter().map(|x| *x > 0.0).collect();
+        let mut steps = (rest.iter())
+            .position(|rest_of| *rest_of <= FIRST_GUESS * rest[0])
+            .map_or(most, |steps| steps.min(most));
+        loop {
+            let choices = Choices::new(self.rates, &[]);
+            let cone = Cone::new(choices, &self.active, self.from, Some(&support), steps);
+            let entries = |state: usize, _: usize, entries: &mut Vec<(u32, f64)>| {
+                let others = self.rates.row(state).filter(|(target, _)| *target != state);
+                entries.extend(others.map(|(target, rate)| (target as u32, rate / speed)));
+                entries.push((state as u32, self.stay(state, speed)));
+            };
+            let walk = Walk::new(cone, steps, choices, [true], |state| [x[state]], entries);
+            if let Some(found) = self.walk(walk, x, coefficients, &rest, greatest, steps)? {
+                return Ok(found);
+            }
+            steps = (steps + steps / 8 + 16).min(most);
+        }
+    }
+
+    /// The same within a number of products; nothing if it is too small.
+    fn walk(
+        &self,
+        mut walk: Walk<1>,
+        x: &[f64],
+        coefficients: &[f64],
+        rest: &[f64],
+        greatest: f64,
+        steps: usize,
+    ) -> Result<Option<Found>, CheckError> {
+        let value =
+            |walk: &Walk<1>, state: usize| walk.value(state).map_or(x[state], |[value]| value);
+        let add = |sums: &mut [f64], walk: &Walk<1>, weight: f64| {
+            for (sum, state) in sums.iter_mut().zip(self.from) {
+                *sum += weight * value(walk, *state);
+            }
+        };
+        let mut sums = vec![0.0; self.from.len()];
+        add(&mut sums, &walk, coefficients[0]);
+        let longest = walk.longest();
         let mut k = 0;
+        // What does not change will not, as far as the cone reaches.
+        let mut still = false;
         while k + 1 < coefficients.len() {
-            let least = self
-                .from
-                .iter()
-                .map(|s| sum[*s])
-                .fold(f64::INFINITY, f64::min);
+            let least = sums.iter().copied().fold(f64::INFINITY, f64::min);
             if rest[k + 1] * greatest <= CUT * self.context.options.precision / 1e-6 * least {
                 break;
+            }
+            if k == steps {
+                return Ok(None);
             }
             if k % 16 == 0 {
                 self.context.options.check_cancelled()?;
             }
-            let mut changed = false;
-            for (state, stay) in states.iter().zip(&stay) {
-                let new = self.product(*state, *stay, &x, speed);
-                changed |= new != x[*state];
-                next[*state] = new;
-            }
+            still = still || !walk.advance().changed;
             k += 1;
-            if !changed {
-                let left = rest[k];
-                sum.iter_mut().zip(&x).for_each(|(sum, x)| *sum += left * x);
-                return Ok((sum, 0.0, k));
-            }
-            std::mem::swap(&mut x, &mut next);
-            let weight = coefficients[k];
-            if weight > 0.0 {
-                sum.iter_mut()
-                    .zip(&x)
-                    .for_each(|(sum, x)| *sum += weight * x);
+            if coefficients[k] > 0.0 {
+                add(&mut sums, &walk, coefficients[k]);
             }
         }
-        Ok((sum, 2.0 * rest[k + 1] * greatest, k))
+        Ok(Some(Found {
+            sums,
+            cut: 2.0 * rest[k + 1] * greatest,
+            products: k,
+            longest,
+        }))
     }
 
     fn stay(&self, state: usize, speed: f64) -> f64 {
         let others = self.rates.row(state).filter(|(target, _)| *target != state);
         1.0 - others.map(|(_, rate)| rate).sum::<f64>() / speed
-    }
-
-    fn product(&self, state: usize, stay: f64, x: &[f64], speed: f64) -> f64 {
-        let range = self.rates.row_start[state]..self.rates.row_start[state + 1];
-        let mut sum = 0.0;
-        for (column, rate) in self.rates.column[range.clone()]
-            .iter()
-            .zip(&self.rates.value[range])
-        {
-            let target = *column as usize;
-            if target != state {
-                sum += rate * x[target];
-            }
-        }
-        sum / speed + stay * x[state]
     }
 }
 

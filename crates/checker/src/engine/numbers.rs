@@ -9,6 +9,7 @@ use crate::optimum::{self, Problem, Solution};
 use crate::rounding::Bounds;
 use crate::sound::Probability;
 use crate::state_space::Csr;
+use crate::steps::Back;
 
 /// A technique that can optimise, and knows more numbers than probabilities.
 pub(crate) trait Numbers: Engine {
@@ -33,6 +34,25 @@ pub(crate) trait Numbers: Engine {
 
     /// The probability that a scheduler prefers.
     fn best(a: &Self::Value, b: &Self::Value, maximise: bool) -> Self::Value;
+
+    /// Probabilities some steps earlier, in the states asked for; nothing if the technique has no faster way than step by step.
+    fn probabilities_back(
+        _: &Back<'_, Self::Entry>,
+        _: &[Self::Value],
+        _: &Context<'_>,
+    ) -> Result<Option<Vec<Self::Value>>, CheckError> {
+        Ok(None)
+    }
+
+    /// Numbers some steps earlier, of which each row adds something if that is given; as above.
+    fn amounts_back(
+        _: &Back<'_, Self::Entry>,
+        _: Option<&[Self::Amount]>,
+        _: &[Self::Amount],
+        _: &Context<'_>,
+    ) -> Result<Option<Vec<Self::Amount>>, CheckError> {
+        Ok(None)
+    }
 
     /// The matrix in floating point, if that is what it is in.
     fn floats(matrix: &Csr<Self::Entry>) -> Option<&Csr<f64>>;
@@ -76,6 +96,23 @@ impl Numbers for Sound {
             value: Amount::best(&a.value, &b.value, maximise),
             complement: Amount::best(&a.complement, &b.complement, !maximise),
         }
+    }
+
+    fn probabilities_back(
+        back: &Back<'_, f64>,
+        values: &[Probability],
+        context: &Context<'_>,
+    ) -> Result<Option<Vec<Probability>>, CheckError> {
+        back.probabilities(values, context)
+    }
+
+    fn amounts_back(
+        back: &Back<'_, f64>,
+        rewards: Option<&[Bounds]>,
+        values: &[Bounds],
+        context: &Context<'_>,
+    ) -> Result<Option<Vec<Bounds>>, CheckError> {
+        back.amounts(rewards, values, context)
     }
 
     fn floats(matrix: &Csr<f64>) -> Option<&Csr<f64>> {

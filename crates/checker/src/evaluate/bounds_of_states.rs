@@ -95,7 +95,7 @@ impl Evaluator<'_, Sound> {
             return Err(not_of_this_form());
         };
         let maximise = maximise != contrary;
-        let values = self.until(&left, &right, (0, None), maximise)?;
+        let values = self.until(&left, &right, (0, None), None, maximise)?;
         let low: Vec<f64> = values.iter().map(|v| v.value.low).collect();
         let high: Vec<f64> = values.iter().map(|v| v.value.high).collect();
         let choices = self.choices();

@@ -103,8 +103,15 @@ impl<E: Numbers> Evaluator<'_, E> {
         }
         let (matrix, choice_start) = with_restarts(joint.choices(), &again);
         let choices = Choices::new(&matrix, &choice_start);
-        let (values, _, rounds) =
-            reachability::until::<E>(choices, &everywhere, &goal, (0, None), true, &self.context)?;
+        let (values, _, rounds) = reachability::until::<E>(
+            choices,
+            &everywhere,
+            &goal,
+            (0, None),
+            None,
+            true,
+            &self.context,
+        )?;
         self.iterations += rounds;
         Ok(E::amount(&values[0]))
     }

@@ -40,7 +40,7 @@ impl<E: Numbers> Evaluator<'_, E> {
                 steps,
                 contrary,
             }) => (
-                self.until(&left, &right, steps, maximise != contrary)?,
+                self.until(&left, &right, steps, Some(from), maximise != contrary)?,
                 contrary,
             ),
         };
@@ -64,16 +64,17 @@ impl<E: Numbers> Evaluator<'_, E> {
         left: &[bool],
         right: &[bool],
         steps: (u64, Option<u64>),
+        from: Option<&[usize]>,
         maximise: bool,
     ) -> Result<Vec<E::Value>, CheckError> {
         let choices = self.choices();
         if choices.is_chain() {
-            let (values, rounds) = E::until(&self.matrix, left, right, steps, &self.context)?;
+            let (values, rounds) = E::until(&self.matrix, left, right, steps, from, &self.context)?;
             self.iterations += rounds;
             return Ok(values);
         }
         let (values, scheduler, rounds) =
-            reachability::until::<E>(choices, left, right, steps, maximise, &self.context)?;
+            reachability::until::<E>(choices, left, right, steps, from, maximise, &self.context)?;
         self.iterations += rounds;
         self.scheduler = scheduler;
         Ok(values)
@@ -126,7 +127,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         let steps = (0, None);
         if choices.is_chain() {
             let (matrix, target) = (&product.matrix, &product.accepting);
-            let (values, rounds) = E::until(matrix, &everywhere, target, steps, &self.context)?;
+            let (values, rounds) =
+                E::until(matrix, &everywhere, target, steps, None, &self.context)?;
             self.iterations += rounds;
             return Ok(values);
         }
@@ -135,6 +137,7 @@ impl<E: Numbers> Evaluator<'_, E> {
             &everywhere,
             &product.accepting,
             steps,
+            None,
             true,
             &self.context,
         )?;

@@ -75,10 +75,10 @@ impl<E: Numbers> Evaluator<'_, E> {
             RewardObjective::Cumulative(Horizon::Steps(steps)) => {
                 let start = vec![E::Amount::zero(); self.space.num_states()];
                 let model = Some(self.per_step(&by_time));
-                self.within_steps(model, start, *steps, maximise)?
+                self.within_steps(model, start, *steps, from, maximise)?
             }
             RewardObjective::Instantaneous(Horizon::Steps(step)) => {
-                self.within_steps(None, by_time.states(), *step, maximise)?
+                self.within_steps(None, by_time.states(), *step, from, maximise)?
             }
             RewardObjective::Cumulative(Horizon::Time(time)) => {
                 self.at_time(&by_time, |part| &part.row, time, Sum::Earned, from)?
@@ -172,11 +172,13 @@ impl<E: Numbers> Evaluator<'_, E> {
         model: Option<RewardModel<E::Amount>>,
         start: Vec<E::Amount>,
         steps: u64,
+        from: &[usize],
         maximise: bool,
     ) -> Result<Optimal<E::Amount>, CheckError> {
         let context = &self.context;
         let choices = self.choices();
-        let values = rewards::steps::<E>(choices, model.as_ref(), start, steps, maximise, context)?;
+        let model = model.as_ref();
+        let values = rewards::steps::<E>(choices, model, start, steps, from, maximise, context)?;
         Ok(plain(values))
     }
 

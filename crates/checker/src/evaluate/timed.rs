@@ -53,7 +53,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         let backward = Backward::new(Choices::new(rates, &[]));
         let mut values = match upper {
             None => {
-                let values = self.until(&timed.left, &timed.right, (0, None), true)?;
+                let values = self.until(&timed.left, &timed.right, (0, None), None, true)?;
                 values
                     .iter()
                     .map(|value| E::amount(value).bounds())

@@ -13,8 +13,10 @@ use crate::state_space::Csr;
 const ROUNDS: u64 = 1_000_000;
 /// Rounds in place before rounds by the greatest rate.
 const IN_PLACE: u64 = 20_000;
-/// Rounds in place before the equations are solved.
-const QUICK: u64 = 200;
+/// The part of the precision that the equations' residual may take up.
+const SHARE: f64 = 0.1;
+/// Steps of time after which the state with the greatest share is looked for.
+const FLOWS: usize = 8;
 /// Solutions of the equations, each of what the one before left.
 const SOLUTIONS: usize = 8;
 /// Rounds in place between two looks at the bounds.
@@ -80,11 +82,6 @@ impl<'a> Iteration<'a> {
         self.choice_start.len() - 1
     }
 
-    /// The number of transitions between different states.
-    pub fn num_entries(&self) -> usize {
-        self.column.len()
-    }
-
     /// Where a row's entries are.
     pub fn range(&self, row: usize) -> Range<usize> {
         self.row_start[row]..self.row_start[row + 1]
@@ -97,7 +94,7 @@ impl<'a> Iteration<'a> {
 
     /// Bounds of a component without alternatives, and the rounds; `None` if they do not come close soon.
     ///
-    /// A few rounds in place, then by the equations ([`super::krylov`]).
+    /// `x` comes from the equations ([`super::krylov`]): rounds in place would only make what is left to solve larger.
     pub fn quickly(&self, context: &Context<'_>) -> Result<Option<(Bounds, u64)>, CheckError> {
         let states = self.num_states();
         let (mut x, mut drift) = (vec![0.0; states], vec![0.0; states]);
@@ -107,7 +104,9 @@ impl<'a> Iteration<'a> {
         };
         let mut rounds = 0;
         let mut equations = None;
-        for solution in 0.. {
+        let mut closest = f64::INFINITY;
+        let mut solutions = 0;
+        loop {
             context.options.check_cancelled()?;
             let now = self.bounds(&x, &mut drift, true, context.entry_error);
             if !(now.low.is_finite() && now.high.is_finite()) {
@@ -120,23 +119,41 @@ impl<'a> Iteration<'a> {
                 return Ok(Some((best, rounds)));
             }
             let mut gain = now.middle();
-            if rounds < QUICK {
-                for _ in 0..SWEEPS {
-                    self.sweep(&mut x, gain, rounds.is_multiple_of(2));
-                    rounds += 1;
-                }
-                continue;
-            }
-            if solution > QUICK as usize / SWEEPS + SOLUTIONS {
+            let width = now.high - now.low;
+            if solutions == SOLUTIONS || (solutions > 1 && width > closest / 2.0) {
                 return Ok(None);
             }
-            let equations = equations.get_or_insert_with(|| Equations::new(self, 0));
+            closest = closest.min(width);
+            solutions += 1;
+            let equations = equations.get_or_insert_with(|| Equations::new(self, self.reference()));
             let reward = |state: usize| self.rewards[state].middle();
-            if !equations.improve(&mut x, &mut gain, reward, context)? {
-                return Ok(None);
-            }
+            let goal = SHARE * context.options.precision;
+            rounds += equations.improve(&mut x, &mut gain, reward, goal, context)? as u64;
         }
-        Ok(None)
+    }
+
+    /// A state in which the chain seems to be often.
+    fn reference(&self) -> usize {
+        let states = self.num_states();
+        let pace = 1.0 / self.speed.max(f64::MIN_POSITIVE);
+        let mut share = vec![1.0; states];
+        for _ in 0..FLOWS {
+            let mut next = share.clone();
+            for (state, share) in share.iter().enumerate() {
+                let (columns, rates) = self.entries(state);
+                for (column, rate) in columns.iter().zip(rates) {
+                    let moved = pace * rate * share;
+                    next[*column as usize] += moved;
+                    next[state] -= moved;
+                }
+            }
+            share = next;
+        }
+        let greatest = |best: usize, state: usize| match share[state] > share[best] {
+            true => state,
+            false => best,
+        };
+        (0..states).fold(0, greatest)
     }
 
     /// Iterates until the bounds are close; the bounds and the rounds.

@@ -1,253 +1,118 @@
 //! Numbers `x` for the bounds of a gain ([`super`]), where rounds in place are slow: by linear equations.
 //!
 //! *Problem.* In a component without alternatives, `x` and `g` with `r_i + sum_j q_ij (x_j - x_i) = g` for all `i`,
-//! and `x_z = 0` for one state `z`; from some `x` and `g` on, by what is left: with `B` the equations of the states
-//! other than `z` and the residual `s_i = r_i + sum_j q_ij (x_j - x_i) - g`
+//! and `x_z = 0` for one state `z`: one equation for each state, in which the unknown `g` takes the place of `x_z`. With
+//! `B` the equations of the states other than `z` and `c_j = q_zj`
 //!
 //! ```text
-//! B u = s,   B t = 1,   x += u - d t,   g += d      d such that the equation of z holds
+//! M = |  B   1 |      unknowns (x, g), right-hand side r
+//!     | -c   1 |
 //! ```
 //!
-//! (`t` is the expected time until `z`). Repeated, each time with a new residual, so that `u` and `t` may be rough.
+//! The residual is `d_i - g` of [`super`], so the bounds of the gain are as close as it is small.
 //!
-//! *Method.* `B` is a nonsingular M-matrix: stabilised biconjugate gradients (van der Vorst 1992), preconditioned on the
-//! right by an incomplete factorisation without fill-in (Meijerink and van der Vorst 1977: it exists for M-matrices),
-//! kept in single precision. Cost: rounds times entries; 4 bytes for each entry, some vectors.
+//! *Method.* [`crate::krylov`], with the incomplete factors `LU` of `B` and, for the last row and column, block elimination by
+//! `t = (LU)^-1 1`, an approximation of the expected times until `z`: `g = (v_z + c u) / (1 + c t)` and `x = u - g t` with
+//! `u = (LU)^-1 v`. `1 + c t` tends to one over the share of time in `z`, so that a `z` in which the chain often is makes
+//! the equations easier.
 //!
 //! Guarantee: none is needed, for bounds hold for any `x`; where the equations are not solved, nothing is lost but time.
 
 use super::iteration::Iteration;
 use crate::answer::CheckError;
 use crate::engine::Context;
+use crate::krylov::{Factors, Operator, correct};
 
 /// Rounds of one solution.
-const ROUNDS: usize = 2_000;
-/// How far a solution brings the residual down, at least.
-const REDUCTION: f64 = 1e-5;
+const ROUNDS: usize = 4_000;
 
-/// The equations of all states but one, and their incomplete factors.
+/// The equations, and their incomplete factors.
 pub(super) struct Equations<'a> {
     chain: &'a Iteration<'a>,
     /// `z`.
     without: usize,
     leaving: Vec<f64>,
-    /// Of each entry: below the diagonal that of the lower factor, above that of the upper one.
-    factor: Vec<f32>,
-    /// One over the diagonal of the upper factor; 0 for `z`.
-    inverse: Vec<f64>,
-    time: Option<Vec<f64>>,
+    factors: Factors,
+    /// `t`, and `1 + c t`.
+    time: Vec<f64>,
+    scale: f64,
 }
 
 impl<'a> Equations<'a> {
     pub fn new(chain: &'a Iteration<'a>, without: usize) -> Self {
         let states = chain.num_states();
         let rates = |state: usize| chain.entries(state).1.iter().sum();
+        let leaving: Vec<f64> = (0..states).map(rates).collect();
+        let factors = Factors::new(&leaving, |state| chain.entries(state), Some(without));
+        let mut one = vec![1.0; states];
+        one[without] = 0.0;
+        let mut time = vec![0.0; states];
+        factors.solve(&one, &mut time);
         let mut equations = Self {
             chain,
             without,
-            leaving: (0..states).map(rates).collect(),
-            factor: vec![0.0; chain.num_entries()],
-            inverse: vec![0.0; states],
-            time: None,
+            leaving,
+            factors,
+            time,
+            scale: 1.0,
         };
-        equations.factorise();
+        equations.scale = 1.0 + equations.onwards(&equations.time);
         equations
     }
 
-    fn factorise(&mut self) {
-        let states = self.leaving.len();
-        // Where an entry of the row at hand is; 0 for none.
-        let mut place = vec![0_u32; states];
-        let mut row: Vec<f64> = Vec::new();
-        for state in (0..states).filter(|state| *state != self.without) {
-            let range = self.chain.range(state);
-            let (columns, rates) = self.chain.entries(state);
-            row.clear();
-            row.extend(rates.iter().map(|rate| -rate));
-            for (at, column) in columns.iter().enumerate() {
-                place[*column as usize] = at as u32 + 1;
-            }
-            let mut diagonal = self.leaving[state];
-            for (at, column) in columns.iter().enumerate() {
-                let above = *column as usize;
-                if above >= state || above == self.without {
-                    continue;
-                }
-                let share = row[at] * self.inverse[above];
-                row[at] = share;
-                let of_above = self.chain.range(above);
-                let targets = self.chain.entries(above).0;
-                for (target, value) in targets.iter().zip(&self.factor[of_above]) {
-                    let target = *target as usize;
-                    if target == state {
-                        diagonal -= share * f64::from(*value);
-                    } else if target > above && place[target] > 0 {
-                        row[place[target] as usize - 1] -= share * f64::from(*value);
-                    }
-                }
-            }
-            for (at, column) in columns.iter().enumerate() {
-                place[*column as usize] = 0;
-                if *column as usize == self.without {
-                    row[at] = 0.0;
-                }
-            }
-            for (factor, value) in self.factor[range].iter_mut().zip(&row) {
-                *factor = *value as f32;
-            }
-            // Rounding may leave nothing of a pivot that is positive.
-            let pivot = match diagonal > 1e-12 * self.leaving[state] {
-                true => diagonal,
-                false => self.leaving[state],
-            };
-            self.inverse[state] = 1.0 / pivot;
-        }
+    /// `c v`; `v` must be 0 at `z`.
+    fn onwards(&self, v: &[f64]) -> f64 {
+        let (columns, rates) = self.chain.entries(self.without);
+        let pairs = columns.iter().zip(rates);
+        pairs.map(|(column, rate)| rate * v[*column as usize]).sum()
     }
 
-    /// `B v`; `v` must be 0 at `z`, and the result is.
-    fn apply(&self, v: &[f64], result: &mut [f64]) {
-        for (state, result) in result.iter_mut().enumerate() {
-            let (columns, rates) = self.chain.entries(state);
-            let pairs = columns.iter().zip(rates);
-            let moved: f64 = pairs.map(|(column, rate)| rate * v[*column as usize]).sum();
-            *result = self.leaving[state] * v[state] - moved;
-        }
-        result[self.without] = 0.0;
-    }
-
-    /// What the incomplete factors have for `B^-1 v`.
-    fn precondition(&self, v: &[f64], result: &mut [f64]) {
-        let states = v.len();
-        for state in 0..states {
-            let (columns, _) = self.chain.entries(state);
-            let mut value = v[state];
-            for (column, factor) in columns.iter().zip(&self.factor[self.chain.range(state)]) {
-                if (*column as usize) < state {
-                    value -= f64::from(*factor) * result[*column as usize];
-                }
-            }
-            result[state] = value;
-        }
-        for state in (0..states).rev() {
-            let (columns, _) = self.chain.entries(state);
-            let mut value = result[state];
-            for (column, factor) in columns.iter().zip(&self.factor[self.chain.range(state)]) {
-                if (*column as usize) > state {
-                    value -= f64::from(*factor) * result[*column as usize];
-                }
-            }
-            result[state] = value * self.inverse[state];
-        }
-    }
-
-    /// A rough solution of `B y = b`; `None` if the residual did not come down.
-    fn solve(&self, b: &[f64], context: &Context<'_>) -> Result<Option<Vec<f64>>, CheckError> {
-        let states = b.len();
-        let mut y = vec![0.0; states];
-        let goal = REDUCTION * norm(b);
-        if goal == 0.0 {
-            return Ok(Some(y));
-        }
-        let mut residual = b.to_vec();
-        let shadow = b.to_vec();
-        let (mut direction, mut image) = (vec![0.0; states], vec![0.0; states]);
-        let (mut near, mut second) = (vec![0.0; states], vec![0.0; states]);
-        let (mut rho, mut alpha, mut omega) = (1.0, 1.0, 1.0);
-        for round in 0..ROUNDS {
-            if round % 16 == 0 {
-                context.options.check_cancelled()?;
-            }
-            let next = dot(&shadow, &residual);
-            let beta = next / rho * (alpha / omega);
-            rho = next;
-            for ((direction, residual), image) in direction.iter_mut().zip(&residual).zip(&image) {
-                *direction = residual + beta * (*direction - omega * image);
-            }
-            self.precondition(&direction, &mut near);
-            self.apply(&near, &mut image);
-            alpha = rho / dot(&shadow, &image);
-            add(&mut y, alpha, &near);
-            add(&mut residual, -alpha, &image);
-            if norm(&residual) <= goal {
-                return Ok(Some(y));
-            }
-            self.precondition(&residual, &mut near);
-            self.apply(&near, &mut second);
-            omega = dot(&second, &residual) / dot(&second, &second);
-            add(&mut y, omega, &near);
-            add(&mut residual, -omega, &second);
-            let left = norm(&residual);
-            if left <= goal {
-                return Ok(Some(y));
-            }
-            // Also when it is not a number.
-            if !(left < 1e20 * norm(b) && rho != 0.0 && omega != 0.0) {
-                return Ok(None);
-            }
-        }
-        Ok(None)
-    }
-
-    /// Improves `x`, and the gain that it is meant for; false if that failed.
+    /// Improves `x` until `d` is within this share of `gain` in all states, if it can; the rounds.
     pub fn improve(
-        &mut self,
+        &self,
         x: &mut [f64],
         gain: &mut f64,
         rewards: impl Fn(usize) -> f64,
+        share: f64,
         context: &Context<'_>,
-    ) -> Result<bool, CheckError> {
-        let states = x.len();
-        let without = self.without;
-        let reference = x[without];
+    ) -> Result<usize, CheckError> {
+        let reference = x[self.without];
         x.iter_mut().for_each(|x| *x -= reference);
-        let time = match self.time.take() {
-            Some(time) => time,
-            None => {
-                let mut one = vec![1.0; states];
-                one[without] = 0.0;
-                match self.solve(&one, context)? {
-                    Some(time) => time,
-                    None => return Ok(false),
-                }
-            }
-        };
-        let mut residual = vec![0.0; states];
+        x[self.without] = *gain;
+        let mut residual = vec![0.0; x.len()];
         self.apply(x, &mut residual);
         for (state, residual) in residual.iter_mut().enumerate() {
-            *residual = rewards(state) - *gain - *residual;
+            *residual = rewards(state) - *residual;
         }
-        residual[without] = 0.0;
-        let Some(correction) = self.solve(&residual, context)? else {
-            return Ok(false);
-        };
-        add(x, 1.0, &correction);
-        let (columns, rates) = self.chain.entries(without);
-        let onwards = |v: &[f64]| -> f64 {
-            let pairs = columns.iter().zip(rates);
-            pairs.map(|(column, rate)| rate * v[*column as usize]).sum()
-        };
-        let change = (rewards(without) + onwards(x) - *gain) / (1.0 + onwards(&time));
-        add(x, -change, &time);
-        *gain += change;
-        self.time = Some(time);
-        Ok(gain.is_finite())
+        let goal = |x: &[f64]| share * x[self.without].abs();
+        let (_, rounds) = correct(self, x, &mut residual, goal, ROUNDS, context.options)?;
+        *gain = std::mem::take(&mut x[self.without]);
+        Ok(rounds)
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
+impl Operator for Equations<'_> {
+    fn apply(&self, v: &mut [f64], result: &mut [f64]) {
+        let gain = std::mem::take(&mut v[self.without]);
+        for (state, result) in result.iter_mut().enumerate() {
+            let (columns, rates) = self.chain.entries(state);
+            let mut value = self.leaving[state] * v[state] + gain;
+            for (column, rate) in columns.iter().zip(rates) {
+                value -= rate * v[*column as usize];
+            }
+            *result = value;
+        }
+        v[self.without] = gain;
+    }
 
-/// `a += factor * b`
-fn add(a: &mut [f64], factor: f64, b: &[f64]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b);
-}
-
-/// The greatest absolute value; not a number if one is not.
-fn norm(v: &[f64]) -> f64 {
-    v.iter()
-        .fold(0.0, |norm: f64, v| match v.is_nan() || norm.is_nan() {
-            true => f64::NAN,
-            false => norm.max(v.abs()),
-        })
+    fn precondition(&self, v: &[f64], result: &mut [f64]) {
+        self.factors.solve(v, result);
+        // The factors are the identity at `z`.
+        result[self.without] = 0.0;
+        let gain = (v[self.without] + self.onwards(result)) / self.scale;
+        for (result, time) in result.iter_mut().zip(&self.time) {
+            *result -= gain * time;
+        }
+        result[self.without] = gain;
+    }
 }

@@ -93,3 +93,53 @@ fn a_cycle_is_averaged_over_its_time() {
         "{bounds:?}"
     );
 }
+
+#[test]
+fn equations_and_elimination_agree() {
+    // Two queues of 30 places, served in turn when they are longer than the other: 900 states.
+    let at = |x: usize, y: usize| (x * 30 + y) as u32;
+    let rates = |state: usize| {
+        let (x, y) = (state / 30, state % 30);
+        let mut row = Vec::new();
+        if x < 29 {
+            row.push((at(x + 1, y), 1.0));
+        }
+        if y < 29 {
+            row.push((at(x, y + 1), 1.5));
+        }
+        if x > 0 && x >= y {
+            row.push((at(x - 1, y), 3.0));
+        }
+        if y > 0 && y >= x {
+            row.push((at(x, y - 1), 2.0));
+        }
+        row
+    };
+    let rates = Csr::from_rows((0..900).map(rates).collect());
+    let rewards: Vec<Bounds> = (0..900)
+        .map(|state| Bounds::exactly(f64::from(state / 30 + state % 30)))
+        .collect();
+    let part = Part {
+        state: Vec::new(),
+        row: rewards.clone(),
+    };
+    let component = EndComponent {
+        states: (0..900).collect(),
+        rows: (0..900).collect(),
+    };
+    let options = Options::default();
+    let context = Context::new(&options, 0.0);
+    let local: Vec<u32> = (0..900).collect();
+    let choices = Choices::new(&rates, &[]);
+    let directly = round_trip::<Sound>(choices, &part, &component, &local, BUDGET, &context)
+        .unwrap()
+        .unwrap();
+    let rows = |state: u32| choices.rows(state as usize);
+    let work = Iteration::new(&rates, rows, &rewards, &component, &local);
+    let (bounds, _) = work.quickly(&context).unwrap().unwrap();
+    assert!(
+        bounds.low <= directly.high && directly.low <= bounds.high,
+        "{bounds:?} {directly:?}"
+    );
+    assert!(bounds.relative_width() <= 1e-6, "{bounds:?}");
+}

@@ -9,14 +9,14 @@ pub(super) const OUTSIDE: u32 = u32::MAX;
 
 /// Which of the two sides of every number that comes from outside is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Low,
     High,
 }
 
 /// Rows are choices, columns are positions in the component; what leads out is in the right-hand sides.
 #[derive(Debug, Default)]
-pub(super) struct Local {
+pub(crate) struct Local {
     /// The choices of each position.
     pub choice_start: Vec<usize>,
     pub row_start: Vec<usize>,
@@ -64,6 +64,29 @@ impl Local {
             position[*state as usize] = OUTSIDE;
         }
         // The sum, the inverse of another, and the product; doubled for the higher orders.
+        local.error = 2.0 * (2.0 * longest as f64 + 8.0) * UNIT;
+        local
+    }
+
+    /// The equations of a chain for one of two problems, whose right-hand sides are these two (0 is the probability of leaving).
+    pub fn of_chain(system: &System<f64, 5>, [low, high]: [usize; 2]) -> Self {
+        let mut local = Self {
+            choice_start: (0..=system.rows.len()).collect(),
+            row_start: vec![0],
+            ..Self::default()
+        };
+        let mut longest = 0;
+        for (row, rhs) in system.rows.iter().zip(&system.rhs) {
+            longest = longest.max(row.len());
+            let inside: f64 = row.iter().map(|(_, p)| p).sum();
+            local.column.extend(row.iter().map(|(column, _)| *column));
+            local.probability.extend(row.iter().map(|(_, p)| *p));
+            local.row_start.push(local.column.len());
+            local.exit.push(rhs[0]);
+            local.low.push(rhs[low]);
+            local.high.push(rhs[high]);
+            local.inverse.push(1.0 / (rhs[0] + inside));
+        }
         local.error = 2.0 * (2.0 * longest as f64 + 8.0) * UNIT;
         local
     }

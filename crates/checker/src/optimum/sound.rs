@@ -3,10 +3,12 @@
 //! *Method.* Component by component in reverse topological order (Dai, Strejček, Wu and Gupta 2011). Within one:
 //!
 //! 1. without alternatives, elimination ([`crate::elimination`]) within a budget, as in [`crate::sound`];
-//! 2. value iteration from below in place (Gauss-Seidel), forwards and backwards in turn, with the lower and
+//! 2. some rounds of value iteration from below in place (Gauss-Seidel), forwards and backwards in turn, with the lower and
 //!    with the upper values outside; whenever it hardly moves, bounds just below and above are guessed and kept
 //!    if they are inductive (optimistic value iteration, Hartmanns and Kaminski 2020, here on both sides);
-//! 3. policy iteration (Howard 1960), each scheduler's chain solved by elimination; then the guess as before.
+//! 3. policy iteration by linear equations, and bounds by slack ([`super::slack`]);
+//! 4. more rounds of value iteration;
+//! 5. policy iteration (Howard 1960), each scheduler's chain solved by elimination; then the guess as before.
 //!
 //! *Why inductive bounds hold.* With `F` the right-hand side of [`super`]: if `F(u) <= u` then for each
 //! scheduler that is sure to reach fixed states, hence for a best one, `u >= F^n(u)`, which tends to its value
@@ -22,8 +24,9 @@
 
 use super::local::{Local, OUTSIDE, Side};
 use super::policy::leaving;
+use super::slack::Slack;
 use super::{Problem, Solution};
-use crate::answer::CheckError;
+use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::elimination::GivenUp;
 use crate::engine::Context;
@@ -35,7 +38,9 @@ use crate::rounding::{Bounds, SMALLEST_VALUE, UNIT};
 pub(crate) struct Effort {
     /// Of the first elimination, where there are no alternatives.
     pub direct: u64,
-    /// Of value iteration.
+    /// Of value iteration before equations are solved.
+    pub before: u64,
+    /// Of value iteration thereafter.
     pub iterate: u64,
     /// Of each elimination of policy iteration.
     pub policy: u64,
@@ -45,10 +50,17 @@ pub(crate) struct Effort {
 
 const EFFORT: Effort = Effort {
     direct: 100_000_000,
+    before: 0,
     iterate: 2_000_000_000,
     policy: 20_000_000_000,
     last: 100_000_000_000,
 };
+
+/// Components of fewer states than this are iterated without solving equations.
+const SMALL: usize = 50;
+/// Chains of fewer states than this, or fewer transitions for each state, are eliminated first.
+const EASY: usize = 1_000;
+const SPARSE: usize = 4;
 
 /// Solves the problem; `cap` is an upper bound of all values that is known beforehand.
 pub(crate) fn solve(
@@ -159,12 +171,18 @@ impl Solver<'_> {
     }
 
     fn component(&mut self, component: &[u32]) -> Result<(), CheckError> {
+        // In the order in which they were explored, incomplete factors are better than in that of the search for components.
+        let mut component = component.to_vec();
+        component.sort_unstable();
+        let component = &component[..];
         let local = Local::new(self.problem, component, &self.values, &mut self.position);
         let inputs = self.entry_error() + (local.longest_exit + 2) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
         if local.is_chain() {
             let policy: Vec<usize> = (0..local.len()).collect();
-            if let Some((values, error)) = self.evaluate(&local, &policy, self.effort.direct)? {
+            let is_simple = local.len() < EASY || local.entries() < SPARSE * local.len();
+            let budget = if is_simple { self.effort.direct } else { 0 };
+            if let Some((values, error)) = self.evaluate(&local, &policy, budget)? {
                 self.keep(component, &local, values, &policy, input_error + error);
                 return Ok(());
             }
@@ -182,7 +200,13 @@ impl Solver<'_> {
         };
         let options = self.context.options;
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
-        let mut solved = search.iterate(self.effort.iterate, &cancelled);
+        let mut solved = search.rounds(self.effort.before, &cancelled);
+        if !solved && local.len() >= SMALL {
+            solved = search.solve(options)?;
+        }
+        if !solved {
+            solved = search.iterate(self.effort.iterate, &cancelled);
+        }
         options.check_cancelled()?;
         if !solved {
             solved = self.improve_policies(&mut search)?;
@@ -229,6 +253,9 @@ impl Solver<'_> {
         policy: &[usize],
         budget: u64,
     ) -> Result<Option<(Vec<Bounds>, f64)>, CheckError> {
+        if budget == 0 {
+            return Ok(None);
+        }
         let options = self.context.options;
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
         match local.system(policy).solve(budget, &cancelled) {
@@ -297,8 +324,21 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Iterates until bounds are found or `work` multiplications are done.
+    /// Iterates until bounds are found or `work` multiplications are done; then what was reached gives what bounds it can.
     fn iterate(&mut self, work: u64, cancelled: &dyn Fn() -> bool) -> bool {
+        if self.rounds(work, cancelled) {
+            return true;
+        }
+        if self.local.is_one_sided() {
+            self.high.clone_from(&self.low);
+        }
+        // What was reached from below is a lower bound when moved down by the error of a round.
+        self.guess(self.tolerance.max(1e-3));
+        false
+    }
+
+    /// Iterates until bounds are found or `work` multiplications are done.
+    fn rounds(&mut self, work: u64, cancelled: &dyn Fn() -> bool) -> bool {
         let one_sided = self.local.is_one_sided();
         let each = (self.local.entries() + self.local.len()).max(1) as u64 * 2;
         let last = self.rounds + (work / each).max(64);
@@ -329,12 +369,28 @@ impl Search<'_> {
                 patience /= 4.0;
             }
         }
-        if one_sided {
-            self.high.clone_from(&self.low);
-        }
-        // What was reached from below is a lower bound when moved down by the error of a round.
-        self.guess(self.tolerance.max(1e-3));
         false
+    }
+
+    /// By linear equations and slack ([`super::slack`]), from what iteration has reached; whether both bounds are close.
+    fn solve(&mut self, options: &Options<'_>) -> Result<bool, CheckError> {
+        let slack = Slack {
+            local: self.local,
+            maximise: self.maximise,
+            tolerance: self.tolerance,
+            options,
+        };
+        let confirmed = slack.search(self.low.clone())?;
+        if let Some(lower) = &confirmed.lower {
+            (self.found.iter_mut().zip(lower)).for_each(|(f, x)| f.0 = f.0.max(*x));
+        }
+        if let Some(upper) = &confirmed.upper {
+            (self.found.iter_mut().zip(upper)).for_each(|(f, x)| f.1 = f.1.min(*x));
+        }
+        if confirmed.is_close {
+            self.low = confirmed.candidate;
+        }
+        Ok(confirmed.is_close)
     }
 
     /// One round from below; the greatest relative change.

@@ -50,7 +50,7 @@ proptest! {
         // Iteration from below stays below, however early it stops.
         let options = Options::default();
         let context = Context::new(&options, 0.0);
-        let estimates = until::<PrismDefault>(choices, left, right, (0, None), maximise, &context);
+        let estimates = until::<PrismDefault>(choices, left, right, (0, None), None, maximise, &context);
         if let Ok((estimates, _, _)) = estimates {
             for (estimate, exact) in estimates.iter().zip(&exact) {
                 prop_assert!(*estimate <= prism_lang::rational_to_f64(exact) + 1e-12);
@@ -70,7 +70,7 @@ proptest! {
         let context = Context::new(&options, 0.0);
         let bound = (first, Some(first + more));
         let (values, _, _) =
-            until::<Exact>(process.choices(), left, right, bound, maximise, &context).unwrap();
+            until::<Exact>(process.choices(), left, right, bound, None, maximise, &context).unwrap();
         for (state, value) in values.iter().enumerate() {
             let expected = recursion(&process, left, right, (first, first + more), maximise, state);
             prop_assert_eq!(value, &expected);
@@ -112,7 +112,7 @@ fn run<E: Numbers>(
 ) -> Found<E::Value> {
     let options = Options::default();
     let context = Context::new(&options, 0.0);
-    until::<E>(choices, left, right, (0, None), maximise, &context).unwrap()
+    until::<E>(choices, left, right, (0, None), None, maximise, &context).unwrap()
 }
 
 #[test]

@@ -18,6 +18,10 @@ pub(super) fn model<N: Arithmetic + Written>(
     model: &resolved::Model,
     space: &StateSpace<N>,
 ) -> Result<(), Problem> {
+    if arguments.export_model.is_empty() && arguments.export_labels.is_none() {
+        // Putting the states in order takes longer than many a question.
+        return Ok(());
+    }
     let explicit = Explicit::new(space);
     let export = Export {
         model,
