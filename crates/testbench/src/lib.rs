@@ -98,7 +98,7 @@
 //! 1.32 points (90 % interval of the paired difference). In some episodes the object can settle in the
 //! hand in two ways, millimetres apart, and the full physics takes the other one, too, once its object
 //! is displaced by a micrometre or ten: of 30 pairs the object in the hand is at most 0.8 mm apart in
-//! half, and in a tenth 5 mm or more. `tests/fast/verdicts.py` prints the
+//! half, and 5 mm or more in four. `tests/fast/verdicts.py` prints the
 //! table from two campaigns; `examples/fast_against_full.rs` compares how episodes end and where hand and object
 //! are; `examples/profile.rs` says what either costs in each state of the robot.
 //!
