@@ -5,6 +5,7 @@ mod check;
 mod diagnose;
 mod engines;
 mod explore;
+mod format;
 mod peers;
 mod rare;
 mod recordings;
@@ -18,6 +19,7 @@ pub use check::{Check, CheckFormat};
 pub use diagnose::Diagnose;
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;
+pub use format::FormatFiles;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
 pub use recordings::{EndingChoice, Inspect, Monitor, Opening, Requirements, TimeChoice};
@@ -63,6 +65,8 @@ pub enum Command {
     Run(Run),
     /// Check properties of a model in the PRISM language.
     Check(Check),
+    /// Lay out models and property files anew; comments stay.
+    Format(FormatFiles),
     /// Run episodes of a study's simulation and record them.
     Simulate(Simulate),
     /// Look for what nobody has thought of: coverage-driven tests.

@@ -7,6 +7,7 @@ mod compare;
 mod diagnose;
 mod engines;
 mod explore;
+mod format;
 mod init;
 mod inspect;
 mod library;
@@ -65,6 +66,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
     match command {
         Command::Run(arguments) => run::run(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
+        Command::Format(arguments) => format::format(arguments),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),
         Command::Explore(arguments) => explore::explore(arguments, setting),
         Command::Shrink(arguments) => shrink::shrink(arguments, setting),

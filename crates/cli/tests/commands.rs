@@ -52,6 +52,83 @@ fn the_help_of_every_command_shows_examples() {
 }
 
 #[test]
+fn format_lays_out_files_and_only_says_so_when_asked_to_check() {
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let model = "dtmc // of two\nmodule m x:[0..1]; [] x=0->(x'=1); [] x=1->true;endmodule\n";
+    std::fs::write(path("m.prism"), model).expect("written");
+    std::fs::write(path("p.props"), "// Soon.\nP=?[F x=1];").expect("written");
+    let answer = |run: &str| {
+        let said = corroborate(folder.path(), &["check", "m.prism", "p.props"]);
+        assert_eq!(said.code, 0, "{run}: {said:?}");
+        let result = said.out.lines().find(|line| line.starts_with("Result: "));
+        result
+            .expect("a result")
+            .split(';')
+            .next()
+            .map(str::to_owned)
+    };
+    let before = answer("before");
+
+    let checked = corroborate(folder.path(), &["format", "--check", "m.prism", "p.props"]);
+    assert_eq!(checked.code, 1, "{checked:?}");
+    assert_eq!(checked.out.lines().count(), 2, "{checked:?}");
+    assert_eq!(read(&path("m.prism")), model);
+
+    let done = corroborate(folder.path(), &["format", "m.prism", "p.props"]);
+    assert_eq!(done.code, 0, "{done:?}");
+    let formatted = read(&path("m.prism"));
+    assert!(
+        formatted.starts_with("dtmc // of two\n\nmodule m\n  x : [0..1];\n"),
+        "{formatted}"
+    );
+    assert_eq!(read(&path("p.props")), "// Soon.\nP=? [ F x=1 ];\n");
+    assert_eq!(answer("after"), before);
+    let again = corroborate(folder.path(), &["format", "--check", "m.prism", "p.props"]);
+    assert_eq!((again.code, again.out.as_str()), (0, ""), "{again:?}");
+
+    // One file with a mistake keeps all as they are.
+    std::fs::write(path("m.prism"), model).expect("written");
+    std::fs::write(path("bad.prism"), "dtmc modul m endmodule").expect("written");
+    let refused = corroborate(
+        folder.path(),
+        &["format", "m.prism", "bad.prism", "none.prism"],
+    );
+    assert_eq!(refused.code, 2, "{refused:?}");
+    assert!(
+        refused.talk.contains("Did you mean `module`?"),
+        "{refused:?}"
+    );
+    assert!(refused.talk.contains("none.prism"), "{refused:?}");
+    assert_eq!(read(&path("m.prism")), model);
+}
+
+#[test]
+fn a_formatted_model_is_the_same_model() {
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    for model in [
+        "case-studies/corridor/models/corridor.prism",
+        "case-studies/handover/models/handover_v5.prism",
+        "crates/cli/src/template/model.prism",
+    ] {
+        let text = read(&root().join(model));
+        std::fs::write(folder.path().join("m.prism"), &text).expect("written");
+        let exported = |to: &str| {
+            let said = corroborate(folder.path(), &["check", "m.prism", "--export-model", to]);
+            assert_eq!(said.code, 0, "{said:?}");
+            read(&folder.path().join(to))
+        };
+        let before = exported("before.tra");
+        let said = corroborate(folder.path(), &["format", "m.prism"]);
+        assert_eq!(said.code, 0, "{said:?}");
+        let formatted = read(&folder.path().join("m.prism"));
+        assert_ne!(formatted, text);
+        assert_eq!(formatted.matches("//").count(), text.matches("//").count());
+        assert!(exported("after.tra") == before, "{model}");
+    }
+}
+
+#[test]
 fn explain_explains_every_topic_that_it_lists() {
     let folder = std::env::temp_dir();
     let listed = corroborate(&folder, &["explain"]);

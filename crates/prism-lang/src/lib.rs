@@ -46,7 +46,8 @@
 //! ([`Property`]), too. Timed, partially observable and interval models are refused with one diagnostic that
 //! says what is missing; their other mistakes are reported beside it. The preprocessor (`#...#`) is not read.
 //!
-//! Printing a tree gives text that parses to the same tree, but comments are not in the tree.
+//! Printing a tree gives text that parses to the same tree, but comments are not in the tree; [`format_model`] and
+//! [`format_properties`] lay a text out anew and keep them.
 //!
 //! # Where it deviates from PRISM
 //!
@@ -61,6 +62,7 @@ pub mod edit;
 mod eval;
 mod experiment;
 pub mod expr;
+mod format;
 mod lexer;
 mod number;
 mod parser;
@@ -75,6 +77,7 @@ pub use diagnostic::{Diagnostic, Parsed, Severity, Span, line_and_column};
 pub use eval::{EvalError, EvalErrorKind};
 pub use experiment::Experiment;
 pub use expr::{Expr, ExprKind, Function, VarIndex};
+pub use format::{format_model, format_properties};
 pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
 pub use parser::{parse_model, parse_properties};
 pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
