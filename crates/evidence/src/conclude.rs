@@ -3,7 +3,8 @@
 //! # Definition
 //! *Current* is, under the conditions that most techniques share, the latest evidence of each
 //! technique that has a number on the requirement and is neither intermediate nor reproduced by
-//! another. *Independent* are those of it, roots of lineage first, that rest on none accepted
+//! another; of experiments and operation all of it, since a later trial of the robot does not refine an earlier one as a
+//! later model does. *Independent* are those of it, roots of lineage first, that rest on none accepted
 //! before them. With `k` independent pieces, each is judged one-sidedly at level `1 - alpha/k`:
 //! it *supports* the threshold, *denies* it, or does *neither*.
 //!
@@ -36,8 +37,8 @@ pub(crate) mod threshold;
 use crate::compare::words::{list, percent, points};
 use crate::compare::{Belief, Lineage, Study};
 use crate::{
-    Comparison, Conclusion, Direction, Evidence, Outcome, Requirement, Subject, Technique,
-    Threshold, Verdict,
+    Comparison, Conclusion, Direction, Evidence, Interval, Measure, Outcome, Requirement, Subject,
+    Technique, Threshold, Verdict,
 };
 use stand::{Stand, Standing};
 use stats::Confidence;
@@ -63,6 +64,8 @@ pub fn conclude(study: &Study<'_>, comparisons: &[Comparison]) -> Vec<Conclusion
 pub(crate) struct Piece<'a> {
     pub evidence: &'a Evidence,
     pub belief: Belief,
+    /// The interval that it was published with, if it counts.
+    pub counted: Option<Interval>,
 }
 
 fn conclusion(
@@ -128,18 +131,51 @@ fn current<'a>(
     requirement: &Requirement,
     quantity: &Subject,
 ) -> Vec<Piece<'a>> {
-    let own = Subject::Requirement(requirement.id.clone());
-    let belief = |piece: &Evidence| {
-        let finding = piece.finding(&own).or_else(|| piece.finding(quantity))?;
-        Belief::of(&finding.measure).ok()
-    };
-    let indices = latest_of_each_technique(evidence, |piece| belief(piece).is_some());
+    let says = |piece: &Evidence| says_something(piece, requirement, quantity).is_some();
+    let indices = current_evidence(evidence, says);
     indices
         .into_iter()
         .filter_map(|index| {
             let evidence = &evidence[index];
-            belief(evidence).map(|belief| Piece { evidence, belief })
+            let (belief, counted) = says_something(evidence, requirement, quantity)?;
+            Some(Piece {
+                evidence,
+                belief,
+                counted,
+            })
         })
+        .collect()
+}
+
+/// What a piece of evidence says about a requirement, and the interval of its counts.
+fn says_something(
+    piece: &Evidence,
+    requirement: &Requirement,
+    quantity: &Subject,
+) -> Option<(Belief, Option<Interval>)> {
+    let own = Subject::Requirement(requirement.id.clone());
+    let finding = piece.finding(&own).or_else(|| piece.finding(quantity))?;
+    let counted = match &finding.measure {
+        Measure::Counts { interval, .. } => Some(*interval),
+        _ => None,
+    };
+    Some((Belief::of(&finding.measure).ok()?, counted))
+}
+
+/// Evidence that would be current, if a later piece of the same technique did not take its place.
+pub(crate) fn superseded<'a>(
+    evidence: &'a [Evidence],
+    requirement: &Requirement,
+    quantity: &Subject,
+    pieces: &[Piece<'_>],
+) -> Vec<&'a Evidence> {
+    let is_current = |id: &str| pieces.iter().any(|piece| piece.evidence.id == id);
+    let conditions = pieces.first().map(|piece| &piece.evidence.conditions);
+    evidence
+        .iter()
+        .filter(|piece| !piece.intermediate && piece.reproduced_by.is_none())
+        .filter(|piece| Some(&piece.conditions) == conditions && !is_current(&piece.id))
+        .filter(|piece| says_something(piece, requirement, quantity).is_some())
         .collect()
 }
 
@@ -162,6 +198,28 @@ pub(crate) fn latest_of_each_technique(
     let mut indices: Vec<usize> = most.unwrap_or_default().into_values().collect();
     indices.sort_unstable();
     indices
+}
+
+/// Positions of the evidence that speaks for now: the latest of each technique, and all trials of the robot itself under
+/// the same conditions.
+pub(crate) fn current_evidence(
+    evidence: &[Evidence],
+    counts: impl Fn(&Evidence) -> bool,
+) -> Vec<usize> {
+    let latest = latest_of_each_technique(evidence, &counts);
+    let conditions = latest.first().map(|&index| &evidence[index].conditions);
+    let is_trial = |piece: &Evidence| {
+        matches!(
+            piece.technique,
+            Technique::Experiment | Technique::Operation
+        ) && Some(&piece.conditions) == conditions
+            && !piece.intermediate
+            && piece.reproduced_by.is_none()
+            && counts(piece)
+    };
+    (0..evidence.len())
+        .filter(|index| latest.contains(index) || is_trial(&evidence[*index]))
+        .collect()
 }
 
 /// Positions of the pieces that rest on none of those accepted before, roots first.
@@ -282,6 +340,16 @@ fn statement(
             " {} and {} conflict by {size}.",
             conflict.left, conflict.right
         ));
+    }
+    // Without a conflict of two rates it is the threshold on which they part.
+    let of = |wanted: Standing| {
+        let standing = stands.iter().filter(|stand| stand.standing == wanted);
+        list(&standing.map(|stand| stand.id.clone()).collect::<Vec<_>>())
+    };
+    let mut conflicts = among.iter().map(|comparison| comparison.outcome);
+    if verdict == Verdict::Conflicting && !conflicts.any(|it| it == Outcome::Conflicts) {
+        let (met, missed) = (of(Standing::Supports), of(Standing::Denies));
+        words.push_str(&format!(" By {met} it is met, by {missed} it is missed."));
     }
     let trials_alone = pieces
         .iter()

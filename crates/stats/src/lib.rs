@@ -11,7 +11,7 @@
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
 //! | Do two rates differ, and by how much? | [`fisher_exact`], [`boschloo_exact`], [`difference_interval`], [`Difference`] |
 //! | Do two rates agree within a margin? | [`tost`], [`score_equivalence`], [`probability_within`] |
-//! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`random_effects_interval`] |
+//! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`scattered_rate`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustered_rate`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
@@ -76,7 +76,7 @@ pub use cluster_robust::ClusterRobust;
 pub use clustered::{
     ClusterMethod, ClusteredRate, clustered_rate, clustered_test_above, clustered_test_below,
 };
-pub use combination::{power_prior, random_effects_interval};
+pub use combination::{BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};

@@ -9,15 +9,16 @@
 //!
 //! * The rates may be one (Cochran's Q has a p-value of at least [`SCATTER`]): a power prior, that
 //!   is the beta posterior of all weighted counts, and its credible interval.
-//! * They scatter: random effects, with Hartung and Knapp's interval of the mean rate. Weights are
-//!   then not used, but for those of 0.
+//! * They scatter: random effects, and the credible interval of the mean rate.
+//! * There is one piece: its own interval.
 //! * Two pieces conflict: nothing is combined.
 //!
 //! Beside it stands the sound common statement, which combines nothing: what every current piece
 //! supports, all at once, at the study's level (see `conclude`).
 //!
-//! The verdict of the interval against the threshold: *satisfied* when all of it meets the
-//! threshold, *violated* when none of it does, *undecided* else.
+//! The verdict against the threshold: *satisfied* when the rate is shown to meet it at the study's level, *violated*
+//! when it is shown to miss it, *undecided* else. Both are one-sided statements, as in a conclusion: of one piece by
+//! the test that a conclusion makes, of several by the side of their posterior beyond the threshold.
 //!
 //! # Source
 //! See `stats::combination`; the level of 0.1 for Q is customary, its power being low.
@@ -26,13 +27,16 @@
 //! Where the true rates are one, the interval covers it at the study's level on average. It says
 //! nothing of dependence that is not declared.
 
-use super::stand::Standing;
+use super::stand::{Stand, Standing};
 use super::{
     Piece, among_current, common_bound, common_statement, current, independent, quantity, stand,
+    superseded,
 };
 use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
-use crate::{Comparison, Direction, Interval, Outcome, Requirement, Subject, Threshold, Verdict};
+use crate::{
+    Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject, Threshold, Verdict,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{Confidence, EffectiveSample, StatsError};
@@ -145,7 +149,8 @@ fn combined(
     let among = among_current(comparisons, &quantity, &pieces);
     let mut result = blank(requirement, pieces.is_empty());
     result.common = common(study, &pieces, requirement, lineage, &quantity);
-    let counts = chosen(&pieces, lineage, &quantity, weights, &mut result);
+    let chosen = chosen(&pieces, lineage, &quantity, weights, &mut result);
+    say_what_is_older(study.evidence, requirement, &quantity, &pieces, &mut result);
     let both = |c: &&&Comparison| {
         result.pieces.contains_key(&c.left) && result.pieces.contains_key(&c.right)
     };
@@ -155,9 +160,13 @@ fn combined(
     } else {
         let all = |c: &&Comparison| c.outcome == Outcome::Corroborates;
         result.corroborated = !inside.is_empty() && inside.iter().all(all);
-        estimate(&counts, study.levels.confidence, &mut result);
-        if let Some(interval) = result.interval {
-            result.verdict = verdict(interval, requirement.threshold);
+        let threshold = asked(requirement);
+        let confidence = study.levels.confidence;
+        if let [only] = chosen.as_slice() {
+            let level = confidence.simultaneous(independent(&pieces, lineage, &quantity).len());
+            alone(only, threshold, (confidence, level), &mut result);
+        } else {
+            estimate(&chosen, threshold, confidence, &mut result);
         }
     }
     result.statement = statement(&result, asked(requirement), study.levels.confidence);
@@ -199,11 +208,14 @@ fn statement(result: &Combined, threshold: Threshold, confidence: Confidence) ->
     if result.interval.is_some() {
         let asked = stand::in_words(threshold);
         sentences.push(match result.verdict {
-            Verdict::Satisfied => format!("All of it meets the threshold ({asked})."),
-            Verdict::Violated => format!("None of it meets the threshold ({asked})."),
+            Verdict::Satisfied => format!("That meets the threshold ({asked})."),
+            Verdict::Violated => format!("That misses the threshold ({asked})."),
             _ => format!("That leaves the threshold open ({asked})."),
         });
     }
+    let older = result.left_out.iter();
+    let older = older.filter(|(_, why)| why.starts_with(OLDER));
+    sentences.extend(older.map(|(id, why)| format!("{id} {why}, and not counted.")));
     sentences.join(" ")
 }
 
@@ -236,7 +248,7 @@ fn together_in_words(result: &Combined, confidence: Confidence) -> String {
     let weights: Vec<String> = weighted
         .map(|(id, weight)| format!("{id} counts {weight}"))
         .collect();
-    if !weights.is_empty() && result.model == Some(Model::PowerPrior) {
+    if !weights.is_empty() {
         words.push_str(&format!(" By declared weight {}.", list(&weights)));
     }
     if !result.corroborated {
@@ -266,16 +278,23 @@ fn blank(requirement: &Requirement, nothing: bool) -> Combined {
     }
 }
 
+/// A piece that is combined.
+struct Chosen<'a> {
+    piece: &'a Piece<'a>,
+    sample: EffectiveSample,
+    weight: f64,
+}
+
 /// The pieces that are combined; the others are noted with the reason.
-fn chosen(
-    pieces: &[Piece<'_>],
+fn chosen<'a>(
+    pieces: &'a [Piece<'a>],
     lineage: &Lineage<'_>,
     quantity: &Subject,
     weights: &Weights,
     result: &mut Combined,
-) -> Vec<(EffectiveSample, f64)> {
+) -> Vec<Chosen<'a>> {
     let free = independent(pieces, lineage, quantity);
-    let mut counts = Vec::new();
+    let mut chosen = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {
         let id = piece.evidence.id.clone();
         let weight = weights.of(&id);
@@ -285,64 +304,124 @@ fn chosen(
             None if matches!(piece.belief, Belief::Known { .. }) => "is computed, not counted",
             None => "says less than one trial would",
             Some(sample) => {
-                counts.push((sample, weight));
+                chosen.push(Chosen {
+                    piece,
+                    sample,
+                    weight,
+                });
                 result.pieces.insert(id, weight);
                 continue;
             }
         };
         result.left_out.insert(id, reason.to_owned());
     }
-    counts
+    chosen
 }
 
-/// Rate and interval of the combined counts.
-fn estimate(counts: &[(EffectiveSample, f64)], confidence: Confidence, result: &mut Combined) {
-    let samples: Vec<EffectiveSample> = counts.iter().map(|(sample, _)| *sample).collect();
+/// How a piece is explained that a later one of its technique has taken the place of.
+const OLDER: &str = "is older than";
+
+/// Notes the pieces that are not current for the only reason that a later one of the same technique is.
+fn say_what_is_older(
+    evidence: &[Evidence],
+    requirement: &Requirement,
+    quantity: &Subject,
+    pieces: &[Piece<'_>],
+    result: &mut Combined,
+) {
+    for older in superseded(evidence, requirement, quantity, pieces) {
+        let latest = pieces
+            .iter()
+            .find(|it| it.evidence.technique == older.technique);
+        let Some(latest) = latest else { continue };
+        let why = format!("{OLDER} {}", latest.evidence.id);
+        result.left_out.insert(older.id.clone(), why);
+    }
+}
+
+/// What one piece says by itself: its own interval, and how it stands by the test of a conclusion.
+fn alone(
+    only: &Chosen<'_>,
+    threshold: Threshold,
+    (confidence, level): (Confidence, Confidence),
+    result: &mut Combined,
+) {
+    let Chosen {
+        piece,
+        sample,
+        weight,
+    } = only;
+    if *weight < 1.0 {
+        // Discounted, it says less than it does by itself.
+        return estimate(std::slice::from_ref(only), threshold, confidence, result);
+    }
+    result.model = Some(Model::PowerPrior);
+    result.rate = Some(sample.successes / sample.trials);
+    result.interval = Some(piece.counted.unwrap_or_else(|| {
+        let own = piece.belief.interval(confidence);
+        Interval {
+            low: own.low,
+            high: own.high,
+        }
+    }));
+    let stand = Stand::of(&piece.evidence.id, &piece.belief, threshold, level);
+    result.verdict = verdict(stand.standing);
+}
+
+/// Rate, interval and verdict of the combined counts.
+fn estimate(
+    chosen: &[Chosen<'_>],
+    threshold: Threshold,
+    confidence: Confidence,
+    result: &mut Combined,
+) {
+    let counts: Vec<(EffectiveSample, f64)> =
+        chosen.iter().map(|it| (it.sample, it.weight)).collect();
+    let samples: Vec<EffectiveSample> = chosen.iter().map(|it| it.sample).collect();
     let found = stats::heterogeneity(&samples).ok();
     result.p_heterogeneity = found.map(|found| found.p_value);
-    let scattered = found.filter(|found| found.p_value < SCATTER);
-    let interval = match scattered {
-        Some(found) => {
-            result.model = Some(Model::RandomEffects);
-            result.rate = Some(found.random.rate());
-            stats::random_effects_interval(&samples, &found, confidence).ok()
-        }
-        None => stats::power_prior(counts).ok().map(|posterior| {
-            result.model = Some(Model::PowerPrior);
-            result.rate = Some(posterior.mean());
-            posterior.credible_interval(confidence)
-        }),
-    };
+    let is_scattered = found.is_some_and(|found| found.p_value < SCATTER);
     // Without a failure nothing speaks against 1, and without a success nothing against 0.
-    let counted = |part: fn(&EffectiveSample) -> f64| {
-        let weighted = counts.iter().filter(|(_, weight)| *weight > 0.0);
-        weighted.into_iter().any(|(sample, _)| part(sample) > 0.0)
+    let counted = |part: fn(&EffectiveSample) -> f64| samples.iter().any(|it| part(it) > 0.0);
+    let (passed, failed) = (
+        counted(|sample| sample.successes),
+        counted(EffectiveSample::failures),
+    );
+    let at = |confidence: Confidence| -> Option<(f64, stats::Interval)> {
+        let (rate, interval) = if is_scattered {
+            let mean = stats::scattered_rate(&counts, confidence).ok()?;
+            (mean.rate, mean.interval)
+        } else {
+            let posterior = stats::power_prior(&counts).ok()?;
+            (posterior.mean(), posterior.credible_interval(confidence))
+        };
+        let open = stats::Interval {
+            low: if passed { interval.low } else { 0.0 },
+            high: if failed { interval.high } else { 1.0 },
+        };
+        Some((rate, open))
     };
-    result.interval = interval.map(|interval| Interval {
-        low: if counted(|sample| sample.successes) {
-            interval.low
-        } else {
-            0.0
-        },
-        high: if counted(EffectiveSample::failures) {
-            interval.high
-        } else {
-            1.0
-        },
+    let Some((rate, interval)) = at(confidence) else {
+        return;
+    };
+    result.model = Some(match is_scattered {
+        true => Model::RandomEffects,
+        false => Model::PowerPrior,
     });
-}
-
-/// Whether the whole interval, or none of it, meets the threshold.
-fn verdict(interval: Interval, threshold: Option<Threshold>) -> Verdict {
-    let threshold = threshold.unwrap_or(Threshold {
-        direction: Direction::AtLeast,
-        value: 1.0,
-    });
-    let bounds = stats::Interval {
+    result.rate = Some(rate);
+    result.interval = Some(Interval {
         low: interval.low,
         high: interval.high,
-    };
-    match stand::of_bounds(&bounds, threshold) {
+    });
+    // The interval whose ends are passed with the study's level on one side.
+    let one_sided = Confidence::new(1.0 - 2.0 * confidence.alpha()).ok();
+    if let Some((_, bounds)) = one_sided.and_then(at) {
+        result.verdict = verdict(stand::of_bounds(&bounds, threshold));
+    }
+}
+
+fn verdict(standing: Standing) -> Verdict {
+    match standing {
         Standing::Supports => Verdict::Satisfied,
         Standing::Denies => Verdict::Violated,
         Standing::Neither => Verdict::Undecided,
