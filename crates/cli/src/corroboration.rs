@@ -220,24 +220,48 @@ pub fn drift<'e>(
         let value = constant_of(name)?;
         let source = evidence(&calibrated.calibration.from)?;
         let subject = &calibrated.calibration.subject;
-        let rate = source.finding(subject)?.measure.estimate()?;
-        // Constants are written with a few digits; a rounding is no drift.
-        let is_same = (value - rate).abs() <= 5e-4 * rate.max(1e-3);
-        (!is_same).then(|| drifted(entry, (name, value), (&source.id, rate), subject))
+        let rate = calibrated.value_of(source.finding(subject)?.measure.estimate()?);
+        let is_same = is_rounding(value, rate);
+        let counted = Counted {
+            source: &source.id,
+            rate,
+            is_complement: calibrated.is_complement,
+        };
+        (!is_same).then(|| drifted(entry, (name, value), &counted, subject))
     });
     found.collect()
+}
+
+/// Whether a constant is a rate as written with a few digits.
+pub fn is_rounding(value: f64, rate: f64) -> bool {
+    (value - rate).abs() <= 5e-4 * rate.max(1e-3)
+}
+
+/// What a constant was set to.
+struct Counted<'a> {
+    /// Whose counts.
+    source: &'a str,
+    rate: f64,
+    is_complement: bool,
 }
 
 fn drifted(
     entry: &Entry,
     (name, value): (&str, f64),
-    (source, rate): (&str, f64),
+    counted: &Counted<'_>,
     subject: &Subject,
 ) -> Clue {
-    let counted = format!(
-        "{source} counts a rate of {rate:.6} for {}",
-        subject.id().replace('_', " ")
-    );
+    let Counted {
+        source,
+        rate,
+        is_complement,
+    } = *counted;
+    let subject_words = subject.id().replace('_', " ");
+    let what = match is_complement {
+        false => subject_words,
+        true => format!("no {subject_words}"),
+    };
+    let counted = format!("{source} counts a rate of {rate:.6} for {what}");
     let file = match &entry.work {
         Work::Check { model, .. } => Some(model.to_string_lossy().replace('\\', "/")),
         _ => None,

@@ -185,3 +185,80 @@ fn what_is_not_offered_cannot_be_accepted() {
     let said = study.run(&["refine", "no-such-study"]);
     assert_eq!(said.code, 2, "{said:?}");
 }
+
+/// The model of the template has a constant for how often contact is made, the table counts how often it is missed.
+fn with_a_wrong_rate() -> Study {
+    let study = Study::new();
+    study.edit("model.prism", "pTouches = 0.95", "pTouches = 0.70");
+    study
+}
+
+#[test]
+fn a_constant_that_is_the_complement_of_what_was_counted_carries_the_complements_uncertainty() {
+    let study = with_a_wrong_rate();
+    let said = study.run(&["refine", "study", "--all", "--rounds", "5"]);
+    assert_ne!(said.code, 2, "{said:?}");
+    let ledger = read(&study.path("ledger.toml"));
+    assert!(
+        ledger.contains(r#"{ constant = "pTouches", complement = true, from = "E2""#),
+        "{ledger}"
+    );
+    let result: Value =
+        serde_json::from_str(&read(&study.path("results/study.json"))).expect("JSON");
+    let pieces = result["evidence"].as_array().expect("evidence");
+    let refined = pieces
+        .iter()
+        .rfind(|piece| piece["technique"] == "model-checking");
+    let refined = refined.expect("the refined model");
+    for finding in refined["findings"].as_array().expect("findings") {
+        let measure = &finding["measure"];
+        let credible = &measure["credible"];
+        if measure["kind"] != "probability" || credible.is_null() {
+            continue;
+        }
+        let value = measure["answer"]["value"].as_f64().expect("a value");
+        let end = |end: &str| credible["interval"][end].as_f64().expect("an end");
+        assert!(
+            (end("low")..=end("high")).contains(&value),
+            "{value} outside {credible} for {}",
+            finding["subject"]
+        );
+    }
+    for comparison in result["comparisons"].as_array().expect("comparisons") {
+        let pair = [&comparison["left"], &comparison["right"]];
+        let is_theirs = pair.contains(&&refined["id"]) && pair.contains(&&Value::from("E2"));
+        assert!(
+            !is_theirs || comparison["outcome"] != "conflicts",
+            "{comparison}"
+        );
+    }
+    let verified = study.run(&["verify", "study/results", "--deep"]);
+    assert_eq!(verified.code, 0, "{verified:?}");
+}
+
+#[test]
+fn a_complement_that_is_taken_for_the_rate_is_refused_with_its_place() {
+    let study = with_a_wrong_rate();
+    study.edit("model.prism", "pTouches = 0.70", "pTouches = 0.96");
+    let ledger = read(&study.path("ledger.toml"));
+    let (experiments, model) = {
+        let at = ledger.rfind("[[evidence]]").expect("two entries");
+        let first = ledger.find("[[evidence]]").expect("two entries");
+        (ledger[at..].to_owned(), ledger[first..at].to_owned())
+    };
+    let set_to =
+        r#"calibrated = [{ constant = "pTouches", from = "E2", failure_mode = "missed_contact" }]"#;
+    study.write("ledger.toml", format!("{experiments}\n{model}\n{set_to}\n"));
+    let said = study.run(&["run", "study"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    for wanted in ["bad-calibration", "ledger.toml", "complement = true"] {
+        assert!(said.talk.contains(wanted), "no `{wanted}`: {said:?}");
+    }
+    study.edit(
+        "ledger.toml",
+        "from = \"E2\", failure",
+        "complement = true, from = \"E2\", failure",
+    );
+    let said = study.run(&["run", "study"]);
+    assert_ne!(said.code, 2, "{said:?}");
+}

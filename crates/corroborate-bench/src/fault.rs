@@ -175,6 +175,8 @@ pub struct SetTo {
     pub mode: String,
     /// In which evidence.
     pub from: String,
+    /// Whether it is 1 minus the counted rate.
+    pub is_complement: bool,
 }
 
 /// What was planted.

@@ -174,7 +174,7 @@ fn applied(study: &Synthetic, offer: &Offer) -> Result<Applied, String> {
             assets.set_to = changed
                 .constant
                 .iter()
-                .map(|constant| set_to(constant, change.mode(), change.counts()))
+                .map(|it| set_to(&it.name, it.is_complement, change.mode(), change.counts()))
                 .collect();
         }
         Offer::Form(change) => {
@@ -201,9 +201,10 @@ fn applied(study: &Synthetic, offer: &Offer) -> Result<Applied, String> {
     Ok(Applied { assets, fitted })
 }
 
-fn set_to(parameter: &str, mode: &str, counts: &Counts) -> SetTo {
+fn set_to(parameter: &str, is_complement: bool, mode: &str, counts: &Counts) -> SetTo {
     SetTo {
         parameter: parameter.to_owned(),
+        is_complement,
         mode: mode.to_owned(),
         from: counts.evidence.clone(),
     }
@@ -268,7 +269,7 @@ fn fit(
     for ((place, (unit, marginal)), (mode, it)) in places.iter().zip(values).zip(counts) {
         assets.simulator.stages[*place].fails = LARGEST * unit;
         let parameter = format!("{mode} of the simulator");
-        assets.fitted.push(set_to(&parameter, mode, it));
+        assets.fitted.push(set_to(&parameter, false, mode, it));
         let low = if it.count == 0 {
             0.0
         } else {

@@ -315,11 +315,13 @@ pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), 
         if sample.trials > 0 && stage.can_fail {
             stage.fails = sample.successes as f64 / sample.trials as f64;
             let set_to = SetTo {
-                parameter: format!("p_{}", stage.mode),
+                parameter: Task::constant(place, &stage.mode),
+                is_complement: Task::says_what_passes(place),
                 mode: stage.mode.clone(),
                 from: ids::RIG.to_owned(),
             };
-            counted.push((set_to, (*sample).into()));
+            let sample = of_constant(&set_to, *sample).map_err(|error| error.to_string())?;
+            counted.push((set_to, sample.into()));
         }
     }
     let text = match (&assets.formal_text, setup.family) {
@@ -359,7 +361,7 @@ fn formal_evidence(
         let subject = Subject::FailureMode(it.mode.clone());
         let piece = others.iter().find(|piece| piece.id == it.from);
         let finding = piece.and_then(|piece| piece.finding(&subject));
-        if let Some(sample) = finding.and_then(|finding| worth(&finding.measure)) {
+        if let Some(sample) = finding.and_then(|finding| worth(&finding.measure, it)) {
             counted.push((it.clone(), sample));
         }
     }
@@ -382,7 +384,15 @@ fn formal_evidence(
 }
 
 /// What counts are worth in independent trials.
-fn worth(measure: &Measure) -> Option<EffectiveSample> {
+/// What a constant that was set to them is the probability of.
+fn of_constant(set_to: &SetTo, counts: Sample) -> Result<Sample, stats::StatsError> {
+    match set_to.is_complement {
+        true => Sample::new(counts.trials - counts.successes, counts.trials),
+        false => Ok(counts),
+    }
+}
+
+fn worth(measure: &Measure, set_to: &SetTo) -> Option<EffectiveSample> {
     let Measure::Counts {
         count,
         trials,
@@ -392,7 +402,7 @@ fn worth(measure: &Measure) -> Option<EffectiveSample> {
     else {
         return None;
     };
-    let sample = Sample::new(*count, *trials).ok()?;
+    let sample = of_constant(set_to, Sample::new(*count, *trials).ok()?).ok()?;
     match effective_trials {
         Some(size) => EffectiveSample::at_size(sample, *size).ok(),
         None => Some(sample.into()),

@@ -153,16 +153,39 @@ impl Task {
         own
     }
 
+    /// Whether the model has a constant for how often this stage is passed, as authors of models often write it; else
+    /// it has one for how often it fails.
+    #[must_use]
+    pub fn says_what_passes(place: usize) -> bool {
+        place % 2 == 1
+    }
+
+    /// The name of that constant.
+    #[must_use]
+    pub fn constant(place: usize, mode: &str) -> String {
+        let sign = if Self::says_what_passes(place) {
+            'q'
+        } else {
+            'p'
+        };
+        format!("{sign}_{mode}")
+    }
+
     /// The task as a chain in the PRISM language. Its states have names: `at_` each stage, `retry_` of it, `done`, and
     /// `failed_` at it. A stage that cannot fail has no failure in the text.
     #[must_use]
     pub fn model(&self) -> String {
         let mut text = String::from("dtmc\n");
-        for stage in &self.stages {
-            let (mode, fails, again) = (&stage.mode, stage.fails, stage.again);
+        for (place, stage) in self.stages.iter().enumerate() {
+            let (mode, again) = (&stage.mode, stage.again);
             let _ = writeln!(text, "const double again_{mode} = {again};");
             if stage.can_fail {
-                let _ = writeln!(text, "const double p_{mode} = {fails};");
+                let value = match Self::says_what_passes(place) {
+                    true => 1.0 - stage.fails,
+                    false => stage.fails,
+                };
+                let name = Self::constant(place, mode);
+                let _ = writeln!(text, "const double {name} = {value};");
             }
         }
         let last = self.name_states(&mut text);
@@ -173,9 +196,14 @@ impl Task {
                 Some(next) => format!("at_{}", next.mode),
                 None => "done".into(),
             };
+            let name = Self::constant(i, mode);
+            let (passes, fails) = match Self::says_what_passes(i) {
+                true => (name.clone(), format!("(1-{name})")),
+                false => (format!("(1-{name})"), name.clone()),
+            };
             let passes = if stage.can_fail {
                 format!(
-                    "(1-again_{mode})*(1-p_{mode}):(s'={next}) + (1-again_{mode})*p_{mode}:(s'=failed_{mode})"
+                    "(1-again_{mode})*{passes}:(s'={next}) + (1-again_{mode})*{fails}:(s'=failed_{mode})"
                 )
             } else {
                 format!("1-again_{mode}:(s'={next})")

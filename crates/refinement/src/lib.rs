@@ -44,7 +44,9 @@ mod toml_text;
 pub use counts::{Counts, anchors};
 pub use diff::unified;
 pub use form_change::FormChange;
-pub use model_change::{Changed, ModelChange, NEAR, Refusal, SAME, Solver, Values, rate_of};
+pub use model_change::{
+    Changed, ModelChange, NEAR, Refusal, SAME, SetConstant, Solver, Values, rate_of,
+};
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
 pub use offers::{Offer, Offers, Ranked};
 pub use text_change::{TextChange, steps};

@@ -95,9 +95,18 @@ pub struct Changed {
     /// What was done, in one clause.
     pub what: String,
     /// The constant that now has a counted value.
-    pub constant: Option<String>,
+    pub constant: Option<SetConstant>,
     /// What the changed model answers.
     pub values: Values,
+}
+
+/// A constant that was set to a counted rate.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SetConstant {
+    /// Its name.
+    pub name: String,
+    /// Whether it is the probability that what was counted does *not* happen: 1 minus the rate.
+    pub is_complement: bool,
 }
 
 /// Why a change is not possible, in one sentence.
@@ -271,7 +280,10 @@ impl ModelChange {
                         mode.replace('_', " "),
                         counts.fraction()
                     ),
-                    constant: Some(branched.constant),
+                    constant: Some(SetConstant {
+                        name: branched.constant,
+                        is_complement: false,
+                    }),
                     values,
                 });
             }
@@ -304,13 +316,13 @@ fn rate(
 ) -> Result<Changed, Refusal> {
     let read = Read::new(text)?;
     let names = match deciding(&read, occurs)? {
-        Deciding::Constant(name) => return set(&read, solver, &name, &counts.fraction(), counts),
+        Deciding::Constant(name) => return set(&read, solver, &name, false, counts),
         Deciding::Expression(names) => names,
     };
     // Of several constants in one expression, it is the one with which the model has the counted rate.
-    for value in [counts.fraction(), format!("1-{}", counts.fraction())] {
+    for is_complement in [false, true] {
         for name in &names {
-            let Ok(changed) = set(&read, solver, name, &value, counts) else {
+            let Ok(changed) = set(&read, solver, name, is_complement, counts) else {
                 continue;
             };
             let rate = rate_of(&changed.values, mode);
@@ -329,21 +341,31 @@ fn rate(
     })
 }
 
-/// The model with a constant set, solved.
+/// The model with a constant set to the counted share, or to what remains of 1, solved.
 fn set(
     read: &Read,
     solver: &dyn Solver,
     name: &str,
-    value: &str,
+    is_complement: bool,
     counts: &Counts,
 ) -> Result<Changed, Refusal> {
-    let edits = edit::set_constant(&read.tree, name, value).map_err(|e| e.to_string())?;
+    let (value, words) = match is_complement {
+        false => (counts.fraction(), counts.words()),
+        true => (
+            format!("1-{}", counts.fraction()),
+            format!("1 minus {}", counts.words()),
+        ),
+    };
+    let edits = edit::set_constant(&read.tree, name, &value).map_err(|e| e.to_string())?;
     let text = edit::apply(read.text, &edits).map_err(|e| e.to_string())?;
     let values = solver.values(&text)?;
     Ok(Changed {
         text,
-        what: format!("{name} set to {}", counts.words()),
-        constant: Some(name.to_owned()),
+        what: format!("{name} set to {words}"),
+        constant: Some(SetConstant {
+            name: name.to_owned(),
+            is_complement,
+        }),
         values,
     })
 }

@@ -6,7 +6,7 @@ use super::solver::Solver;
 use crate::problem::{Problem, Source, write_whole};
 use crate::study::{Entry, Study, Work};
 use evidence::{StudyResult, Subject};
-use refinement::{Changed, ModelChange};
+use refinement::{Changed, ModelChange, SetConstant};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -141,7 +141,11 @@ impl Applier<'_> {
                 .map_err(|reason| refused(change.mode(), &reason))?;
             step.text = text;
             step.what.push(what);
-            if let Some(name) = constant {
+            if let Some(SetConstant {
+                name,
+                is_complement,
+            }) = constant
+            {
                 step.set_to.retain(|it| it.name != name);
                 step.set_to.push(SetTo {
                     key: "constant",
@@ -149,6 +153,7 @@ impl Applier<'_> {
                     from: change.counts().evidence.clone(),
                     subject: Subject::FailureMode(change.mode().to_owned()),
                     held: false,
+                    is_complement,
                 });
             }
         }

@@ -82,6 +82,8 @@ pub struct SetTo {
     pub subject: Subject,
     /// Whether the constant keeps its value.
     pub held: bool,
+    /// Whether the constant is 1 minus the counted rate.
+    pub is_complement: bool,
 }
 
 impl SetTo {
@@ -96,6 +98,7 @@ impl SetTo {
             from: it.calibration.from.clone(),
             subject: it.calibration.subject.clone(),
             held: it.held,
+            is_complement: it.is_complement,
         });
         all.collect()
     }
@@ -154,9 +157,14 @@ impl NewEntry {
                 Subject::FailureMode(_) => "failure_mode",
             };
             let held = if it.held { ", held = true" } else { "" };
+            let complement = if it.is_complement {
+                ", complement = true"
+            } else {
+                ""
+            };
             writeln!(
                 text,
-                "    {{ {} = {}{held}, from = {}, {kind} = {} }},",
+                "    {{ {} = {}{held}{complement}, from = {}, {kind} = {} }},",
                 it.key,
                 quoted(&it.name),
                 quoted(&it.from),

@@ -198,6 +198,7 @@ impl Recalibration {
             from: self.from.clone(),
             subject: Subject::FailureMode(mode.clone()),
             held: false,
+            is_complement: false,
         });
         NewEntry {
             id,

@@ -5,8 +5,9 @@ mod read;
 mod work;
 
 use crate::store::Inputs;
-use evidence::Calibration;
+use evidence::{Calibration, Measure};
 use serde::{Deserialize, Serialize};
+use stats::{EffectiveSample, StatsError};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -225,8 +226,40 @@ pub struct Calibrated {
     pub constant: Option<String>,
     /// Whether the constant keeps its value although it was estimated.
     pub held: bool,
+    /// Whether the constant is 1 minus the counted rate: the probability that what was counted does not happen.
+    pub is_complement: bool,
     /// Its place in the ledger.
     pub span: Range<usize>,
+}
+
+impl Calibrated {
+    /// What the constant was set to, if the counts have this rate.
+    pub fn value_of(&self, rate: f64) -> f64 {
+        if self.is_complement { 1.0 - rate } else { rate }
+    }
+
+    /// The counts of what the constant is the probability of, at what they are worth in independent trials; none
+    /// if the finding that it was set to does not count.
+    pub fn sample(&self, measure: &Measure) -> Result<Option<EffectiveSample>, StatsError> {
+        let Measure::Counts {
+            count,
+            trials,
+            effective_trials,
+            ..
+        } = *measure
+        else {
+            return Ok(None);
+        };
+        let count = match self.is_complement {
+            true => trials.saturating_sub(count),
+            false => count,
+        };
+        let whole = stats::Sample::new(count, trials)?;
+        Ok(Some(match effective_trials {
+            Some(size) => EffectiveSample::at_size(whole, size)?,
+            None => whole.into(),
+        }))
+    }
 }
 
 /// Figures that the source publication prints.

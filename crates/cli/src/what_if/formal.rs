@@ -13,7 +13,7 @@ use crate::problem::Problem;
 use crate::study::{Entry, Study};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::model_checking::Compiled;
-use evidence::{Interval, Measure, StudyResult, Subject};
+use evidence::{Interval, StudyResult, Subject};
 use prism_lang::Constants;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -48,9 +48,8 @@ impl<'a> Base<'a> {
             let calibration = &calibrated.calibration;
             let piece = result.evidence.iter().find(|e| e.id == calibration.from);
             let finding = piece.and_then(|piece| piece.finding(&calibration.subject));
-            if let (Some(name), Some(Measure::Counts { count, trials, .. })) =
-                (&calibrated.constant, finding.map(|f| &f.measure))
-                && let Ok(sample) = stats::Sample::new(*count, *trials)
+            if let (Some(name), Some(finding)) = (&calibrated.constant, finding)
+                && let Ok(Some(sample)) = calibrated.sample(&finding.measure)
             {
                 names.push(name.clone());
                 posteriors.push(stats::BetaPosterior::jeffreys(sample));

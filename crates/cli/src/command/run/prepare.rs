@@ -1,16 +1,16 @@
 //! What each entry of a ledger needs, read, compiled and checked before anything runs.
 
 use crate::command::Setting;
-use crate::corroboration::Piece;
+use crate::corroboration::{Piece, is_rounding};
 use crate::problem::{Problem, did_you_mean};
-use crate::study::{Entry, Study, Work, quoted_names};
+use crate::study::{Calibrated, Entry, Study, Work, quoted_names};
 use crate::technique;
 use crate::technique::campaign::{OutsideCommand, Until};
 use crate::technique::experiment::Tables;
 use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::operation::Recordings;
 use crate::technique::simulation::Campaign;
-use evidence::{AssetRole, Measure};
+use evidence::AssetRole;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -183,8 +183,13 @@ fn is_a_failure(study: &Study, proposition: &str) -> bool {
     })
 }
 
-/// The constants whose counts are uncertain, with the counts.
-pub fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedConstant>, Problem> {
+/// The constants whose counts are uncertain, with the counts; `value_of` tells a constant of the model.
+pub fn counted_constants(
+    study: &Study,
+    entry: &Entry,
+    before: &[Piece],
+    value_of: &dyn Fn(&str) -> Option<f64>,
+) -> Result<Vec<CountedConstant>, Problem> {
     let mut counted = Vec::new();
     // A step on the way is not compared, so its uncertainty is not asked for.
     if entry.intermediate {
@@ -204,13 +209,8 @@ pub fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedC
         let Some(finding) = finding else {
             continue;
         };
-        let Measure::Counts {
-            count,
-            trials,
-            effective_trials,
-            ..
-        } = finding.measure
-        else {
+        let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+        let Some(sample) = calibrated.sample(&finding.measure).map_err(bad)? else {
             return Err(Problem::new(
                 "bad-calibration",
                 format!(
@@ -223,12 +223,12 @@ pub fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedC
             )
             .remedy("calibrate from evidence that counts"));
         };
-        let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
-        let whole = stats::Sample::new(count, trials).map_err(bad)?;
-        let sample = match effective_trials {
-            Some(size) => stats::EffectiveSample::at_size(whole, size).map_err(bad)?,
-            None => whole.into(),
-        };
+        if let (Some(value), Some(rate)) = (value_of(constant), finding.measure.estimate()) {
+            let set_to = calibrated.value_of(rate);
+            if !is_rounding(value, set_to) && is_rounding(value, 1.0 - set_to) {
+                return Err(complement_mistaken(study, entry, calibrated, value, rate));
+            }
+        }
         counted.push(CountedConstant {
             name: constant.clone(),
             sample,
@@ -237,6 +237,39 @@ pub fn counted_constants(entry: &Entry, before: &[Piece]) -> Result<Vec<CountedC
         });
     }
     Ok(counted)
+}
+
+/// A constant that is the complement of what it is said to be: its uncertainty would be that of another number.
+fn complement_mistaken(
+    study: &Study,
+    entry: &Entry,
+    calibrated: &Calibrated,
+    value: f64,
+    rate: f64,
+) -> Problem {
+    let calibration = &calibrated.calibration;
+    let (is, remedy) = match calibrated.is_complement {
+        false => (
+            "1 minus that",
+            "add `complement = true` if the constant is the probability that it does not happen",
+        ),
+        true => (
+            "that itself, and not 1 minus it",
+            "leave `complement` out if the constant is the probability that it happens",
+        ),
+    };
+    Problem::new(
+        "bad-calibration",
+        format!(
+            "`{}` of {} is {value}, but {} counts a rate of {rate} for {}: the constant is {is}",
+            calibration.parameter,
+            entry.id,
+            calibration.from,
+            calibration.subject.id(),
+        ),
+    )
+    .at(&study.ledger_source, calibrated.span.clone())
+    .remedy(remedy)
 }
 
 /// What each entry rests on.

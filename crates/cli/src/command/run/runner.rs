@@ -85,7 +85,11 @@ impl Runner<'_> {
         prepared: &Prepared,
         before: &[Piece],
     ) -> Result<Piece, Problem> {
-        let counted = counted_constants(entry, before)?;
+        let value_of = |name: &str| match prepared {
+            Prepared::Check(compiled) => compiled.constant(name),
+            _ => None,
+        };
+        let counted = counted_constants(self.study, entry, before, &value_of)?;
         let inputs = self.inputs(entry, prepared, &counted)?;
         let name = format!("evidence/{}.json", entry.id);
         if let Some(produced) = self.store.fresh::<Produced>(&name, &inputs) {

@@ -29,8 +29,9 @@ pub fn check(
 ) -> Result<(), Problem> {
     let (mut again, what) = match &entry.work {
         Work::Check { model, methods } => {
-            let counted = counted_constants(entry, before)?;
             let compiled = Compiled::new(study, model)?;
+            let value_of = |name: &str| compiled.constant(name);
+            let counted = counted_constants(study, entry, before, &value_of)?;
             let begin = |title: &str, total: u64| setting.talk.begin(title, total);
             let again =
                 compiled.produce(&entry.id, methods, &counted, &setting.interrupt, &begin)?;

@@ -66,6 +66,8 @@ pub(super) struct CalibratedText {
     constant: Option<Spanned<String>>,
     #[serde(default)]
     held: bool,
+    #[serde(default)]
+    complement: bool,
     from: Spanned<String>,
     failure_mode: Option<Spanned<String>>,
     requirement: Option<Spanned<String>>,
@@ -232,6 +234,14 @@ impl Reader<'_> {
                 ));
             }
         };
+        if text.complement && text.constant.is_none() {
+            return Err(self.problem(
+                "bad-calibration",
+                "only a `constant` of the model can be the complement of a rate".into(),
+                text.from.span(),
+                "leave `complement` out",
+            ));
+        }
         Ok(Calibrated {
             calibration: Calibration {
                 parameter,
@@ -244,6 +254,7 @@ impl Reader<'_> {
                 .map_or(text.from.span(), Spanned::span),
             constant: text.constant.as_ref().map(|c| c.get_ref().clone()),
             held: text.held,
+            is_complement: text.complement,
         })
     }
 
