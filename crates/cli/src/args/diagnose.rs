@@ -35,6 +35,9 @@ pub struct Diagnose {
     /// Run N episodes of each scene in the other physics engine, too.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub engines: Option<u64>,
+    /// How many recordings of each simulation to read for steps that the models do not have, evenly from all.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub runs: u64,
     /// Print the path with this number that is sampled from the model of this
     /// evidence, and nothing else.
     #[arg(long, value_name = "EVIDENCE:PATH")]

@@ -3,7 +3,7 @@
 
 mod statement;
 
-use super::report::read_result;
+use super::report::read_current_result;
 use super::run::results_folder;
 use super::{Done, json};
 use crate::args::Assure;
@@ -15,7 +15,7 @@ use statement::{about_evidence, about_study};
 /// Writes the assurance case.
 pub fn assure(arguments: &Assure) -> Result<Done, Problem> {
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let result = read_result(&arguments.study, &folder)?;
+    let result = read_current_result(&arguments.study, &folder)?;
     let to = arguments.to.clone();
     let to = to.unwrap_or_else(|| folder.join(ASSURANCE));
     let files = files(&result)?;

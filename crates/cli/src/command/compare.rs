@@ -1,6 +1,6 @@
 //! `corroborate compare`: the comparisons of a study that has been run.
 
-use super::report::read_result;
+use super::report::read_current_result;
 use super::run::results_folder;
 use super::{Done, json};
 use crate::args::{Compare, Format};
@@ -22,7 +22,7 @@ pub struct CompareReport {
 /// Prints comparisons.
 pub fn compare(arguments: &Compare) -> Result<Done, Problem> {
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let result = read_result(&arguments.study, &folder)?;
+    let result = read_current_result(&arguments.study, &folder)?;
     let known = |id: &String| result.evidence.iter().any(|e| &e.id == id);
     if let Some(unknown) = arguments.evidence.iter().find(|id| !known(id)) {
         let ids: Vec<&str> = result.evidence.iter().map(|e| e.id.as_str()).collect();

@@ -1,6 +1,6 @@
 //! `corroborate diagnose`: which asset is to blame for what disagrees.
 
-use super::report::read_result;
+use super::report::read_current_result;
 use super::run::{results_folder, terminal_width, use_colour};
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Diagnose, Format};
@@ -9,7 +9,7 @@ use crate::problem::Problem;
 use crate::store::Store;
 use crate::study::{Study, Work};
 use crate::technique::matrix::{ModelPaths, as_text, diagnose as diagnosed, path_seeds};
-use evidence::{Diagnosis, Effort, StudyResult};
+use evidence::{Diagnosis, Effort};
 use std::fmt::Write as _;
 
 /// Runs the command.
@@ -20,12 +20,12 @@ pub fn diagnose(arguments: &Diagnose, setting: &Setting) -> Result<Done, Problem
         return show(&study, path, setting);
     }
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let mut result = read_result(&arguments.study, &folder)?;
-    is_of_these_files(&study, &result)?;
+    let mut result = read_current_result(&arguments.study, &folder)?;
     let effort = Effort {
         paths: arguments.paths,
         half_step: arguments.half_step,
         engines: arguments.engines,
+        runs: Some(arguments.runs),
     };
     let store = Store::open(&folder)?;
     let diagnosis = diagnosed(&study, &result, &folder, &effort, setting)?;
@@ -52,23 +52,6 @@ fn outcome(diagnosis: &Diagnosis) -> Outcome {
         true => Outcome::Violated,
         false => Outcome::Holds,
     }
-}
-
-/// A diagnosis of other files than those that were run would be of nothing.
-fn is_of_these_files(study: &Study, result: &StudyResult) -> Result<(), Problem> {
-    for piece in &result.evidence {
-        for asset in &piece.assets {
-            let path = study.folder.join(&asset.path);
-            let bytes =
-                std::fs::read(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
-            if crate::store::hash_of(&bytes) != asset.hash {
-                let message = format!("{} has changed since {} was produced", asset.path, piece.id);
-                return Err(Problem::new("stale-result", message)
-                    .remedy("run `corroborate run` on the study again"));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// One sampled path, step by step.

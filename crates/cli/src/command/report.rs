@@ -11,7 +11,7 @@ use std::path::Path;
 /// Writes the report again.
 pub fn report(arguments: &Report) -> Result<Done, Problem> {
     let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let result = read_result(&arguments.study, &folder)?;
+    let result = read_current_result(&arguments.study, &folder)?;
     let to = arguments
         .to
         .clone()
@@ -29,6 +29,25 @@ pub fn report(arguments: &Report) -> Result<Done, Problem> {
         output,
         outcome: corroboration::outcome(&result),
     })
+}
+
+/// The result of a study's last run, if it is of the files that the study has now: what is said of others would be
+/// said of nothing.
+pub fn read_current_result(study: &Path, folder: &Path) -> Result<StudyResult, Problem> {
+    let result = read_result(study, folder)?;
+    for piece in &result.evidence {
+        for asset in &piece.assets {
+            let path = study.join(&asset.path);
+            let bytes =
+                std::fs::read(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
+            if crate::store::hash_of(&bytes) != asset.hash {
+                let message = format!("{} has changed since {} was produced", asset.path, piece.id);
+                return Err(Problem::new("stale-result", message)
+                    .remedy(format!("run `corroborate run {}` again", study.display())));
+            }
+        }
+    }
+    Ok(result)
 }
 
 /// The result of a study's last run.

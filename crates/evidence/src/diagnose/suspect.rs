@@ -302,6 +302,9 @@ pub struct Effort {
     pub half_step: Option<u64>,
     /// Episodes that were run in the other engine, too, if any.
     pub engines: Option<u64>,
+    /// Recordings of each simulation that were read for steps that models do not have; all, if not said.
+    #[serde(default)]
+    pub runs: Option<u64>,
 }
 
 /// What changing one asset at a time shows.

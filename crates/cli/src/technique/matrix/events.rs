@@ -68,7 +68,7 @@ impl Diagnosing<'_> {
         for entry in
             self.entries(|work| matches!(work, Work::Simulate { .. } | Work::SimulateScene { .. }))
         {
-            let runs = self.abstracted(entry, first)?;
+            let runs = self.abstracted(entry, first, gathered)?;
             if runs.steps.is_empty() {
                 let said = format!("unmodelled behaviour in {}: no recording is kept", entry.id);
                 gathered.not_done.push(said);
@@ -94,9 +94,25 @@ impl Diagnosing<'_> {
         &self,
         entry: &'e Entry,
         abstraction: &Abstraction,
+        gathered: &mut Gathered,
     ) -> Result<Runs<'e>, Problem> {
         let folder = self.folder.join("episodes").join(&entry.id);
-        let files = recordings(&folder);
+        let modes = self.failures(&folder)?;
+        let all = recordings(&folder);
+        let kept = all.len();
+        // Evenly from all, so that shares of the chosen estimate shares of all.
+        let most = self
+            .effort
+            .runs
+            .map_or(kept, |most| usize::try_from(most).unwrap_or(kept));
+        let files = evenly(all, most);
+        if files.len() < kept {
+            gathered.not_done.push(format!(
+                "steps of {} of {kept} recordings of {} (--runs)",
+                kept - files.len(),
+                entry.id
+            ));
+        }
         let title = format!("{}: steps of runs", entry.id);
         let stage = self.setting.talk.begin(&title, files.len() as u64);
         let steps = files.par_iter().map(|(number, path)| {
@@ -107,8 +123,17 @@ impl Diagnosing<'_> {
             Ok((*number, abstraction.of_trace(&read.trace)?))
         });
         let steps = steps.collect::<Result<Vec<_>, Problem>>()?;
+        Ok(Runs {
+            entry,
+            steps,
+            modes,
+        })
+    }
+
+    /// The failure modes that occur in each episode of a folder.
+    fn failures(&self, folder: &Path) -> Result<BTreeMap<u64, BTreeSet<String>>, Problem> {
         let mut modes: BTreeMap<u64, BTreeSet<String>> = BTreeMap::new();
-        if let Some((main, _)) = form_verdicts(&folder, u64::MAX)? {
+        if let Some((main, _)) = form_verdicts(folder, u64::MAX)? {
             let judges = Judges::new(self.study, |_| true)?;
             let places: Vec<_> = judges.monitors().collect();
             for (number, verdicts) in (1..).zip(main) {
@@ -121,11 +146,7 @@ impl Diagnosing<'_> {
                 }
             }
         }
-        Ok(Runs {
-            entry,
-            steps,
-            modes,
-        })
+        Ok(modes)
     }
 
     /// Events of runs that a model does not have.
@@ -264,6 +285,17 @@ impl Runs<'_> {
     }
 }
 
+/// At most so many of all, evenly spread.
+fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    let (len, most) = (all.len(), most.min(all.len()));
+    let is_chosen = |i: usize| (i + 1) * most / len > i * most / len;
+    let numbered = all.into_iter().enumerate();
+    numbered
+        .filter(|(i, _)| is_chosen(*i))
+        .map(|(_, it)| it)
+        .collect()
+}
+
 /// The recordings of a campaign by the numbers of their episodes.
 fn recordings(folder: &Path) -> Vec<(u64, PathBuf)> {
     let Ok(entries) = std::fs::read_dir(folder) else {
@@ -277,4 +309,18 @@ fn recordings(folder: &Path) -> Vec<(u64, PathBuf)> {
     let mut all: Vec<(u64, PathBuf)> = numbered.collect();
     all.sort();
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::evenly;
+
+    #[test]
+    fn what_is_chosen_is_spread_over_all() {
+        let of = |n: u64, most| evenly((1..=n).collect(), most);
+        assert_eq!(of(5, 9), [1, 2, 3, 4, 5]);
+        assert_eq!(of(10, 5), [2, 4, 6, 8, 10]);
+        assert_eq!(of(7, 3), [3, 5, 7]);
+        assert!(of(0, 3).is_empty() && of(3, 0).is_empty());
+    }
 }
