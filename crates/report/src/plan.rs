@@ -5,16 +5,28 @@ use evidence::{Deciding, DecisionPlan, PlannedTrials, Programme, TrialCosts};
 
 /// Trials of several pieces: `120 more trials in E3 and 400 in E4`.
 pub fn trials(planned: &[PlannedTrials]) -> String {
+    named(planned, "trial")
+}
+
+fn named(planned: &[PlannedTrials], noun: &str) -> String {
     let parts: Vec<String> = planned
         .iter()
         .enumerate()
         .map(|(place, one)| {
             let noun = match (place, one.trials) {
-                (0, 1) => " more trial",
-                (0, _) => " more trials",
-                _ => "",
+                (0, 1) => format!(" more {noun}"),
+                (0, _) => format!(" more {noun}s"),
+                _ => String::new(),
             };
-            format!("{}{noun} in {}", number::count(one.trials), one.evidence)
+            let runs = match one.runs > one.trials {
+                true => format!(" (about {} runs)", number::count(one.runs)),
+                false => String::new(),
+            };
+            format!(
+                "{}{noun} in {}{runs}",
+                number::count(one.trials),
+                one.evidence
+            )
         })
         .collect();
     match parts.as_slice() {
@@ -60,6 +72,7 @@ pub fn deciding(one: &Deciding, costs: &TrialCosts) -> String {
     let planned = PlannedTrials {
         evidence: one.evidence.clone(),
         trials: count,
+        runs: count,
     };
     format!(
         "{}{}, with a chance of {}",
@@ -79,7 +92,7 @@ pub fn programme(programme: &Programme, costs: &TrialCosts) -> String {
         0 => String::new(),
         count => format!(
             "{}{} would serve {} of current evidence.",
-            trials(&programme.trials),
+            named(&programme.trials, "run"),
             at_cost(programme.cost, costs),
             pairs(count)
         ),
@@ -116,6 +129,7 @@ mod tests {
         PlannedTrials {
             evidence: evidence.into(),
             trials,
+            runs: if evidence == "E4" { 2 * trials } else { trials },
         }
     }
 
@@ -129,10 +143,10 @@ mod tests {
         let equal = TrialCosts::equal();
         let free = plan(&both, &equal).replace('\u{a0}', " ");
         assert!(
-            free.starts_with("1 more trial in E3 and 12,000 in E4"),
+            free.starts_with("1 more trial in E3 and 12,000 in E4 (about 24,000 runs)"),
             "{free}"
         );
-        assert!(free.ends_with(" in E4, with a chance of 81.2 %"), "{free}");
+        assert!(free.ends_with(" runs), with a chance of 81.2 %"), "{free}");
         let declared = TrialCosts {
             unit: "min".into(),
             declared: true,

@@ -4,7 +4,8 @@
 //! See `decide`: a plan has the wanted chance of a decision, given what is known now. Plans are
 //! made for each side alone and for both, at the declared cost of one trial of each; a trial is one
 //! that covers the subject (an opportunity of a failure mode, a run to which a requirement
-//! applies). The cheapest plan of all is the first.
+//! applies). Where not every run covers it, the runs are counted that have so many trials at the share of them that
+//! covered it so far; costs are those of runs. The cheapest plan of all is the first.
 //!
 //! A conflict is planned at the level that closed testing (see `closed`) leaves the pair, if the other comparisons stay
 //! as they are: with `t` groups in which some pair is not rejected and `m > 2` pieces in its own, its p-value has to be
@@ -16,13 +17,13 @@ use super::closed::MOST_PIECES;
 use super::decide::{Plan, Planning, Plans};
 use super::words::{list, percent};
 use super::{Belief, Study, pair::Pair};
-use crate::{Comparison, Cost, Evidence, FurtherTrials, Measure, Outcome, Subject};
+use crate::{Comparison, Cost, Evidence, Finding, FurtherTrials, Measure, Outcome, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What one further trial of each piece of evidence costs, all in one unit.
+/// What one further run (an episode, an attempt) of each piece of evidence costs, all in one unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialCosts {
     /// The unit, for example `trials`, `s` or `EUR`.
@@ -96,8 +97,11 @@ impl TrialCosts {
 pub struct PlannedTrials {
     /// The evidence.
     pub evidence: String,
-    /// How many more trials.
+    /// How many more trials of the subject.
     pub trials: u64,
+    /// How many more runs have so many, if as many of them cover the subject as did so far.
+    #[serde(default)]
+    pub runs: u64,
 }
 
 /// Further trials that together would decide a pair.
@@ -206,9 +210,9 @@ pub(crate) fn is_open(piece: &Evidence) -> bool {
     !piece.published && piece.reproduced_by.is_none()
 }
 
-/// Whether all are the latest evidence of their technique on the subject.
+/// Whether all are current evidence on the subject.
 fn is_current(study: &Study<'_>, subject: &Subject, ids: [&String; 2]) -> bool {
-    let current = crate::conclude::latest_of_each_technique(study.evidence, |piece| {
+    let current = crate::conclude::current_evidence(study.evidence, |piece| {
         let finding = piece.finding(subject);
         finding.is_some_and(|finding| Belief::of(&finding.measure).is_ok())
     });
@@ -232,11 +236,14 @@ fn plans(
     let open = (is_open(first), is_open(second));
     let plans = Planning::new(&pair, &study.levels, levels.level(comparison))
         .with_open_sides(open)
-        .plans((costs.of(&first.id), costs.of(&second.id)));
-    name_trials(comparison, (&pair, open), &plans);
+        .plans((
+            costs.of(&first.id) * runs_per_trial(first, &comparison.subject),
+            costs.of(&second.id) * runs_per_trial(second, &comparison.subject),
+        ));
+    name_trials(comparison, (&pair, open), &plans, [first, second]);
     let (left, right) = (&comparison.left, &comparison.right);
     let planned = |plan: &Plan| DecisionPlan {
-        trials: planned_trials(plan, [left, right]),
+        trials: planned_trials(plan, &comparison.subject, [first, second]),
         cost: plan.cost,
         chance: plan.chance,
     };
@@ -250,19 +257,39 @@ fn plans(
     })
 }
 
-fn planned_trials(plan: &Plan, sides: [&String; 2]) -> Vec<PlannedTrials> {
+fn planned_trials(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Vec<PlannedTrials> {
     let trials = [plan.trials.0, plan.trials.1];
     let wanted = sides.into_iter().zip(trials).filter(|(_, n)| *n > 0);
     wanted
-        .map(|(evidence, trials)| PlannedTrials {
-            evidence: evidence.clone(),
+        .map(|(piece, trials)| PlannedTrials {
+            evidence: piece.id.clone(),
             trials,
+            runs: (trials as f64 * runs_per_trial(piece, subject)).ceil() as u64,
         })
         .collect()
 }
 
+/// Runs for each trial of a subject: the most trials of any finding are taken for the runs.
+fn runs_per_trial(piece: &Evidence, subject: &Subject) -> f64 {
+    let trials = |finding: &Finding| match finding.measure {
+        Measure::Counts { trials, .. } => trials,
+        _ => 0,
+    };
+    let own = piece.finding(subject).map_or(0, trials);
+    let runs = piece.findings.iter().map(trials).max().unwrap_or(0);
+    match own {
+        0 => 1.0,
+        own => runs as f64 / own as f64,
+    }
+}
+
 /// Says of an undecided pair how many trials of each side alone would decide it, and what is cheapest.
-fn name_trials(comparison: &mut Comparison, (pair, open): (&Pair, (bool, bool)), plans: &Plans) {
+fn name_trials(
+    comparison: &mut Comparison,
+    (pair, open): (&Pair, (bool, bool)),
+    plans: &Plans,
+    pieces: [&Evidence; 2],
+) {
     let sides = [
         (
             &comparison.left,
@@ -286,17 +313,23 @@ fn name_trials(comparison: &mut Comparison, (pair, open): (&Pair, (bool, bool)),
     });
     comparison.further_trials = further.collect();
     let words = match plans.cheapest() {
-        Some(plan) => plan_in_words(&plan, [&comparison.left, &comparison.right]),
+        Some(plan) => plan_in_words(&plan, &comparison.subject, pieces),
         None => " Further trials alone would not decide.".to_owned(),
     };
     comparison.reason.push_str(&words);
 }
 
-fn plan_in_words(plan: &Plan, sides: [&String; 2]) -> String {
-    let planned = planned_trials(plan, sides).into_iter();
-    let parts: Vec<String> = planned
-        .map(|it| format!("{} further trials in {}", it.trials, it.evidence))
-        .collect();
+fn plan_in_words(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> String {
+    let planned = planned_trials(plan, subject, sides).into_iter();
+    let in_words = |it: PlannedTrials| {
+        let noun = if it.trials == 1 { "trial" } else { "trials" };
+        let runs = match it.runs > it.trials {
+            true => format!(" (about {} runs)", it.runs),
+            false => String::new(),
+        };
+        format!("{} further {noun} in {}{runs}", it.trials, it.evidence)
+    };
+    let parts: Vec<String> = planned.map(in_words).collect();
     let chance = percent(plan.chance.min(0.999));
     format!(" {} would decide with a chance of {chance}.", list(&parts))
 }

@@ -2,8 +2,8 @@
 //!
 //! # Definition
 //! Each undecided pair of current evidence has plans (see `further`). A *programme* takes one plan
-//! of each; a trial of a piece of evidence serves all its pairs, so the programme has, of each
-//! piece, the most trials that any of the plans takes. It costs what those cost.
+//! of each; a run of a piece of evidence serves all its pairs, so the programme has, of each
+//! piece, the most runs that any of the plans takes. It costs what those cost.
 //!
 //! Plans are chosen by descent: each pair starts with its cheapest, then pair by pair the plan is
 //! taken with which the whole is cheapest, until nothing changes.
@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 /// Further trials that serve all undecided pairs of current evidence.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Programme {
-    /// The trials of each piece, in the order of their identifiers.
+    /// The runs of each piece, in the order of their identifiers; each is one trial of what every run covers.
     pub trials: Vec<PlannedTrials>,
     /// What they cost, in the unit of the costs.
     pub cost: f64,
@@ -48,7 +48,7 @@ pub fn programme(undecided: &[Undecided], costs: &TrialCosts) -> Option<Programm
             break;
         }
     }
-    let trials = most_trials(&open, &chosen);
+    let trials = most_runs(&open, &chosen);
     Some(Programme {
         cost: cost(&trials, costs),
         trials: trials
@@ -56,6 +56,7 @@ pub fn programme(undecided: &[Undecided], costs: &TrialCosts) -> Option<Programm
             .map(|(evidence, trials)| PlannedTrials {
                 evidence: evidence.to_owned(),
                 trials,
+                runs: trials,
             })
             .collect(),
         pairs: open.len() as u64,
@@ -68,10 +69,10 @@ fn improve(open: &[&Undecided], chosen: &mut [usize], costs: &TrialCosts) -> boo
     let mut changed = false;
     for pair in 0..open.len() {
         let before = chosen[pair];
-        let mut best = (cost(&most_trials(open, chosen), costs), before);
+        let mut best = (cost(&most_runs(open, chosen), costs), before);
         for plan in 0..open[pair].plans.len() {
             chosen[pair] = plan;
-            let with = cost(&most_trials(open, chosen), costs);
+            let with = cost(&most_runs(open, chosen), costs);
             if with < best.0 {
                 best = (with, plan);
             }
@@ -82,14 +83,14 @@ fn improve(open: &[&Undecided], chosen: &mut [usize], costs: &TrialCosts) -> boo
     changed
 }
 
-/// Of each piece, the most trials of the chosen plans.
-fn most_trials<'a>(open: &[&'a Undecided], chosen: &[usize]) -> BTreeMap<&'a str, u64> {
+/// Of each piece, the most runs of the chosen plans.
+fn most_runs<'a>(open: &[&'a Undecided], chosen: &[usize]) -> BTreeMap<&'a str, u64> {
     let mut most: BTreeMap<&str, u64> = BTreeMap::new();
     let plans = open.iter().zip(chosen);
     let plans = plans.filter_map(|(one, plan)| one.plans.get(*plan));
     for planned in plans.flat_map(|plan: &DecisionPlan| &plan.trials) {
         let trials = most.entry(&planned.evidence).or_default();
-        *trials = planned.trials.max(*trials);
+        *trials = planned.runs.max(*trials);
     }
     most
 }
@@ -110,6 +111,7 @@ mod tests {
         let planned = |(evidence, trials): &(&str, u64)| PlannedTrials {
             evidence: (*evidence).to_owned(),
             trials: *trials,
+            runs: *trials,
         };
         DecisionPlan {
             trials: trials.iter().map(planned).collect(),
