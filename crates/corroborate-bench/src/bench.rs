@@ -8,6 +8,7 @@ use crate::repair::{Repair, repair};
 use crate::score::{Score, score};
 use crate::study::Synthetic;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How much is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,23 +66,30 @@ pub struct Line {
     pub intervals: Vec<(Kind, bool)>,
 }
 
-/// Runs the plan; the same lines at any number of threads.
+/// Runs the plan; the same lines at any number of threads. `said` is told after each study how many are done, of how
+/// many.
 ///
 /// # Errors
 /// What could not be produced, with the study's number.
-pub fn run(plan: &Plan) -> Result<Vec<Line>, String> {
-    let jobs: Vec<(usize, (Family, Fault))> = jobs(plan).into_iter().enumerate().collect();
+pub fn run(plan: &Plan, said: &(dyn Fn(usize, usize) + Sync)) -> Result<Vec<Line>, String> {
     let is_wanted = |family: Family| plan.only.is_none_or(|only| only == family);
-    jobs.into_par_iter()
+    let jobs: Vec<(usize, (Family, Fault))> = jobs(plan)
+        .into_iter()
+        .enumerate()
         .filter(|(_, (family, _))| is_wanted(*family))
+        .collect();
+    let (all, done) = (jobs.len(), AtomicUsize::new(0));
+    jobs.into_par_iter()
         .map(|(number, (family, fault))| {
-            one(family, fault, plan.seed, number as u64).map_err(|error| {
+            let line = one(family, fault, plan.seed, number as u64).map_err(|error| {
                 format!(
                     "study {number} ({}, {}): {error}",
                     family.name(),
                     fault.name()
                 )
-            })
+            });
+            said(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+            line
         })
         .collect()
 }

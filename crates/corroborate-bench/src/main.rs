@@ -45,7 +45,12 @@ fn benchmark() -> Result<(), String> {
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }
     }
-    let lines = run(&plan)?;
+    // Talk goes to standard error: a line for each study of a case study, whose models take long, else for each tenth.
+    let lines = run(&plan, &|done, all| {
+        if all < 200 || done % (all / 10) == 0 || done == all {
+            eprintln!("{done} of {all} studies");
+        }
+    })?;
     let mut page = format!("{} studies, seed {}.\n", lines.len(), plan.seed);
     for table in tables(&lines) {
         page.push_str(&format!("\n{}", table.markdown()));
