@@ -162,7 +162,7 @@ fn says_something(
     Some((Belief::of(&finding.measure).ok()?, counted))
 }
 
-/// Evidence that would be current, if a later piece of the same technique did not take its place.
+/// Evidence that counts and would be current, if a later piece of the same technique did not take its place.
 pub(crate) fn superseded<'a>(
     evidence: &'a [Evidence],
     requirement: &Requirement,
@@ -175,7 +175,10 @@ pub(crate) fn superseded<'a>(
         .iter()
         .filter(|piece| !piece.intermediate && piece.reproduced_by.is_none())
         .filter(|piece| Some(&piece.conditions) == conditions && !is_current(&piece.id))
-        .filter(|piece| says_something(piece, requirement, quantity).is_some())
+        .filter(|piece| {
+            let said = says_something(piece, requirement, quantity);
+            said.is_some_and(|(_, counted)| counted.is_some())
+        })
         .collect()
 }
 

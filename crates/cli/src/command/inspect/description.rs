@@ -250,7 +250,7 @@ fn text(file: &str, loaded: &Loaded) -> String {
         model.actuators.iter().map(|drive| &drive.name),
     );
     warnings(&mut output, loaded);
-    gaps(&mut output, &loaded.gaps);
+    gaps(&mut output, &loaded.gaps, !loaded.warnings.is_empty());
     output
 }
 
@@ -308,9 +308,12 @@ fn warnings(output: &mut String, loaded: &Loaded) {
 }
 
 /// Gaps by what they concern; those of one kind on one line.
-fn gaps(output: &mut String, gaps: &[Gap]) {
+fn gaps(output: &mut String, gaps: &[Gap], has_warnings: bool) {
     if gaps.is_empty() {
-        output.push_str("\nEverything in it was carried over.\n");
+        output.push_str(match has_warnings {
+            false => "\nEverything in it was carried over.\n",
+            true => "\nBut for what is probably wrong, everything in it was carried over.\n",
+        });
         return;
     }
     let _ = writeln!(output, "\nnot carried over ({}):", gaps.len());

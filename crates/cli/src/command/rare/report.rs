@@ -90,7 +90,8 @@ fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
     )?;
     match event.plain_episodes_for_the_same_error {
         Some(plain) => writeln!(text, "; as exact a count would take {plain:.2e}")?,
-        None => writeln!(text, "; the event was never reached")?,
+        None if event.probability <= 0.0 => writeln!(text, "; the event was never reached")?,
+        None => writeln!(text)?,
     }
     if let Some(plain) = &event.plain {
         writeln!(
