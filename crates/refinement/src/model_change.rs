@@ -5,9 +5,9 @@
 //! * *Rate*: the updates that make the failure's proposition true have a
 //!   constant as their probability. It becomes the share that was counted. Where
 //!   the probability is an expression of several constants, such as
-//!   `(1-again)*slips`, each is tried in the order of the text, as the share and
-//!   as one minus it, and the first with which the solved model has the counted
-//!   rate is taken.
+//!   `(1-again)*slips`, each is tried as the share and as one minus it, and of
+//!   those with which the solved model has the counted rate that one is taken
+//!   with which all other answers change least.
 //! * *Branch*: the proposition is `variable=name` with a name that the model
 //!   does not have. The variable gets one more value of this name. A command of
 //!   its module that assigns it gets an update that sets it, with the share that
@@ -319,7 +319,11 @@ fn rate(
         Deciding::Constant(name) => return set(&read, solver, &name, false, counts),
         Deciding::Expression(names) => names,
     };
-    // Of several constants in one expression, it is the one with which the model has the counted rate.
+    // Of several constants in one expression, it is the one with which the model has the counted rate, and with which
+    // all else changes least: a constant that keeps the opportunity from coming, or the run from ending, can give
+    // a rate, too.
+    let before = solver.values(text)?;
+    let mut best: Option<(f64, Changed)> = None;
     for is_complement in [false, true] {
         for name in &names {
             let Ok(changed) = set(&read, solver, name, is_complement, counts) else {
@@ -327,10 +331,17 @@ fn rate(
             };
             let rate = rate_of(&changed.values, mode);
             let near = NEAR * counts.rate().max(SAME);
-            if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= near) {
-                return Ok(changed);
+            if !rate.is_some_and(|rate| (rate - counts.rate()).abs() <= near) {
+                continue;
+            }
+            let moved = moved(&before, &changed.values, mode);
+            if best.as_ref().is_none_or(|(least, _)| moved < *least) {
+                best = Some((moved, changed));
             }
         }
+    }
+    if let Some((_, changed)) = best {
+        return Ok(changed);
     }
     Err(match names.as_slice() {
         [] => "its probability has no constant of the model".into(),
@@ -339,6 +350,18 @@ fn rate(
             several.join(", ")
         ),
     })
+}
+
+/// How far the values of all but a failure mode moved at most; a value that is lost moved by 1.
+fn moved(before: &Values, after: &Values, mode: &str) -> f64 {
+    let own = Subject::FailureMode(mode.to_owned());
+    let others = before.iter().filter(|(subject, _)| **subject != own);
+    let distances = others.filter_map(|(subject, before)| {
+        let before = (*before)?;
+        let after = after.get(subject).copied().flatten();
+        Some(after.map_or(1.0, |after| (after - before).abs()))
+    });
+    distances.fold(0.0, f64::max)
 }
 
 /// The model with a constant set to the counted share, or to what remains of 1, solved.
