@@ -17,7 +17,9 @@ pub mod watched;
 
 use crate::problem::Problem;
 use crate::store::hash_of;
-use evidence::{Asset, AssetRole, ClusterTests, Cost, Finding, FormDifference, Measure, Tool};
+use evidence::{
+    Asset, AssetRole, ClusterTests, Cost, EpisodeFailures, Finding, FormDifference, Measure, Tool,
+};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -31,6 +33,9 @@ pub struct Produced {
     /// Forms of one requirement that do not agree on the same runs.
     #[serde(default)]
     pub form_differences: Vec<FormDifference>,
+    /// Episodes that were ended by what is tested, or by its simulator.
+    #[serde(default)]
+    pub failures: Vec<EpisodeFailures>,
     /// Clustering, for trials by subject.
     pub clusters: Option<ClusterTests>,
     /// What a formal model tells of failure modes and requirements.

@@ -1,8 +1,9 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, FailureMode, Finding,
-    FormDifference, Requirement, Subject, Suspect, Synthesis, Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, EpisodeFailures,
+    FailureMode, Finding, FormDifference, Requirement, Subject, Suspect, Synthesis, Technique,
+    Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,9 @@ pub struct Evidence {
     /// techniques that judge traces.
     #[serde(default)]
     pub form_differences: Vec<FormDifference>,
+    /// Episodes that were ended by the robot's program or by the simulator; empty if none was.
+    #[serde(default)]
+    pub failures: Vec<EpisodeFailures>,
     /// Clustering of trials, for experiments by subject.
     pub clusters: Option<ClusterTests>,
     /// Hash of everything that the findings depend on, in hexadecimal.

@@ -19,6 +19,7 @@ mod compare;
 mod conclude;
 mod diagnose;
 mod disagreement;
+mod failure;
 mod finding;
 mod interval;
 mod ledger;
@@ -45,6 +46,7 @@ pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
     RegionShares, SearchEnd,
 };
+pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
     ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,
     Reading, RobustBounds, Spread, Subject,

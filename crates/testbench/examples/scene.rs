@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use stimulus::Stimulus;
-use testbench::controller::{Controller, ControllerError, LockStep, RemoteController};
+use testbench::controller::{Controller, ControllerError, LockStep, Lost, RemoteController};
 use testbench::scene::{ControllerData, SceneBench, mujoco, rapier};
 use testbench::{Bench, Cancel, Engine, Unwatched};
 
@@ -52,12 +52,12 @@ impl Process {
 }
 
 impl LockStep for Process {
-    fn exchange(&mut self, line: &str) -> Result<String, String> {
-        writeln!(self.input, "{line}").map_err(|error| error.to_string())?;
+    fn exchange(&mut self, line: &str) -> Result<String, Lost> {
+        let gone = |error: std::io::Error| Lost::Gone(error.to_string());
+        writeln!(self.input, "{line}").map_err(gone)?;
         let mut answer = String::new();
-        let count = self.output.read_line(&mut answer);
-        match count.map_err(|error| error.to_string())? {
-            0 => Err("the process has ended".to_owned()),
+        match self.output.read_line(&mut answer).map_err(gone)? {
+            0 => Err(Lost::Gone("the process has ended".to_owned())),
             _ => Ok(answer),
         }
     }

@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stimulus::Stimulus;
 use trace::Trace;
 
+use crate::controller::ControllerError;
 use crate::viewer::Viewer;
 
 pub use error::SimError;
@@ -76,9 +77,33 @@ pub enum End {
     Longest,
     /// The [`Watch`] had seen enough.
     Watched,
+    /// A controller failed; see [`Recorded::failure`].
+    Failed,
 }
 
-/// What a run gives. Its trace is complete only if it ended by itself.
+/// What of the code under test failed: an outcome of the run, not an error of the bench.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// What the controller did, or what its transport says of it.
+    pub error: ControllerError,
+    /// Whether it failed before its first tick, when it was started or set up.
+    pub in_setup: bool,
+}
+
+impl Failure {
+    /// The same word for the same failure, whatever the words of its error are: those can depend on
+    /// how fast a dying process was looked at.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self.error {
+            ControllerError::Silent { .. } => "controller-hung",
+            _ => "controller-failed",
+        }
+    }
+}
+
+/// What a run gives. Its trace is complete only if it ended by itself. Of a run whose controller
+/// failed it is what was recorded up to there, and its metadata have `failed`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
     /// Everything recorded.
@@ -89,6 +114,8 @@ pub struct Recorded {
     pub sim_secs: f64,
     /// Why it ended.
     pub end: End,
+    /// What failed, if that ended it, or came with its end.
+    pub failure: Option<Failure>,
 }
 
 /// Anything that turns a stimulus and a seed into a recording.
@@ -103,7 +130,8 @@ pub trait Bench: Send + Sync {
     ///
     /// # Errors
     /// [`SimError::Stimulus`] for a stimulus that this bench does not understand,
-    /// [`SimError::Cancelled`], and whatever keeps the simulation from going on.
+    /// [`SimError::Cancelled`], and whatever keeps the simulation from going on. A controller that
+    /// fails is no error: that is what the run shows.
     fn run(
         &self,
         stimulus: &Stimulus,

@@ -27,8 +27,8 @@ for Python leave there which of their lines ran.
 With --disagreement FOLDER gets disagreement.json: all declared contexts in
 regions in which model and bench differ, agree within the margin, or are
 undecided, at the study's confidence for all regions together.
-Exits 1 if anything was found (or differs), 3 if a region is undecided and none
-differs, or if an episode broke off or a finding was not
+Exits 1 if anything was found (or differs), whatever else was lost; otherwise 3 if
+a region is undecided, an episode broke off or a finding was not
 shown again.")]
 pub struct Explore {
     /// The study's folder.

@@ -2,6 +2,7 @@
 
 use super::{EngineChoice, Format};
 use crate::study::Keep;
+use crate::technique::campaign::OnFailure;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -33,6 +34,10 @@ pub struct Simulate {
     /// Which recordings are kept; results are kept in any case.
     #[arg(long, value_enum, value_name = "WHICH")]
     pub keep: Option<Keep>,
+    /// What is done when the robot's program or the simulator fails in an
+    /// episode.
+    #[arg(long, value_enum, default_value_t, value_name = "WHAT")]
+    pub on_failure: OnFailure,
     /// Number of the first episode.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub first: u64,

@@ -55,9 +55,9 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         return search.done(arguments.format, setting);
     }
     let mut explored = exploration(&study, &plan, &bench, arguments, &folder, setting)?;
+    keep(&study, &bench, &mut explored, &folder, setting)?;
     let wall_secs = began.elapsed().as_secs_f64();
     setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
-    keep(&study, &bench, &mut explored, &folder, setting)?;
     let report = &explored.report;
     Ok(Done {
         output: match arguments.format {
@@ -71,10 +71,11 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
 fn outcome(report: &ExplorationReport) -> Outcome {
     let is_found = !report.findings.is_empty();
     let is_lost = !report.broken.is_empty() || report.findings.iter().any(|f| !f.replayed);
-    match (report.stopped, is_lost, is_found) {
+    match (report.stopped, is_found, is_lost) {
         (Stopped::Interrupted, ..) => Outcome::Interrupted,
-        (_, true, _) => Outcome::DataLost,
-        (_, _, true) => Outcome::Violated,
+        // What was found stands, whatever else was lost.
+        (_, true, _) => Outcome::Violated,
+        (_, _, true) => Outcome::DataLost,
         _ => Outcome::Holds,
     }
 }
@@ -224,7 +225,7 @@ fn shown_again<'s>(
         judges.insert(finding.shows.clone(), judge);
     }
     let shows = match judges.get(&finding.shows) {
-        Some(judge) => judge.shows(&recorded.trace)?,
+        Some(judge) => judge.shows(&recorded)?,
         None => false,
     };
     if !shows {
@@ -240,6 +241,7 @@ fn name(shows: &Shows, taken: &mut BTreeMap<String, u64>) -> String {
     let words = match shows {
         Shows::Violated(id) => format!("violated-{id}"),
         Shows::FailureMode(id) => format!("failure-{id}"),
+        Shows::Failed(kind) => kind.name().to_owned(),
         Shows::Unknown(step) => match &step.to {
             Some(to) => format!("unknown-{}", changes(&step.from, to)),
             None if step.from.is_empty() => "unknown-end-nothing".to_owned(),

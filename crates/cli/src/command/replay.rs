@@ -11,9 +11,11 @@ use crate::args::{Format, Replay};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
 use crate::study::Study;
+use crate::technique::campaign::kind_of;
 use crate::technique::exploration::ShowsJudge;
 use crate::technique::judging::verdict_name;
 use episode::{Episode, failed, hash_of_trace};
+use evidence::FailureKind;
 use report::replay::Replay as Page;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -31,6 +33,10 @@ pub struct ReplayReport {
     pub episode: String,
     /// Its seed, as a text: readers round numbers beyond 2^53.
     pub seed: String,
+    /// What of the robot's program or the simulator ended it, if it did not end by itself.
+    pub failed: Option<FailureKind>,
+    /// What the program said then.
+    pub said: Option<String>,
     /// What it showed, in words, if that is why it was replayed.
     pub shows: Option<String>,
     /// Whether it shows it again.
@@ -91,7 +97,7 @@ pub fn replay(arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
     stage.advance();
     drop(stage);
     let shown = match &judge {
-        Some(judge) => Some(judge.shows(&recorded.trace)?),
+        Some(judge) => Some(judge.shows(&recorded)?),
         None => None,
     };
     let folder = match &arguments.out {
@@ -168,9 +174,15 @@ impl Replayed<'_> {
                 reasons: shown::reasons(judgement),
             });
         ReplayReport {
-            format: "1.0".into(),
+            format: "1.1".into(),
             episode: self.episode.name.clone(),
             seed: self.episode.seed.to_string(),
+            failed: self.recorded.failure.as_ref().map(kind_of),
+            said: self
+                .recorded
+                .failure
+                .as_ref()
+                .map(|it| it.error.to_string()),
             shows: self.episode.shows.as_ref().map(ToString::to_string),
             shown: self.shown,
             recording,
@@ -214,6 +226,9 @@ impl Replayed<'_> {
                 format!("BLAKE3 {}", hash.get(..16).unwrap_or(hash)),
             ),
         ];
+        if let Some(failure) = &self.recorded.failure {
+            facts.push(("Ended by", kind_of(failure).to_string()));
+        }
         if let Some(shown) = self.shown {
             let again = if shown { "yes" } else { "no" };
             facts.insert(0, ("Shown again", again.to_owned()));
@@ -263,6 +278,12 @@ fn as_text(report: &ReplayReport) -> String {
         Some(false) => "THE RECORDING IS NOT THE SAME as before\n",
         None => "no earlier recording is known to compare with\n",
     });
+    if let Some(kind) = report.failed {
+        text.push_str(&format!("ended by: {kind}\n"));
+        for line in report.said.iter().flat_map(|said| said.lines()) {
+            text.push_str(&format!("    {line}\n"));
+        }
+    }
     for verdict in report
         .verdicts
         .iter()

@@ -335,7 +335,7 @@ impl Trials<'_> {
         let Ok(recorded) = self.run(stimulus, seed, until_secs) else {
             return false;
         };
-        match self.judge.shows(&recorded.trace) {
+        match self.judge.shows(&recorded) {
             Ok(shows) => shows,
             Err(problem) => {
                 if let Ok(mut failure) = self.failure.lock() {

@@ -11,10 +11,10 @@ use crate::store::{Inputs, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique;
 use crate::technique::campaign::{
-    Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until,
+    Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until, words_of,
 };
 use crate::technique::simulation::{Campaign, Seeds, record_with};
-use evidence::Subject;
+use evidence::{FailureKind, Subject};
 use ros2_table::Ros2Table;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -36,6 +36,9 @@ pub struct SimulateReport {
     /// What the episodes show of each requirement and failure mode. Absent for
     /// recordings in another form, which are not judged.
     pub estimates: Vec<EstimateReport>,
+    /// Episodes that the robot's program or the simulator ended by failing; those are judged up to
+    /// there.
+    pub failures: Vec<FailureReport>,
     /// What came of the stopping rule, if there was one.
     pub until: Option<String>,
     /// The table of all episodes, in Parquet.
@@ -65,6 +68,27 @@ pub struct EstimateReport {
     pub low: f64,
     /// The upper end.
     pub high: f64,
+}
+
+/// How often one kind of failure ended an episode.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct FailureReport {
+    /// What failed.
+    pub kind: FailureKind,
+    /// Episodes that it ended.
+    pub count: u64,
+    /// All episodes.
+    pub trials: u64,
+    /// The lower end of the interval, as of estimates.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+    /// The number of the first of them.
+    pub first_episode: u64,
+    /// That episode's seed, as a text: readers round numbers beyond 2^53.
+    pub seed: String,
+    /// The file with what the program said in it.
+    pub said: String,
 }
 
 /// What is simulated.
@@ -189,6 +213,7 @@ impl Called<'_> {
             numbers: arguments.first..arguments.first + self.count,
             keep: arguments.keep.unwrap_or(sampling.keep),
             early_end: sampling.early_end,
+            on_failure: arguments.on_failure,
             until: until.as_ref(),
             folder: &arguments.out,
             judged_by: judged_by(self.study, source, &program),
@@ -204,6 +229,7 @@ impl Called<'_> {
             until: finished.stopped.clone(),
             table: Some(finished.table.display().to_string()),
             estimates: self.estimates(&finished)?,
+            failures: self.failures(&finished)?,
             ..self.report(source, finished.tally.runs(), &|number| {
                 arguments.out.join(source.recording_name(number))
             })
@@ -311,7 +337,7 @@ impl Called<'_> {
         let kept = numbers.map(|number| (number, place(number)));
         let kept = kept.filter(|(_, path)| path.exists());
         SimulateReport {
-            format: "1.1".into(),
+            format: "1.2".into(),
             evidence: self.entry.id.clone(),
             engine: format!("{} {}", tool.name, tool.version)
                 .trim_end()
@@ -324,6 +350,7 @@ impl Called<'_> {
                 })
                 .collect(),
             estimates: Vec::new(),
+            failures: Vec::new(),
             until: None,
             table: None,
         }
@@ -348,6 +375,28 @@ impl Called<'_> {
             .collect())
     }
 
+    fn failures(&self, finished: &Finished) -> Result<Vec<FailureReport>, Problem> {
+        let level = technique::confidence(self.study.about.confidence)?;
+        let failed = finished.tally.failed();
+        Ok(failed
+            .map(|(kind, sample)| {
+                let interval = stats::confidence_sequence(sample, level);
+                let first = finished.first_failed.get(&kind).copied();
+                let first = first.unwrap_or(self.arguments.first);
+                FailureReport {
+                    kind,
+                    count: sample.successes,
+                    trials: sample.trials,
+                    low: interval.low,
+                    high: interval.high,
+                    first_episode: first,
+                    seed: self.seeds.of(first).to_string(),
+                    said: words_of(&self.arguments.out, first).display().to_string(),
+                }
+            })
+            .collect())
+    }
+
     fn text(&self, report: &SimulateReport, finished: &Finished) -> String {
         let mut text = String::new();
         for estimate in &report.estimates {
@@ -359,6 +408,20 @@ impl Called<'_> {
                 estimate.trials,
                 100.0 * estimate.low,
                 100.0 * estimate.high
+            ));
+        }
+        for failure in &report.failures {
+            let share = 100.0 * failure.count as f64 / failure.trials as f64;
+            text.push_str(&format!(
+                "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1}): {}, first in episode {}; what it said: {}\n",
+                failure.kind.name(),
+                failure.count,
+                failure.trials,
+                100.0 * failure.low,
+                100.0 * failure.high,
+                failure.kind,
+                failure.first_episode,
+                failure.said
             ));
         }
         if let Some(until) = &report.until {

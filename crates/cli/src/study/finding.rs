@@ -29,6 +29,7 @@
 //! it. The seed is a text, since programs read numbers beyond 2^53 wrongly.
 
 use crate::problem::{Problem, Source, write_whole};
+use evidence::FailureKind;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -88,6 +89,8 @@ pub enum Shows {
     Violated(String),
     /// This failure mode occurs.
     FailureMode(String),
+    /// The robot's program or the simulator ends the episode by failing.
+    Failed(FailureKind),
     /// Behaviour that a formal model does not have.
     Unknown(UnknownStep),
 }
@@ -112,6 +115,7 @@ impl fmt::Display for Shows {
         match self {
             Self::Violated(id) => write!(f, "requirement {id} is violated"),
             Self::FailureMode(id) => write!(f, "failure mode {id}"),
+            Self::Failed(kind) => write!(f, "{kind}"),
             Self::Unknown(step) => write!(f, "unknown behaviour: {step}"),
         }
     }
@@ -270,6 +274,7 @@ mod tests {
         let all = [
             Shows::Violated("8".into()),
             Shows::FailureMode("grip".into()),
+            Shows::Failed(FailureKind::ControllerHung),
             step(None),
             step(Some("")),
         ];

@@ -8,6 +8,8 @@
 
 mod driver;
 mod estimates;
+mod failing;
+mod one;
 mod online;
 mod ordered;
 mod outside;
@@ -19,6 +21,7 @@ mod until;
 
 pub use driver::{Campaigning, Finished, Source};
 pub use estimates::estimates;
+pub use failing::{OnFailure, kind_of, words_of};
 pub use online::OnLine;
 pub use outside::OutsideCommand;
 pub use recount::{form_verdicts, recount};
@@ -87,6 +90,7 @@ impl Campaigning<'_> {
             tool,
             findings: finished.tally.findings(self.study, finished.intervals)?,
             form_differences: finished.form_differences,
+            failures: finished.tally.failures(self.study, finished.intervals)?,
             clusters: None,
             influences: Vec::new(),
             cost: finished.cost,

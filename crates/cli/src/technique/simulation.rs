@@ -199,24 +199,48 @@ impl Campaign {
         })
     }
 
-    /// Runs one episode, which `watch` may end.
+    /// Runs one episode, which `watch` may end. One whose controller fails is cut short; one whose
+    /// controller cannot be set up is an error.
     pub fn run(
         &self,
         seed: u64,
         watch: &mut dyn Watch,
         interrupt: &Interrupt,
     ) -> Result<Recorded, Problem> {
-        let run = match &self.bench {
+        let recorded = self
+            .attempt(seed, watch, interrupt)
+            .map_err(|error| problem_at(seed, &error))?;
+        match &recorded.failure {
+            Some(failure) if failure.in_setup => {
+                let message = format!("seed {seed}: {}", failure.error);
+                Err(Problem::new("controller-failed", message))
+            }
+            _ => Ok(recorded),
+        }
+    }
+
+    /// Runs one episode, whatever comes of it.
+    pub fn attempt(
+        &self,
+        seed: u64,
+        watch: &mut dyn Watch,
+        interrupt: &Interrupt,
+    ) -> Result<Recorded, SimError> {
+        match &self.bench {
             Bench::Scene(scene) => scene.run(seed, watch, interrupt),
             Bench::Handover(handover) => {
                 testbench::watch_episode(&handover.world, seed, watch, interrupt.cancel())
                     .map(Recorded::from)
             }
-        };
-        run.map_err(|error| match error {
-            SimError::Cancelled => Problem::interrupted(),
-            other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
-        })
+        }
+    }
+}
+
+/// What kept an episode from being simulated.
+pub fn problem_at(seed: u64, error: &SimError) -> Problem {
+    match error {
+        SimError::Cancelled => Problem::interrupted(),
+        other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
     }
 }
 
@@ -230,10 +254,7 @@ impl Campaign {
                 in_two_parts(&handover.bench, &handover.stimulus, seed, interrupt)
             }
         };
-        run.map_err(|error| match error {
-            SimError::Cancelled => Problem::interrupted(),
-            other => Problem::new("simulation-failed", format!("seed {seed}: {other}")),
-        })
+        run.map_err(|error| problem_at(seed, &error))
     }
 }
 

@@ -256,6 +256,7 @@ mod tests {
             reproduced_by: None,
             findings: Vec::new(),
             form_differences: vec![],
+            failures: vec![],
             clusters: None,
             inputs: String::new(),
         }

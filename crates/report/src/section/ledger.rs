@@ -54,6 +54,7 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
                 }
             }
             @if let Some(clusters) = &evidence.clusters { (cluster_tests(clusters)) }
+            (failures(evidence))
             details {
                 summary { "All findings of " (evidence.id) }
                 (findings(view, evidence))
@@ -105,6 +106,25 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
                             th scope="row" { (view.title(&finding.subject)) }
                             td data-label="Found" { (figures(&finding.measure)) }
                             td class="detail" data-label="In detail" { (detail(finding)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Episodes that did not end by themselves: a failure mode that no study has to declare.
+fn failures(evidence: &Evidence) -> Markup {
+    html! {
+        @if !evidence.failures.is_empty() {
+            div class="note" {
+                p { "Episodes that were ended by a failure, judged up to there:" }
+                ul class="lines" {
+                    @for failure in &evidence.failures {
+                        li {
+                            (failure.kind) " (" code { (failure.kind.name()) } "): " (figures(&failure.measure))
+                            ", such as " span class="witnesses" { (failure.witnesses.join(", ")) }
                         }
                     }
                 }

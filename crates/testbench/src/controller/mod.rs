@@ -45,7 +45,7 @@ pub mod protocol {}
 use std::collections::BTreeMap;
 use std::fmt;
 
-pub use remote::{LockStep, RemoteController};
+pub use remote::{LockStep, Lost, RemoteController};
 pub use trace::Field;
 
 /// A robot's code.
@@ -62,7 +62,7 @@ pub trait Controller: Send {
     /// One tick: from what has arrived to what is wanted.
     ///
     /// # Errors
-    /// When the controller failed; that ends the episode.
+    /// When the controller failed; that ends the episode, which is recorded up to there.
     fn tick(&mut self, inputs: &Inputs) -> Result<Outputs, ControllerError>;
 
     /// The episode is over.

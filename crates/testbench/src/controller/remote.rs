@@ -6,6 +6,24 @@ use super::{Controller, ControllerError, Description, Inputs, Outputs, Setup};
 /// How much of a bad answer an error shows, in characters.
 const SHOWN: usize = 120;
 
+/// Why there is no answer, in one sentence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Lost {
+    /// The other side cannot be reached, or has ended.
+    Gone(String),
+    /// It runs, and has not answered in time.
+    Silent(String),
+}
+
+impl From<Lost> for ControllerError {
+    fn from(lost: Lost) -> Self {
+        match lost {
+            Lost::Gone(reason) => Self::Transport { reason },
+            Lost::Silent(reason) => Self::Silent { reason },
+        }
+    }
+}
+
 /// A line to the other side, and the line that it answers.
 ///
 /// The transport belongs to the caller: it starts the process, keeps what it writes to its error
@@ -14,8 +32,8 @@ pub trait LockStep: Send {
     /// Sends one line (without its end) and waits for one line (returned without its end).
     ///
     /// # Errors
-    /// In one sentence, when the other side is gone or too late.
-    fn exchange(&mut self, line: &str) -> Result<String, String>;
+    /// When the other side is gone or too late.
+    fn exchange(&mut self, line: &str) -> Result<String, Lost>;
 
     /// What the other side said last besides its answers, for example on its error output; nothing
     /// if it said nothing. It is shown when a controller reports an error.
@@ -120,9 +138,7 @@ fn ask(transport: &mut impl LockStep, question: &Question<'_>) -> Result<Answer,
         problem,
     };
     let line = serde_json::to_string(question).map_err(|error| protocol(error.to_string()))?;
-    let answer = transport
-        .exchange(&line)
-        .map_err(|reason| ControllerError::Transport { reason })?;
+    let answer = transport.exchange(&line)?;
     match serde_json::from_str(&answer) {
         Ok(Answer::Error { message }) => {
             let words = transport.last_words();
@@ -158,10 +174,12 @@ mod tests {
     }
 
     impl LockStep for Script {
-        fn exchange(&mut self, line: &str) -> Result<String, String> {
+        fn exchange(&mut self, line: &str) -> Result<String, Lost> {
             self.asked.push(line.to_owned());
             let answer = self.answers.pop_front();
-            answer.map(str::to_owned).ok_or("it has ended".to_owned())
+            answer
+                .map(str::to_owned)
+                .ok_or_else(|| Lost::Gone("it has ended".to_owned()))
         }
     }
 

@@ -11,7 +11,7 @@ use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
-use crate::bench::{Bench, Cancel, Recorded, SimError, Watch};
+use crate::bench::{Bench, Cancel, End, Failure, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
 use crate::mujoco::Engine;
 use crate::physics::{Layout, MujocoPhysics, Physics, RapierPhysics};
@@ -211,21 +211,63 @@ impl Bench for SceneBench {
         watch: &mut dyn Watch,
         cancel: &Cancel,
     ) -> Result<Recorded, SimError> {
-        let mut run = Run::new(
-            self.with_settings(&stimulus.settings, seed)?,
-            stimulus,
-            seed,
-        )?;
-        let mut steps: u64 = 0;
-        loop {
-            if let Some(end) = run.end() {
-                return run.finish(end, watch);
+        let prepared = self.with_settings(&stimulus.settings, seed)?;
+        let recorded = match Run::new(Arc::clone(&prepared), stimulus, seed) {
+            Ok(run) => drive(run, watch, cancel)?,
+            Err(SimError::Controller(error)) => {
+                never_begun(&prepared, &self.descriptions, stimulus, seed, error)?
             }
-            if steps.is_multiple_of(CANCEL_CHECK_STEPS) && cancel.is_cancelled() {
-                return Err(SimError::Cancelled);
-            }
-            run.step(watch)?;
-            steps += 1;
+            Err(other) => return Err(other),
+        };
+        // A controller that was ended with us did not fail.
+        match recorded.failure.is_some() && cancel.is_cancelled() {
+            true => Err(SimError::Cancelled),
+            false => Ok(recorded),
         }
     }
+}
+
+/// Runs an episode to its end, be that a controller's failure.
+fn drive(mut run: Run, watch: &mut dyn Watch, cancel: &Cancel) -> Result<Recorded, SimError> {
+    let mut steps: u64 = 0;
+    loop {
+        if let Some(end) = run.end() {
+            return run.finish(end, watch);
+        }
+        if steps.is_multiple_of(CANCEL_CHECK_STEPS) && cancel.is_cancelled() {
+            return Err(SimError::Cancelled);
+        }
+        match run.step(watch) {
+            Err(SimError::Controller(error)) => return run.fail(error, watch),
+            other => other?,
+        }
+        steps += 1;
+    }
+}
+
+/// What there is of an episode whose controller could not be started or set up: no row.
+fn never_begun(
+    prepared: &Prepared,
+    descriptions: &[Description],
+    stimulus: &Stimulus,
+    seed: u64,
+    error: ControllerError,
+) -> Result<Recorded, SimError> {
+    let failure = Failure {
+        error,
+        in_setup: true,
+    };
+    let mut recorder = Recorder::new(&prepared.data, descriptions)?;
+    recorder.note("scene", &prepared.data.name);
+    recorder.note("abstract_test", &stimulus.test.name);
+    recorder.note("seed", seed);
+    recorder.note("failed", failure.kind());
+    recorder.trace.complete = false;
+    Ok(Recorded {
+        trace: recorder.trace,
+        steps: 0,
+        sim_secs: 0.0,
+        end: End::Failed,
+        failure: Some(failure),
+    })
 }

@@ -25,7 +25,8 @@ use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Script};
 use super::sensing::Sensing;
 use super::walker::{RobotSeen, Walker};
-use crate::bench::{End, Recorded, SimError, Watch};
+use crate::bench::{End, Failure, Recorded, SimError, Watch};
+use crate::controller::ControllerError;
 use crate::physics::{Physics, Touch};
 use crate::scenario::ScenarioError;
 
@@ -358,16 +359,50 @@ impl Run {
     pub(super) fn finish(mut self, end: End, watch: &mut dyn Watch) -> Result<Recorded, SimError> {
         self.record(watch)?;
         self.check_sound()?;
+        let mut failure = None;
         for pilot in &mut self.pilots {
-            pilot.end()?;
+            if let Err(error) = pilot.end() {
+                failure.get_or_insert(Failure {
+                    error,
+                    in_setup: false,
+                });
+            }
         }
+        // One that fails only when all is over has been seen as a whole.
         self.recorder.trace.complete = end == End::Over;
-        Ok(Recorded {
+        Ok(self.recorded(end, failure))
+    }
+
+    /// Ends the episode where a controller failed, with what was recorded up to there.
+    pub(super) fn fail(
+        mut self,
+        error: ControllerError,
+        watch: &mut dyn Watch,
+    ) -> Result<Recorded, SimError> {
+        self.record(watch)?;
+        self.check_sound()?;
+        self.recorder.trace.complete = false;
+        let failure = Failure {
+            error,
+            in_setup: false,
+        };
+        Ok(self.recorded(End::Failed, Some(failure)))
+    }
+
+    fn recorded(mut self, end: End, failure: Option<Failure>) -> Recorded {
+        if let Some(failure) = &failure {
+            self.recorder.note("failed", failure.kind());
+        }
+        Recorded {
             sim_secs: self.now_secs(),
             trace: self.recorder.trace,
             steps: self.steps,
-            end,
-        })
+            end: match failure {
+                Some(_) => End::Failed,
+                None => end,
+            },
+            failure,
+        }
     }
 }
 

@@ -30,6 +30,8 @@ impl From<Episode> for Recorded {
             steps: episode.steps,
             sim_secs: episode.sim_secs,
             end: episode.end,
+            // Its controller is code of this crate, which has no way to fail.
+            failure: None,
         }
     }
 }

@@ -173,7 +173,7 @@ impl<'a> Prepared<'a> {
         let recorded = episode
             .run(bench, None, &self.setting.interrupt)
             .map_err(|error| super::episode::failed(&error))?;
-        let shown = judge.shows(&recorded.trace)?;
+        let shown = judge.shows(&recorded)?;
         let same = match &finding.recording {
             Some(known) => Some(known == &hash_of_trace(&recorded.trace)?.0),
             None => None,

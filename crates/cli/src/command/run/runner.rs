@@ -145,6 +145,7 @@ impl Runner<'_> {
             numbers: 1..episodes + 1,
             keep: entry.sampling.keep,
             early_end: entry.sampling.early_end,
+            on_failure: campaign::OnFailure::Count,
             until: self.untils.get(entry.id.as_str()),
             folder: &folder,
             judged_by: campaign::judged_by(self.study, source, &self.program),
@@ -266,6 +267,15 @@ impl Runner<'_> {
         self.setting
             .talk
             .say(&format!("{id:<13} {title}: {headline} ({how})"));
+        for failure in &piece.evidence.failures {
+            if let evidence::Measure::Counts { count, trials, .. } = failure.measure {
+                let (kind, first) = (failure.kind, failure.witnesses.first());
+                let first = first.map_or(String::new(), |name| format!(", first in {name}"));
+                self.setting.talk.say(&format!(
+                    "{id:<13} {kind} in {count} of {trials} episodes{first}"
+                ));
+            }
+        }
         let differing = &piece.evidence.form_differences;
         if !differing.is_empty() {
             self.setting.talk.say(&differences::in_words(differing));

@@ -83,7 +83,9 @@ fn episodes_again(
         return Ok(());
     };
     let place = "/content/findings";
-    let values = compare::values_at(path, place, &again.findings, &produced.findings, audit)?;
+    let mut values = compare::values_at(path, place, &again.findings, &produced.findings, audit)?;
+    let place = "/content/failures";
+    values += compare::values_at(path, place, &again.failures, &produced.failures, audit)?;
     audit.checked(
         values,
         "values of evidence follow from journals of episodes",

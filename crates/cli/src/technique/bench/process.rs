@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use testbench::controller::LockStep;
+use testbench::controller::{LockStep, Lost};
 
 /// The longest line that a controller may answer, in bytes.
 const LONGEST_LINE: u64 = 16 << 20;
@@ -137,22 +137,23 @@ impl Process {
 }
 
 impl LockStep for Process {
-    fn exchange(&mut self, line: &str) -> Result<String, String> {
+    fn exchange(&mut self, line: &str) -> Result<String, Lost> {
         let sent = match &mut self.input {
             Some(input) => writeln!(input, "{line}").and_then(|()| input.flush()),
             None => Err(std::io::Error::other("its input is closed")),
         };
         if sent.is_err() {
-            return Err(self.lost("does not read its input"));
+            return Err(Lost::Gone(self.lost("does not read its input")));
         }
         match self.answers.recv_timeout(self.limit) {
-            Ok(answer) => answer.map_err(|reason| self.lost(&reason)),
+            Ok(answer) => answer.map_err(|reason| Lost::Gone(self.lost(&reason))),
             Err(RecvTimeoutError::Timeout) => {
                 let secs = self.limit.as_secs_f64();
                 self.input = None;
-                Err(self.lost(&format!("gave no answer within {secs} s")))
+                let what = format!("gave no answer within {secs} s");
+                Err(Lost::Silent(self.lost(&what)))
             }
-            Err(RecvTimeoutError::Disconnected) => Err(self.lost("closed its output")),
+            Err(RecvTimeoutError::Disconnected) => Err(Lost::Gone(self.lost("closed its output"))),
         }
     }
 
@@ -246,9 +247,12 @@ mod tests {
     #[test]
     fn how_a_process_ended_is_said_with_its_last_words() {
         let script = "read line; echo 'no map here' >&2; exit 3";
-        let error = start(script, Duration::from_secs(60))
+        let lost = start(script, Duration::from_secs(60))
             .exchange("go")
             .unwrap_err();
+        let Lost::Gone(error) = lost else {
+            panic!("{lost:?}");
+        };
         assert!(error.contains("exit status: 3"), "{error}");
         // Its error output is read on another thread, which may be a moment behind.
         assert!(error.contains("closed its output"), "{error}");
@@ -257,7 +261,10 @@ mod tests {
     #[test]
     fn a_process_that_hangs_is_ended() {
         let mut hanging = start("read line; exec sleep 600", Duration::from_millis(50));
-        let error = hanging.exchange("go").unwrap_err();
+        let lost = hanging.exchange("go").unwrap_err();
+        let Lost::Silent(error) = lost else {
+            panic!("{lost:?}");
+        };
         assert!(error.contains("no answer within 0.05 s"), "{error}");
         let id = hanging.child.id();
         drop(hanging);

@@ -1,25 +1,24 @@
 //! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
 
-use super::online::OnLine;
+use super::failing::{OnFailure, stopped_by};
+use super::one::{Bench, Effort};
 use super::ordered::in_order;
 use super::outside::OutsideCommand;
-use super::record::{EpisodeRecord, Journal, Judged};
-use super::tally::{Intervals, Monitored, Tally, monitors};
+use super::record::{EpisodeRecord, Journal};
+use super::tally::{Intervals, Tally, monitors};
 use super::until::Until;
 use super::{estimates, table};
 use crate::forms::differences::{DifferenceTally, forms_of, judges};
-use crate::problem::{Problem, write_whole};
-use crate::store::hash_of;
+use crate::problem::Problem;
 use crate::study::{Keep, Study};
 use crate::talk::{Interrupt, Stage};
-use crate::technique::judging::{Judgement, Judges};
+use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
-use evidence::{Cost, FormDifference};
+use evidence::{Cost, FailureKind, FormDifference};
+use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use testbench::End;
-use trace::Trace;
 
 /// What gives episodes.
 #[derive(Clone, Copy)]
@@ -46,6 +45,8 @@ pub struct Campaigning<'a> {
     pub keep: Keep,
     /// Whether an episode ends once all is decided.
     pub early_end: bool,
+    /// What is done when an episode is ended by a failure.
+    pub on_failure: OnFailure,
     /// When the campaign ends before its last episode.
     pub until: Option<&'a Until>,
     /// Where recordings, journal and table go.
@@ -68,16 +69,12 @@ pub struct Finished {
     pub form_differences: Vec<FormDifference>,
     /// What it took.
     pub cost: Cost,
+    /// The first episode that each kind of failure ended.
+    pub first_failed: BTreeMap<FailureKind, u64>,
     /// What came of the stopping rule.
     pub stopped: Option<String>,
     /// The table of all episodes.
     pub table: PathBuf,
-}
-
-/// What one episode took; `None`s of what was done before.
-#[derive(Clone, Copy, Debug, Default)]
-struct Effort {
-    cpu_secs: Option<f64>,
 }
 
 impl Campaigning<'_> {
@@ -127,6 +124,9 @@ impl Campaigning<'_> {
             let Some(record) = record else {
                 return Ok(ControlFlow::Break(()));
             };
+            if let (Some(kind), OnFailure::Stop) = (record.failure(), self.on_failure) {
+                return Err(stopped_by(self.folder, record.number, kind));
+            }
             taken += 1;
             Ok(count.take(&record, Effort::default()))
         };
@@ -166,21 +166,22 @@ impl Campaigning<'_> {
         in_order(first..self.numbers.end, threads(), || (), work, take)
     }
 
-    fn go_on(&self) -> Result<(), Problem> {
+    pub(super) fn go_on(&self) -> Result<(), Problem> {
         match self.interrupt.is_set() {
             true => Err(Problem::interrupted()),
             false => Ok(()),
         }
     }
 
-    /// Whether a judged episode may be taken as it is: its recording is there if it has to be.
+    /// Whether a judged episode may be taken as it is: its recording is there if it has to be. One
+    /// that failed may have left none.
     fn is_kept(&self, record: &EpisodeRecord) -> bool {
         let path = self.recording(record.number);
         let is_there = match (&record.recording, self.keep) {
             (_, Keep::None) => true,
             (Some(hash), _) => hash_of_recording(&path).is_ok_and(|found| &found == hash),
             (None, Keep::Violations) => true,
-            (None, Keep::All) => false,
+            (None, Keep::All) => record.failure().is_some(),
         };
         is_there && record.seed == self.seeds.of(record.number)
     }
@@ -196,144 +197,6 @@ fn threads() -> usize {
     rayon::current_num_threads()
 }
 
-/// What is needed to run and judge one episode, on any thread.
-struct Bench<'a> {
-    plan: &'a Campaigning<'a>,
-    /// The topics of a bench of ours.
-    layout: Option<Trace>,
-    monitors: Vec<Monitored>,
-    main: Judges<'a>,
-    of_forms: Judges<'a>,
-}
-
-/// What was found of an episode.
-struct Shown<'a> {
-    end: &'static str,
-    simulated_secs: Option<f64>,
-    main: Vec<Judgement<'a>>,
-    of_forms: Vec<Judgement<'a>>,
-}
-
-impl<'a> Bench<'a> {
-    fn episode(&self, number: u64) -> Result<(EpisodeRecord, Effort), Problem> {
-        let began = thread_cpu_secs();
-        let (record, is_new) = match (self.plan.source, &self.layout) {
-            (Source::Bench(campaign), Some(layout)) => self.simulated(campaign, layout, number)?,
-            (Source::Command(command), _) => (self.commanded(command, number)?, false),
-            (Source::Bench(_), None) => {
-                return Err(Problem::new(
-                    "simulation-failed",
-                    "the bench names no topics",
-                ));
-            }
-        };
-        let effort = Effort {
-            cpu_secs: is_new.then(|| thread_cpu_secs() - began),
-        };
-        Ok((record, effort))
-    }
-
-    /// An episode of a bench of ours: read, if it was recorded, or run. Whether it was run.
-    fn simulated(
-        &self,
-        campaign: &Campaign,
-        layout: &Trace,
-        number: u64,
-    ) -> Result<(EpisodeRecord, bool), Problem> {
-        let path = self.plan.recording(number);
-        let seed = self.plan.seeds.of(number);
-        if let Some(trace) = recorded(&path, seed) {
-            let shown = Shown {
-                end: "complete",
-                simulated_secs: Some(trace.end_secs().unwrap_or(0.0)),
-                main: self.main.judge(&trace)?,
-                of_forms: self.of_forms.judge(&trace)?,
-            };
-            let hash = hash_of_recording(&path)?;
-            return Ok((self.record(number, shown, Some(hash)), false));
-        }
-        let mut on_line = OnLine::new(&[&self.main, &self.of_forms], layout, self.plan.early_end)?;
-        let run = campaign.run(seed, &mut on_line, self.plan.interrupt)?;
-        let mut judged = on_line.finish(run.trace.complete)?.into_iter();
-        let shown = Shown {
-            end: match run.end {
-                End::Watched => "decided",
-                End::Over | End::Longest if run.trace.complete => "complete",
-                End::Over | End::Longest => "incomplete",
-            },
-            simulated_secs: Some(run.trace.end_secs().unwrap_or(0.0)),
-            main: judged.next().unwrap_or_default(),
-            of_forms: judged.next().unwrap_or_default(),
-        };
-        let mut record = self.record(number, shown, None);
-        if self.is_to_be_kept(&record) {
-            let bytes = recording::to_mcap(&run.trace)
-                .map_err(|error| Problem::data_lost("cannot-record", error.to_string()))?;
-            record.recording = Some(hash_of(&bytes));
-            write_whole(&path, &bytes)?;
-        }
-        Ok((record, true))
-    }
-
-    /// An episode of another simulator: read, if it was recorded, or run.
-    fn commanded(&self, command: &OutsideCommand, number: u64) -> Result<EpisodeRecord, Problem> {
-        let plan = self.plan;
-        let path = plan.recording(number);
-        let is_new = !path.exists();
-        let partial = match is_new {
-            true => command.run(number, plan.seeds.of(number), plan.folder, plan.interrupt)?,
-            false => path.clone(),
-        };
-        let judge = |judges| command.judge(judges, &partial, &|| plan.go_on());
-        let (main, of_forms) = (judge(&self.main)?, judge(&self.of_forms)?);
-        let shown = Shown {
-            end: if main.complete {
-                "complete"
-            } else {
-                "incomplete"
-            },
-            simulated_secs: None,
-            main: main.judgements,
-            of_forms: of_forms.judgements,
-        };
-        let mut record = self.record(number, shown, None);
-        if self.is_to_be_kept(&record) {
-            record.recording = Some(hash_of_recording(&partial)?);
-            if is_new {
-                std::fs::rename(&partial, &path)
-                    .map_err(|error| Problem::cannot_write(&path, &error))?;
-            }
-        } else if is_new {
-            OutsideCommand::remove(&partial);
-        }
-        Ok(record)
-    }
-
-    fn is_to_be_kept(&self, record: &EpisodeRecord) -> bool {
-        match self.plan.keep {
-            Keep::All => true,
-            Keep::None => false,
-            Keep::Violations => EpisodeRecord::shows_violation(&record.judged, &self.monitors),
-        }
-    }
-
-    fn record(&self, number: u64, shown: Shown<'_>, recording: Option<String>) -> EpisodeRecord {
-        EpisodeRecord {
-            number,
-            seed: self.plan.seeds.of(number),
-            end: shown.end.into(),
-            simulated_secs: shown.simulated_secs,
-            recording,
-            judged: shown.main.iter().map(Judged::of).collect(),
-            forms: shown
-                .of_forms
-                .iter()
-                .map(|it| it.findings.verdict)
-                .collect(),
-        }
-    }
-}
-
 /// Counts that grow with each episode.
 struct Count<'a> {
     plan: &'a Campaigning<'a>,
@@ -344,6 +207,7 @@ struct Count<'a> {
     new_secs: f64,
     new_cpu_secs: f64,
     new_episodes: u64,
+    first_failed: BTreeMap<FailureKind, u64>,
     began: Instant,
     decided: bool,
 }
@@ -361,6 +225,7 @@ impl<'a> Count<'a> {
             new_secs: 0.0,
             new_cpu_secs: 0.0,
             new_episodes: 0,
+            first_failed: BTreeMap::new(),
             began: Instant::now(),
             decided: false,
         }
@@ -381,6 +246,10 @@ impl<'a> Count<'a> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
         self.tally.add(&name, &verdicts);
+        self.tally.ended_by(record.number, record.failure());
+        if let Some(kind) = record.failure() {
+            self.first_failed.entry(kind).or_insert(record.number);
+        }
         self.differences.add(&name, &record.forms);
         if let Some(secs) = record.simulated_secs {
             *self.cost.simulated_secs.get_or_insert(0.0) += secs;
@@ -405,6 +274,9 @@ impl<'a> Count<'a> {
         let mut words = format!("{:.1} episodes/s", self.new_episodes as f64 / secs);
         if self.new_secs > 0.0 {
             words.push_str(&format!(", {:.0} times real time", self.new_secs / secs));
+        }
+        for (kind, sample) in self.tally.failed() {
+            words.push_str(&format!("; {kind} in {}", sample.successes));
         }
         let estimates = estimates(self.plan.study, &self.tally);
         if !estimates.is_empty() {
@@ -433,29 +305,12 @@ impl<'a> Count<'a> {
                 None => Intervals::Fixed,
             },
             form_differences: self.differences.finish(),
+            first_failed: self.first_failed,
             cost: self.cost,
             stopped,
             table,
         }
     }
-}
-
-/// Processor seconds that this thread has used.
-fn thread_cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
-/// The recording of an episode of ours. One that is missing, damaged, cut short or of another
-/// episode is made again.
-fn recorded(path: &Path, seed: u64) -> Option<Trace> {
-    let trace = path
-        .exists()
-        .then(|| recording::read_mcap(path))?
-        .ok()?
-        .trace;
-    let is_ours = trace.metadata.get("seed") == Some(&seed.to_string());
-    (trace.complete && is_ours).then_some(trace)
 }
 
 /// The hash of a recording, be it a file or a folder of files.

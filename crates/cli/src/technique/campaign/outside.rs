@@ -6,10 +6,11 @@
 //! has to leave a recording, in any format that is read here. It has to end with code 0 within a
 //! limit of real time. The recording is judged through the study's `topics.toml`.
 //!
-//! An episode whose command fails ends the campaign, since one that is left out would bias what the
-//! others show; what was done is kept, and so is what the command said. The recording is moved to
-//! its place once the command has ended well, so that what is there is whole.
+//! An episode whose command fails or hangs counts as that (`failing`), with what it left of a
+//! recording. The recording is moved to its place once the command has ended, so that nothing writes
+//! to what is there.
 
+use super::failing::EpisodeFailure;
 use crate::problem::{Problem, Source, write_whole};
 use crate::store::Inputs;
 use crate::study::{CommandText, Study};
@@ -18,7 +19,7 @@ use crate::technique::asset;
 use crate::technique::judging::Judges;
 use crate::technique::operation::only_violations;
 use crate::technique::recording::{JudgedRecording, ReadingRules};
-use evidence::{Asset, AssetRole, Tool};
+use evidence::{Asset, AssetRole, FailureKind, Tool};
 use std::fs::File;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -134,10 +135,7 @@ impl OutsideCommand {
         self.tidy(folder);
         let work = work_in(folder);
         std::fs::create_dir_all(&work).map_err(|error| Problem::cannot_write(&work, &error))?;
-        write_whole(
-            &work.join("stimulus.json"),
-            self.stimulus.to_json().as_bytes(),
-        )
+        write_whole(&stimulus_in(folder)?, self.stimulus.to_json().as_bytes())
     }
 
     /// Removes what is no longer needed.
@@ -153,21 +151,26 @@ impl OutsideCommand {
         };
     }
 
-    /// Runs one episode; gives the place of its recording, from where it is to be moved.
-    pub fn run(
-        &self,
-        number: u64,
-        seed: u64,
-        folder: &Path,
-        interrupt: &Interrupt,
-    ) -> Result<PathBuf, Problem> {
+    /// Where the recording of an episode is made, from where it is to be moved; nothing is there.
+    pub fn room_for(&self, folder: &Path, name: &str) -> Result<PathBuf, Problem> {
         let folder =
             std::fs::canonicalize(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
-        let work = work_in(&folder);
-        let recording = work.join(self.recording_name(number));
-        let said = work.join(format!("episode-{number:05}.log"));
+        let recording = work_in(&folder).join(name);
         Self::remove(&recording);
-        let stimulus = work.join("stimulus.json");
+        Ok(recording)
+    }
+
+    /// Runs the command once, in a room that was prepared; what went wrong, if it did not end well.
+    pub fn run(
+        &self,
+        stimulus: &Path,
+        seed: u64,
+        recording: &Path,
+        interrupt: &Interrupt,
+    ) -> Result<Option<EpisodeFailure>, Problem> {
+        let mut said = recording.as_os_str().to_owned();
+        said.push(".said");
+        let said = PathBuf::from(said);
         let words = self.words.iter().map(|word| {
             word.replace("{stimulus}", &stimulus.to_string_lossy())
                 .replace("{seed}", &seed.to_string())
@@ -176,22 +179,27 @@ impl OutsideCommand {
         let words: Vec<String> = words.collect();
         let child = self.start(&words, &said)?;
         let ended = Running(child).wait(self.limit, interrupt)?;
-        let went_wrong = match ended {
-            None => Some(format!(
-                "it did not end within {} s",
-                self.limit.as_secs_f64()
-            )),
-            Some(status) if !status.success() => Some(format!("it ended with {status}")),
-            Some(_) if !recording.exists() => {
-                Some("it ended well but left no recording at `{recording}`".to_owned())
+        let (kind, reason) = match ended {
+            None => (
+                FailureKind::SimulatorHung,
+                format!("it did not end within {} s", self.limit.as_secs_f64()),
+            ),
+            Some(status) if !status.success() => (
+                FailureKind::SimulatorFailed,
+                format!("it ended with {status}"),
+            ),
+            Some(_) if !recording.exists() => (
+                FailureKind::SimulatorFailed,
+                "it ended well but left no recording at `{recording}`".to_owned(),
+            ),
+            Some(_) => {
+                Self::remove(&said);
+                return Ok(None);
             }
-            Some(_) => None,
         };
-        let Some(reason) = went_wrong else {
-            Self::remove(&said);
-            return Ok(recording);
-        };
-        Err(self.failed(number, seed, &reason, &said, &folder))
+        let words = format!("`{}`: {reason}{}", self.words.join(" "), last_words(&said));
+        Self::remove(&said);
+        Ok(Some(EpisodeFailure { kind, words }))
     }
 
     fn start(&self, words: &[String], said: &Path) -> Result<Child, Problem> {
@@ -216,31 +224,6 @@ impl OutsideCommand {
         })
     }
 
-    /// The failure of an episode; what the command said is kept beside the recordings.
-    fn failed(&self, number: u64, seed: u64, reason: &str, said: &Path, folder: &Path) -> Problem {
-        let kept = folder.join(format!("episode-{number:05}.log"));
-        let text = std::fs::read(said).unwrap_or_default();
-        let text = String::from_utf8_lossy(&text);
-        let lines: Vec<&str> = text.lines().collect();
-        let last = &lines[lines.len().saturating_sub(SHOWN_LINES)..];
-        let told = match last.is_empty() {
-            true => "; it said nothing".to_owned(),
-            false => format!("; it said last\n    {}", last.join("\n    ")),
-        };
-        let _ = std::fs::rename(said, &kept);
-        Problem::new(
-            "episode-failed",
-            format!(
-                "episode {number} (seed {seed}) of `{}`: {reason}{told}",
-                self.words.join(" ")
-            ),
-        )
-        .remedy(format!(
-            "all it said is in {}; once it is mended, the same command goes on with this episode",
-            kept.display()
-        ))
-    }
-
     /// Judges a recording. One that is not complete shows only violations.
     pub fn judge<'a>(
         &self,
@@ -256,9 +239,28 @@ impl OutsideCommand {
     }
 }
 
+/// What a command said last.
+fn last_words(said: &Path) -> String {
+    let text = std::fs::read(said).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    let lines: Vec<&str> = text.lines().collect();
+    let last = &lines[lines.len().saturating_sub(SHOWN_LINES)..];
+    match last.is_empty() {
+        true => "; it said nothing".to_owned(),
+        false => format!("; it said last\n    {}", last.join("\n    ")),
+    }
+}
+
 /// Where this process works. What an earlier one may still be writing does not get in its way.
 fn work_in(folder: &Path) -> PathBuf {
     folder.join(WORK).join(std::process::id().to_string())
+}
+
+/// The stimulus of a campaign, for its command, which runs in another folder.
+pub fn stimulus_in(folder: &Path) -> Result<PathBuf, Problem> {
+    let folder =
+        std::fs::canonicalize(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
+    Ok(work_in(&folder).join("stimulus.json"))
 }
 
 fn read_stimulus(path: &Path) -> Result<Stimulus, Problem> {

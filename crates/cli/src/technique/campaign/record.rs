@@ -9,6 +9,7 @@ use super::tally::Monitored;
 use crate::problem::Problem;
 use crate::store::hash_of;
 use crate::technique::judging::{Judgement, Robustness};
+use evidence::FailureKind;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -23,9 +24,10 @@ pub struct EpisodeRecord {
     pub number: u64,
     /// Its seed.
     pub seed: u64,
-    /// How it ended: `complete`, `decided` (ended early, since all was) or
+    /// How it ended: `complete`, `decided` (ended early, since all was),
     /// `incomplete` (cut short by the longest time that is allowed, or, of
-    /// another simulator, whose recording is cut short).
+    /// another simulator, whose recording is cut short), or the name of a
+    /// failure, which cut it short.
     pub end: String,
     /// Simulated time; unknown of other simulators.
     pub simulated_secs: Option<f64>,
@@ -92,6 +94,11 @@ impl Judged {
 }
 
 impl EpisodeRecord {
+    /// What ended it, if it did not end by itself.
+    pub fn failure(&self) -> Option<FailureKind> {
+        FailureKind::named(&self.end)
+    }
+
     /// Whether a requirement is violated or a failure mode occurs, by its main monitor.
     pub fn shows_violation(judged: &[Judged], monitors: &[Monitored]) -> bool {
         let mut main = judged.iter().zip(monitors);

@@ -6,7 +6,7 @@ use super::tally::{Intervals, Tally, monitors};
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::technique::judging::Judges;
-use evidence::{Finding, Measure, Subject};
+use evidence::{EpisodeFailures, Finding, Measure, Subject};
 use std::path::Path;
 use temporal::monitor::Verdict;
 
@@ -15,6 +15,8 @@ use temporal::monitor::Verdict;
 pub struct Recount {
     /// The findings of its episodes.
     pub findings: Vec<Finding>,
+    /// Episodes of it that were ended by a failure.
+    pub failures: Vec<EpisodeFailures>,
     /// Recordings that are as the journal says.
     pub recordings: u64,
     /// What is not as the journal says: file and fault.
@@ -39,6 +41,7 @@ pub fn recount(
     let (records, damaged) = records(&path)?;
     let mut recount = Recount {
         findings: Vec::new(),
+        failures: Vec::new(),
         recordings: 0,
         faults: Vec::new(),
     };
@@ -57,16 +60,19 @@ pub fn recount(
         recount.check_recording(folder, &name, record);
         let verdicts: Vec<_> = record.judged.iter().map(|judged| judged.verdict).collect();
         tally.add(&name, &verdicts);
+        tally.ended_by(record.number, record.failure());
         let here = target.is_some_and(|(subject, sample)| tally.sample(subject) == sample);
         if intervals == Intervals::Anytime && here {
             let findings = tally.findings(study, intervals)?;
             if findings == claimed {
                 recount.findings = findings;
+                recount.failures = tally.failures(study, intervals)?;
                 return Ok(Some(recount));
             }
         }
     }
     recount.findings = tally.findings(study, intervals)?;
+    recount.failures = tally.failures(study, intervals)?;
     Ok(Some(recount))
 }
 

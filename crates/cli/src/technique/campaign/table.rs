@@ -77,7 +77,7 @@ fn columns(stimulus: Option<&Stimulus>, monitors: &[Monitored]) -> Vec<ParquetCo
             .optional()
             .meaning("the abstract test that is enacted"),
         ParquetColumn::new("end", Text)
-            .meaning("complete, decided (ended early, since all was) or incomplete"),
+            .meaning("complete, decided (ended early, since all was), incomplete, or what failed: controller-failed, controller-hung, simulator-failed, simulator-hung"),
         ParquetColumn::new("simulated_secs", Double)
             .optional()
             .in_unit("s"),

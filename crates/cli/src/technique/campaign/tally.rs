@@ -3,7 +3,8 @@
 use crate::problem::Problem;
 use crate::study::{Study, SubjectForm};
 use crate::technique::judging::Judges;
-use evidence::{Finding, Interval, Measure, Reading, Subject};
+use evidence::{EpisodeFailures, FailureKind, Finding, Interval, Measure, Reading, Subject};
+use std::collections::BTreeMap;
 use temporal::monitor::Verdict;
 
 /// Runs that are named as witnesses, at most.
@@ -42,6 +43,8 @@ pub enum Intervals {
 pub struct Tally {
     runs: u64,
     rows: Vec<Row>,
+    /// Runs that were ended by a failure, with the first of them.
+    failed: BTreeMap<FailureKind, (u64, Vec<String>)>,
 }
 
 /// Counts of one monitor.
@@ -79,6 +82,7 @@ impl Tally {
         Self {
             runs: 0,
             rows: rows.collect(),
+            failed: BTreeMap::new(),
         }
     }
 
@@ -101,6 +105,47 @@ impl Tally {
                 witness(&mut row.differing_witnesses, name);
             }
         }
+    }
+
+    /// Counts what ended the run that was counted last, if it did not end by itself. It may have left
+    /// no recording, so it goes by its number.
+    pub fn ended_by(&mut self, number: u64, failure: Option<FailureKind>) {
+        if let Some(kind) = failure {
+            let (count, witnesses) = self.failed.entry(kind).or_default();
+            *count += 1;
+            witness(witnesses, &format!("episode {number}"));
+        }
+    }
+
+    /// How often each kind of failure ended a run.
+    pub fn failed(&self) -> impl Iterator<Item = (FailureKind, stats::Sample)> {
+        self.failed.iter().map(|(kind, (count, _))| {
+            let sample = stats::Sample {
+                successes: *count,
+                trials: self.runs,
+            };
+            (*kind, sample)
+        })
+    }
+
+    /// Each kind of failure that ended a run.
+    pub fn failures(
+        &self,
+        study: &Study,
+        intervals: Intervals,
+    ) -> Result<Vec<EpisodeFailures>, Problem> {
+        let failures = self.failed.iter().map(|(kind, (count, witnesses))| {
+            let sample = stats::Sample {
+                successes: *count,
+                trials: self.runs,
+            };
+            Ok(EpisodeFailures {
+                kind: *kind,
+                measure: counted(study, sample, intervals)?,
+                witnesses: witnesses.clone(),
+            })
+        });
+        failures.collect()
     }
 
     /// How many runs were counted.
@@ -186,11 +231,16 @@ impl Tally {
                 ),
             });
         };
-        let level = super::super::confidence(study.about.confidence)?;
-        match intervals {
-            Intervals::Fixed => super::super::counts(sample.successes, sample.trials, None, level),
-            Intervals::Anytime => Ok(anytime(sample, level)),
-        }
+        counted(study, sample, intervals)
+    }
+}
+
+/// Counts with their interval.
+fn counted(study: &Study, sample: stats::Sample, intervals: Intervals) -> Result<Measure, Problem> {
+    let level = super::super::confidence(study.about.confidence)?;
+    match intervals {
+        Intervals::Fixed => super::super::counts(sample.successes, sample.trials, None, level),
+        Intervals::Anytime => Ok(anytime(sample, level)),
     }
 }
 
@@ -274,6 +324,11 @@ mod tests {
         assert_eq!((tally.runs(), main.witnesses.len()), (15, WITNESSES));
         assert_eq!(main.witnesses[0], "run 0");
         assert_eq!((main.differing, tally.rows[1].differing), (0, 2));
+        tally.ended_by(4, Some(FailureKind::ControllerFailed));
+        tally.ended_by(5, None);
+        let failed: Vec<_> = tally.failed().collect();
+        let of_all = stats::Sample::new(1, 15).expect("counts");
+        assert_eq!(failed, [(FailureKind::ControllerFailed, of_all)]);
         let sample = tally.sample(&Subject::Requirement("1".into()));
         assert_eq!((sample.successes, sample.trials), (1, 13));
         assert_eq!(tally.sample(&Subject::Requirement("2".into())).trials, 0);

@@ -143,12 +143,7 @@ impl OpenBench {
         watch: &mut dyn Watch,
         interrupt: &Interrupt,
     ) -> Result<Recorded, SimError> {
-        let run = self.bench().run(stimulus, seed, watch, interrupt.cancel());
-        match run {
-            // A controller that ended with us did not fail.
-            Err(SimError::Controller(_)) if interrupt.is_set() => Err(SimError::Cancelled),
-            other => other,
-        }
+        self.bench().run(stimulus, seed, watch, interrupt.cancel())
     }
 }
 

@@ -159,9 +159,9 @@ impl Exploring<'_, '_> {
         }
         let requirement = planned.for_the_sake_of.as_deref();
         let stimulus = &planned.stimulus;
-        let shown = self
-            .watching
-            .run(stimulus, seed, requirement, self.interrupt)?;
+        let shown =
+            self.watching
+                .run(stimulus, (seed, number == 1), requirement, self.interrupt)?;
         self.journal.add(number, seed, stimulus, &shown)?;
         Ok(shown)
     }

@@ -11,10 +11,10 @@ use super::situations::Situations;
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::talk::Interrupt;
-use crate::technique::campaign::OnLine;
+use crate::technique::campaign::{OnLine, kind_of};
 use crate::technique::judging::Judges;
 use campaign::Situation;
-use evidence::Subject;
+use evidence::{FailureKind, Subject};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -70,17 +70,21 @@ pub struct Shown {
     pub simulated_secs: f64,
     /// Which lines of the controller's code ran, in the format of lcov.
     pub lcov: Option<String>,
-    /// Why the episode could not be run to its end.
+    /// What of the robot's program ended the episode, if it did.
+    pub failed: Option<FailureKind>,
+    /// Why the episode could not be run to its end, where that is no fault of
+    /// the robot's program.
     pub broken: Option<String>,
 }
 
 impl Watching<'_> {
     /// Runs an episode and looks at it; `for_the_sake_of` a requirement, only
-    /// until that is decided.
+    /// until that is decided. A program that cannot be set up in the first
+    /// episode is an error.
     pub fn run(
         &self,
         stimulus: &Stimulus,
-        seed: u64,
+        (seed, is_first): (u64, bool),
         for_the_sake_of: Option<&str>,
         interrupt: &Interrupt,
     ) -> Result<Shown, Problem> {
@@ -94,9 +98,7 @@ impl Watching<'_> {
         let recorded = match self.bench.watched(stimulus, seed, &mut on_line, interrupt) {
             Ok(recorded) => recorded,
             // What the stimulus brought about is a result; what it cannot be is a mistake.
-            Err(
-                error @ (SimError::Unstable { .. } | SimError::Trace(_) | SimError::Controller(_)),
-            ) => {
+            Err(error @ (SimError::Unstable { .. } | SimError::Trace(_))) => {
                 return Ok(Shown {
                     broken: Some(error.to_string()),
                     ..Shown::default()
@@ -110,7 +112,19 @@ impl Watching<'_> {
             }
             Err(error) => return Err(failed(&error)),
         };
+        let failed = recorded.failure.as_ref().map(kind_of);
+        if let Some(failure) = recorded.failure.as_ref().filter(|it| it.in_setup) {
+            return match is_first {
+                // It has not worked once.
+                true => Err(Problem::new("controller-failed", failure.error.to_string())),
+                false => Ok(Shown {
+                    failed,
+                    ..Shown::default()
+                }),
+            };
+        }
         let mut shown = Shown {
+            failed,
             simulated_secs: recorded.sim_secs,
             lcov: self.lcov(seed),
             situation: self.situations.of(stimulus, &recorded.trace)?,

@@ -141,6 +141,7 @@ impl<'a> Seen<'a> {
     fn shows(&self, shown: &Shown) -> Vec<Shows> {
         let violated = shown.violated.iter().cloned().map(Shows::Violated);
         let modes = shown.failure_modes.iter().cloned().map(Shows::FailureMode);
+        let failed = shown.failed.map(Shows::Failed);
         let unknown = shown.unknown.iter().filter_map(|(from, to)| {
             let abstraction = self.abstraction?;
             Some(Shows::Unknown(UnknownStep {
@@ -149,7 +150,7 @@ impl<'a> Seen<'a> {
                 to: to.map(|to| abstraction.describe(to)),
             }))
         });
-        let mut all: Vec<Shows> = violated.chain(modes).chain(unknown).collect();
+        let mut all: Vec<Shows> = violated.chain(modes).chain(failed).chain(unknown).collect();
         all.sort();
         all.dedup();
         all

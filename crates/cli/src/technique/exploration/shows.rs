@@ -6,10 +6,11 @@ use super::plan::Plan;
 use crate::problem::Problem;
 use crate::study::{Shows, Study};
 use crate::talk::Interrupt;
+use crate::technique::campaign::kind_of;
 use crate::technique::judging::Judges;
 use std::path::Path;
 use temporal::monitor::Verdict;
-use trace::Trace;
+use testbench::Recorded;
 
 /// Judges recordings for what a finding shows.
 pub struct ShowsJudge<'a> {
@@ -57,8 +58,12 @@ impl<'a> ShowsJudge<'a> {
         })
     }
 
-    /// Whether a recording shows it.
-    pub fn shows(&self, trace: &Trace) -> Result<bool, Problem> {
+    /// Whether an episode shows it.
+    pub fn shows(&self, recorded: &Recorded) -> Result<bool, Problem> {
+        let trace = &recorded.trace;
+        if let Shows::Failed(kind) = self.shows {
+            return Ok(recorded.failure.as_ref().map(kind_of) == Some(kind));
+        }
         let Shows::Unknown(step) = &self.shows else {
             let judgements = self.judges.judge(trace)?;
             let mut main = judgements.iter().filter(|j| j.reading.is_none());
