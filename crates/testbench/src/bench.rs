@@ -118,6 +118,17 @@ pub struct Recorded {
     pub failure: Option<Failure>,
 }
 
+/// A number that a run draws once from its seed, which a setting of its key would fix.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The setting's key.
+    pub key: String,
+    /// The number of this run.
+    pub value: f64,
+    /// The middle of what it is drawn from.
+    pub middle: f64,
+}
+
 /// Anything that turns a stimulus and a seed into a recording.
 pub trait Bench: Send + Sync {
     /// The topics and fields that every run records, without rows: what to bind monitors to.

@@ -147,7 +147,7 @@ mod viewer;
 mod world;
 
 pub use bench::{
-    Bench, Cancel, Control, End, Failure, Recorded, Savable, SimError, Status, Unwatched,
+    Bench, Cancel, Control, Drawn, End, Failure, Recorded, Savable, SimError, Status, Unwatched,
     Watch,
 };
 pub use difference::{Difference, differences};

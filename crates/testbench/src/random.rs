@@ -131,6 +131,18 @@ impl Distribution {
         }
     }
 
+    /// The value below which half of all draws are.
+    #[must_use]
+    pub fn middle(&self) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Uniform {
+                uniform: [low, high],
+            } => low + 0.5 * (high - low),
+            Self::Normal { normal: [mean, _] } => mean,
+        }
+    }
+
     /// Checks that the numbers are finite, in order, and that every value lies in
     /// `[low, high]`.
     ///

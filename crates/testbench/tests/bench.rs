@@ -265,3 +265,36 @@ fn a_run_resumed_with_another_seed_keeps_the_past_and_draws_the_rest_anew() {
     let pull = pull.into_iter().fold(0.0, f64::max);
     assert_eq!(pull, pulls[0], "a pull that has begun stays");
 }
+
+#[test]
+fn with_its_draws_as_settings_a_run_is_the_same_whatever_the_seed_would_draw() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    for (parameters, expected) in [("untuned.toml", 9), ("tuned.toml", 1)] {
+        let (scenario, parameters) = (
+            common::handover_file("scenario.toml"),
+            common::handover_file(parameters),
+        );
+        let bench = HandoverBench::new(&engine, &scenario, &parameters).expect("sound");
+        let stimulus = typical(&bench);
+        let drawn = bench.drawn(&stimulus, 5).expect("it fits");
+        assert!(drawn.len() >= expected, "{drawn:?}");
+        let mut pinned = stimulus.clone();
+        for number in &drawn {
+            pinned = set(pinned, &number.key, number.value);
+        }
+        assert!(bench.drawn(&pinned, 5).expect("it fits").is_empty());
+        let cancel = Cancel::default();
+        let run = |stimulus: &Stimulus| bench.run(stimulus, 5, &mut Unwatched, &cancel);
+        let (before, after) = (
+            run(&stimulus).expect("it runs"),
+            run(&pinned).expect("it runs"),
+        );
+        assert_eq!(bits(&before.trace), bits(&after.trace));
+        // Under another seed the same numbers are there still.
+        let other = bench.drawn(&stimulus, 6).expect("it fits");
+        assert!(other.iter().zip(&drawn).all(|(a, b)| a.key == b.key));
+        assert!(other.iter().zip(&drawn).any(|(a, b)| a.value != b.value));
+    }
+}

@@ -630,3 +630,137 @@ fn what_is_wrong_in_a_scene_is_said_with_its_key() {
         assert!(said.contains(expected), "{change:?}: {said}");
     }
 }
+
+#[test]
+fn with_its_draws_as_settings_an_episode_is_the_same() {
+    let more = r#"
+        [[person]]
+        name = "ann"
+        x_m = { uniform = [1.5, 2.5] }
+        y_m = { normal = [0.0, 0.2], low = -1.0, high = 1.0 }
+        speed_m_s = { uniform = [0.5, 1.0] }
+        waypoint = [{ x_m = -2.0, y_m = { uniform = [-0.5, 0.5] } }]
+        [[sensor]]
+        name = "lidar"
+        robot = "carrier"
+        kind = "lidar"
+        rate_hz = 10
+        rays = 5
+        first_angle_rad = -0.5
+        last_angle_rad = 0.5
+        longest_m = { uniform = [5.0, 6.0] }
+        noise = { ranges_m = 0.01 }
+        bias = { ranges_m = { uniform = [-0.1, 0.1] } }
+        latency_secs = { uniform = [0.02, 0.06] }
+    "#;
+    let Some(bench) = bench(more) else { return };
+    let plain = stimulus(
+        &bench,
+        &[("controller.driver.settings.speed_m_s", 0.5.into())],
+    );
+    let drawn = bench.drawn(&plain, 3).unwrap();
+    let keys: Vec<&str> = drawn.iter().map(|number| number.key.as_str()).collect();
+    for key in [
+        "person.ann.x_m",
+        "person.ann.waypoint.0.y_m",
+        "sensor.lidar.longest_m",
+        "sensor.lidar.bias.ranges_m",
+    ] {
+        assert!(keys.contains(&key), "{keys:?}");
+    }
+    // Drawn for each reading, it is no number of the episode.
+    assert!(!keys.contains(&"sensor.lidar.latency_secs"), "{keys:?}");
+    let mut pinned = plain.clone();
+    for number in &drawn {
+        pinned
+            .settings
+            .insert(number.key.clone(), number.value.into());
+    }
+    assert!(bench.drawn(&pinned, 3).unwrap().is_empty());
+    let run = |stimulus: &Stimulus, seed| {
+        let recorded = bench.run(stimulus, seed, &mut Unwatched, &Cancel::default());
+        let trace = recorded.unwrap().trace;
+        let numbers = trace.channels.into_iter();
+        let numbers = numbers.flat_map(|it| it.times_secs.into_iter().chain(it.values));
+        numbers.map(f64::to_bits).collect::<Vec<u64>>()
+    };
+    assert!(run(&plain, 3) == run(&pinned, 3));
+    assert!(run(&plain, 3) != run(&plain, 4));
+}
+
+/// Drives until it fails: by an error, or when it is set up.
+struct Failing(Driver, Option<f64>);
+
+impl Controller for Failing {
+    fn describe(&self) -> &Description {
+        self.0.describe()
+    }
+
+    fn set_up(&mut self, setup: &Setup) -> Result<(), ControllerError> {
+        match self.1 {
+            Some(_) => self.0.set_up(setup),
+            None => Err(ControllerError::Silent {
+                reason: "it says nothing".into(),
+            }),
+        }
+    }
+
+    fn tick(&mut self, inputs: &Inputs) -> Result<Outputs, ControllerError> {
+        if self.1.is_some_and(|secs| inputs.time_secs + 1e-9 >= secs) {
+            return Err(ControllerError::Failed {
+                message: "out of its depth".into(),
+            });
+        }
+        self.0.tick(inputs)
+    }
+}
+
+#[test]
+fn what_a_controller_did_before_it_failed_is_recorded_and_it_is_said_how() {
+    let Some(engine) = common::engine() else {
+        return;
+    };
+    let folder = common::root().join("case-studies/corridor/simulation");
+    let read = move |file: &str| std::fs::read(folder.join(file)).map_err(|e| e.to_string());
+    let failing = |fails_secs: Option<f64>| {
+        let start = Arc::new(move |_: &ControllerData| {
+            Ok(Box::new(Failing(Driver::new(), fails_secs)) as Box<dyn Controller>)
+        });
+        let (bench, _) = SceneBench::new(ROOM, &read, mujoco(&engine), start).unwrap();
+        run(&bench, 1, &[])
+    };
+    let recorded = failing(Some(2.0));
+    assert_eq!(recorded.end, End::Failed);
+    let failure = recorded.failure.clone().unwrap();
+    assert!(!failure.in_setup && failure.error.to_string().contains("out of its depth"));
+    assert!(
+        (recorded.sim_secs - 2.0).abs() < 1e-9,
+        "{}",
+        recorded.sim_secs
+    );
+    assert!(!recorded.trace.complete);
+    assert_eq!(recorded.trace.metadata["failed"], "controller-failed");
+    assert_eq!(recorded.trace.end_secs(), Some(2.0));
+    // Another time it is the same; what nobody measures is NaN, which equals nothing.
+    let bits = |recorded: &Recorded| {
+        let channels = recorded.trace.channels.iter();
+        let numbers = channels.flat_map(|it| it.times_secs.iter().chain(&it.values));
+        numbers.map(|number| number.to_bits()).collect::<Vec<u64>>()
+    };
+    let again = failing(Some(2.0));
+    assert!(bits(&again) == bits(&recorded));
+    assert_eq!(again.trace.metadata, recorded.trace.metadata);
+
+    let recorded = failing(None);
+    let failure = recorded.failure.unwrap();
+    assert!(failure.in_setup);
+    assert_eq!(failure.kind(), "controller-hung");
+    assert_eq!(recorded.trace.metadata["seed"], "1");
+    assert!(
+        recorded
+            .trace
+            .channels
+            .iter()
+            .all(|it| it.times_secs.is_empty())
+    );
+}

@@ -2,9 +2,11 @@
 //!
 //! ```text
 //! 1  delta debugging over the actions, over the values of `set` actions, and over the settings
-//!    (a setting that goes is back at its nominal value, or left to the bench)
+//!    (a setting that goes is back at its nominal value, or left to the bench); of the settings
+//!    each is tried alone first
 //! 2  each number to fewer significant digits
-//! 3  each delay to 0, or halved as often as possible, then to fewer digits
+//! 3  each setting that has a nominal value as near to that as possible, in numbers of two digits
+//! 4  each delay to 0, or halved as often as possible, then to fewer digits
 //! repeated until nothing changes
 //! ```
 //!
@@ -19,7 +21,7 @@
 mod passes;
 mod size;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -32,6 +34,9 @@ pub use size::Size;
 pub struct ShrinkOptions {
     /// Values that need no explanation, by dotted key: a setting with this value counts as absent.
     pub nominal: Settings,
+    /// Settings without which the bench draws a number from the seed. They have nominal values and
+    /// are brought back to these, never left out: the cause would move into the seed.
+    pub drawn: BTreeSet<String>,
     /// The declared ranges: what lies outside is not tried, if the start lies within. A smaller
     /// scenario that nobody declared possible would explain nothing.
     pub space: Space,
@@ -44,6 +49,7 @@ impl Default for ShrinkOptions {
     fn default() -> Self {
         Self {
             nominal: Settings::new(),
+            drawn: BTreeSet::new(),
             space: Space::default(),
             budget: 1000,
         }
@@ -59,6 +65,7 @@ impl ShrinkOptions {
         let nominal = space.settings(&space.nominal())?;
         Ok(Self {
             nominal,
+            drawn: BTreeSet::new(),
             space,
             budget,
         })

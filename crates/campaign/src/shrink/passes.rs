@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use stimulus::{Action, Distribution, Setting, Stimulus, Verb};
 
 use super::Shrinking;
-use super::size::{digits, is_constant, rounded};
+use super::size::{PLAIN_DIGITS, digits, is_constant, rounded};
 
 /// Every pass once.
 pub(super) fn all(search: &mut Shrinking<'_>) {
@@ -14,6 +14,7 @@ pub(super) fn all(search: &mut Shrinking<'_>) {
     fewer_settings(search);
     shorter_delays(search);
     rounder_numbers(search);
+    nearer_numbers(search);
 }
 
 fn fewer_actions(search: &mut Shrinking<'_>) {
@@ -40,16 +41,21 @@ fn fewer_values(search: &mut Shrinking<'_>) {
 fn fewer_settings(search: &mut Shrinking<'_>) {
     let settings: Vec<(String, Setting)> = search.best.settings.clone().into_iter().collect();
     let all = search.best.settings.clone();
-    // First left to the bench altogether, then those that stay back at their nominal values.
-    minimise(
-        search,
-        &settings,
-        &|stimulus, kept: &[(String, Setting)]| {
-            stimulus.settings = kept.iter().cloned().collect();
-        },
-    );
+    let (nominal, drawn) = (&search.options.nominal, &search.options.drawn);
+    let left_out = |stimulus: &mut Stimulus, kept: &[(String, Setting)]| {
+        stimulus.settings = kept.iter().cloned().collect();
+        for key in drawn.iter().filter(|key| all.contains_key(*key)) {
+            let value = nominal.get(key).cloned();
+            if let (Some(value), false) = (value, stimulus.settings.contains_key(key)) {
+                stimulus.settings.insert(key.clone(), value);
+            }
+        }
+    };
+    one_alone(search, &settings, &left_out);
+    // Left to the bench altogether, then those that stay back at their nominal values.
+    let settings: Vec<(String, Setting)> = search.best.settings.clone().into_iter().collect();
+    minimise(search, &settings, &left_out);
     let kept: Vec<(String, Setting)> = search.best.settings.clone().into_iter().collect();
-    let nominal = &search.options.nominal;
     minimise(search, &kept, &|stimulus, kept: &[(String, Setting)]| {
         stimulus.settings = kept.iter().cloned().collect();
         for key in all
@@ -63,6 +69,18 @@ fn fewer_settings(search: &mut Shrinking<'_>) {
             }
         }
     });
+}
+
+/// Whether it takes none of the settings, or only one: delta debugging can end at several that
+/// together do the same.
+fn one_alone<T>(search: &mut Shrinking<'_>, settings: &[T], keep: &dyn Fn(&mut Stimulus, &[T])) {
+    for kept in std::iter::once(&[][..]).chain(settings.chunks(1)) {
+        let mut candidate = search.best.clone();
+        keep(&mut candidate, kept);
+        if search.accept(candidate) {
+            return;
+        }
+    }
 }
 
 fn values_of(stimulus: &Stimulus, action: usize) -> Option<&BTreeMap<String, Setting>> {
@@ -99,6 +117,40 @@ fn minimise<T: Clone>(search: &mut Shrinking<'_>, items: &[T], keep: &dyn Fn(&mu
             }
             None if parts >= items.len() => break,
             None => parts = (2 * parts).min(items.len()),
+        }
+    }
+}
+
+/// Brings each setting as near to its nominal value as still shows it, by bisection over numbers of
+/// [`PLAIN_DIGITS`] digits. Where that depends on the number in some other way than by a limit, what
+/// is found is a limit all the same, and not the only one.
+fn nearer_numbers(search: &mut Shrinking<'_>) {
+    for key in search.best.settings.keys().cloned().collect::<Vec<_>>() {
+        let (Some(Setting::Number(nominal)), Some(Setting::Number(start))) = (
+            search.options.nominal.get(&key).cloned(),
+            search.best.settings.get(&key).cloned(),
+        ) else {
+            continue;
+        };
+        let largest = nominal.abs().max(start.abs());
+        if nominal == start || largest == 0.0 {
+            continue;
+        }
+        let unit = 10_f64.powi(largest.log10().floor() as i32 + 1 - PLAIN_DIGITS as i32);
+        // Whole units from the nominal value: at `far` it shows, at `near` it does not.
+        let (mut near, mut far) = (0.0, ((start - nominal) / unit).abs().ceil());
+        let direction = (start - nominal).signum();
+        while far - near > 1.0 && !search.exhausted {
+            let middle = ((near + far) / 2.0).floor();
+            let value = rounded(nominal + direction * middle * unit, PLAIN_DIGITS);
+            let mut candidate = search.best.clone();
+            candidate
+                .settings
+                .insert(key.clone(), Setting::Number(value));
+            match search.accept(candidate) {
+                true => far = middle,
+                false => near = middle,
+            }
         }
     }
 }

@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 use stimulus::{Distribution, Setting, Settings, Stimulus, Verb};
 
+/// Digits of a number that cost nothing where it matters more how near it is to the nominal value.
+pub(super) const PLAIN_DIGITS: usize = 2;
+
 /// The size of a stimulus, compared part by part in this order.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd, Serialize, Deserialize)]
 pub struct Size {
@@ -16,6 +19,10 @@ pub struct Size {
     pub random_delays: usize,
     /// Sum of all delays (the middle of random ones), in seconds.
     pub delay_secs: f64,
+    /// Significant digits beyond two of settings that have a nominal value and another one.
+    pub further_digits: usize,
+    /// How far such settings are from their nominal values, relative to these, together.
+    pub distance: f64,
     /// Significant digits of all numbers and delays.
     pub digits: usize,
     /// Settings that merely repeat the nominal value.
@@ -29,7 +36,8 @@ impl Size {
         let actions = &stimulus.test.actions;
         let is_nominal = |(key, value): &(&String, &Setting)| nominal.get(*key) == Some(*value);
         let nominal_settings = stimulus.settings.iter().filter(is_nominal).count();
-        let own = stimulus.settings.iter().filter(|entry| !is_nominal(entry));
+        let own = stimulus.settings.iter();
+        let own = own.filter(|entry| !is_nominal(entry));
         let values = actions.iter().flat_map(|action| match &action.verb {
             Verb::Set(values) => values.values().collect(),
             _ => Vec::new(),
@@ -44,6 +52,15 @@ impl Size {
             values: values.clone().count(),
             settings: stimulus.settings.len() - nominal_settings,
             random_delays: delays.clone().filter(|delay| !is_constant(delay)).count(),
+            further_digits: own
+                .clone()
+                .filter(|(key, _)| nominal.contains_key(*key))
+                .map(|(_, value)| digits_of(value).saturating_sub(PLAIN_DIGITS))
+                .sum(),
+            distance: own
+                .clone()
+                .filter_map(|(key, value)| distance(value, nominal.get(key)?))
+                .sum(),
             delay_secs: delays.clone().map(|delay| delay.quantile(0.5)).sum(),
             digits: delays.map(digits_of_delay).sum::<usize>()
                 + own.map(|(_, value)| digits_of(value)).sum::<usize>()
@@ -51,6 +68,15 @@ impl Size {
             nominal_settings,
         }
     }
+}
+
+/// How far a number is from its nominal value, relative to that.
+fn distance(value: &Setting, nominal: &Setting) -> Option<f64> {
+    let (Setting::Number(value), Setting::Number(nominal)) = (value, nominal) else {
+        return None;
+    };
+    let scale = if *nominal == 0.0 { 1.0 } else { nominal.abs() };
+    Some((value - nominal).abs() / scale)
 }
 
 pub(super) fn is_constant(delay: &Distribution) -> bool {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use stimulus::{AbstractTest, Settings, Stimulus};
-use toml::Table;
+use stimulus::{AbstractTest, Distribution, Settings, Stimulus};
+use toml::{Table, Value};
 use trace::Trace;
 
 use super::build::{Models, build};
@@ -11,7 +11,7 @@ use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
-use crate::bench::{Bench, Cancel, End, Failure, Recorded, SimError, Watch};
+use crate::bench::{Bench, Cancel, Drawn, End, Failure, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
 use crate::mujoco::Engine;
 use crate::physics::{Layout, MujocoPhysics, Physics, RapierPhysics};
@@ -171,6 +171,30 @@ impl SceneBench {
         }))
     }
 
+    /// The numbers that the run of a stimulus and a seed draws from the scene's distributions. With
+    /// all of them as settings the run is the same. Delays of the test are none of them, nor is what a
+    /// sensor draws for each reading.
+    ///
+    /// # Errors
+    /// [`SimError::Stimulus`].
+    pub fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Vec<Drawn>, SimError> {
+        let table = self.table_with(&stimulus.settings)?;
+        let mut found = Vec::new();
+        for (name, value) in table.iter().filter(|(name, _)| *name != "abstract_test") {
+            distributions(name, value, &mut |key, distribution| {
+                if name == "sensor" && key.ends_with(".latency_secs") {
+                    return;
+                }
+                found.push(Drawn {
+                    value: Draws { seed }.number(&key, distribution),
+                    middle: distribution.quantile(0.5),
+                    key,
+                });
+            });
+        }
+        Ok(found)
+    }
+
     /// The scene's table with a stimulus's settings in it. A key may be absent if the scene knows
     /// it and its default.
     fn table_with(&self, settings: &Settings) -> Result<Table, SimError> {
@@ -197,6 +221,29 @@ impl SceneBench {
 fn is_undrawn(table: &Table) -> bool {
     let mut drawn = table.clone();
     resolve(&mut drawn, &mut |_, distribution| distribution.support()[0])
+}
+
+/// Each distribution below a value, with its key: entries of lists go by name, or by place.
+fn distributions(key: &str, value: &Value, found: &mut dyn FnMut(String, &Distribution)) {
+    match value {
+        Value::Table(table) => {
+            let read = value.clone().try_into::<Distribution>();
+            if let Some(drawn) = read.ok().filter(|it| it.check().is_ok()) {
+                return found(key.to_owned(), &drawn);
+            }
+            for (name, value) in table {
+                distributions(&format!("{key}.{name}"), value, found);
+            }
+        }
+        Value::Array(entries) => {
+            for (place, entry) in entries.iter().enumerate() {
+                let name = entry.get("name").and_then(Value::as_str);
+                let name = name.map_or_else(|| place.to_string(), str::to_owned);
+                distributions(&format!("{key}.{name}"), entry, found);
+            }
+        }
+        _ => {}
+    }
 }
 
 impl Bench for SceneBench {

@@ -16,7 +16,7 @@ use super::episode::{Episode, watch_episode};
 use super::recorder::Recorder;
 use super::run::Run;
 use super::setup::World;
-use crate::bench::{Bench, Cancel, Recorded, Savable, SimError, Status, Unwatched, Watch};
+use crate::bench::{Bench, Cancel, Drawn, Recorded, Savable, SimError, Status, Unwatched, Watch};
 use crate::mujoco::Engine;
 use crate::scenario::{AbstractTest, Parameters, Scenario, ScenarioError};
 
@@ -101,6 +101,15 @@ impl HandoverBench {
         let scenario = Scenario::from_table(take("scenario")).map_err(unsuitable)?;
         let parameters = Parameters::from_table(take("parameters")).map_err(unsuitable)?;
         Ok(World::unchecked(&self.engine, scenario, parameters)?.enacting(test))
+    }
+
+    /// The numbers that the run of a stimulus and a seed draws once. With all of them as settings the
+    /// run is the same.
+    ///
+    /// # Errors
+    /// [`SimError::Stimulus`].
+    pub fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Vec<Drawn>, SimError> {
+        Ok(self.world(stimulus, seed)?.drawn(seed))
     }
 
     /// As [`Bench::run`], with the summary of the handover.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::plant::{Plant, arm_joint_names};
-use crate::bench::SimError;
+use crate::bench::{Drawn, SimError};
 use crate::model::{PhysicalDraws, standing_pose};
 use crate::mujoco::Engine;
-use crate::random::{Purpose, Stream};
+use crate::random::{Distribution, Purpose, Stream};
 use crate::robot::ResetPose;
 use crate::scenario::{AbstractTest, Parameters, Scenario};
 
@@ -105,6 +105,46 @@ impl World {
             friction,
             object_pose: standing_pose(scenario, x_m, y_m, yaw_rad),
         }
+    }
+
+    /// The numbers that the episode with `seed` draws once, and what each of them is. What is drawn
+    /// several times in an episode (the reset's angles, the planner's answers) is none of them.
+    pub(crate) fn drawn(&self, seed: u64) -> Vec<Drawn> {
+        let parameters = &self.setup().parameters;
+        let (object, human) = (&parameters.object, &parameters.human);
+        // Each stream in the order in which the episode draws from it.
+        let of_object = [
+            ("object.mass_kg", &object.mass_kg),
+            ("hand.friction", &parameters.hand.friction),
+            ("object.x_error_m", &object.x_error_m),
+            ("object.y_error_m", &object.y_error_m),
+            ("object.yaw_rad", &object.yaw_rad),
+        ];
+        let of_human = [
+            ("human.head_height_offset_m", &human.head_height_offset_m),
+            ("human.yaw_error_rad", &human.yaw_error_rad),
+            (
+                "human.yaw_error_when_away_rad",
+                &human.yaw_error_when_away_rad,
+            ),
+            ("human.pull_forward_newtons", &human.pull_forward_newtons),
+            ("human.pull_up_newtons", &human.pull_up_newtons),
+        ];
+        let mut drawn = Vec::new();
+        for (purpose, keys) in [(Purpose::Object, of_object), (Purpose::Human, of_human)] {
+            let mut stream = Stream::new(seed, purpose);
+            for (key, distribution) in keys {
+                let value = distribution.draw(&mut stream);
+                if !matches!(distribution, Distribution::Constant(_)) {
+                    drawn.push(Drawn {
+                        key: format!("parameters.{key}"),
+                        value,
+                        middle: distribution.middle(),
+                    });
+                }
+            }
+        }
+        drawn
     }
 
     /// The pose the robot resets to in the episode with `seed`.
