@@ -151,16 +151,12 @@ fn an_episode_ends_once_it_has_shown_it_and_a_small_budget_is_said() {
     std::fs::write(study.join("slips.toml"), SLIPS).expect("written");
     let run = |arguments: &[&str]| simulating(&library, study, arguments);
     let shrunk = |arguments: &[&str]| {
-        let said = run(&[
-            &["shrink", ".", "--budget", "1", "--format", "json"],
-            arguments,
-        ]
-        .concat());
+        let said = run(&[&["shrink", ".", "--format", "json"], arguments].concat());
         assert_eq!(said.code, 0, "{said:?}");
         json(&said)
     };
     let report = shrunk(&["slips.toml"]);
-    assert_eq!(report["is_minimal"], false);
+    assert_eq!(report["is_minimal"], true);
     let [before, after] = ["before", "after"].map(|of| report[of]["simulated_secs"].as_f64());
     assert!(after < before, "{report}");
     let text = std::fs::read_to_string(study.join("regressions/slips.toml")).expect("kept");
@@ -169,8 +165,24 @@ fn an_episode_ends_once_it_has_shown_it_and_a_small_budget_is_said() {
     assert!((after.expect("a number") - until).abs() < 0.1, "{report}");
 
     // A planner that always fails does so in every seed.
-    let report = shrunk(&["found.toml", "--seeds", "2/2"]);
+    let report = shrunk(&["found.toml", "--seeds", "2/2", "--budget", "2"]);
     assert_eq!(report["seeds"], serde_json::json!([2, 2]));
+    assert_eq!(report["is_minimal"], false);
+    assert_eq!(report["episodes"], 2, "{report}");
+    let few = [
+        "shrink",
+        ".",
+        "found.toml",
+        "--seeds",
+        "2/2",
+        "--budget",
+        "1",
+        "--name",
+        "few",
+    ];
+    let said = run(&few);
+    assert_eq!((said.code, said.out.as_str()), (2, ""), "{said:?}");
+    assert!(said.talk.contains("small-budget"), "{}", said.talk);
     let said = run(&["replay", ".", "--check"]);
     assert_eq!(said.code, 0, "{said:?}");
     assert!(

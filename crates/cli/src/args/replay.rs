@@ -11,9 +11,13 @@ Examples:
   corroborate shrink case-studies/handover results/exploration/findings/violated-8.toml
   corroborate shrink my-study found.toml --budget 500 --name dropped
   corroborate shrink my-study found.toml --seeds 3/5
+  corroborate shrink my-study E4:5 --only 1a
 
-Makes the episode of a finding smaller while it still shows the same: fewer
-actions, fewer settings, rounder numbers, shorter delays, an earlier end. The
+Makes the episode of a finding, or one of an evidence by its number, smaller
+while it still shows the same: fewer actions, fewer settings, rounder numbers,
+shorter delays, an earlier end. What the seed draws once in the episode (a
+friction, a pull) becomes a setting first and goes back to its nominal value, or
+as near to that as still shows it, so that what is left names the cause. The
 finding's own seed is kept; with --seeds K/N it must show in at least K of N
 seeds, the finding's own among them, so that what is left does not hang on one
 draw. The result goes to STUDY/regressions/NAME.toml; `corroborate replay STUDY
@@ -22,9 +26,16 @@ Exits 3 if the finding is not shown when it is run again.")]
 pub struct Shrink {
     /// The study's folder.
     pub study: PathBuf,
-    /// The finding's file, as it is or relative to the study.
+    /// The finding's file, as it is or relative to the study; or
+    /// EVIDENCE:EPISODE.
+    #[arg(value_name = "FINDING|EVIDENCE:EPISODE")]
     pub finding: PathBuf,
-    /// How many scenarios may be tried; with --seeds each takes up to N episodes.
+    /// What is to be shown still, where the episode shows several things: a
+    /// requirement, a failure mode, or a failure such as controller-failed.
+    #[arg(long, value_name = "ID")]
+    pub only: Option<String>,
+    /// How many episodes may be run; with --seeds each scenario takes up to N
+    /// of them.
     #[arg(long, value_name = "N", default_value = "300", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub budget: u64,
     /// In how many of how many seeds it must show.

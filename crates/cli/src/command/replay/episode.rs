@@ -50,8 +50,13 @@ impl Episode {
 
     /// The episode of a finding that was read from a file.
     pub fn of_finding(finding: Finding, file: &Path) -> Self {
+        Self::of_named(finding, &stem(file))
+    }
+
+    /// The episode of a finding.
+    pub fn of_named(finding: Finding, name: &str) -> Self {
         Self {
-            name: stem(file),
+            name: name.to_owned(),
             origin: finding.found_by,
             bench: finding.bench,
             stimulus: finding.stimulus,

@@ -8,7 +8,7 @@ use crate::technique::bench::SceneCampaign;
 use crate::technique::simulation::load_engine;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use testbench::{Bench, Engine, HandoverBench, Recorded, SimError, Unwatched, Watch};
+use testbench::{Bench, Drawn, Engine, HandoverBench, Recorded, SimError, Unwatched, Watch};
 use trace::Trace;
 
 /// A bench that is ready to run, with the files that it is made of.
@@ -113,6 +113,16 @@ impl OpenBench {
             World::Handover { bench, .. } => bench.data(),
             World::Scene(scene) => scene.bench().table(),
         }
+    }
+
+    /// The numbers that an episode draws once from its seed, where no setting
+    /// fixes them; `None` of a bench that does not say.
+    pub fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Option<Vec<Drawn>>, Problem> {
+        let drawn = match &self.world {
+            World::Handover { bench, .. } => bench.drawn(stimulus, seed),
+            World::Scene(scene) => scene.bench().drawn(stimulus, seed),
+        };
+        drawn.map(Some).map_err(|error| failed(&error))
     }
 
     /// Adds all that an episode depends on beside its seed, its stimulus and

@@ -1,0 +1,310 @@
+//! Episodes that are run to see what can be left out.
+
+use super::pins::Pins;
+use crate::args::Shrink;
+use crate::command::replay::episode::{Episode, failed, hash_of_trace};
+use crate::problem::Problem;
+use crate::study::Finding;
+use crate::talk::{Interrupt, Stage};
+use crate::technique::exploration::{OpenBench, ShowsJudge};
+use crate::technique::simulation::Seeds;
+use campaign::ShrinkOptions;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use stimulus::Stimulus;
+use testbench::{Recorded, SimError};
+
+/// Runs candidates.
+pub struct Trials<'a> {
+    bench: &'a OpenBench,
+    judge: &'a ShowsJudge<'a>,
+    episode: Episode,
+    seeds: (u32, u32),
+    /// Episodes that may be run.
+    budget: u64,
+    interrupt: &'a Interrupt,
+    stage: &'a Stage,
+    /// Episodes that were run.
+    runs: AtomicU64,
+    /// An episode was wanted that the budget did not allow.
+    exhausted: AtomicBool,
+    /// What kept a candidate from being judged.
+    failure: Mutex<Option<Problem>>,
+    /// The recordings that show it under the finding's own seed: hash and simulated time.
+    shown: Mutex<BTreeMap<String, (String, f64)>>,
+}
+
+/// What became of an episode.
+pub struct Shrunken {
+    /// The smallest that was found.
+    pub regression: Finding,
+    /// Episodes that were run.
+    pub episodes: u64,
+    /// Whether everything was tried to be left out.
+    pub is_minimal: bool,
+    /// In how many seeds it must show, and of how many.
+    pub seeds: (u32, u32),
+    /// Numbers that are set and that the finding left to the seed.
+    pub pinned: usize,
+    /// Why none are, if that is so.
+    pub not_pinned: Option<String>,
+    /// Simulated time of the finding and of the regression.
+    pub simulated_secs: [f64; 2],
+}
+
+impl<'a> Trials<'a> {
+    /// None yet.
+    pub fn new(
+        bench: &'a OpenBench,
+        judge: &'a ShowsJudge<'a>,
+        episode: Episode,
+        arguments: &Shrink,
+        (interrupt, stage): (&'a Interrupt, &'a Stage),
+    ) -> Self {
+        Self {
+            bench,
+            judge,
+            episode,
+            seeds: arguments.seeds,
+            budget: arguments.budget,
+            interrupt,
+            stage,
+            runs: AtomicU64::new(0),
+            exhausted: AtomicBool::new(false),
+            failure: Mutex::new(None),
+            shown: Mutex::new(BTreeMap::new()),
+        }
+    }
+
+    /// Makes a finding as small as it goes.
+    pub fn shrink(
+        &self,
+        finding: &Finding,
+        options: &mut ShrinkOptions,
+    ) -> Result<Shrunken, Problem> {
+        let until_secs = finding.bench.until_secs;
+        // Run by itself, so that what keeps it from running is told as it is.
+        let first = self
+            .run(&finding.stimulus, finding.seed, until_secs)
+            .map_err(|error| failed(&error))?;
+        if !self.judge.shows(&first)? {
+            return Err(self.not_shown(&campaign::NotShown));
+        }
+        self.know(&finding.stimulus, until_secs, &first)?;
+        let (pins, not_pinned) = self.pins(finding, &first)?;
+        let mut regression = finding.clone();
+        let mut pinned = 0;
+        if let Some(pins) = pins {
+            pinned = pins.count(finding);
+            regression.stimulus = pins.stimulus.clone();
+            pins.into_options(options);
+        }
+        let shrunk = campaign::shrink(&regression.stimulus, options, &mut |candidate| {
+            self.shows(candidate, until_secs)
+        });
+        if let Ok(mut failure) = self.failure.lock()
+            && let Some(problem) = failure.take()
+        {
+            return Err(problem);
+        }
+        let shrunk = match shrunk {
+            Ok(shrunk) => shrunk,
+            Err(_) if self.interrupt.is_set() => return Err(Problem::interrupted()),
+            Err(_) if self.exhausted.load(Ordering::Relaxed) => {
+                let (least, all) = self.seeds;
+                let message = format!(
+                    "{} episodes cannot tell whether it shows in {least} of {all} seeds",
+                    self.budget
+                );
+                return Err(Problem::new("small-budget", message).remedy(format!(
+                    "allow for more, for example --budget {}",
+                    100 * u64::from(all)
+                )));
+            }
+            Err(error) => return Err(self.not_shown(&error)),
+        };
+        regression.stimulus = shrunk.stimulus;
+        regression.bench.until_secs = self.shorten(&regression, first.sim_secs);
+        let (hash, simulated_secs) = self.known(&regression)?;
+        regression.recording = Some(hash);
+        let is_cut_off = self.interrupt.is_set() || self.exhausted.load(Ordering::Relaxed);
+        Ok(Shrunken {
+            regression,
+            episodes: self.runs.load(Ordering::Relaxed),
+            is_minimal: shrunk.is_minimal && !is_cut_off,
+            seeds: self.seeds,
+            pinned,
+            not_pinned,
+            simulated_secs: [first.sim_secs, simulated_secs],
+        })
+    }
+
+    /// Whether draws can be set without using up what it takes to see in how many seeds it shows.
+    fn allows_pins(&self) -> bool {
+        self.budget > u64::from(self.seeds.0)
+    }
+
+    fn not_shown(&self, error: &campaign::NotShown) -> Problem {
+        Problem::data_lost("not-shown", error.to_string()).remedy(
+            "the study or the program has changed since; or ask for fewer seeds with --seeds",
+        )
+    }
+
+    /// The draws of the episode as settings, if with them it is the same episode; or why not.
+    fn pins(
+        &self,
+        finding: &Finding,
+        first: &Recorded,
+    ) -> Result<(Option<Pins>, Option<String>), Problem> {
+        let Some(pins) = Pins::of(self.bench, finding)? else {
+            let reason = "another simulator does not say which numbers it draws from a seed";
+            return Ok((None, Some(reason.to_owned())));
+        };
+        if pins.count(finding) == 0 {
+            return Ok((Some(pins), None));
+        }
+        if !self.allows_pins() {
+            self.exhausted.store(true, Ordering::Relaxed);
+            let reason = "the budget does not allow it".to_owned();
+            return Ok((None, Some(reason)));
+        }
+        let again = self.run(&pins.stimulus, finding.seed, finding.bench.until_secs);
+        let again = again.map_err(|error| failed(&error))?;
+        if content(first)? != content(&again)? {
+            let reason = "with its draws as settings it is another episode".to_owned();
+            return Ok((None, Some(reason)));
+        }
+        self.know(&pins.stimulus, finding.bench.until_secs, &again)?;
+        Ok((Some(pins), None))
+    }
+
+    /// The fewest whole seconds after which the episode may end, by bisection.
+    fn shorten(&self, regression: &Finding, longest_secs: f64) -> Option<u32> {
+        let stimulus = &regression.stimulus;
+        let before = regression.bench.until_secs;
+        let mut shown = before.unwrap_or_else(|| longest_secs.clamp(1.0, 1e6).ceil() as u32);
+        let (mut not_shown, mut found) = (0, before);
+        while shown - not_shown > 1 && !self.interrupt.is_set() {
+            let middle = not_shown + (shown - not_shown) / 2;
+            match self.shows(stimulus, Some(middle)) {
+                true => (shown, found) = (middle, Some(middle)),
+                false => not_shown = middle,
+            }
+        }
+        found
+    }
+
+    fn run(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        until_secs: Option<u32>,
+    ) -> Result<Recorded, SimError> {
+        let mut episode = self.episode.clone();
+        episode.stimulus = stimulus.clone();
+        episode.seed = seed;
+        episode.bench.until_secs = until_secs;
+        let recorded = episode.run(self.bench, None, self.interrupt);
+        self.stage.advance();
+        self.runs.fetch_add(1, Ordering::Relaxed);
+        recorded
+    }
+
+    /// What an episode gives, if the budget allows one more.
+    fn allowed<T>(&self, run: impl FnOnce() -> T) -> Option<T> {
+        let is_allowed = self.runs.load(Ordering::Relaxed) < self.budget;
+        if !is_allowed {
+            self.exhausted.store(true, Ordering::Relaxed);
+        }
+        is_allowed.then(run)
+    }
+
+    /// Whether it shows in enough seeds, the finding's own among them.
+    fn shows(&self, stimulus: &Stimulus, until_secs: Option<u32>) -> bool {
+        let (least, all) = self.seeds;
+        let more = Seeds::new(self.episode.seed, "shrink");
+        let (mut shown, mut left) = (0, all);
+        for number in 0..all {
+            let seed = match number {
+                0 => self.episode.seed,
+                _ => more.of(u64::from(number)),
+            };
+            left -= 1;
+            let does = self.shows_in(stimulus, seed, until_secs);
+            shown += u32::from(does);
+            if (number == 0 && !does) || shown + left < least {
+                return false;
+            }
+            if shown >= least {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether it shows in one seed. What the bench refuses, or what the
+    /// physics does not survive, does not show it.
+    fn shows_in(&self, stimulus: &Stimulus, seed: u64, until_secs: Option<u32>) -> bool {
+        if self.interrupt.is_set() {
+            return false;
+        }
+        let is_own = seed == self.episode.seed;
+        if is_own && self.is_known(stimulus, until_secs) {
+            return true;
+        }
+        let Some(Ok(recorded)) = self.allowed(|| self.run(stimulus, seed, until_secs)) else {
+            return false;
+        };
+        let shows = self.judge.shows(&recorded).and_then(|shows| {
+            if shows && is_own {
+                self.know(stimulus, until_secs, &recorded)?;
+            }
+            Ok(shows)
+        });
+        shows.unwrap_or_else(|problem| {
+            if let Ok(mut failure) = self.failure.lock() {
+                failure.get_or_insert(problem);
+            }
+            false
+        })
+    }
+
+    /// An episode shows it: it need not be run again.
+    fn know(
+        &self,
+        stimulus: &Stimulus,
+        until_secs: Option<u32>,
+        recorded: &Recorded,
+    ) -> Result<(), Problem> {
+        let hash = hash_of_trace(&recorded.trace)?.0;
+        if let Ok(mut shown) = self.shown.lock() {
+            shown.insert(key(stimulus, until_secs), (hash, recorded.sim_secs));
+        }
+        Ok(())
+    }
+
+    fn is_known(&self, stimulus: &Stimulus, until_secs: Option<u32>) -> bool {
+        let shown = self.shown.lock();
+        shown.is_ok_and(|shown| shown.contains_key(&key(stimulus, until_secs)))
+    }
+
+    /// The hash of the recording of an episode that was run, and its simulated time.
+    fn known(&self, finding: &Finding) -> Result<(String, f64), Problem> {
+        let key = key(&finding.stimulus, finding.bench.until_secs);
+        let shown = self.shown.lock().ok();
+        let known = shown.and_then(|shown| shown.get(&key).cloned());
+        known.ok_or_else(|| self.not_shown(&campaign::NotShown))
+    }
+}
+
+fn key(stimulus: &Stimulus, until_secs: Option<u32>) -> String {
+    format!("{} {until_secs:?}", stimulus.content_hash())
+}
+
+/// What an episode recorded, without what its recording says of its settings.
+fn content(recorded: &Recorded) -> Result<String, Problem> {
+    let mut trace = recorded.trace.clone();
+    trace.metadata.clear();
+    Ok(hash_of_trace(&trace)?.0)
+}
