@@ -168,6 +168,103 @@ fn a_failure_stands_in_the_evidence_in_the_report_and_is_verified() {
     assert!(format!("{verified:?}").contains("failures"), "{verified:?}");
 }
 
+/// How the cart's own simulator is explored: its speed and braking vary.
+const CARTS: &str = r#"
+evidence = "sim"
+sources = ["own", "random"]
+designs = ["boundary", "random"]
+
+[budget]
+episodes = 12
+batch = 6
+
+[grammar]
+name = "random"
+length = [1, 2]
+
+[[grammar.action]]
+send_signal = "go"
+
+[[parameter]]
+name = "speed"
+sets = ["cart.speed_cm_per_s"]
+uniform = [100.0, 200.0]
+nominal = 150.0
+"#;
+
+#[test]
+fn another_simulator_is_explored_shrunk_and_replayed() {
+    let folder = dying_simulator();
+    std::fs::write(folder.path().join("exploration.toml"), CARTS).expect("written");
+    let call = |arguments: &[&str]| corroborate(folder.path(), arguments);
+    let explore = |out: &str| {
+        let said = call(&[
+            "explore",
+            ".",
+            "exploration.toml",
+            "--out",
+            out,
+            "--format",
+            "json",
+        ]);
+        assert_eq!(said.code, 1, "{said:?}");
+        json(&said)
+    };
+    let report = explore("out");
+    assert_eq!(report["episodes"], 12, "{report}");
+    assert_eq!(explore("again"), report);
+    let findings = report["findings"].as_array().expect("findings");
+    assert!(findings.iter().all(|it| it["replayed"] == true), "{report}");
+    let find = |what: &str, id: &str| {
+        let mut all = findings.iter();
+        let found = all.find(|it| it["shows"][what] == id);
+        let found = found.unwrap_or_else(|| panic!("{what} {id}: {report}"));
+        format!("out/{}", found["file"].as_str().expect("a file"))
+    };
+    for (file, name) in [
+        (find("violated", "clear"), "touches"),
+        (find("failed", "simulator-failed"), "dies"),
+    ] {
+        let arguments = [
+            "shrink", ".", &file, "--name", name, "--budget", "60", "--format", "json",
+        ];
+        let said = call(&arguments);
+        assert_eq!(said.code, 0, "{said:?}");
+        let report = json(&said);
+        assert_eq!(report["after"]["actions"], 0, "{report}");
+        let reason = report["not_pinned"].as_str().expect("a reason");
+        assert!(reason.contains("does not say"), "{reason}");
+        let regression = format!("regressions/{name}.toml");
+        let said = call(&["replay", ".", &regression, "--format", "json"]);
+        assert_eq!(said.code, 0, "{said:?}");
+        assert!(said.talk.contains("shows no bodies"), "{}", said.talk);
+        let replayed = json(&said);
+        assert_eq!(replayed["shown"], true, "{replayed}");
+        assert_eq!(replayed["same_bytes"], true, "{replayed}");
+        let page = format!("results/replays/{name}/replay.html");
+        assert!(folder.path().join(page).exists());
+    }
+    let checked = call(&["replay", ".", "--check"]);
+    assert_eq!(checked.code, 0, "{checked:?}");
+    assert!(checked.out.contains("2 of 2"), "{}", checked.out);
+
+    // An episode of the campaign is the same one.
+    let simulated = call(&[
+        "simulate", ".", "sim", "-n", "10", "--out", "recorded", "--format", "json",
+    ]);
+    let first = json(&simulated)["failures"][0]["first_episode"]
+        .as_u64()
+        .expect("one dies");
+    let said = call(&["replay", ".", &format!("sim:{first}"), "--format", "json"]);
+    assert_eq!(json(&said)["failed"], "simulator-failed", "{said:?}");
+    assert!(
+        json(&said)["said"]
+            .as_str()
+            .expect("words")
+            .contains("out of its tracks")
+    );
+}
+
 /// The corridor, whose program fails where it has to stop.
 fn corridor(failing: &str) -> tempfile::TempDir {
     let outputs = "        outputs = Outputs(finished=self.state == \"arrived\")\n";
@@ -194,23 +291,26 @@ fn with_physics(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
 #[test]
 fn a_robots_program_that_fails_is_counted_and_the_campaign_goes_on() {
     let Some(library) = library() else { return };
-    for (failing, kind) in [
-        ("raise ValueError(\"no way to stop\")", "controller-failed"),
-        ("__import__(\"os\")._exit(3)", "controller-failed"),
-        ("__import__(\"time\").sleep(600)", "controller-hung"),
+    for (failing, kind, episodes) in [
+        (
+            "raise ValueError(\"no way to stop\")",
+            "controller-failed",
+            "6",
+        ),
+        ("__import__(\"os\")._exit(3)", "controller-failed", "6"),
+        ("__import__(\"time\").sleep(600)", "controller-hung", "2"),
     ] {
         let folder = corridor(failing);
-        let scene = folder.path().join("simulation/scene.toml");
-        let text = std::fs::read_to_string(&scene).expect("a scene");
-        let limit = text.replacen(
-            "[[controller]]",
-            "[[controller]]\nanswer_within_secs = 1.0",
-            1,
-        );
-        std::fs::write(&scene, limit).expect("written");
+        if kind == "controller-hung" {
+            // Long enough for a busy machine to start a program.
+            let scene = folder.path().join("simulation/scene.toml");
+            let text = std::fs::read_to_string(&scene).expect("a scene");
+            let limit = "[[controller]]\nanswer_within_secs = 10.0";
+            std::fs::write(&scene, text.replacen("[[controller]]", limit, 1)).expect("written");
+        }
         let simulate = |threads: &str| {
             let arguments = [
-                "simulate", ".", "S2", "-n", "6", "-j", threads, "--out", threads, "--format",
+                "simulate", ".", "S2", "-n", episodes, "-j", threads, "--out", threads, "--format",
                 "json",
             ];
             let said = with_physics(&library, folder.path(), &arguments);
@@ -221,12 +321,9 @@ fn a_robots_program_that_fails_is_counted_and_the_campaign_goes_on() {
         let failure = &report["failures"][0];
         assert_eq!(failure["kind"], kind, "{failing}: {report}");
         let count = failure["count"].as_u64().expect("a count");
-        assert!((1..=6).contains(&count), "{report}");
-        assert_eq!(
-            report["recordings"].as_array().map(Vec::len),
-            Some(6),
-            "{report}"
-        );
+        assert!(count >= 1, "{report}");
+        let recordings = report["recordings"].as_array().map(Vec::len);
+        assert_eq!(recordings, episodes.parse().ok(), "{report}");
         simulate("2");
         let of = |threads: &str| bytes(&folder.path().join(threads).join("journal"));
         assert!(of("1") == of("2"), "{failing}");

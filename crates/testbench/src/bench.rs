@@ -81,23 +81,49 @@ pub enum End {
     Failed,
 }
 
-/// What of the code under test failed: an outcome of the run, not an error of the bench.
+/// What can end a run by failing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// A controller.
+    Controller,
+    /// What simulates, where that is a program of others.
+    Simulator,
+}
+
+/// What failed in a run: an outcome of the run, not an error of the bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Failure {
-    /// What the controller did, or what its transport says of it.
-    pub error: ControllerError,
+    /// What it was.
+    pub part: Part,
+    /// Whether it ran on and gave no answer.
+    pub is_hung: bool,
+    /// What it said, or what is said of it.
+    pub words: String,
     /// Whether it failed before its first tick, when it was started or set up.
     pub in_setup: bool,
 }
 
 impl Failure {
-    /// The same word for the same failure, whatever the words of its error are: those can depend on
-    /// how fast a dying process was looked at.
+    /// A controller that failed.
+    #[must_use]
+    pub fn of_controller(error: &ControllerError, in_setup: bool) -> Self {
+        Self {
+            part: Part::Controller,
+            is_hung: matches!(error, ControllerError::Silent { .. }),
+            words: error.to_string(),
+            in_setup,
+        }
+    }
+
+    /// The same word for the same failure, whatever its words are: those can depend on how fast a
+    /// dying process was looked at.
     #[must_use]
     pub fn kind(&self) -> &'static str {
-        match self.error {
-            ControllerError::Silent { .. } => "controller-hung",
-            _ => "controller-failed",
+        match (self.part, self.is_hung) {
+            (Part::Controller, false) => "controller-failed",
+            (Part::Controller, true) => "controller-hung",
+            (Part::Simulator, false) => "simulator-failed",
+            (Part::Simulator, true) => "simulator-hung",
         }
     }
 }

@@ -147,8 +147,8 @@ mod viewer;
 mod world;
 
 pub use bench::{
-    Bench, Cancel, Control, Drawn, End, Failure, Recorded, Savable, SimError, Status, Unwatched,
-    Watch,
+    Bench, Cancel, Control, Drawn, End, Failure, Part, Recorded, Savable, SimError, Status,
+    Unwatched, Watch,
 };
 pub use difference::{Difference, differences};
 pub use hull::hull_triangles;

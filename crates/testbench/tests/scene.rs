@@ -732,7 +732,7 @@ fn what_a_controller_did_before_it_failed_is_recorded_and_it_is_said_how() {
     let recorded = failing(Some(2.0));
     assert_eq!(recorded.end, End::Failed);
     let failure = recorded.failure.clone().unwrap();
-    assert!(!failure.in_setup && failure.error.to_string().contains("out of its depth"));
+    assert!(!failure.in_setup && failure.words.contains("out of its depth"));
     assert!(
         (recorded.sim_secs - 2.0).abs() < 1e-9,
         "{}",

@@ -110,7 +110,7 @@ fn exploration(
     };
     let judges = Judges::new(study, |_| true)?;
     // A word that the bench's recordings do not know is told before anything runs.
-    let layout = bench.layout()?;
+    let layout = bench.layout(interrupt)?;
     judges.start(&layout)?;
     let code = std::env::var_os(COVERAGE).map(PathBuf::from);
     let journal = Journal::open(folder, &looked_at_by(study, plan, bench, &code)?)?;

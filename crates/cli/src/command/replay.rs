@@ -89,6 +89,11 @@ pub fn replay(arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
         Some(shows) => Some(ShowsJudge::new(&study, shows, &setting.interrupt)?),
         None => None,
     };
+    if bench.is_outside() {
+        setting
+            .talk
+            .say("another simulator shows no bodies: the page has signals and verdicts only");
+    }
     let mut keeper = ViewKeeper::default();
     let stage = setting.talk.begin("replaying", 1);
     let recorded = episode
@@ -178,11 +183,7 @@ impl Replayed<'_> {
             episode: self.episode.name.clone(),
             seed: self.episode.seed.to_string(),
             failed: self.recorded.failure.as_ref().map(kind_of),
-            said: self
-                .recorded
-                .failure
-                .as_ref()
-                .map(|it| it.error.to_string()),
+            said: self.recorded.failure.as_ref().map(|it| it.words.clone()),
             shows: self.episode.shows.as_ref().map(ToString::to_string),
             shown: self.shown,
             recording,

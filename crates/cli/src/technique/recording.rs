@@ -9,7 +9,7 @@ use crate::problem::{Problem, Source};
 use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use trace::Trace;
+use trace::{SignalIndex, Trace};
 
 /// The name of a study's topic map.
 const TOPIC_MAP: &str = "topics.toml";
@@ -181,12 +181,52 @@ impl ReadingRules {
         })
     }
 
+    /// A whole recording as a trace: as it is if this program wrote it, or else of the signals
+    /// that are wanted, each topic with a row wherever it has a value.
+    pub fn trace(&self, wanted: &[String], path: &Path) -> Result<Trace, Problem> {
+        if let Some((trace, _)) = own_trace(path)? {
+            return Ok(trace);
+        }
+        let bad = |message: String| Problem::new("bad-recording", message);
+        let mut stream = self.stream_of(wanted, path)?;
+        let mut trace = stream.layout().clone();
+        let mut is_whole = true;
+        loop {
+            let moment = match stream.next_instant() {
+                Ok(Some(moment)) => moment,
+                Ok(None) => break,
+                // What was read before stands; the rest is lost.
+                Err(_) => {
+                    is_whole = false;
+                    break;
+                }
+            };
+            let now = stream.snapshot();
+            let changed = stream.changed().iter().enumerate();
+            for (channel, _) in changed.filter(|(_, changed)| **changed) {
+                let fields = 0..trace.channels[channel].fields.len();
+                let value = |field| now.value(SignalIndex { channel, field });
+                let row: Vec<f64> = fields
+                    .map(|field| value(field).unwrap_or(f64::NAN))
+                    .collect();
+                let pushed = trace.channels[channel].push(moment.time_secs, &row);
+                pushed.map_err(|error| bad(error.to_string()))?;
+            }
+        }
+        trace.complete = is_whole && stream.complete();
+        Ok(trace)
+    }
+
     /// The signals of a recording that the judges read.
     pub fn stream(&self, judges: &Judges<'_>, path: &Path) -> Result<SignalStream, Problem> {
+        let wanted: Vec<String> = judges.signals().into_iter().collect();
+        self.stream_of(&wanted, path)
+    }
+
+    fn stream_of(&self, wanted: &[String], path: &Path) -> Result<SignalStream, Problem> {
         let reader = recording::open(path, &self.options)
             .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-        let wanted: Vec<String> = judges.signals().into_iter().collect();
-        SignalStream::new(reader, &self.map, &wanted).map_err(|errors| {
+        SignalStream::new(reader, &self.map, wanted).map_err(|errors| {
             let problems = errors
                 .iter()
                 .map(|error| Problem::new("bad-recording", error.to_string()));

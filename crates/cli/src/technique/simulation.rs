@@ -212,7 +212,7 @@ impl Campaign {
             .map_err(|error| problem_at(seed, &error))?;
         match &recorded.failure {
             Some(failure) if failure.in_setup => {
-                let message = format!("seed {seed}: {}", failure.error);
+                let message = format!("seed {seed}: {}", failure.words);
                 Err(Problem::new("controller-failed", message))
             }
             _ => Ok(recorded),

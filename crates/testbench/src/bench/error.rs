@@ -33,6 +33,11 @@ pub enum SimError {
     },
     /// A controller could not be started, failed, or gave what the bench does not take.
     Controller(ControllerError),
+    /// A simulator of others could not be run or read.
+    Outside {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The bench cannot do what the stimulus asks.
     Stimulus {
         /// Which part of it, why, and what would do.
@@ -56,6 +61,7 @@ impl fmt::Display for SimError {
                 f,
                 "the scenario has no abstract test \"{name}\"; name one of its abstract_test tables"
             ),
+            Self::Outside { reason } => write!(f, "{reason}"),
             Self::Stimulus { reason } => {
                 write!(f, "the stimulus does not fit this test bench: {reason}")
             }

@@ -300,10 +300,7 @@ fn never_begun(
     seed: u64,
     error: ControllerError,
 ) -> Result<Recorded, SimError> {
-    let failure = Failure {
-        error,
-        in_setup: true,
-    };
+    let failure = Failure::of_controller(&error, true);
     let mut recorder = Recorder::new(&prepared.data, descriptions)?;
     recorder.note("scene", &prepared.data.name);
     recorder.note("abstract_test", &stimulus.test.name);

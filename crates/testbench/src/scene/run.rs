@@ -362,10 +362,7 @@ impl Run {
         let mut failure = None;
         for pilot in &mut self.pilots {
             if let Err(error) = pilot.end() {
-                failure.get_or_insert(Failure {
-                    error,
-                    in_setup: false,
-                });
+                failure.get_or_insert(Failure::of_controller(&error, false));
             }
         }
         // One that fails only when all is over has been seen as a whole.
@@ -382,10 +379,7 @@ impl Run {
         self.record(watch)?;
         self.check_sound()?;
         self.recorder.trace.complete = false;
-        let failure = Failure {
-            error,
-            in_setup: false,
-        };
+        let failure = Failure::of_controller(&error, false);
         Ok(self.recorded(End::Failed, Some(failure)))
     }
 

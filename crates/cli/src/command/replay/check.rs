@@ -8,7 +8,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::study::{BenchFiles, Finding, Shows, Study};
 use crate::talk::Stage;
-use crate::technique::exploration::{OpenBench, ShowsJudge};
+use crate::technique::exploration::{OpenBench, ShowsJudge, command_of};
 use crate::technique::simulation::load_engine;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -44,10 +44,13 @@ pub struct RegressionReport {
 /// Runs regressions again.
 pub fn check(study: &Study, arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
     let files = files(study, &arguments.what)?;
-    // What keeps all of them from running is no result of any.
-    load_engine(setting.physics_library.as_deref())?;
     let findings: Vec<Result<Finding, Problem>> =
         files.iter().map(|file| Finding::read(file)).collect();
+    let is_outside = |finding: &Finding| command_of(study, &finding.bench).is_some();
+    if !findings.iter().flatten().all(is_outside) {
+        // What keeps all of them from running is no result of any.
+        load_engine(setting.physics_library.as_deref())?;
+    }
     let prepared = Prepared::new(study, &findings, setting);
     let stage = setting.talk.begin("regressions", files.len() as u64);
     let pairs: Vec<(&PathBuf, &Result<Finding, Problem>)> = files.iter().zip(&findings).collect();

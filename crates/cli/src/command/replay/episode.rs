@@ -87,7 +87,11 @@ impl Episode {
             stimulus: Stimulus::of(test_of(entry, &bench)?),
             seed: Seeds::new(study.about.seed, evidence).of(number),
             shows: None,
-            recording: kept_recording(study, evidence, number, entry.sampling.early_end),
+            // That of another simulator is kept as it left it.
+            recording: match bench.is_outside() {
+                true => None,
+                false => kept_recording(study, evidence, number, entry.sampling.early_end),
+            },
         };
         Ok((episode, bench))
     }

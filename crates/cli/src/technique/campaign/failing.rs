@@ -37,7 +37,7 @@ impl EpisodeFailure {
     pub fn of_controller(failure: &Failure) -> Self {
         Self {
             kind: kind_of(failure),
-            words: failure.error.to_string(),
+            words: failure.words.clone(),
         }
     }
 
@@ -47,6 +47,14 @@ impl EpisodeFailure {
             kind: FailureKind::SimulatorFailed,
             words: error.to_string(),
         })
+    }
+
+    /// Whether something ran on and gave no answer.
+    pub fn is_hung(&self) -> bool {
+        matches!(
+            self.kind,
+            FailureKind::ControllerHung | FailureKind::SimulatorHung
+        )
     }
 
     /// The failure as an error that ends the campaign.
@@ -101,10 +109,7 @@ mod tests {
             (silent, FailureKind::ControllerHung),
             (gone, FailureKind::ControllerFailed),
         ] {
-            let failure = Failure {
-                error,
-                in_setup: false,
-            };
+            let failure = Failure::of_controller(&error, false);
             assert_eq!(FailureKind::named(failure.kind()), Some(kind));
             assert_eq!(kind_of(&failure), kind);
         }

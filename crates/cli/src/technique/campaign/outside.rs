@@ -26,6 +26,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use stimulus::{AbstractTest, Stimulus};
+use trace::Trace;
 
 /// How often a running command is looked at.
 const LOOK: Duration = Duration::from_millis(5);
@@ -222,6 +223,11 @@ impl OutsideCommand {
             )
             .remedy("check `command` in the ledger; it runs in the study's folder")
         })
+    }
+
+    /// A recording as a trace of the signals that are wanted.
+    pub fn trace(&self, wanted: &[String], path: &Path) -> Result<Trace, Problem> {
+        self.rules.trace(wanted, path)
     }
 
     /// Judges a recording. One that is not complete shows only violations.

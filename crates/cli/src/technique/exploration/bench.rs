@@ -1,8 +1,9 @@
-//! A bench of a study that takes any stimulus: the handover world or a scene.
+//! A bench of a study that takes any stimulus: the handover world, a scene, or another simulator.
 
+use super::command_bench::CommandBench;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
-use crate::study::{BenchFiles, Entry, Study, Work};
+use crate::study::{BenchFiles, CommandText, Entry, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::bench::SceneCampaign;
 use crate::technique::simulation::load_engine;
@@ -26,6 +27,7 @@ enum World {
         tests: Vec<AbstractTest>,
     },
     Scene(Box<SceneCampaign>),
+    Command(Box<CommandBench>),
 }
 
 impl OpenBench {
@@ -46,12 +48,13 @@ impl OpenBench {
                 files.parameters = shown(parameters);
             }
             Work::SimulateScene { scene, .. } => files.scene = shown(scene),
+            Work::Command { .. } => {}
             _ => {
                 return Err(Problem::new(
                     "not-a-simulation",
                     format!("`{}` is no simulation that takes tests", entry.id),
                 )
-                .remedy("name an entry of the ledger with a scenario or a scene"));
+                .remedy("name an entry of the ledger with a scenario, a scene or a command"));
             }
         }
         Self::of_files(study, &files, library)
@@ -63,6 +66,14 @@ impl OpenBench {
         files: &BenchFiles,
         library: Option<&Path>,
     ) -> Result<Self, Problem> {
+        if let Some(command) = command_of(study, files) {
+            let bench = CommandBench::new(study, command)?;
+            return Ok(Self {
+                engine: format!("`{}`", bench.name()),
+                world: World::Command(Box::new(bench)),
+                files: files.clone(),
+            });
+        }
         let engine = load_engine(library)?;
         let world = match (&files.scenario, &files.parameters, &files.scene) {
             (Some(scenario), Some(parameters), None) => {
@@ -75,9 +86,9 @@ impl OpenBench {
             _ => {
                 return Err(Problem::new(
                     "bad-finding",
-                    "a bench is either a scenario with parameters, or a scene",
+                    "a bench is a scenario with parameters, a scene, or an entry of the ledger with a command",
                 )
-                .remedy("name `scenario` and `parameters`, or `scene`"));
+                .remedy("name `scenario` and `parameters`, or `scene`, or neither for a command"));
             }
         };
         Ok(Self {
@@ -87,11 +98,9 @@ impl OpenBench {
         })
     }
 
-    fn bench(&self) -> &dyn Bench {
-        match &self.world {
-            World::Handover { bench, .. } => bench.as_ref(),
-            World::Scene(scene) => scene.bench(),
-        }
+    /// Whether it is a simulator of others: it shows no bodies and does not say what it draws.
+    pub fn is_outside(&self) -> bool {
+        matches!(self.world, World::Command(_))
     }
 
     /// The tests that the bench's own files have.
@@ -99,12 +108,18 @@ impl OpenBench {
         match &self.world {
             World::Handover { tests, .. } => tests,
             World::Scene(scene) => scene.bench().tests(),
+            World::Command(command) => command.tests(),
         }
     }
 
-    /// The channels of every recording, without rows.
-    pub fn layout(&self) -> Result<Trace, Problem> {
-        self.bench().layout().map_err(|error| failed(&error))
+    /// The channels of every recording, without rows. Another simulator is run for them.
+    pub fn layout(&self, interrupt: &Interrupt) -> Result<Trace, Problem> {
+        let layout = match &self.world {
+            World::Handover { bench, .. } => bench.layout(),
+            World::Scene(scene) => scene.bench().layout(),
+            World::Command(command) => return command.layout(interrupt),
+        };
+        layout.map_err(|error| failed(&error))
     }
 
     /// The bench's data, on which settings act.
@@ -112,6 +127,7 @@ impl OpenBench {
         match &self.world {
             World::Handover { bench, .. } => bench.data(),
             World::Scene(scene) => scene.bench().table(),
+            World::Command(command) => command.data(),
         }
     }
 
@@ -121,6 +137,7 @@ impl OpenBench {
         let drawn = match &self.world {
             World::Handover { bench, .. } => bench.drawn(stimulus, seed),
             World::Scene(scene) => scene.bench().drawn(stimulus, seed),
+            World::Command(_) => return Ok(None),
         };
         drawn.map(Some).map_err(|error| failed(&error))
     }
@@ -130,8 +147,10 @@ impl OpenBench {
     pub fn inputs(&self, inputs: &mut Inputs) {
         inputs.add("engine", self.engine.as_bytes());
         inputs.add("bench", self.data().to_string().as_bytes());
-        if let World::Scene(scene) = &self.world {
-            scene.inputs(inputs);
+        match &self.world {
+            World::Handover { .. } => {}
+            World::Scene(scene) => scene.inputs(inputs),
+            World::Command(command) => command.inputs(inputs),
         }
     }
 
@@ -153,7 +172,22 @@ impl OpenBench {
         watch: &mut dyn Watch,
         interrupt: &Interrupt,
     ) -> Result<Recorded, SimError> {
-        self.bench().run(stimulus, seed, watch, interrupt.cancel())
+        let cancel = interrupt.cancel();
+        match &self.world {
+            World::Handover { bench, .. } => bench.run(stimulus, seed, watch, cancel),
+            World::Scene(scene) => scene.bench().run(stimulus, seed, watch, cancel),
+            World::Command(command) => command.run(stimulus, seed, watch, interrupt),
+        }
+    }
+}
+
+/// The command that a bench without files of its own is.
+pub fn command_of<'s>(study: &'s Study, files: &BenchFiles) -> Option<&'s CommandText> {
+    let has_files = files.scenario.is_some() || files.parameters.is_some() || files.scene.is_some();
+    let entry = study.entry(&files.evidence).ok()?;
+    match &entry.work {
+        Work::Command { command, .. } if !has_files => Some(command),
+        _ => None,
     }
 }
 

@@ -116,7 +116,7 @@ impl Watching<'_> {
         if let Some(failure) = recorded.failure.as_ref().filter(|it| it.in_setup) {
             return match is_first {
                 // It has not worked once.
-                true => Err(Problem::new("controller-failed", failure.error.to_string())),
+                true => Err(Problem::new("controller-failed", failure.words.clone())),
                 false => Ok(Shown {
                     failed,
                     ..Shown::default()

@@ -11,6 +11,7 @@ mod abstraction;
 mod bench;
 mod campaign;
 mod code;
+mod command_bench;
 mod concretise;
 mod disagreement;
 mod episode;
@@ -28,7 +29,7 @@ mod text;
 mod triggers;
 
 pub use abstraction::{AbstractTrace, Abstraction, Class};
-pub use bench::OpenBench;
+pub use bench::{OpenBench, command_of};
 pub use campaign::{Explored, Exploring};
 pub use disagreement::{Disagreement, Episodes, as_text as disagreement_text};
 pub use episode::Watching;

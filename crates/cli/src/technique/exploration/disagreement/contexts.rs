@@ -41,6 +41,7 @@ impl<'a> Contexts<'a> {
         plan: &Plan,
         data: &DisagreementData,
         bench: &'a OpenBench,
+        interrupt: &Interrupt,
     ) -> Result<Self, Problem> {
         let space = Space {
             parameters: data.parameter.clone(),
@@ -63,7 +64,7 @@ impl<'a> Contexts<'a> {
             early_end: plan.data.budget.early_end,
             bench,
             judges: Judges::new(study, |subject| subject.id() == data.requirement)?,
-            layout: bench.layout()?,
+            layout: bench.layout(interrupt)?,
             space,
             test,
         })

@@ -104,7 +104,7 @@ impl<'a> Disagreement<'a> {
                 margin: margin.unwrap_or(0.05),
                 confidence: study.about.confidence,
             },
-            contexts: Contexts::new(study, plan, data, bench)?,
+            contexts: Contexts::new(study, plan, data, bench, interrupt)?,
             formal: Predictions::new(study, plan, data, interrupt)?,
             seeds: Seeds::new(
                 study.about.seed,
