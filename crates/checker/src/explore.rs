@@ -30,6 +30,7 @@ mod generator;
 mod guards;
 mod initial;
 mod intern;
+mod orbits;
 mod pipeline;
 mod plan;
 mod quotient;
@@ -40,7 +41,8 @@ use std::collections::BTreeSet;
 use prism_lang::resolved::{Model, ModelType};
 use prism_lang::{Arithmetic, Property};
 
-use crate::state_space::{LabelStates, Layout, StateSpace};
+use crate::state_space::{LabelStates, Layout, Represented, StateSpace};
+use crate::symmetry::Symmetry;
 use assembly::Assembly;
 use batch::Batch;
 use code::Compiler;
@@ -60,6 +62,8 @@ pub struct ExploreOptions {
     /// What is done with a `dtmc` whose commands' probabilities do not sum to 1: by default that is an error;
     /// else they are weights, and each state's are divided by their sum (PRISM's switch `-noprobchecks`).
     pub probabilities_are_weights: bool,
+    /// Symmetries up to which it is enough to explore: of states that they map to each other one is kept.
+    pub symmetry: Symmetry,
     /// How many threads to use, at most two; the state space does not depend on it.
     pub threads: usize,
 }
@@ -73,6 +77,7 @@ impl Default for ExploreOptions {
             max_bytes: usize::MAX,
             rewards: None,
             probabilities_are_weights: false,
+            symmetry: Symmetry::default(),
             threads: rayon::current_num_threads(),
         }
     }
@@ -136,7 +141,11 @@ pub fn explore_with<N: Arithmetic>(
         layout: &layout,
     };
     let mut explorer = Explorer::new(model, compiler, options);
-    let initial = initial::initial_states(&model.init, compiler, progress)?;
+    let mut initial = initial::initial_states(&model.init, compiler, progress)?;
+    explorer.represented.initial = (initial.len() / compiler.layout.words()) as u64;
+    if let Some(orbits) = &mut explorer.generator.orbits {
+        orbits.represent(&mut initial);
+    }
     explorer.number(&initial, &mut Vec::new())?;
     let num_initial = explorer.interner.len();
     explorer.expand_all(progress)?;
@@ -150,6 +159,8 @@ struct Explorer<'m, N> {
     generator: Generator<'m, N>,
     interner: Interner,
     assembly: Assembly<'m, N>,
+    /// What the states so far stand for, if there are symmetries.
+    represented: Represented,
 }
 
 impl<'m, N: Arithmetic> Explorer<'m, N> {
@@ -160,6 +171,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             generator: Generator::new(model, compiler, &options),
             interner: Interner::new(compiler.layout.words()),
             assembly: Assembly::new(model, compiler, &options),
+            represented: Represented::default(),
             options,
         }
     }
@@ -175,6 +187,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             self.number(&batch.targets, &mut numbers)?;
             batch.numbers = numbers;
             self.assembly.append(batch, words);
+            self.represented.add(&batch.represented);
             let limit = self.options.max_bytes;
             if self.interner.bytes() + self.assembly.bytes() > limit {
                 return Err(ExploreError::TooMuchMemory {
@@ -221,6 +234,7 @@ impl<'m, N: Arithmetic> Explorer<'m, N> {
             labelled_transitions: assembly.labelled_transitions,
             labels: labels.collect(),
             roundings,
+            represented: (self.generator.orbits.is_some()).then_some(self.represented),
         }
     }
 }

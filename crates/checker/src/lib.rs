@@ -1,6 +1,7 @@
 //! State space of a PRISM model, value of a property, and the guarantee of that value.
 //!
 //! * [`explore::explore`] builds the reachable states of a model ([`state_space::StateSpace`]);
+//! * [`symmetry`] finds symmetries of a model, up to which it is enough to explore;
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`sample_path`] draws a random path, the same for the same seed;
@@ -74,6 +75,7 @@ mod shape;
 mod sound;
 pub mod state_space;
 mod steps;
+pub mod symmetry;
 #[cfg(test)]
 mod test_models;
 mod transient;

@@ -57,6 +57,29 @@ pub struct StateSpace<N> {
     pub(crate) rewards: Vec<RewardsOf<N>>,
     /// The greatest number of roundings behind an entry of the matrix; `None` if an error is unknown.
     pub(crate) roundings: Option<u32>,
+    pub(crate) represented: Option<Represented>,
+}
+
+/// What the states that were explored up to symmetry stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Represented {
+    /// Reachable states.
+    pub states: u64,
+    /// Entries that the matrix of all these would have.
+    pub transitions: u64,
+    /// Initial states.
+    pub initial: u64,
+    /// States in which nothing is enabled.
+    pub deadlocks: u64,
+}
+
+impl Represented {
+    pub(crate) fn add(&mut self, more: &Self) {
+        self.states = self.states.saturating_add(more.states);
+        self.transitions = self.transitions.saturating_add(more.transitions);
+        self.initial = self.initial.saturating_add(more.initial);
+        self.deadlocks = self.deadlocks.saturating_add(more.deadlocks);
+    }
 }
 
 /// The action of a choice that has none, in [`StateSpace::choice_action`].
@@ -129,6 +152,7 @@ impl<N> StateSpace<N> {
             labels: labels.into_iter().map(listed).collect(),
             rewards: Vec::new(),
             roundings: Some(0),
+            represented: None,
         }
     }
 
@@ -151,6 +175,12 @@ impl<N> StateSpace<N> {
             0 => self.matrix.num_rows(),
             entries => entries - 1,
         }
+    }
+
+    /// What the states stand for, if they were explored up to symmetry
+    /// ([`ExploreOptions::symmetry`](crate::explore::ExploreOptions::symmetry)).
+    pub fn represented(&self) -> Option<Represented> {
+        self.represented
     }
 
     /// The number of rows of the matrix: choices, or states of a chain.

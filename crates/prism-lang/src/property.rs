@@ -8,6 +8,7 @@
 
 mod quantity;
 mod structures;
+pub use structures::Mentioned;
 
 pub use crate::ast::{Comparison, Optimum};
 pub use quantity::{

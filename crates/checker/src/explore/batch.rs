@@ -1,6 +1,7 @@
 //! The transitions of some consecutive states, before targets are numbered.
 
 use super::ExploreError;
+use crate::state_space::Represented;
 
 /// Transitions of consecutive states: for each state its choices, for each choice its outcomes.
 #[derive(Debug)]
@@ -20,6 +21,8 @@ pub(super) struct Batch<N> {
     pub(super) error: Option<ExploreError>,
     /// The targets' numbers.
     pub(super) numbers: Vec<u32>,
+    /// What the expanded states stand for, if there are symmetries.
+    pub(super) represented: Represented,
 }
 
 /// A number of roundings that is not known.
@@ -36,6 +39,7 @@ impl<N> Batch<N> {
             ends: Vec::new(),
             error: None,
             numbers: Vec::new(),
+            represented: Represented::default(),
         }
     }
 
@@ -62,5 +66,6 @@ impl<N> Batch<N> {
         self.choices.clear();
         self.ends.clear();
         self.error = None;
+        self.represented = Represented::default();
     }
 }

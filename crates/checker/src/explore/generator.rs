@@ -17,6 +17,7 @@ use super::command::{CompiledCommand, CompiledUpdate, Rounded, probability};
 use super::fault::{bad_probability, check_sum, no_value, out_of_range};
 use super::guards::Guards;
 use super::intern::append;
+use super::orbits::Orbits;
 use super::plan::{Group, Plan, SlotBits};
 use super::{ExploreError, ExploreOptions};
 
@@ -34,6 +35,9 @@ pub(super) struct Generator<'m, N> {
     ready: Vec<Vec<usize>>,
     picks: Vec<usize>,
     kept: Kept<N>,
+    /// The symmetries up to which targets are the same.
+    pub(super) orbits: Option<Orbits>,
+    has_choices: bool,
 }
 
 impl<'m, N: Arithmetic> Generator<'m, N> {
@@ -59,6 +63,8 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
                 probabilities: Vec::new(),
                 roundings: Vec::new(),
             },
+            orbits: Orbits::new(&options.symmetry, compiler.layout),
+            has_choices: kind.has_choices(),
         }
     }
 
@@ -77,6 +83,9 @@ impl<'m, N: Arithmetic> Generator<'m, N> {
             }
         }
         batch.states = states;
+        if let Some(orbits) = &mut self.orbits {
+            orbits.fold(batch, self.has_choices);
+        }
     }
 
     fn expand(&mut self, state: &[u64], batch: &mut Batch<N>) -> Result<(), ExploreError> {

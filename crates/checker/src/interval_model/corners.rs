@@ -177,6 +177,7 @@ fn as_ranges(space: StateSpace<f64>) -> StateSpace<Range> {
         labelled_transitions: space.labelled_transitions,
         labels: space.labels,
         roundings: Some(0),
+        represented: None,
     }
 }
 

@@ -90,6 +90,7 @@ impl<N: Arithmetic> StateSpace<N> {
             deadlocks: renumbered(&self.deadlocks),
             labels: self.labels.iter().map(|label| kept.label(label)).collect(),
             rewards: self.rewards.iter().map(|of| kept.rewards(of)).collect(),
+            represented: None,
             roundings: self.roundings,
         }
     }
@@ -102,6 +103,7 @@ impl<N: Arithmetic> StateSpace<N> {
             matrix: crate::evaluate::embedded(&self.matrix),
             rewards: Vec::new(),
             // The sum of a row and the division.
+            represented: None,
             roundings: (self.roundings).map(|known| known.saturating_add(self.longest_row() + 1)),
             ..self.clone()
         }

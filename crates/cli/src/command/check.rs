@@ -21,6 +21,7 @@ use crate::technique::model_checking::warning_line;
 use checker::explore::ExploreOptions;
 use checker::formats::Written;
 use checker::state_space::StateSpace;
+use checker::symmetry::Symmetry;
 use checker::{Answer, Options};
 use form::{Built, CheckReport, PropertyReport, empty, wrong_report};
 use memory::Memory;
@@ -194,6 +195,10 @@ impl<'a> Work<'a> {
         });
         let limits = ExploreOptions {
             max_states: usize::try_from(self.arguments.max_states).unwrap_or(usize::MAX),
+            symmetry: match self.may_fold() {
+                true => Symmetry::of(&model, meaningful.clone()),
+                false => Symmetry::default(),
+            },
             ..match self.arguments.export_model.is_empty() {
                 true => ExploreOptions::for_properties(meaningful),
                 // What is written has all reward structures.
@@ -214,6 +219,16 @@ impl<'a> Work<'a> {
             certify::all(&mut report, self.arguments, source, &model, &asked, setting)?;
         }
         Ok((built, report.properties))
+    }
+
+    /// Whether states that symmetries map to each other may stand for each other: nothing is shown of single states, all
+    /// schedulers count, and the method reproduces no published digits.
+    fn may_fold(&self) -> bool {
+        let arguments = self.arguments;
+        let is_shown = arguments.witness
+            || arguments.export_strategy.is_some()
+            || !arguments.export_model.is_empty();
+        !is_shown && !arguments.fair && arguments.method != Method::PrismDefault
     }
 
     /// The properties over a model.

@@ -1,4 +1,4 @@
-//! Which reward structures a property speaks of.
+//! What of a model a property speaks of: reward structures, labels, expressions.
 
 use std::collections::BTreeSet;
 
@@ -6,6 +6,20 @@ use super::{
     Filter, FilterOperand, Objective, Path, Property, Quantity, RewardObjective, RewardQuery,
     StateFormula,
 };
+use crate::expr::Expr;
+
+/// What of a model a property speaks of.
+#[derive(Clone, Debug, Default)]
+pub struct Mentioned<'p> {
+    /// The indices of the reward structures, in [`Model::rewards`](crate::resolved::Model::rewards).
+    pub structures: BTreeSet<usize>,
+    /// Predicates and numbers over the variables.
+    pub expressions: Vec<&'p Expr>,
+    /// Labels, the built-in ones too.
+    pub labels: Vec<&'p str>,
+    /// Whether states are listed, counted or chosen from by filters.
+    pub has_filters: bool,
+}
 
 impl Property {
     /// The indices of the reward structures that it speaks of, in [`Model::rewards`](crate::resolved::Model::rewards).
@@ -21,7 +35,12 @@ impl Property {
     /// assert_eq!((needed(0), needed(1), needed(2)), (vec![], vec![1], vec![0]));
     /// ```
     pub fn reward_structures(&self) -> BTreeSet<usize> {
-        let mut found = BTreeSet::new();
+        self.mentioned().structures
+    }
+
+    /// All that it speaks of.
+    pub fn mentioned(&self) -> Mentioned<'_> {
+        let mut found = Mentioned::default();
         match self {
             Self::Probability { path, .. } => in_path(path, &mut found),
             Self::State(formula) => in_state(formula, &mut found),
@@ -40,11 +59,10 @@ impl Property {
     }
 }
 
-type Found = BTreeSet<usize>;
-
-fn in_state(formula: &StateFormula, found: &mut Found) {
+fn in_state<'p>(formula: &'p StateFormula, found: &mut Mentioned<'p>) {
     match formula {
-        StateFormula::Expr(_) | StateFormula::Label(_) => {}
+        StateFormula::Expr(expr) => found.expressions.push(expr),
+        StateFormula::Label(label) => found.labels.push(label),
         StateFormula::Not(a) | StateFormula::SomeScheduler(a) => in_state(a, found),
         StateFormula::And(a, b)
         | StateFormula::Or(a, b)
@@ -61,7 +79,7 @@ fn in_state(formula: &StateFormula, found: &mut Found) {
     }
 }
 
-fn in_path(path: &Path, found: &mut Found) {
+fn in_path<'p>(path: &'p Path, found: &mut Mentioned<'p>) {
     match path {
         Path::State(formula) => in_state(formula, found),
         Path::Not(a) | Path::Next(a) => in_path(a, found),
@@ -81,9 +99,9 @@ fn in_path(path: &Path, found: &mut Found) {
     }
 }
 
-fn in_quantity(quantity: &Quantity, found: &mut Found) {
+fn in_quantity<'p>(quantity: &'p Quantity, found: &mut Mentioned<'p>) {
     match quantity {
-        Quantity::Expr(_) => {}
+        Quantity::Expr(expr) => found.expressions.push(expr),
         Quantity::Probability { path, .. } => in_path(path, found),
         Quantity::Conditional {
             path, condition, ..
@@ -101,9 +119,9 @@ fn in_quantity(quantity: &Quantity, found: &mut Found) {
     }
 }
 
-fn in_query(reward: &RewardQuery, found: &mut Found) {
-    found.insert(reward.structure);
-    found.extend(reward.divisor);
+fn in_query<'p>(reward: &'p RewardQuery, found: &mut Mentioned<'p>) {
+    found.structures.insert(reward.structure);
+    found.structures.extend(reward.divisor);
     match &reward.objective {
         RewardObjective::Reach(formula) => in_state(formula, found),
         RewardObjective::CoSafe(path) => in_path(path, found),
@@ -114,7 +132,8 @@ fn in_query(reward: &RewardQuery, found: &mut Found) {
     }
 }
 
-fn in_filter(filter: &Filter, found: &mut Found) {
+fn in_filter<'p>(filter: &'p Filter, found: &mut Mentioned<'p>) {
+    found.has_filters = true;
     match &filter.operand {
         FilterOperand::Truth(formula) => in_state(formula, found),
         FilterOperand::Number(quantity) => in_quantity(quantity, found),

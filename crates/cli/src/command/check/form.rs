@@ -6,7 +6,7 @@ use super::properties::Wrong;
 use crate::args::Check;
 use crate::study::Method;
 use crate::technique::model_checking::sharp_complement;
-use checker::state_space::StateSpace;
+use checker::state_space::{Represented, StateSpace};
 use checker::{Answer, AnswerValue, Guarantee};
 use prism_lang::{Arithmetic, NamedProperty};
 use schemars::JsonSchema;
@@ -66,6 +66,8 @@ pub struct Built {
     pub initial_states: u64,
     /// States without a command, which were given a self-loop.
     pub deadlocks: u64,
+    /// States that were explored, if these stand for all others by symmetries of the model.
+    pub states_up_to_symmetry: Option<u64>,
     /// Seconds for building it.
     pub build_secs: f64,
     /// Which valuation of constants it belongs to.
@@ -75,12 +77,20 @@ pub struct Built {
 
 impl Built {
     pub(super) fn new<N: Arithmetic>(space: &StateSpace<N>, build_secs: f64) -> Self {
-        Self {
-            constants: None,
+        let explored = Represented {
             states: space.num_states() as u64,
             transitions: space.num_transitions() as u64,
-            initial_states: space.initial_states().len() as u64,
+            initial: space.initial_states().len() as u64,
             deadlocks: space.deadlocks().len() as u64,
+        };
+        let all = space.represented().unwrap_or(explored);
+        Self {
+            constants: None,
+            states: all.states,
+            transitions: all.transitions,
+            initial_states: all.initial,
+            deadlocks: all.deadlocks,
+            states_up_to_symmetry: (all.states != explored.states).then_some(explored.states),
             build_secs,
             valuation: 0,
         }

@@ -43,6 +43,11 @@ fn built(model: &str, built: &Built) -> String {
         "{model}{constants}: {} states, {} transitions, {} initial, built in {:.3} s\n",
         built.states, built.transitions, built.initial_states, built.build_secs
     );
+    if let Some(explored) = built.states_up_to_symmetry {
+        line.push_str(&format!(
+            "{explored} states were explored, which stand for the others by symmetry\n"
+        ));
+    }
     if built.deadlocks > 0 {
         line.push_str(&format!(
             "{} deadlock states were given a self-loop\n",
