@@ -18,6 +18,9 @@
 use crate::choices::Choices;
 use crate::rounding::SMALLEST_VALUE;
 
+mod blocks;
+pub(crate) use blocks::BlockWalk;
+
 /// Not reached.
 const FAR: u32 = u32::MAX;
 
@@ -29,6 +32,8 @@ pub(crate) struct Cone {
     within: Vec<usize>,
     /// `b` of each of the states.
     first: Vec<u32>,
+    /// The number of states of the model.
+    all: usize,
 }
 
 impl Cone {
@@ -68,6 +73,7 @@ impl Cone {
             states: Vec::new(),
             within: Vec::new(),
             first: Vec::new(),
+            all: active.len(),
         };
         let behind = match support {
             Some(support) => distances(&order, &ahead, &targets, support),
@@ -274,9 +280,9 @@ impl<const W: usize> Walk<W> {
                 true => self.row_value(at),
                 false => self.best(at),
             };
-            changed |= new != self.now[at];
-            for new in new {
-                underflow |= new > 0.0 && new < SMALLEST_VALUE;
+            for (new, now) in new.iter().zip(&self.now[at]) {
+                changed |= new != now;
+                underflow |= *new > 0.0 && *new < SMALLEST_VALUE;
             }
             self.next[at] = new;
         }

@@ -44,6 +44,7 @@ mod check;
 pub mod choices;
 mod co_safe;
 mod cone;
+mod diagonals;
 mod elimination;
 mod engine;
 mod evaluate;

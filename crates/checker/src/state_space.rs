@@ -20,6 +20,7 @@ pub(crate) use layout::{Field, Layout};
 pub use matrix::Csr;
 pub use rewards::{Rewards, TransitionRewards};
 
+use crate::diagonals::Keys;
 use crate::explore::ExploreError;
 use crate::explore::code::Compiler;
 use crate::rounding::error_of_roundings;
@@ -208,6 +209,37 @@ impl<N> StateSpace<N> {
     /// The names of the model's actions.
     pub fn actions(&self) -> &[String] {
         &self.actions
+    }
+
+    /// Numbers that order states by the values of their variables, the last one fastest; nothing if there are no variables,
+    /// or one number does not hold them all.
+    pub(crate) fn keys(&self) -> Option<Keys> {
+        let fields: Vec<Field> = (0..self.layout.len())
+            .map(|v| self.layout.field(v))
+            .collect();
+        let (mut shift, mut cuts, mut parts) = (0, Vec::new(), Vec::new());
+        for field in fields.iter().rev() {
+            parts.push((*field, shift));
+            shift += field.mask.count_ones();
+            cuts.push(shift);
+        }
+        if shift == 0 || shift > 63 {
+            return None;
+        }
+        let key = |state: &[u64]| {
+            let bits = parts
+                .iter()
+                .map(|(field, shift)| field.bits_of(state) << shift);
+            bits.fold(0, |key, bits| key | bits)
+        };
+        Some(Keys {
+            of: self
+                .packed
+                .chunks_exact(self.layout.words())
+                .map(key)
+                .collect(),
+            cuts,
+        })
     }
 
     /// The number of reward structures.

@@ -17,7 +17,8 @@
 
 use crate::answer::CheckError;
 use crate::choices::Choices;
-use crate::cone::{Cone, Walk};
+use crate::cone::{BlockWalk, Cone, Walk};
+use crate::diagonals::Keys;
 use crate::engine::Context;
 use crate::optimum::sound::widened;
 use crate::poisson::Weights;
@@ -39,6 +40,39 @@ pub(crate) struct Transient<'a> {
     pub context: &'a Context<'a>,
     /// The states whose values are asked for.
     pub from: &'a [usize],
+    /// Numbers by which states can be ordered, if there are some.
+    pub keys: &'a dyn Fn() -> Option<Keys>,
+}
+
+/// How values are carried back.
+enum Walker {
+    ByBlocks(BlockWalk),
+    ByStates(Walk<1>),
+}
+
+impl Walker {
+    /// One step more; whether anything has changed.
+    fn advance(&mut self) -> bool {
+        match self {
+            Self::ByBlocks(walk) => walk.advance(),
+            Self::ByStates(walk) => walk.advance().changed,
+        }
+    }
+
+    /// The value of a state that is asked for; nothing if it is what it was.
+    fn value(&self, state: usize) -> Option<f64> {
+        match self {
+            Self::ByBlocks(walk) => Some(walk.value(state)),
+            Self::ByStates(walk) => walk.value(state).map(|[value]| value),
+        }
+    }
+
+    fn longest(&self) -> usize {
+        match self {
+            Self::ByBlocks(walk) => walk.longest(),
+            Self::ByStates(walk) => walk.longest(),
+        }
+    }
 }
 
 /// Sums in the states asked for.
@@ -159,12 +193,20 @@ impl Transient<'_> {
         loop {
             let choices = Choices::new(self.rates, &[]);
             let cone = Cone::new(choices, &self.active, self.from, Some(&support), steps);
-            let entries = |state: usize, _: usize, entries: &mut Vec<(u32, f64)>| {
+            let entries = |state: usize, entries: &mut Vec<(u32, f64)>| {
                 let others = self.rates.row(state).filter(|(target, _)| *target != state);
                 entries.extend(others.map(|(target, rate)| (target as u32, rate / speed)));
                 entries.push((state as u32, self.stay(state, speed)));
             };
-            let walk = Walk::new(cone, steps, choices, [true], |state| [x[state]], entries);
+            let by_blocks = BlockWalk::new(&cone, steps, self.keys, |state| x[state], entries);
+            let walk = match by_blocks {
+                Some(walk) => Walker::ByBlocks(walk),
+                None => {
+                    let entries = |state: usize, _: usize, into: &mut _| entries(state, into);
+                    let value = |state: usize| [x[state]];
+                    Walker::ByStates(Walk::new(cone, steps, choices, [true], value, entries))
+                }
+            };
             if let Some(found) = self.walk(walk, x, coefficients, &rest, greatest, steps)? {
                 return Ok(found);
             }
@@ -175,16 +217,15 @@ impl Transient<'_> {
     /// The same within a number of products; nothing if it is too small.
     fn walk(
         &self,
-        mut walk: Walk<1>,
+        mut walk: Walker,
         x: &[f64],
         coefficients: &[f64],
         rest: &[f64],
         greatest: f64,
         steps: usize,
     ) -> Result<Option<Found>, CheckError> {
-        let value =
-            |walk: &Walk<1>, state: usize| walk.value(state).map_or(x[state], |[value]| value);
-        let add = |sums: &mut [f64], walk: &Walk<1>, weight: f64| {
+        let value = |walk: &Walker, state: usize| walk.value(state).unwrap_or(x[state]);
+        let add = |sums: &mut [f64], walk: &Walker, weight: f64| {
             for (sum, state) in sums.iter_mut().zip(self.from) {
                 *sum += weight * value(walk, *state);
             }
@@ -206,7 +247,7 @@ impl Transient<'_> {
             if k % 16 == 0 {
                 self.context.options.check_cancelled()?;
             }
-            still = still || !walk.advance().changed;
+            still = still || !walk.advance();
             k += 1;
             if coefficients[k] > 0.0 {
                 add(&mut sums, &walk, coefficients[k]);
@@ -253,6 +294,7 @@ mod tests {
             active,
             context: &context,
             from: &[0],
+            keys: &|| None,
         };
         let mut target = vec![Bounds::ZERO; 41];
         target[40] = Bounds::ONE;
@@ -281,6 +323,7 @@ mod tests {
             active: vec![true; 2],
             context: &context,
             from: &[0],
+            keys: &|| None,
         };
         let on = [Bounds::ZERO, Bounds::ONE];
         for t in [0.001, 0.7, 40.0, 1000.0] {

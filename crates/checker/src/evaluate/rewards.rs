@@ -199,6 +199,7 @@ impl<E: Numbers> Evaluator<'_, E> {
                 active: vec![true; x.len()],
                 context: &self.context,
                 from,
+                keys: &|| self.space.keys(),
             };
             let values = transient.solve(&x, &Bounds::literal(time), sum)?;
             Ok(plain(values.into_iter().map(E::from_bounds).collect()))

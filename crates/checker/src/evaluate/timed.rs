@@ -136,6 +136,7 @@ impl<E: Numbers> Evaluator<'_, E> {
             active,
             context: &self.context,
             from: &asked,
+            keys: &|| self.space.keys(),
         };
         let mut found = transient.solve(values, time, Sum::Final)?;
         for (state, value) in found.iter_mut().enumerate() {

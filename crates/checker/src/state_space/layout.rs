@@ -96,8 +96,13 @@ impl Field {
     /// The variable's value in a packed state.
     #[inline]
     pub(crate) fn value(&self, packed: &[u64]) -> i64 {
-        let bits = (packed[self.word] >> self.shift) & self.mask;
-        self.low.wrapping_add(bits as i64)
+        self.low.wrapping_add(self.bits_of(packed) as i64)
+    }
+
+    /// The variable's value less its least one.
+    #[inline]
+    pub(crate) fn bits_of(&self, packed: &[u64]) -> u64 {
+        (packed[self.word] >> self.shift) & self.mask
     }
 }
 
