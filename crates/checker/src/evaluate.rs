@@ -21,7 +21,7 @@ mod quantifiers;
 mod rewards;
 mod timed;
 
-use std::borrow::Cow;
+use std::cell::OnceCell;
 
 use prism_lang::property::{Property, StateFormula};
 use prism_lang::resolved::ModelType;
@@ -39,8 +39,8 @@ use crate::state_space::{Csr, StateSpace};
 /// Evaluation of one property.
 pub(crate) struct Evaluator<'a, E: Numbers> {
     space: &'a StateSpace<E::Entry>,
-    /// Probabilities: the model's own, or those of the embedded chain of a `ctmc`.
-    matrix: Cow<'a, Csr<E::Entry>>,
+    /// The probabilities of the embedded chain of a `ctmc`, once they are needed.
+    embedded: OnceCell<Csr<E::Entry>>,
     context: Context<'a>,
     iterations: u64,
     product_states: Option<usize>,
@@ -61,19 +61,17 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
             return Err(CheckError::NoInitialState);
         }
         let mut context = Context::new(options, space.relative_error());
-        let matrix = match space.kind {
-            ModelType::Ctmc => {
-                let longest = (0..space.num_states())
-                    .map(|s| space.matrix.row(s).count())
-                    .max();
-                context.entry_error += (longest.unwrap_or(0) + 2) as f64 * UNIT;
-                Cow::Owned(embedded(&space.matrix))
-            }
-            _ => Cow::Borrowed(&space.matrix),
-        };
+        if space.kind == ModelType::Ctmc {
+            let lengths = space
+                .matrix
+                .row_start
+                .windows(2)
+                .map(|ends| ends[1] - ends[0]);
+            context.entry_error += (lengths.max().unwrap_or(0) + 2) as f64 * UNIT;
+        }
         Ok(Self {
             space,
-            matrix,
+            embedded: OnceCell::new(),
             context,
             iterations: 0,
             product_states: None,
@@ -118,7 +116,20 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
     }
 
     fn choices(&self) -> Choices<'_, E::Entry> {
-        Choices::new(&self.matrix, &self.space.choice_start)
+        Choices::new(self.matrix(), &self.space.choice_start)
+    }
+
+    /// Probabilities: the model's own, or those of the embedded chain of a `ctmc`.
+    fn matrix(&self) -> &Csr<E::Entry> {
+        match self.space.kind {
+            ModelType::Ctmc => self.embedded.get_or_init(|| embedded(&self.space.matrix)),
+            _ => &self.space.matrix,
+        }
+    }
+
+    /// The model's own probabilities or rates.
+    fn own_choices(&self) -> Choices<'_, E::Entry> {
+        Choices::new(&self.space.matrix, &self.space.choice_start)
     }
 
     fn everywhere(&self) -> Vec<usize> {

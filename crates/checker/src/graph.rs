@@ -145,6 +145,40 @@ impl Components {
     }
 }
 
+/// Whether all states are seen to reach each other, in a few passes over the transitions in their order; if not, they may.
+///
+/// Every state is reached from the first one and reaches it. States that were numbered by a search breadth first are all reached in
+/// one pass, and most models with a way back have one to states of smaller numbers.
+pub(crate) fn is_seen_to_be_strongly_connected<N>(matrix: &Csr<N>) -> bool {
+    let states = matrix.num_rows();
+    let all_are_marked = |mark: &dyn Fn(usize, &mut [bool])| {
+        let mut marked = vec![false; states];
+        marked[..states.min(1)].fill(true);
+        let mut count = 1;
+        loop {
+            (0..states).for_each(|state| mark(state, &mut marked));
+            let now = marked.iter().filter(|marked| **marked).count();
+            // Each pass has to be worth its time.
+            if now == states || now - count <= states / 16 {
+                return now == states;
+            }
+            count = now;
+        }
+    };
+    let onwards = |state: usize, marked: &mut [bool]| {
+        if marked[state] {
+            for target in successors(matrix, state) {
+                marked[*target as usize] = true;
+            }
+        }
+    };
+    let back = |state: usize, marked: &mut [bool]| {
+        let mut targets = successors(matrix, state).iter();
+        marked[state] |= targets.any(|target| marked[*target as usize]);
+    };
+    states > 0 && all_are_marked(&onwards) && all_are_marked(&back)
+}
+
 const UNSEEN: u32 = u32::MAX;
 
 struct Tarjan<'a, R, U> {
@@ -311,6 +345,20 @@ mod tests {
         assert_eq!(bottom_components(&matrix), vec![vec![states as u32 - 1]]);
     }
 
+    #[test]
+    fn strong_connection_is_seen_where_numbers_go_up_and_back() {
+        let states = 1000;
+        let mut edges: Vec<_> = (0..states).map(|s| (s, (s + 1) % states)).collect();
+        edges.extend((1..states).map(|s| (s, s / 2)));
+        let connected = |edges: &[_]| is_seen_to_be_strongly_connected(&graph(edges, states));
+        assert!(connected(&edges));
+        // One state that is never left, one that is never reached.
+        let left = edges.iter().copied().filter(|(from, _)| *from != 700);
+        assert!(!connected(&left.collect::<Vec<_>>()));
+        let reached = edges.iter().copied().filter(|(_, to)| *to != 700);
+        assert!(!connected(&reached.collect::<Vec<_>>()));
+    }
+
     proptest! {
         #[test]
         fn components_and_qualitative_sets_agree_with_the_closure(
@@ -325,6 +373,8 @@ mod tests {
             for (index, component) in components.iter().enumerate() {
                 component.iter().for_each(|state| order[*state as usize] = index);
             }
+            let connected = reaches.iter().all(|row| row.iter().all(|reached| *reached));
+            prop_assert!(connected || !is_seen_to_be_strongly_connected(&matrix));
             for (a, row) in reaches.iter().enumerate() {
                 for b in 0..9 {
                     prop_assert_eq!(order[a] == order[b], row[b] && reaches[b][a]);

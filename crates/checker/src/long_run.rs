@@ -31,7 +31,7 @@ use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::elimination::{GivenUp, System};
 use crate::engine::{Context, Numbers};
-use crate::graph::{EndComponent, maximal_end_components};
+use crate::graph::{EndComponent, is_seen_to_be_strongly_connected, maximal_end_components};
 use crate::quotient::{Optimal, Quotient};
 use crate::rewards::Part;
 use crate::rounding::{Bounds, UNIT};
@@ -53,13 +53,17 @@ const BUDGET: u64 = 300_000_000;
 ///
 /// `embedded` has the probabilities by which components are reached, `rates` those (or the rates) by which time
 /// passes; they are the same matrix in discrete time. `part.row` is earned per step, or per unit of time.
-pub(crate) fn average<E: Numbers>(
-    embedded: Choices<'_, E::Entry>,
+pub(crate) fn average<'m, E: Numbers>(
+    embedded: impl FnOnce() -> Choices<'m, E::Entry>,
     rates: Choices<'_, E::Entry>,
     part: &Part<E::Amount>,
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
+    if rates.is_chain() && is_seen_to_be_strongly_connected(rates.matrix) {
+        return everywhere_the_same::<E>(rates, part, context);
+    }
+    let embedded = embedded();
     let everywhere = vec![true; embedded.num_states()];
     let components = maximal_end_components(embedded, &everywhere, |_| true);
     let mut gains = Vec::with_capacity(components.len());
@@ -84,6 +88,26 @@ pub(crate) fn average<E: Numbers>(
     let mut optimal = quotient.solve::<E>(&E::Amount::zero(), context)?;
     optimal.iterations += iterations;
     Ok(optimal)
+}
+
+/// The average in a chain that is one component.
+fn everywhere_the_same<E: Numbers>(
+    rates: Choices<'_, E::Entry>,
+    part: &Part<E::Amount>,
+    context: &Context<'_>,
+) -> Result<Optimal<E::Amount>, CheckError> {
+    let states = rates.num_states();
+    let component = EndComponent {
+        states: (0..states as u32).collect(),
+        rows: (0..states).collect(),
+    };
+    let mut local = vec![u32::MAX; states];
+    let (gain, iterations) = gain::<E>(rates, part, &component, true, &mut local, context)?;
+    Ok(Optimal {
+        values: vec![gain; states],
+        scheduler: Vec::new(),
+        iterations,
+    })
 }
 
 /// Where a scheduler that earns as little as it can may earn nothing for ever: there, and in the whole component

@@ -217,7 +217,7 @@ impl Evaluator<'_, Sound> {
         }
         if !choices.is_chain() && !found.scheduler.is_empty() {
             let outcomes = |row: &usize| {
-                let entries = || self.matrix.row(*row).map(|(target, p)| (target, *p));
+                let entries = || self.matrix().row(*row).map(|(target, p)| (target, *p));
                 (*row != NO_ROW).then(|| entries().collect())
             };
             bounds.scheduler = Some(found.scheduler.iter().map(outcomes).collect());

@@ -54,7 +54,7 @@ impl<E: Numbers> Evaluator<'_, E> {
     fn next(&mut self, operand: &[bool], maximise: bool) -> Result<Vec<E::Value>, CheckError> {
         let choices = self.choices();
         match choices.is_chain() {
-            true => Ok(E::next(&self.matrix, operand, &self.context)),
+            true => Ok(E::next(self.matrix(), operand, &self.context)),
             false => reachability::next::<E>(choices, operand, maximise, &self.context),
         }
     }
@@ -69,7 +69,8 @@ impl<E: Numbers> Evaluator<'_, E> {
     ) -> Result<Vec<E::Value>, CheckError> {
         let choices = self.choices();
         if choices.is_chain() {
-            let (values, rounds) = E::until(&self.matrix, left, right, steps, from, &self.context)?;
+            let (values, rounds) =
+                E::until(self.matrix(), left, right, steps, from, &self.context)?;
             self.iterations += rounds;
             return Ok(values);
         }

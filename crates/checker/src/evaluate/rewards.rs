@@ -8,7 +8,6 @@ use super::Evaluator;
 use super::timed::transient_failed;
 use crate::amount::Amount;
 use crate::answer::CheckError;
-use crate::choices::Choices;
 use crate::co_safe::CoSafe;
 use crate::engine::{Context, Numbers};
 use crate::fairness::not_yet;
@@ -66,7 +65,7 @@ impl<E: Numbers> Evaluator<'_, E> {
                 let model = self.per_step(&by_time);
                 rewards::total::<E>(self.choices(), &model, maximise, &self.context)?
             }
-            RewardObjective::LongRun => by_sign(self.choices(), &by_time, |part| {
+            RewardObjective::LongRun => by_sign(self.own_choices(), &by_time, |part| {
                 self.long_run_of(part, maximise)
             })?,
             RewardObjective::CoSafe(path) => {
@@ -133,8 +132,11 @@ impl<E: Numbers> Evaluator<'_, E> {
         }
         let found = self.space.rewards(structure);
         let rewards = found.map_err(|error| CheckError::Reward(error.to_string()))?;
-        let own = Choices::new(&self.space.matrix, &self.space.choice_start);
-        Ok(RewardModel::new(own, rewards, self.context.entry_error))
+        Ok(RewardModel::new(
+            self.own_choices(),
+            rewards,
+            self.context.entry_error,
+        ))
     }
 
     /// What is earned per step: in a `ctmc`, per unit of time over the rate of leaving.
@@ -191,7 +193,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         sum: Sum,
         from: &[usize],
     ) -> Result<Optimal<E::Amount>, CheckError> {
-        by_sign(self.choices(), model, |part| {
+        by_sign(self.own_choices(), model, |part| {
             let rates = E::floats(&self.space.matrix).ok_or_else(transient_failed)?;
             let x: Vec<Bounds> = of(part).iter().map(Amount::bounds).collect();
             let transient = Transient {
@@ -211,8 +213,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         part: &Part<E::Amount>,
         maximise: bool,
     ) -> Result<Optimal<E::Amount>, CheckError> {
-        let rates = Choices::new(&self.space.matrix, &self.space.choice_start);
-        long_run::average::<E>(self.choices(), rates, part, maximise, &self.context)
+        let embedded = || self.choices();
+        long_run::average::<E>(embedded, self.own_choices(), part, maximise, &self.context)
     }
 
     /// The share of time spent in states in the long run.

@@ -16,7 +16,7 @@ const IN_PLACE: u64 = 20_000;
 /// The part of the precision that the equations' residual may take up.
 const SHARE: f64 = 0.1;
 /// Steps of time after which the state with the greatest share is looked for.
-const FLOWS: usize = 8;
+const FLOWS: usize = 3;
 /// Solutions of the equations, each of what the one before left.
 const SOLUTIONS: usize = 8;
 /// Rounds in place between two looks at the bounds.
