@@ -145,38 +145,23 @@ impl Components {
     }
 }
 
-/// Whether all states are seen to reach each other, in a few passes over the transitions in their order; if not, they may.
+/// Whether all states are seen to reach each other; if not, they may, where states are not numbered by a search from the first one.
 ///
-/// Every state is reached from the first one and reaches it. States that were numbered by a search breadth first are all reached in
-/// one pass, and most models with a way back have one to states of smaller numbers.
+/// Every state is reached from the first one, as one pass over the transitions shows, and reaches it.
 pub(crate) fn is_seen_to_be_strongly_connected<N>(matrix: &Csr<N>) -> bool {
     let states = matrix.num_rows();
-    let all_are_marked = |mark: &dyn Fn(usize, &mut [bool])| {
-        let mut marked = vec![false; states];
-        marked[..states.min(1)].fill(true);
-        let mut count = 1;
-        loop {
-            (0..states).for_each(|state| mark(state, &mut marked));
-            let now = marked.iter().filter(|marked| **marked).count();
-            // Each pass has to be worth its time.
-            if now == states || now - count <= states / 16 {
-                return now == states;
-            }
-            count = now;
-        }
-    };
-    let onwards = |state: usize, marked: &mut [bool]| {
-        if marked[state] {
+    let mut first = vec![false; states];
+    first[..states.min(1)].fill(true);
+    let mut reached = first.clone();
+    for state in 0..states {
+        if reached[state] {
             for target in successors(matrix, state) {
-                marked[*target as usize] = true;
+                reached[*target as usize] = true;
             }
         }
-    };
-    let back = |state: usize, marked: &mut [bool]| {
-        let mut targets = successors(matrix, state).iter();
-        marked[state] |= targets.any(|target| marked[*target as usize]);
-    };
-    states > 0 && all_are_marked(&onwards) && all_are_marked(&back)
+    }
+    let all = |set: &[bool]| set.iter().all(|holds| *holds);
+    states > 0 && all(&reached) && all(&Predecessors::new(matrix).reaching(&first, |_| true))
 }
 
 const UNSEEN: u32 = u32::MAX;

@@ -29,6 +29,7 @@ use prism_lang::Arithmetic;
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
+use crate::diagonals::Keys;
 use crate::elimination::{GivenUp, System};
 use crate::engine::{Context, Numbers};
 use crate::graph::{EndComponent, is_seen_to_be_strongly_connected, maximal_end_components};
@@ -56,12 +57,13 @@ const BUDGET: u64 = 300_000_000;
 pub(crate) fn average<'m, E: Numbers>(
     embedded: impl FnOnce() -> Choices<'m, E::Entry>,
     rates: Choices<'_, E::Entry>,
+    keys: impl FnOnce() -> Option<Keys>,
     part: &Part<E::Amount>,
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
     if rates.is_chain() && is_seen_to_be_strongly_connected(rates.matrix) {
-        return everywhere_the_same::<E>(rates, part, context);
+        return everywhere_the_same::<E>(rates, keys, part, context);
     }
     let embedded = embedded();
     let everywhere = vec![true; embedded.num_states()];
@@ -93,13 +95,19 @@ pub(crate) fn average<'m, E: Numbers>(
 /// The average in a chain that is one component.
 fn everywhere_the_same<E: Numbers>(
     rates: Choices<'_, E::Entry>,
+    keys: impl FnOnce() -> Option<Keys>,
     part: &Part<E::Amount>,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
     let states = rates.num_states();
+    let mut order: Vec<u32> = (0..states as u32).collect();
+    // Neighbours in this order lead to neighbours, which are near in memory.
+    if let Some(keys) = keys() {
+        order.sort_unstable_by_key(|state| keys.of[*state as usize]);
+    }
     let component = EndComponent {
-        states: (0..states as u32).collect(),
-        rows: (0..states).collect(),
+        rows: order.iter().map(|state| *state as usize).collect(),
+        states: order,
     };
     let mut local = vec![u32::MAX; states];
     let (gain, iterations) = gain::<E>(rates, part, &component, true, &mut local, context)?;

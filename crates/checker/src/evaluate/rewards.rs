@@ -214,7 +214,14 @@ impl<E: Numbers> Evaluator<'_, E> {
         maximise: bool,
     ) -> Result<Optimal<E::Amount>, CheckError> {
         let embedded = || self.choices();
-        long_run::average::<E>(embedded, self.own_choices(), part, maximise, &self.context)
+        long_run::average::<E>(
+            embedded,
+            self.own_choices(),
+            || self.space.keys(),
+            part,
+            maximise,
+            &self.context,
+        )
     }
 
     /// The share of time spent in states in the long run.

@@ -30,7 +30,7 @@ fn of_scheduler(process: &Process, rows: &[usize], numbers: &[u32]) -> Vec<Exten
     let options = Options::default();
     let context = Context::new(&options, 0.0);
     let choices = Choices::new(&chain, &[]);
-    average::<Exact>(|| choices, choices, &rewards, true, &context)
+    average::<Exact>(|| choices, choices, || None, &rewards, true, &context)
         .unwrap()
         .values
 }
@@ -48,7 +48,7 @@ proptest! {
         let context = Context::new(&options, 0.0);
         let matrix = rounded(&process.matrix);
         let choices = Choices::new(&matrix, &process.choice_start);
-        let found = average::<Sound>(|| choices, choices, &part(&process, &numbers), maximise, &context).unwrap();
+        let found = average::<Sound>(|| choices, choices, || None, &part(&process, &numbers), maximise, &context).unwrap();
         let all: Vec<_> = process.schedulers().map(|rows| of_scheduler(&process, &rows, &numbers)).collect();
         for (state, bounds) in found.values.iter().enumerate() {
             let values = all.iter().map(|values| values[state].clone());
@@ -74,7 +74,7 @@ fn a_cycle_is_averaged_over_its_time() {
         row: vec![Bounds::ONE, Bounds::ZERO],
     };
     let (rates, jumps) = (Choices::new(&rates, &[]), Choices::new(&jumps, &[]));
-    let found = average::<Sound>(|| jumps, rates, &rewards, true, &context).unwrap();
+    let found = average::<Sound>(|| jumps, rates, || None, &rewards, true, &context).unwrap();
     assert!(found.values[0].contains(0.75) && found.values[1].relative_width() < 1e-12);
     let component = EndComponent {
         states: vec![0, 1],
