@@ -285,7 +285,7 @@ impl Solver<'_> {
         if !self.effort.equations {
             return Ok(false);
         }
-        let mut bounds = Vec::with_capacity(2);
+        let mut bounds: Vec<(Vec<f64>, Vec<f64>)> = Vec::with_capacity(2);
         for lanes in [[1, 2], [3, 4]] {
             let local = Local::of_chain(system, lanes);
             let slack = Slack {
@@ -294,7 +294,17 @@ impl Solver<'_> {
                 tolerance,
                 options: self.context.options,
             };
-            let found = slack.search(vec![0.0; component.len()])?;
+            let start = match bounds.first() {
+                None => vec![0.0; component.len()],
+                // The contrary's probability is what is left of one, up to rounding.
+                Some((lower, upper)) => {
+                    let pairs = lower.iter().zip(upper);
+                    pairs
+                        .map(|(low, high)| (1.0 - (low + high) / 2.0).max(0.0))
+                        .collect()
+                }
+            };
+            let found = slack.search(start)?;
             let (Some(lower), Some(upper), true) = (found.lower, found.upper, found.is_close)
             else {
                 return Ok(false);
