@@ -22,7 +22,7 @@ use std::ops::Range;
 use crate::choices::Choices;
 use crate::state_space::Csr;
 pub use decision::qualitative_optimum;
-pub(crate) use decision::{Backward, NO_ROW};
+pub(crate) use decision::{Backward, NO_ROW, Optimum, optimum};
 pub use end_components::{EndComponent, maximal_end_components};
 
 /// For each state, its predecessors.

@@ -55,6 +55,7 @@ mod interval_iteration;
 pub mod interval_model;
 mod joint;
 mod krylov;
+mod limit;
 mod long_run;
 mod multi;
 mod not_yet;

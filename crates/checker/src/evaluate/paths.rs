@@ -8,6 +8,7 @@ use super::Evaluator;
 use crate::answer::CheckError;
 use crate::engine::{Engine, Numbers};
 use crate::graph::NO_ROW;
+use crate::limit;
 use crate::product::{Product, product};
 use crate::reachability;
 use crate::shape::{Shape, letters, read_path, shape};
@@ -93,13 +94,38 @@ impl<E: Numbers> Evaluator<'_, E> {
             true => Ltl::negate(formula.clone()).simplify(),
             false => formula.clone(),
         };
-        let product = self.product(&formula, sets, from)?;
-        let values = self.accepting_values(&product)?;
+        let (values, start) = match self.for_ever(&formula, sets, from)? {
+            Some(values) => (values, from.to_vec()),
+            None => {
+                let product = self.product(&formula, sets, from)?;
+                (self.accepting_values(&product)?, product.start)
+            }
+        };
         let value = |state: &usize| match contrary {
             true => E::contrary(&values[*state]),
             false => values[*state].clone(),
         };
-        Ok(product.start.iter().map(value).collect())
+        Ok(start.iter().map(value).collect())
+    }
+
+    /// The greatest probability of a formula that speaks only of what happens for ever.
+    fn for_ever(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+        from: &[usize],
+    ) -> Result<Option<Vec<E::Value>>, CheckError> {
+        if self.context.options.fair {
+            return Ok(None);
+        }
+        let Some(accepting) = limit::accepting(self.choices(), formula, sets) else {
+            return Ok(None);
+        };
+        let everywhere = vec![true; accepting.len()];
+        let values = self.until(&everywhere, &accepting, (0, None), Some(from), true)?;
+        // What is done in an end component, a choice for each state cannot say.
+        self.scheduler = None;
+        Ok(Some(values))
     }
 
     /// The product with the automaton of a formula over sets of states.
