@@ -50,6 +50,7 @@ mod exact;
 pub mod explore;
 mod fairness;
 pub mod formats;
+mod fragment;
 pub mod graph;
 mod interval_iteration;
 pub mod interval_model;
