@@ -101,7 +101,8 @@ pub fn qualitative<N>(matrix: &Csr<N>, left: &[bool], right: &[bool]) -> Qualita
     Qualitative { never, surely }
 }
 
-/// Strongly connected components, in reverse topological order.
+/// Strongly connected components, in reverse topological order; the states of each in the order in which a depth-first search
+/// leaves them, so that a state comes after all to which it leads but for those on the way back to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Components {
     /// States, component by component.
@@ -154,8 +155,9 @@ struct Tarjan<'a, R, U> {
     within: &'a [bool],
     /// Order of discovery; `UNSEEN` before.
     number: Vec<u32>,
-    /// Smallest number known to be reachable within the open component.
+    /// Smallest number known to be reachable within the open component; once a state has been left, the time of that.
     low: Vec<u32>,
+    left: u32,
     open: Vec<bool>,
     stack: Vec<u32>,
     /// States being visited, each with the position of its next transition.
@@ -173,6 +175,7 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
             within,
             number: vec![UNSEEN; states],
             low: vec![0; states],
+            left: 0,
             open: vec![false; states],
             stack: Vec::new(),
             visits: Vec::new(),
@@ -231,9 +234,13 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
             let parent = *parent as usize;
             self.low[parent] = self.low[parent].min(self.low[state]);
         }
-        if self.low[state] != self.number[state] {
+        let is_root = self.low[state] == self.number[state];
+        self.low[state] = self.left;
+        self.left += 1;
+        if !is_root {
             return;
         }
+        let first = self.found.states.len();
         while let Some(member) = self.stack.pop() {
             self.open[member as usize] = false;
             self.found.states.push(member);
@@ -241,6 +248,8 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
                 break;
             }
         }
+        let low = &self.low;
+        self.found.states[first..].sort_unstable_by_key(|member| low[*member as usize]);
         self.found.start.push(self.found.states.len());
     }
 }

@@ -160,18 +160,32 @@ fn unbounded<E: Numbers>(
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
     let sets = &known.sets;
+    let open: Vec<bool> = (0..left.len())
+        .map(|s| !sets.never[s] && !sets.surely[s])
+        .collect();
+    let collapsed = match maximise {
+        true => maximal_end_components(choices, &open, |_| true),
+        false => Vec::new(),
+    };
+    if collapsed.is_empty() {
+        let value = |state: usize| match open[state] {
+            true => None,
+            false if sets.surely[state] => Some(E::Amount::one()),
+            false => Some(E::Amount::zero()),
+        };
+        if let Some(found) = E::solve_states(choices, &[], &value, maximise, 1.0, context)? {
+            let mut optimal = Optimal::of(found);
+            complete(choices, left, known, maximise, &mut optimal.scheduler);
+            return Ok(optimal);
+        }
+    }
     let mut quotient = Quotient::new(choices, maximise);
     quotient.cap = 1.0;
     let zero = quotient.add_class(Some(E::Amount::zero()));
     let one = quotient.add_class(Some(E::Amount::one()));
     quotient.assign(zero, &sets.never);
     quotient.assign(one, &sets.surely);
-    let open: Vec<bool> = (0..left.len())
-        .map(|s| !sets.never[s] && !sets.surely[s])
-        .collect();
-    if maximise {
-        quotient.collapse(maximal_end_components(choices, &open, |_| true));
-    }
+    quotient.collapse(collapsed);
     quotient.separate(&open);
     let mut optimal = quotient.solve::<E>(&E::Amount::zero(), context)?;
     complete(choices, left, known, maximise, &mut optimal.scheduler);
