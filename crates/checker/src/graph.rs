@@ -155,13 +155,13 @@ struct Tarjan<'a, R, U> {
     within: &'a [bool],
     /// Order of discovery; `UNSEEN` before.
     number: Vec<u32>,
-    /// Smallest number known to be reachable within the open component; once a state has been left, the time of that.
+    /// Smallest number known to be reachable within the open component.
     low: Vec<u32>,
-    left: u32,
     open: Vec<bool>,
-    stack: Vec<u32>,
-    /// States being visited, each with the position of its next transition.
-    visits: Vec<(u32, usize)>,
+    /// States that have been left and whose component is not complete.
+    left: Vec<u32>,
+    /// States being visited, each with the position of its next transition, and how many had been left before.
+    visits: Vec<(u32, usize, usize)>,
     found: Components,
 }
 
@@ -175,9 +175,8 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
             within,
             number: vec![UNSEEN; states],
             low: vec![0; states],
-            left: 0,
             open: vec![false; states],
-            stack: Vec::new(),
+            left: Vec::new(),
             visits: Vec::new(),
             found: Components {
                 states: Vec::new(),
@@ -191,8 +190,8 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
         for root in 0..self.within.len() {
             if self.within[root] && self.number[root] == UNSEEN {
                 self.discover(root, &mut next_number);
-                while let Some((state, position)) = self.visits.pop() {
-                    self.continue_visit(state as usize, position, &mut next_number);
+                while let Some((state, position, before)) = self.visits.pop() {
+                    self.continue_visit(state as usize, position, before, &mut next_number);
                 }
             }
         }
@@ -204,12 +203,17 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
         self.low[state] = *next_number;
         *next_number += 1;
         self.open[state] = true;
-        self.stack.push(state as u32);
         let first = (self.entries)(state).start;
-        self.visits.push((state as u32, first));
+        self.visits.push((state as u32, first, self.left.len()));
     }
 
-    fn continue_visit(&mut self, state: usize, mut position: usize, next_number: &mut u32) {
+    fn continue_visit(
+        &mut self,
+        state: usize,
+        mut position: usize,
+        before: usize,
+        next_number: &mut u32,
+    ) {
         let end = (self.entries)(state).end;
         while position < end {
             let (target, usable) = (self.columns[position] as usize, (self.usable)(position));
@@ -218,7 +222,7 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
                 continue;
             }
             if self.number[target] == UNSEEN {
-                self.visits.push((state as u32, position));
+                self.visits.push((state as u32, position, before));
                 self.discover(target, next_number);
                 return;
             }
@@ -226,30 +230,23 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
                 self.low[state] = self.low[state].min(self.number[target]);
             }
         }
-        self.finish(state);
+        self.finish(state, before);
     }
 
-    fn finish(&mut self, state: usize) {
-        if let Some((parent, _)) = self.visits.last() {
+    fn finish(&mut self, state: usize, before: usize) {
+        if let Some((parent, ..)) = self.visits.last() {
             let parent = *parent as usize;
             self.low[parent] = self.low[parent].min(self.low[state]);
         }
-        let is_root = self.low[state] == self.number[state];
-        self.low[state] = self.left;
-        self.left += 1;
-        if !is_root {
+        self.left.push(state as u32);
+        if self.low[state] != self.number[state] {
             return;
         }
-        let first = self.found.states.len();
-        while let Some(member) = self.stack.pop() {
+        // What has been left since, and does not belong to another component, belongs to this one.
+        for member in self.left.drain(before..) {
             self.open[member as usize] = false;
             self.found.states.push(member);
-            if member as usize == state {
-                break;
-            }
         }
-        let low = &self.low;
-        self.found.states[first..].sort_unstable_by_key(|member| low[*member as usize]);
         self.found.start.push(self.found.states.len());
     }
 }
@@ -318,6 +315,25 @@ mod tests {
         let matrix = graph(&edges, states);
         assert_eq!(Components::new(&matrix, &vec![true; states]).len(), states);
         assert_eq!(bottom_components(&matrix), vec![vec![states as u32 - 1]]);
+    }
+
+    #[test]
+    fn states_of_a_component_are_in_the_order_in_which_they_are_left() {
+        // A circle with a short cut back, from which two more states are reached that lead back into it.
+        let edges = [
+            (0, 1),
+            (1, 2),
+            (2, 0),
+            (2, 3),
+            (3, 4),
+            (4, 2),
+            (3, 5),
+            (5, 5),
+        ];
+        let matrix = graph(&edges, 6);
+        let components = Components::new(&matrix, &[true; 6]);
+        let found: Vec<&[u32]> = components.iter().collect();
+        assert_eq!(found, [&[5][..], &[4, 3, 2, 1, 0]]);
     }
 
     proptest! {
