@@ -146,6 +146,18 @@ impl Local {
         self.column.len()
     }
 
+    /// How many entries lead to a position behind their own.
+    pub fn entries_back(&self) -> usize {
+        let rows = |place: usize| self.choice_start[place]..self.choice_start[place + 1];
+        let of_place = |place: usize| {
+            let rows = rows(place);
+            let entries = &self.column[self.row_start[rows.start]..self.row_start[rows.end]];
+            let back = |column: &&u32| **column as usize > place;
+            entries.iter().filter(back).count()
+        };
+        (0..self.len()).map(of_place).sum()
+    }
+
     /// Whether no state has an alternative.
     pub fn is_chain(&self) -> bool {
         self.exit.len() == self.len()

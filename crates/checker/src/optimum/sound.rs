@@ -3,8 +3,8 @@
 //! *Method.* Component by component in reverse topological order (Dai, Strejček, Wu and Gupta 2011). Within one:
 //!
 //! 1. without alternatives, elimination ([`crate::elimination`]) within a budget, as in [`crate::sound`];
-//! 2. some rounds of value iteration with guesses ([`super::search`]), as long as they promise to be enough; then, in the order in
-//!    which states were explored, forwards and backwards in turn;
+//! 2. some rounds of value iteration with guesses ([`super::search`]), as long as they promise to be enough; then, where many
+//!    transitions lead back, in the order in which states were explored, forwards and backwards in turn;
 //! 3. policy iteration by linear equations, and bounds by slack ([`super::slack`]);
 //! 4. more rounds of value iteration;
 //! 5. policy iteration (Howard 1960), each scheduler's chain solved by elimination; then the guess as before.
@@ -57,6 +57,8 @@ const EFFORT: Effort = Effort {
 
 /// Components of fewer states than this are iterated without solving equations.
 const SMALL: usize = 50;
+/// Equations are solved in depth-first order if at most one in so many transitions leads back in it.
+const NEARLY_ACYCLIC: usize = 8;
 /// Chains of fewer states than this, or fewer transitions for each state, are eliminated first.
 const EASY: usize = 1_000;
 const SPARSE: usize = 4;
@@ -229,7 +231,11 @@ impl Solver<'_> {
             let solved = solved || search.iterate(self.effort.iterate, &cancelled);
             return self.finish(component, &mut search, solved, input_error);
         }
-        // In the order in which they were explored, incomplete factors are better than in that of the search for components.
+        if local.entries_back() * NEARLY_ACYCLIC <= local.entries() {
+            let solved = search.solve(options)? || search.iterate(self.effort.iterate, &cancelled);
+            return self.finish(component, &mut search, solved, input_error);
+        }
+        // Where many transitions lead back, incomplete factors are better in the order in which states were explored.
         let mut explored: Vec<(u32, f64)> = component
             .iter()
             .copied()
