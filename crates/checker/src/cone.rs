@@ -15,11 +15,8 @@
 //! Cost: two breadth-first searches, then the entries of the states within both cones, for each step in which they are.
 //! Guarantee: what is left out is known exactly; numbers are rounded to nearest, for the caller to account for.
 
-mod rows;
-
 use crate::choices::Choices;
 use crate::rounding::SMALLEST_VALUE;
-use rows::Rows;
 
 /// Not reached.
 const FAR: u32 = u32::MAX;
@@ -165,9 +162,6 @@ pub(crate) struct Walk<const W: usize> {
     weight: Vec<f64>,
     /// What each row earns; nothing if empty.
     reward: Vec<[f64; W]>,
-    /// All of these in another form, once they have been packed.
-    packed: Option<Rows<W>>,
-    longest: usize,
     /// Which problems are maximised.
     maximise: [bool; W],
     now: Vec<[f64; W]>,
@@ -224,10 +218,7 @@ impl<const W: usize> Walk<W> {
         if row_start.len() == choice_start.len() {
             choice_start.clear();
         }
-        let lengths = row_start.windows(2).map(|ends| ends[1] - ends[0]);
         Self {
-            longest: lengths.max().unwrap_or(0),
-            packed: None,
             steps,
             place,
             choice_start,
@@ -263,23 +254,10 @@ impl<const W: usize> Walk<W> {
         }
     }
 
-    /// With the choices in a form that takes few bytes, where there are any.
-    pub fn packed(mut self) -> Self {
-        if !self.choice_start.is_empty() {
-            let (column, weight) = (&self.column, &self.weight);
-            let (choices, rows) = (&self.choice_start, &self.row_start);
-            self.packed = Rows::new(choices, rows, column, weight, &self.reward);
-        }
-        if self.packed.is_some() {
-            (self.choice_start, self.row_start) = (Vec::new(), Vec::new());
-            (self.column, self.weight, self.reward) = (Vec::new(), Vec::new(), Vec::new());
-        }
-        self
-    }
-
     /// The greatest number of entries of a row.
     pub fn longest(&self) -> usize {
-        self.longest
+        let lengths = self.row_start.windows(2).map(|ends| ends[1] - ends[0]);
+        lengths.max().unwrap_or(0)
     }
 
     /// One step more; at most as many as there were said to be.
@@ -292,10 +270,9 @@ impl<const W: usize> Walk<W> {
             if *first > step {
                 continue;
             }
-            let new = match &self.packed {
-                Some(rows) => (rows.best(at, &self.now, self.maximise)).unwrap_or(self.now[at]),
-                None if self.choice_start.is_empty() => self.row_value(at),
-                None => self.best(at),
+            let new = match self.choice_start.is_empty() {
+                true => self.row_value(at),
+                false => self.best(at),
             };
             changed |= new != self.now[at];
             for new in new {

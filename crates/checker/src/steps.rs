@@ -66,7 +66,7 @@ impl Back<'_, f64> {
             let cone = Cone::new(self.choices, self.active, &from, support, self.steps());
             let maximise = [self.maximise, !self.maximise];
             let entries = self.entries();
-            Walk::new(cone, self.steps(), self.choices, maximise, value, entries).packed()
+            Walk::new(cone, self.steps(), self.choices, maximise, value, entries)
         };
         let low = |state: usize| [values[state].value.low, values[state].complement.low];
         let high = |state: usize| [values[state].value.high, values[state].complement.high];
@@ -143,7 +143,7 @@ impl Back<'_, f64> {
                 Some(rewards) => walk.with_rewards(self.choices, |row| [side(&rewards[row])]),
                 None => walk,
             };
-            self.run(walk.packed(), context)
+            self.run(walk, context)
         };
         let Some(lows) = run(|b| b.low)? else {
             return Ok(None);
