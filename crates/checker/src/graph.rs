@@ -22,7 +22,7 @@ use std::ops::Range;
 use crate::choices::Choices;
 use crate::state_space::Csr;
 pub use decision::qualitative_optimum;
-pub(crate) use decision::{Backward, NO_ROW};
+pub(crate) use decision::{Backward, NO_ROW, Optimum, optimum};
 pub use end_components::{EndComponent, maximal_end_components};
 
 /// For each state, its predecessors.
@@ -101,7 +101,8 @@ pub fn qualitative<N>(matrix: &Csr<N>, left: &[bool], right: &[bool]) -> Qualita
     Qualitative { never, surely }
 }
 
-/// Strongly connected components, in reverse topological order.
+/// Strongly connected components, in reverse topological order; the states of each in the order in which a depth-first search
+/// leaves them, so that a state comes after all to which it leads but for those on the way back to it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Components {
     /// States, component by component.
@@ -176,9 +177,10 @@ struct Tarjan<'a, R, U> {
     /// Smallest number known to be reachable within the open component.
     low: Vec<u32>,
     open: Vec<bool>,
-    stack: Vec<u32>,
-    /// States being visited, each with the position of its next transition.
-    visits: Vec<(u32, usize)>,
+    /// States that have been left and whose component is not complete.
+    left: Vec<u32>,
+    /// States being visited, each with the position of its next transition, and how many had been left before.
+    visits: Vec<(u32, usize, usize)>,
     found: Components,
 }
 
@@ -193,7 +195,7 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
             number: vec![UNSEEN; states],
             low: vec![0; states],
             open: vec![false; states],
-            stack: Vec::new(),
+            left: Vec::new(),
             visits: Vec::new(),
             found: Components {
                 states: Vec::new(),
@@ -207,8 +209,8 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
         for root in 0..self.within.len() {
             if self.within[root] && self.number[root] == UNSEEN {
                 self.discover(root, &mut next_number);
-                while let Some((state, position)) = self.visits.pop() {
-                    self.continue_visit(state as usize, position, &mut next_number);
+                while let Some((state, position, before)) = self.visits.pop() {
+                    self.continue_visit(state as usize, position, before, &mut next_number);
                 }
             }
         }
@@ -220,12 +222,17 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
         self.low[state] = *next_number;
         *next_number += 1;
         self.open[state] = true;
-        self.stack.push(state as u32);
         let first = (self.entries)(state).start;
-        self.visits.push((state as u32, first));
+        self.visits.push((state as u32, first, self.left.len()));
     }
 
-    fn continue_visit(&mut self, state: usize, mut position: usize, next_number: &mut u32) {
+    fn continue_visit(
+        &mut self,
+        state: usize,
+        mut position: usize,
+        before: usize,
+        next_number: &mut u32,
+    ) {
         let end = (self.entries)(state).end;
         while position < end {
             let (target, usable) = (self.columns[position] as usize, (self.usable)(position));
@@ -234,7 +241,7 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
                 continue;
             }
             if self.number[target] == UNSEEN {
-                self.visits.push((state as u32, position));
+                self.visits.push((state as u32, position, before));
                 self.discover(target, next_number);
                 return;
             }
@@ -242,23 +249,22 @@ impl<'a, R: Fn(usize) -> Range<usize>, U: Fn(usize) -> bool> Tarjan<'a, R, U> {
                 self.low[state] = self.low[state].min(self.number[target]);
             }
         }
-        self.finish(state);
+        self.finish(state, before);
     }
 
-    fn finish(&mut self, state: usize) {
-        if let Some((parent, _)) = self.visits.last() {
+    fn finish(&mut self, state: usize, before: usize) {
+        if let Some((parent, ..)) = self.visits.last() {
             let parent = *parent as usize;
             self.low[parent] = self.low[parent].min(self.low[state]);
         }
+        self.left.push(state as u32);
         if self.low[state] != self.number[state] {
             return;
         }
-        while let Some(member) = self.stack.pop() {
+        // What has been left since, and does not belong to another component, belongs to this one.
+        for member in self.left.drain(before..) {
             self.open[member as usize] = false;
             self.found.states.push(member);
-            if member as usize == state {
-                break;
-            }
         }
         self.found.start.push(self.found.states.len());
     }
@@ -328,6 +334,25 @@ mod tests {
         let matrix = graph(&edges, states);
         assert_eq!(Components::new(&matrix, &vec![true; states]).len(), states);
         assert_eq!(bottom_components(&matrix), vec![vec![states as u32 - 1]]);
+    }
+
+    #[test]
+    fn states_of_a_component_are_in_the_order_in_which_they_are_left() {
+        // A circle with a short cut back, from which two more states are reached that lead back into it.
+        let edges = [
+            (0, 1),
+            (1, 2),
+            (2, 0),
+            (2, 3),
+            (3, 4),
+            (4, 2),
+            (3, 5),
+            (5, 5),
+        ];
+        let matrix = graph(&edges, 6);
+        let components = Components::new(&matrix, &[true; 6]);
+        let found: Vec<&[u32]> = components.iter().collect();
+        assert_eq!(found, [&[5][..], &[4, 3, 2, 1, 0]]);
     }
 
     #[test]

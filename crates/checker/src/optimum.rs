@@ -18,6 +18,7 @@ pub(crate) mod exact;
 pub(crate) mod jacobi;
 pub(crate) mod local;
 mod policy;
+mod search;
 pub(crate) mod slack;
 pub(crate) mod sound;
 
@@ -47,10 +48,4 @@ pub(crate) struct Solution<V> {
     pub choice: Vec<usize>,
     /// Rounds of iteration.
     pub iterations: u64,
-}
-
-impl<N, V> Problem<N, V> {
-    pub fn num_states(&self) -> usize {
-        self.fixed.len()
-    }
 }

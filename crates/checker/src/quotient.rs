@@ -6,6 +6,9 @@
 //! the optimum as it is (Ciesinski, Baier, Größer and Klein 2008; Haddad and Monmege 2018, "Interval iteration
 //! algorithm for MDPs and IMDPs", section 3), and removes all schedulers that never end.
 //!
+//! Where nothing is collapsed, a technique may solve the problem on the states of the model themselves
+//! ([`crate::engine::Numbers::solve_states`]), so that nothing is copied.
+//!
 //! The scheduler found on the classes becomes one on the model: within a collapsed component, all states go
 //! towards the one whose choice leaves it. Cost: linear, plus sorting each row. Guarantee: exact; probabilities
 //! of entries that fall together are added, which [`crate::optimum::sound`] allows for.
@@ -17,7 +20,7 @@ use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
 use crate::graph::{Backward, EndComponent, NO_ROW};
-use crate::optimum::Problem;
+use crate::optimum::{Problem, Solution};
 use crate::state_space::Csr;
 
 /// The class of states that do not belong to the problem; choices that may lead there are left out.
@@ -48,6 +51,17 @@ pub(crate) struct Optimal<A> {
     /// The choice in each state; [`NO_ROW`] where it does not matter.
     pub scheduler: Vec<usize>,
     pub iterations: u64,
+}
+
+impl<A> Optimal<A> {
+    /// A solution on the states of the model.
+    pub fn of(found: Solution<A>) -> Self {
+        Self {
+            values: found.values,
+            scheduler: found.choice,
+            iterations: found.iterations,
+        }
+    }
 }
 
 /// The problem and where its choices come from.

@@ -19,7 +19,7 @@ use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
 use crate::fairness;
-use crate::graph::{Backward, NO_ROW, Qualitative, maximal_end_components, qualitative_optimum};
+use crate::graph::{NO_ROW, Optimum, maximal_end_components, optimum};
 use crate::quotient::{Optimal, Quotient};
 use crate::steps::Back;
 
@@ -37,7 +37,8 @@ pub(crate) fn until<E: Numbers>(
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Found<E::Value>, CheckError> {
-    let sets = qualitative_optimum(choices, left, right, maximise);
+    let known = optimum(choices, left, right, maximise);
+    let sets = &known.sets;
     let (mut values, mut scheduler, mut iterations) = (Vec::new(), None, 0);
     let fair = context.options.fair;
     match last {
@@ -45,7 +46,7 @@ pub(crate) fn until<E: Numbers>(
             (values, iterations) = fairness::least_until::<E>(choices, left, right, context)?;
         }
         None => {
-            let optimal = unbounded::<E>(choices, left, right, &sets, maximise, context)?;
+            let optimal = unbounded::<E>(choices, left, &known, maximise, context)?;
             values.extend(optimal.values.iter().map(E::probability));
             // One that is the same at all times may stay away from a choice for ever.
             scheduler = (first == 0 && !fair).then_some(optimal.scheduler);
@@ -154,26 +155,40 @@ fn steps_back<E: Numbers>(
 fn unbounded<E: Numbers>(
     choices: Choices<'_, E::Entry>,
     left: &[bool],
-    right: &[bool],
-    sets: &Qualitative,
+    known: &Optimum,
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
+    let sets = &known.sets;
+    let open: Vec<bool> = (0..left.len())
+        .map(|s| !sets.never[s] && !sets.surely[s])
+        .collect();
+    let collapsed = match maximise {
+        true => maximal_end_components(choices, &open, |_| true),
+        false => Vec::new(),
+    };
+    if collapsed.is_empty() {
+        let value = |state: usize| match open[state] {
+            true => None,
+            false if sets.surely[state] => Some(E::Amount::one()),
+            false => Some(E::Amount::zero()),
+        };
+        if let Some(found) = E::solve_states(choices, &[], &value, maximise, 1.0, context)? {
+            let mut optimal = Optimal::of(found);
+            complete(choices, left, known, maximise, &mut optimal.scheduler);
+            return Ok(optimal);
+        }
+    }
     let mut quotient = Quotient::new(choices, maximise);
     quotient.cap = 1.0;
     let zero = quotient.add_class(Some(E::Amount::zero()));
     let one = quotient.add_class(Some(E::Amount::one()));
     quotient.assign(zero, &sets.never);
     quotient.assign(one, &sets.surely);
-    let open: Vec<bool> = (0..left.len())
-        .map(|s| !sets.never[s] && !sets.surely[s])
-        .collect();
-    if maximise {
-        quotient.collapse(maximal_end_components(choices, &open, |_| true));
-    }
+    quotient.collapse(collapsed);
     quotient.separate(&open);
     let mut optimal = quotient.solve::<E>(&E::Amount::zero(), context)?;
-    complete(choices, left, right, sets, maximise, &mut optimal.scheduler);
+    complete(choices, left, known, maximise, &mut optimal.scheduler);
     Ok(optimal)
 }
 
@@ -181,19 +196,18 @@ fn unbounded<E: Numbers>(
 fn complete<N: Arithmetic>(
     choices: Choices<'_, N>,
     left: &[bool],
-    right: &[bool],
-    sets: &Qualitative,
+    known: &Optimum,
     maximise: bool,
     scheduler: &mut [usize],
 ) {
     if choices.is_chain() {
         return;
     }
+    let sets = &known.sets;
     if maximise {
-        let (_, towards) = Backward::new(choices).sure_for_some(choices, left, right);
         for (state, surely) in sets.surely.iter().enumerate() {
             if *surely {
-                scheduler[state] = towards[state];
+                scheduler[state] = known.towards[state];
             }
         }
         return;

@@ -96,15 +96,27 @@ fn reach_part<E: Numbers>(
                 .0
         }
     };
+    let open: Vec<bool> = (0..target.len()).map(|s| finite[s] && !target[s]).collect();
+    let free = match maximise {
+        true => Vec::new(),
+        false => maximal_end_components(choices, &open, |row| rewards.is_free(row)),
+    };
+    if free.is_empty() {
+        let value = |state: usize| match open[state] {
+            true => None,
+            false if target[state] => Some(E::Amount::zero()),
+            false => Some(E::Amount::infinity()),
+        };
+        let (reward, most) = (&rewards.row, f64::INFINITY);
+        if let Some(found) = E::solve_states(choices, reward, &value, maximise, most, context)? {
+            return Ok(Optimal::of(found));
+        }
+    }
     let mut quotient = Quotient::new(choices, maximise);
     quotient.reward = &rewards.row;
     let done = quotient.add_class(Some(E::Amount::zero()));
     quotient.assign(done, target);
-    let open: Vec<bool> = (0..target.len()).map(|s| finite[s] && !target[s]).collect();
-    if !maximise {
-        let free = maximal_end_components(choices, &open, |row| rewards.is_free(row));
-        quotient.collapse(free);
-    }
+    quotient.collapse(free);
     quotient.separate(&open);
     quotient.solve::<E>(&E::Amount::infinity(), context)
 }

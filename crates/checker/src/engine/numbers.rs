@@ -5,6 +5,8 @@ use prism_lang::Rational;
 use super::{Context, Engine, Exact, PrismDefault, Sound, UNKNOWN_ENTRY_ERROR};
 use crate::amount::{Amount, Extended};
 use crate::answer::{CheckError, Guarantee, Method};
+use crate::choices::Choices;
+use crate::optimum::sound::Equations;
 use crate::optimum::{self, Problem, Solution};
 use crate::rounding::Bounds;
 use crate::sound::Probability;
@@ -25,6 +27,18 @@ pub(crate) trait Numbers: Engine {
         cap: f64,
         context: &Context<'_>,
     ) -> Result<Solution<Self::Amount>, CheckError>;
+
+    /// The same on the states of a model as it is, as [`optimum::sound::Equations`] says; nothing if the technique needs a problem.
+    fn solve_states(
+        _: Choices<'_, Self::Entry>,
+        _: &[Self::Amount],
+        _: &dyn Fn(usize) -> Option<Self::Amount>,
+        _: bool,
+        _: f64,
+        _: &Context<'_>,
+    ) -> Result<Option<Solution<Self::Amount>>, CheckError> {
+        Ok(None)
+    }
 
     /// A probability as a number.
     fn amount(value: &Self::Value) -> Self::Amount;
@@ -80,7 +94,36 @@ impl Numbers for Sound {
         cap: f64,
         context: &Context<'_>,
     ) -> Result<Solution<Bounds>, CheckError> {
-        optimum::sound::solve(problem, cap, context)
+        Equations::of(problem, cap).solve(context)
+    }
+
+    fn solve_states(
+        choices: Choices<'_, f64>,
+        reward: &[Bounds],
+        known: &dyn Fn(usize) -> Option<Bounds>,
+        maximise: bool,
+        cap: f64,
+        context: &Context<'_>,
+    ) -> Result<Option<Solution<Bounds>>, CheckError> {
+        let states = 0..choices.num_states();
+        let mut open = vec![false; choices.num_states()];
+        let value = |state: usize| {
+            known(state).unwrap_or_else(|| {
+                open[state] = true;
+                Bounds::ZERO
+            })
+        };
+        let values = states.map(value).collect();
+        let equations = Equations {
+            choices,
+            reward,
+            open,
+            values,
+            maximise,
+            merged: 0,
+            cap,
+        };
+        equations.solve(context).map(Some)
     }
 
     fn amount(value: &Probability) -> Bounds {

@@ -177,7 +177,7 @@ impl Evaluator<'_, Sound> {
             weight: weight.values.iter().map(|w| w.high).collect(),
             low,
             high,
-            reward: model.gain.row,
+            reward: model.into_owned().gain.row,
             scheduler: optimal.scheduler,
             open,
             maximise,

@@ -6,10 +6,13 @@ use temporal::ltl::Ltl;
 
 use super::Evaluator;
 use crate::answer::CheckError;
-use crate::engine::{Engine, Numbers};
+use crate::choices::Choices;
+use crate::engine::{Context, Engine, Numbers};
+use crate::fragment::Fragment;
 use crate::graph::NO_ROW;
+use crate::limit;
 use crate::product::{Product, product};
-use crate::reachability;
+use crate::reachability::{self, Found};
 use crate::shape::{Shape, letters, read_path, shape};
 
 impl<E: Numbers> Evaluator<'_, E> {
@@ -32,7 +35,9 @@ impl<E: Numbers> Evaluator<'_, E> {
                 return Ok(from.iter().map(|s| E::indicator(holds[*s])).collect());
             }
             Some(Shape::Next { operand, contrary }) => {
-                (self.next(&operand, maximise != contrary)?, contrary)
+                let values = self.next(&operand, maximise != contrary)?;
+                let asked = from.iter().map(|state| values[*state].clone());
+                (asked.collect::<Vec<_>>(), contrary)
             }
             Some(Shape::Until {
                 left,
@@ -40,15 +45,44 @@ impl<E: Numbers> Evaluator<'_, E> {
                 steps,
                 contrary,
             }) => (
-                self.until(&left, &right, steps, Some(from), maximise != contrary)?,
+                self.until_from(&left, &right, steps, from, maximise != contrary)?,
                 contrary,
             ),
         };
-        let value = |state: &usize| match contrary {
-            true => E::contrary(&values[*state]),
-            false => values[*state].clone(),
+        let value = |value: &E::Value| match contrary {
+            true => E::contrary(value),
+            false => value.clone(),
         };
-        Ok(from.iter().map(value).collect())
+        Ok(values.iter().map(value).collect())
+    }
+
+    /// The probability of `left U right` in the states `from`, on that part of the model which matters there.
+    fn until_from(
+        &mut self,
+        left: &[bool],
+        right: &[bool],
+        steps: (u64, Option<u64>),
+        from: &[usize],
+        maximise: bool,
+    ) -> Result<Vec<E::Value>, CheckError> {
+        let may_cut = steps.0 == 0 && !self.context.options.fair;
+        let part = match may_cut {
+            true => Fragment::new(self.choices(), left, right, from),
+            false => None,
+        };
+        let Some(part) = part else {
+            let values = self.until(left, right, steps, Some(from), maximise)?;
+            return Ok(from.iter().map(|state| values[*state].clone()).collect());
+        };
+        let (left, right) = (part.set(left), part.set(right));
+        let places: Vec<usize> = from.iter().map(|state| part.place(*state)).collect();
+        let from = Some(&places[..]);
+        let choices = part.choices();
+        let (values, scheduler, rounds) =
+            until_on::<E>(choices, &left, &right, steps, from, maximise, &self.context)?;
+        self.iterations += rounds;
+        self.scheduler = scheduler.map(|own| part.scheduler(&own, self.space.num_states()));
+        Ok(places.iter().map(|place| values[*place].clone()).collect())
     }
 
     fn next(&mut self, operand: &[bool], maximise: bool) -> Result<Vec<E::Value>, CheckError> {
@@ -68,16 +102,12 @@ impl<E: Numbers> Evaluator<'_, E> {
         maximise: bool,
     ) -> Result<Vec<E::Value>, CheckError> {
         let choices = self.choices();
-        if choices.is_chain() {
-            let (values, rounds) =
-                E::until(self.matrix(), left, right, steps, from, &self.context)?;
-            self.iterations += rounds;
-            return Ok(values);
-        }
         let (values, scheduler, rounds) =
-            reachability::until::<E>(choices, left, right, steps, from, maximise, &self.context)?;
+            until_on::<E>(choices, left, right, steps, from, maximise, &self.context)?;
         self.iterations += rounds;
-        self.scheduler = scheduler;
+        if !self.choices().is_chain() {
+            self.scheduler = scheduler;
+        }
         Ok(values)
     }
 
@@ -94,13 +124,40 @@ impl<E: Numbers> Evaluator<'_, E> {
             true => Ltl::negate(formula.clone()).simplify(),
             false => formula.clone(),
         };
-        let product = self.product(&formula, sets, from)?;
-        let values = self.accepting_values(&product)?;
-        let value = |state: &usize| match contrary {
-            true => E::contrary(&values[*state]),
-            false => values[*state].clone(),
+        let values = match self.for_ever(&formula, sets, from)? {
+            Some(values) => values,
+            None => {
+                let product = self.product(&formula, sets, from)?;
+                let values = self.accepting_values(&product)?;
+                let start = product.start.iter();
+                start.map(|state| values[*state].clone()).collect()
+            }
         };
-        Ok(product.start.iter().map(value).collect())
+        let value = |value: &E::Value| match contrary {
+            true => E::contrary(value),
+            false => value.clone(),
+        };
+        Ok(values.iter().map(value).collect())
+    }
+
+    /// The greatest probability of a formula that speaks only of what happens for ever.
+    fn for_ever(
+        &mut self,
+        formula: &Ltl,
+        sets: &[Vec<bool>],
+        from: &[usize],
+    ) -> Result<Option<Vec<E::Value>>, CheckError> {
+        if self.context.options.fair {
+            return Ok(None);
+        }
+        let Some(accepting) = limit::accepting(self.choices(), formula, sets) else {
+            return Ok(None);
+        };
+        let everywhere = vec![true; accepting.len()];
+        let values = self.until_from(&everywhere, &accepting, (0, None), from, true)?;
+        // What is done in an end component, a choice for each state cannot say.
+        self.scheduler = None;
+        Ok(Some(values))
     }
 
     /// The product with the automaton of a formula over sets of states.
@@ -154,4 +211,21 @@ impl<E: Numbers> Evaluator<'_, E> {
         let choice = |row: usize| (row != NO_ROW).then_some(row);
         Some(scheduler.into_iter().map(choice).collect())
     }
+}
+
+/// `left U right` with the method for chains where there are no choices.
+fn until_on<E: Numbers>(
+    choices: Choices<'_, E::Entry>,
+    left: &[bool],
+    right: &[bool],
+    steps: (u64, Option<u64>),
+    from: Option<&[usize]>,
+    maximise: bool,
+    context: &Context<'_>,
+) -> Result<Found<E::Value>, CheckError> {
+    if choices.is_chain() {
+        let (values, rounds) = E::until(choices.matrix, left, right, steps, from, context)?;
+        return Ok((values, None, rounds));
+    }
+    reachability::until::<E>(choices, left, right, steps, from, maximise, context)
 }

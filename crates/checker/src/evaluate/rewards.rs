@@ -1,5 +1,7 @@
 //! Expected rewards and long-run shares.
 
+use std::borrow::Cow;
+
 use prism_lang::Arithmetic;
 use prism_lang::property::{Horizon, Path, RewardObjective, RewardQuery, StateFormula};
 use prism_lang::resolved::ModelType;
@@ -73,8 +75,8 @@ impl<E: Numbers> Evaluator<'_, E> {
             }
             RewardObjective::Cumulative(Horizon::Steps(steps)) => {
                 let start = vec![E::Amount::zero(); self.space.num_states()];
-                let model = Some(self.per_step(&by_time));
-                self.within_steps(model, start, *steps, from, maximise)?
+                let model = self.per_step(&by_time);
+                self.within_steps(Some(&model), start, *steps, from, maximise)?
             }
             RewardObjective::Instantaneous(Horizon::Steps(step)) => {
                 self.within_steps(None, by_time.states(), *step, from, maximise)?
@@ -140,9 +142,12 @@ impl<E: Numbers> Evaluator<'_, E> {
     }
 
     /// What is earned per step: in a `ctmc`, per unit of time over the rate of leaving.
-    pub(super) fn per_step(&self, model: &RewardModel<E::Amount>) -> RewardModel<E::Amount> {
+    pub(super) fn per_step<'m>(
+        &self,
+        model: &'m RewardModel<E::Amount>,
+    ) -> Cow<'m, RewardModel<E::Amount>> {
         if self.space.kind != ModelType::Ctmc {
-            return model.clone();
+            return Cow::Borrowed(model);
         }
         let leaving: Vec<E::Amount> = (0..self.space.num_states())
             .map(|state| {
@@ -163,15 +168,15 @@ impl<E: Numbers> Evaluator<'_, E> {
                 .map(|(row, rate)| row.div(rate))
                 .collect(),
         };
-        RewardModel {
+        Cow::Owned(RewardModel {
             gain: divided(&model.gain),
             loss: model.loss.as_ref().map(divided),
-        }
+        })
     }
 
     fn within_steps(
         &self,
-        model: Option<RewardModel<E::Amount>>,
+        model: Option<&RewardModel<E::Amount>>,
         start: Vec<E::Amount>,
         steps: u64,
         from: &[usize],
@@ -179,7 +184,6 @@ impl<E: Numbers> Evaluator<'_, E> {
     ) -> Result<Optimal<E::Amount>, CheckError> {
         let context = &self.context;
         let choices = self.choices();
-        let model = model.as_ref();
         let values = rewards::steps::<E>(choices, model, start, steps, from, maximise, context)?;
         Ok(plain(values))
     }

@@ -88,6 +88,9 @@ impl<N> Search<'_, N> {
     }
 
     fn components(&self) -> Components {
+        if self.row_on.iter().all(|on| *on) {
+            return Components::of_choices(self.choices, &self.within, |_| true);
+        }
         let mut entry_on = vec![false; self.choices.matrix.num_entries()];
         for (row, on) in self.row_on.iter().enumerate() {
             entry_on[self.choices.entries(row)].fill(*on);

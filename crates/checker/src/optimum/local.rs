@@ -1,6 +1,9 @@
 //! The equations of one strongly connected component, in compact form.
+//!
+//! Rows are divided by the probability `s` of leaving their state, which is a sum, so that one application of a row is a sum of products.
+//! That rounds each number once more; [`Local::error`] and the callers' bounds of the errors of entries allow for it.
 
-use super::Problem;
+use super::sound::Equations;
 use crate::elimination::System;
 use crate::rounding::{Bounds, UNIT};
 
@@ -24,10 +27,9 @@ pub(crate) struct Local {
     pub probability: Vec<f64>,
     /// Probability of leaving the component.
     pub exit: Vec<f64>,
+    /// What leads out and is earned, with the lower and the upper values outside.
     pub low: Vec<f64>,
     pub high: Vec<f64>,
-    /// `1 / s`: the inverse of the probability of leaving the state.
-    pub inverse: Vec<f64>,
     /// The problem's row of each choice.
     pub origin: Vec<usize>,
     /// Relative error of one application of a row.
@@ -38,12 +40,7 @@ pub(crate) struct Local {
 
 impl Local {
     /// The equations of a component, given the values outside.
-    pub fn new(
-        problem: &Problem<f64, Bounds>,
-        component: &[u32],
-        values: &[Bounds],
-        position: &mut [u32],
-    ) -> Self {
+    pub fn new(equations: &Equations<'_>, component: &[u32], position: &mut [u32]) -> Self {
         for (place, state) in component.iter().enumerate() {
             position[*state as usize] = place as u32;
         }
@@ -55,8 +52,8 @@ impl Local {
         let mut longest = 0;
         for state in component {
             let state = *state as usize;
-            for row in problem.choice_start[state]..problem.choice_start[state + 1] {
-                longest = longest.max(local.push(problem, row, values, position));
+            for row in equations.choices.rows(state) {
+                longest = longest.max(local.push(equations, state, row, position));
             }
             local.choice_start.push(local.exit.len());
         }
@@ -81,34 +78,33 @@ impl Local {
             let inside: f64 = row.iter().map(|(_, p)| p).sum();
             local.column.extend(row.iter().map(|(column, _)| *column));
             local.probability.extend(row.iter().map(|(_, p)| *p));
-            local.row_start.push(local.column.len());
-            local.exit.push(rhs[0]);
-            local.low.push(rhs[low]);
-            local.high.push(rhs[high]);
-            local.inverse.push(1.0 / (rhs[0] + inside));
+            local.finish_row(rhs[0], [rhs[low], rhs[high]], inside);
         }
         local.error = 2.0 * (2.0 * longest as f64 + 8.0) * UNIT;
         local
     }
 
-    /// Adds a choice; returns its length.
+    /// Adds a choice, unless it is left out; returns its length.
     fn push(
         &mut self,
-        problem: &Problem<f64, Bounds>,
+        equations: &Equations<'_>,
+        state: usize,
         row: usize,
-        values: &[Bounds],
         position: &[u32],
     ) -> usize {
-        let mut sum = problem.reward.get(row).copied().unwrap_or(Bounds::ZERO);
+        let mut sum = (equations.reward.get(row).copied()).unwrap_or(Bounds::ZERO);
         let (mut exit, mut inside, mut length, mut exits) = (0.0, 0.0, 0, 0);
-        for (target, p) in problem.matrix.row(row) {
+        for (target, p) in equations.choices.matrix.row(row) {
+            if target == state {
+                continue;
+            }
             length += 1;
             match position[target] {
                 OUTSIDE => {
                     exit += p;
                     exits += 1;
-                    sum.low += p * values[target].low;
-                    sum.high += p * values[target].high;
+                    sum.low += p * equations.values[target].low;
+                    sum.high += p * equations.values[target].high;
                 }
                 place => {
                     inside += p;
@@ -117,14 +113,29 @@ impl Local {
                 }
             }
         }
-        self.row_start.push(self.column.len());
-        self.exit.push(exit);
-        self.low.push(sum.low);
-        self.high.push(sum.high);
-        self.inverse.push(1.0 / (exit + inside));
+        if length == 0 || sum.low == f64::INFINITY {
+            let kept = self.row_start[self.row_start.len() - 1];
+            self.column.truncate(kept);
+            self.probability.truncate(kept);
+            return 0;
+        }
+        self.finish_row(exit, [sum.low, sum.high], inside);
         self.origin.push(row);
         self.longest_exit = self.longest_exit.max(exits);
         length
+    }
+
+    /// Ends a row whose entries are there, and divides it by the probability of leaving the state.
+    pub(super) fn finish_row(&mut self, exit: f64, [low, high]: [f64; 2], inside: f64) {
+        let start = self.row_start.last().copied().unwrap_or(0);
+        let inverse = 1.0 / (exit + inside);
+        for p in &mut self.probability[start..] {
+            *p *= inverse;
+        }
+        self.row_start.push(self.column.len());
+        self.exit.push(exit * inverse);
+        self.low.push(low * inverse);
+        self.high.push(high * inverse);
     }
 
     pub fn len(&self) -> usize {
@@ -135,17 +146,33 @@ impl Local {
         self.column.len()
     }
 
+    /// How many entries lead to a position behind their own.
+    pub fn entries_back(&self) -> usize {
+        let rows = |place: usize| self.choice_start[place]..self.choice_start[place + 1];
+        let of_place = |place: usize| {
+            let rows = rows(place);
+            let entries = &self.column[self.row_start[rows.start]..self.row_start[rows.end]];
+            let back = |column: &&u32| **column as usize > place;
+            entries.iter().filter(back).count()
+        };
+        (0..self.len()).map(of_place).sum()
+    }
+
     /// Whether no state has an alternative.
     pub fn is_chain(&self) -> bool {
         self.exit.len() == self.len()
     }
 
-    /// Whether both sides are the same problem.
-    pub fn is_one_sided(&self) -> bool {
-        self.low == self.high
+    /// Whether both sides are the same problem but for this relative difference.
+    pub fn is_one_sided(&self, but_for: f64) -> bool {
+        let pairs = self.low.iter().zip(&self.high);
+        pairs
+            .into_iter()
+            .all(|(low, high)| high - low <= but_for * low)
     }
 
     /// The value of a choice.
+    #[inline]
     pub fn row_value(&self, row: usize, x: &[f64], side: Side) -> f64 {
         let range = self.row_start[row]..self.row_start[row + 1];
         let mut sum = match side {
@@ -158,10 +185,11 @@ impl Local {
         {
             sum += p * x[*column as usize];
         }
-        sum * self.inverse[row]
+        sum
     }
 
     /// The best choice at a position and its value.
+    #[inline]
     pub fn best(&self, place: usize, x: &[f64], side: Side, maximise: bool) -> (usize, f64) {
         let rows = self.choice_start[place]..self.choice_start[place + 1];
         let mut best = (rows.start, self.row_value(rows.start, x, side));

@@ -58,11 +58,7 @@ impl Chain {
         for row in policy {
             let range = local.row_start[*row]..local.row_start[row + 1];
             column.extend_from_slice(&local.column[range.clone()]);
-            weight.extend(
-                local.probability[range]
-                    .iter()
-                    .map(|p| p * local.inverse[*row]),
-            );
+            weight.extend_from_slice(&local.probability[range]);
             row_start.push(column.len());
         }
         let diagonal = vec![1.0; policy.len()];
@@ -190,7 +186,7 @@ impl Slack<'_> {
             });
             let goal = |x: &[f64]| (allowed * self.tolerance / 16.0).max(2e-16 * greatest(x));
             chain.solve(&self.earned(&policy, Side::Low), &mut x, goal, self.options)?;
-            if self.local.is_one_sided() {
+            if self.local.is_one_sided(0.0) {
                 high.copy_from_slice(&x);
             } else {
                 let earned = self.earned(&policy, Side::High);
@@ -259,8 +255,7 @@ impl Slack<'_> {
             Side::Low => &self.local.low,
             Side::High => &self.local.high,
         };
-        let earned = |row: &usize| self.local.inverse[*row] * sums[*row];
-        policy.iter().map(earned).collect()
+        policy.iter().map(|row| sums[*row]).collect()
     }
 
     fn rows(&self, place: usize) -> std::ops::Range<usize> {
@@ -333,8 +328,7 @@ impl Slack<'_> {
         let range = self.local.row_start[row]..self.local.row_start[row + 1];
         let columns = &self.local.column[range.clone()];
         let entries = columns.iter().zip(&self.local.probability[range]);
-        let sum: f64 = entries.map(|(column, p)| p * times[*column as usize]).sum();
-        sum * self.local.inverse[row]
+        entries.map(|(column, p)| p * times[*column as usize]).sum()
     }
 
     /// One round in place: the choices for which `t` is greatest, and it.

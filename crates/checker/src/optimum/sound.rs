@@ -3,9 +3,8 @@
 //! *Method.* Component by component in reverse topological order (Dai, Strejček, Wu and Gupta 2011). Within one:
 //!
 //! 1. without alternatives, elimination ([`crate::elimination`]) within a budget, as in [`crate::sound`];
-//! 2. some rounds of value iteration from below in place (Gauss-Seidel), forwards and backwards in turn, with the lower and
-//!    with the upper values outside; whenever it hardly moves, bounds just below and above are guessed and kept
-//!    if they are inductive (optimistic value iteration, Hartmanns and Kaminski 2020, here on both sides);
+//! 2. some rounds of value iteration with guesses ([`super::search`]), as long as they promise to be enough; then, where many
+//!    transitions lead back, in the order in which states were explored, forwards and backwards in turn;
 //! 3. policy iteration by linear equations, and bounds by slack ([`super::slack`]);
 //! 4. more rounds of value iteration;
 //! 5. policy iteration (Howard 1960), each scheduler's chain solved by elimination; then the guess as before.
@@ -24,9 +23,9 @@
 
 use super::local::{Local, OUTSIDE, Side};
 use super::policy::leaving;
-use super::slack::Slack;
+use super::search::Search;
 use super::{Problem, Solution};
-use crate::answer::{CheckError, Options};
+use crate::answer::CheckError;
 use crate::choices::Choices;
 use crate::elimination::GivenUp;
 use crate::engine::Context;
@@ -58,38 +57,64 @@ const EFFORT: Effort = Effort {
 
 /// Components of fewer states than this are iterated without solving equations.
 const SMALL: usize = 50;
+/// Equations are solved in depth-first order if at most one in so many transitions leads back in it.
+const NEARLY_ACYCLIC: usize = 8;
 /// Chains of fewer states than this, or fewer transitions for each state, are eliminated first.
 const EASY: usize = 1_000;
 const SPARSE: usize = 4;
 
-/// Solves the problem; `cap` is an upper bound of all values that is known beforehand.
-pub(crate) fn solve(
-    problem: &Problem<f64, Bounds>,
-    cap: f64,
-    context: &Context<'_>,
-) -> Result<Solution<Bounds>, CheckError> {
-    solve_with(problem, cap, context, EFFORT)
+/// A problem on the states of a model, or of a quotient: as in [`super`], but a choice may also lead to its own state, which plays no part,
+/// and choices are left out that lead nowhere else, or to a state of infinite value.
+pub(crate) struct Equations<'a> {
+    pub choices: Choices<'a, f64>,
+    /// The reward of each choice; none if it is empty.
+    pub reward: &'a [Bounds],
+    /// The states whose values are asked for.
+    pub open: Vec<bool>,
+    /// The values of the others.
+    pub values: Vec<Bounds>,
+    pub maximise: bool,
+    /// The greatest number of entries of the model that were added up to one entry of the matrix.
+    pub merged: usize,
+    /// An upper bound of all values that is known beforehand.
+    pub cap: f64,
+}
+
+impl<'a> Equations<'a> {
+    /// Those of a problem.
+    pub fn of(problem: &'a Problem<f64, Bounds>, cap: f64) -> Self {
+        let known = problem.fixed.iter();
+        Self {
+            choices: Choices::new(&problem.matrix, &problem.choice_start),
+            reward: &problem.reward,
+            open: known.clone().map(Option::is_none).collect(),
+            values: known.map(|fixed| fixed.unwrap_or(Bounds::ZERO)).collect(),
+            maximise: problem.maximise,
+            merged: problem.merged,
+            cap,
+        }
+    }
+
+    pub fn solve(self, context: &Context<'_>) -> Result<Solution<Bounds>, CheckError> {
+        solve_with(self, context, EFFORT)
+    }
 }
 
 pub(crate) fn solve_with(
-    problem: &Problem<f64, Bounds>,
-    cap: f64,
+    equations: Equations<'_>,
     context: &Context<'_>,
     effort: Effort,
 ) -> Result<Solution<Bounds>, CheckError> {
-    let states = problem.num_states();
-    let open: Vec<bool> = problem.fixed.iter().map(Option::is_none).collect();
-    let choices = Choices::new(&problem.matrix, &problem.choice_start);
-    let components = Components::of_choices(choices, &open, |_| true);
+    let states = equations.open.len();
+    let asked = equations.open.iter().filter(|open| **open).count();
+    let choices = equations.choices;
+    let components = Components::of_choices(choices, &equations.open, |_| true);
     let mut solver = Solver {
-        problem,
+        equations,
         context,
         effort,
-        cap,
+        asked,
         position: vec![OUTSIDE; states],
-        values: (problem.fixed.iter())
-            .map(|fixed| fixed.unwrap_or(Bounds::ZERO))
-            .collect(),
         choice: vec![NO_ROW; states],
         iterations: 0,
     };
@@ -103,19 +128,20 @@ pub(crate) fn solve_with(
         }
     }
     Ok(Solution {
-        values: solver.values,
+        values: solver.equations.values,
         choice: solver.choice,
         iterations: solver.iterations,
     })
 }
 
 struct Solver<'a> {
-    problem: &'a Problem<f64, Bounds>,
+    /// With the values found so far.
+    equations: Equations<'a>,
     context: &'a Context<'a>,
     effort: Effort,
-    cap: f64,
+    /// How many states' values are asked for.
+    asked: usize,
     position: Vec<u32>,
-    values: Vec<Bounds>,
     choice: Vec<usize>,
     iterations: u64,
 }
@@ -125,18 +151,24 @@ impl Solver<'_> {
     fn substitute(&mut self, state: usize) -> Result<(), CheckError> {
         let mut best: Option<(Bounds, usize)> = None;
         let mut longest = 0;
-        for row in self.problem.choice_start[state]..self.problem.choice_start[state + 1] {
-            let mut sum = (self.problem.reward.get(row).copied()).unwrap_or(Bounds::ZERO);
+        let equations = &self.equations;
+        let maximise = equations.maximise;
+        for row in equations.choices.rows(state) {
+            let mut sum = (equations.reward.get(row).copied()).unwrap_or(Bounds::ZERO);
             let (mut total, mut entries) = (0.0, 0);
-            for (target, p) in self.problem.matrix.row(row) {
-                total += p;
-                entries += 1;
-                sum.low += p * self.values[target].low;
-                sum.high += p * self.values[target].high;
+            for (target, p) in equations.choices.matrix.row(row) {
+                if target != state {
+                    total += p;
+                    entries += 1;
+                    sum.low += p * equations.values[target].low;
+                    sum.high += p * equations.values[target].high;
+                }
+            }
+            if entries == 0 || sum.low == f64::INFINITY {
+                continue;
             }
             longest = longest.max(entries);
             let (low, high) = (sum.low / total, sum.high / total);
-            let maximise = self.problem.maximise;
             best = Some(match best {
                 None => (Bounds { low, high }, row),
                 Some((known, chosen)) => {
@@ -162,21 +194,17 @@ impl Solver<'_> {
     }
 
     fn entry_error(&self) -> f64 {
-        self.context.entry_error + self.problem.merged as f64 * UNIT
+        self.context.entry_error + self.equations.merged as f64 * UNIT
     }
 
     fn store(&mut self, state: usize, value: Bounds, row: usize, error: f64) {
-        self.values[state] = widened(value, error, self.cap);
+        self.equations.values[state] = widened(value, error, self.equations.cap);
         self.choice[state] = row;
     }
 
     fn component(&mut self, component: &[u32]) -> Result<(), CheckError> {
-        // In the order in which they were explored, incomplete factors are better than in that of the search for components.
-        let mut component = component.to_vec();
-        component.sort_unstable();
-        let component = &component[..];
-        let local = Local::new(self.problem, component, &self.values, &mut self.position);
-        let inputs = self.entry_error() + (local.longest_exit + 2) as f64 * UNIT;
+        let local = Local::new(&self.equations, component, &mut self.position);
+        let inputs = self.entry_error() + (local.longest_exit + 3) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
         if local.is_chain() {
             let policy: Vec<usize> = (0..local.len()).collect();
@@ -187,49 +215,83 @@ impl Solver<'_> {
                 return Ok(());
             }
         }
-        let share = component.len() as f64 / self.problem.num_states() as f64;
+        let share = component.len() as f64 / self.asked as f64;
         let floor = 4.0 * local.error;
-        let mut search = Search {
-            tolerance: (self.context.options.precision * share / 4.0).max(floor),
-            maximise: self.problem.maximise,
-            low: vec![0.0; local.len()],
-            high: vec![0.0; local.len()],
-            found: vec![(0.0, self.cap); local.len()],
-            local: &local,
-            rounds: 0,
-        };
+        let tolerance = (self.context.options.precision * share / 4.0).max(floor);
         let options = self.context.options;
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
-        let mut solved = search.rounds(self.effort.before, &cancelled);
-        if !solved && local.len() >= SMALL {
-            solved = search.solve(options)?;
+        let mut search = Search::new(
+            &local,
+            self.equations.maximise,
+            tolerance,
+            self.equations.cap,
+        );
+        let solved = search.rounds(self.effort.before, true, &cancelled);
+        if solved || local.len() < SMALL {
+            let solved = solved || search.iterate(self.effort.iterate, &cancelled);
+            return self.finish(component, &mut search, solved, input_error);
         }
-        if !solved {
-            solved = search.iterate(self.effort.iterate, &cancelled);
+        if local.entries_back() * NEARLY_ACYCLIC <= local.entries() {
+            let solved = search.solve(options)? || search.iterate(self.effort.iterate, &cancelled);
+            return self.finish(component, &mut search, solved, input_error);
         }
+        // Where many transitions lead back, incomplete factors are better in the order in which states were explored.
+        let mut explored: Vec<(u32, f64)> = component
+            .iter()
+            .copied()
+            .zip(search.low.iter().copied())
+            .collect();
+        explored.sort_unstable_by_key(|(state, _)| *state);
+        let rounds = search.rounds;
+        drop(local);
+        let component: Vec<u32> = explored.iter().map(|(state, _)| *state).collect();
+        let local = Local::new(&self.equations, &component, &mut self.position);
+        let mut search = Search::new(
+            &local,
+            self.equations.maximise,
+            tolerance,
+            self.equations.cap,
+        );
+        search.rounds = rounds;
+        search.low = explored.iter().map(|(_, low)| *low).collect();
+        search.high.clone_from(&search.low);
+        drop(explored);
+        search.alternating = true;
+        let solved = search.rounds(self.effort.before, false, &cancelled)
+            || search.solve(options)?
+            || search.iterate(self.effort.iterate, &cancelled);
+        self.finish(&component, &mut search, solved, input_error)
+    }
+
+    /// Tries what is left to try, and keeps what was found.
+    fn finish(
+        &mut self,
+        component: &[u32],
+        search: &mut Search<'_>,
+        mut solved: bool,
+        input_error: f64,
+    ) -> Result<(), CheckError> {
+        let options = self.context.options;
+        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
         options.check_cancelled()?;
         if !solved {
-            solved = self.improve_policies(&mut search)?;
+            solved = self.improve_policies(search)?;
         }
         if !solved {
             search.iterate(self.effort.last, &cancelled);
             options.check_cancelled()?;
         }
         self.iterations += search.rounds;
-        let policy: Vec<usize> = (0..local.len())
-            .map(|place| {
-                local
-                    .best(place, &search.low, Side::Low, self.problem.maximise)
-                    .0
-            })
-            .collect();
+        let local = search.local;
+        let choice = |place: usize| local.best(place, &search.low, Side::Low, search.maximise).0;
+        let policy: Vec<usize> = (0..local.len()).map(choice).collect();
         let bounds = (search.found.iter())
             .map(|(low, high)| Bounds {
                 low: *low,
                 high: *high,
             })
             .collect();
-        self.keep(component, &local, bounds, &policy, input_error);
+        self.keep(component, local, bounds, &policy, input_error);
         Ok(())
     }
 
@@ -307,184 +369,6 @@ impl Solver<'_> {
             }
         }
         Ok(search.guess(search.tolerance / 16.0) || search.guess(search.tolerance))
-    }
-}
-
-/// The search for bounds of one component.
-struct Search<'a> {
-    local: &'a Local,
-    maximise: bool,
-    tolerance: f64,
-    /// Approximations with the lower and upper values outside.
-    low: Vec<f64>,
-    high: Vec<f64>,
-    /// Bounds that hold.
-    found: Vec<(f64, f64)>,
-    rounds: u64,
-}
-
-impl Search<'_> {
-    /// Iterates until bounds are found or `work` multiplications are done; then what was reached gives what bounds it can.
-    fn iterate(&mut self, work: u64, cancelled: &dyn Fn() -> bool) -> bool {
-        if self.rounds(work, cancelled) {
-            return true;
-        }
-        if self.local.is_one_sided() {
-            self.high.clone_from(&self.low);
-        }
-        // What was reached from below is a lower bound when moved down by the error of a round.
-        self.guess(self.tolerance.max(1e-3));
-        false
-    }
-
-    /// Iterates until bounds are found or `work` multiplications are done.
-    fn rounds(&mut self, work: u64, cancelled: &dyn Fn() -> bool) -> bool {
-        let one_sided = self.local.is_one_sided();
-        let each = (self.local.entries() + self.local.len()).max(1) as u64 * 2;
-        let last = self.rounds + (work / each).max(64);
-        let mut patience = self.tolerance / 10.0;
-        while self.rounds < last {
-            if self.rounds.is_multiple_of(16) && cancelled() {
-                return false;
-            }
-            let mut low = std::mem::take(&mut self.low);
-            let mut change = self.round(&mut low, Side::Low);
-            self.low = low;
-            if !one_sided {
-                let mut high = std::mem::take(&mut self.high);
-                change = change.max(self.round(&mut high, Side::High));
-                self.high = high;
-            }
-            self.rounds += 1;
-            if change <= patience {
-                if one_sided {
-                    self.high.clone_from(&self.low);
-                }
-                if self.guess(self.tolerance) {
-                    return true;
-                }
-                if change == 0.0 {
-                    break;
-                }
-                patience /= 4.0;
-            }
-        }
-        false
-    }
-
-    /// By linear equations and slack ([`super::slack`]), from what iteration has reached; whether both bounds are close.
-    fn solve(&mut self, options: &Options<'_>) -> Result<bool, CheckError> {
-        let slack = Slack {
-            local: self.local,
-            maximise: self.maximise,
-            tolerance: self.tolerance,
-            options,
-        };
-        let confirmed = slack.search(self.low.clone())?;
-        if let Some(lower) = &confirmed.lower {
-            (self.found.iter_mut().zip(lower)).for_each(|(f, x)| f.0 = f.0.max(*x));
-        }
-        if let Some(upper) = &confirmed.upper {
-            (self.found.iter_mut().zip(upper)).for_each(|(f, x)| f.1 = f.1.min(*x));
-        }
-        if confirmed.is_close {
-            self.low = confirmed.candidate;
-        }
-        Ok(confirmed.is_close)
-    }
-
-    /// One round from below; the greatest relative change.
-    fn round(&self, x: &mut [f64], side: Side) -> f64 {
-        let mut change = 0f64;
-        let states = x.len();
-        for position in 0..states {
-            let place = match self.rounds.is_multiple_of(2) {
-                true => position,
-                false => states - 1 - position,
-            };
-            let (_, value) = self.local.best(place, x, side, self.maximise);
-            let known = x[place];
-            if value > known {
-                change = change.max((value - known) / value);
-                x[place] = value;
-            }
-        }
-        change
-    }
-
-    /// Tries bounds at this relative distance; whether both hold.
-    fn guess(&mut self, distance: f64) -> bool {
-        let distance = 0.45 * distance;
-        let lower: Vec<f64> = self.low.iter().map(|x| x * (1.0 - distance)).collect();
-        let upper: Vec<f64> = self.high.iter().map(|x| x * (1.0 + distance)).collect();
-        let held = [
-            self.inductive(lower, Side::Low, distance),
-            self.inductive(upper, Side::High, distance),
-        ];
-        for (place, found) in self.found.iter_mut().enumerate() {
-            if let Some(lower) = &held[0] {
-                found.0 = found.0.max(lower[place]);
-            }
-            if let Some(upper) = &held[1] {
-                found.1 = found.1.min(upper[place]);
-            }
-        }
-        held.iter().all(Option::is_some)
-    }
-
-    /// The guess, or what some rounds make of it, if that is inductive.
-    ///
-    /// A guess that fails by much less than its distance is worth more rounds, forwards and backwards in turn: where a
-    /// state's choice neither earns nor leaves, what is to spare has to arrive from other states first, and within one
-    /// round the allowance for rounding adds up along the states that are looked at one after the other.
-    fn inductive(&self, mut guess: Vec<f64>, side: Side, distance: f64) -> Option<Vec<f64>> {
-        const FEW: usize = 6;
-        const MANY: usize = 1000;
-        /// Rounds in which what is missing has to become less.
-        const SPAN: usize = 64;
-        let error = match side {
-            Side::Low => 1.0 - self.local.error,
-            Side::High => 1.0 + self.local.error,
-        };
-        let by_rounding = 8.0 * self.local.error;
-        let allowed = by_rounding.max(distance / 100.0);
-        let states = guess.len();
-        let mut worst_before = f64::INFINITY;
-        for round in 0..MANY {
-            let (mut holds, mut worst) = (true, 0.0_f64);
-            for position in 0..states {
-                let place = if round % 2 == 0 {
-                    position
-                } else {
-                    states - 1 - position
-                };
-                let (_, value) = self.local.best(place, &guess, side, self.maximise);
-                let (next, known) = (value * error, guess[place]);
-                let missing = match side {
-                    Side::Low => known - next,
-                    Side::High => next - known,
-                };
-                if missing > 0.0 || missing.is_nan() {
-                    holds = false;
-                    let share = missing / known;
-                    worst = worst.max(if share.is_nan() { f64::INFINITY } else { share });
-                }
-                guess[place] = next;
-            }
-            if holds {
-                return Some(guess);
-            }
-            if round >= FEW && worst > allowed {
-                return None;
-            }
-            if round % SPAN == SPAN - 1 {
-                if worst > by_rounding && worst > 0.9 * worst_before {
-                    return None;
-                }
-                worst_before = worst;
-            }
-        }
-        None
     }
 }
 

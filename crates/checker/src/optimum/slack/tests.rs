@@ -42,11 +42,7 @@ fn walks(side: usize, choices: usize) -> Local {
             }
             let start = local.row_start[local.row_start.len() - 1];
             let inside: f64 = local.probability[start..].iter().sum();
-            local.row_start.push(local.column.len());
-            local.exit.push(exit);
-            local.low.push(earned);
-            local.high.push(earned * (1.0 + 1e-12));
-            local.inverse.push(1.0 / (exit + inside));
+            local.finish_row(exit, [earned, earned * (1.0 + 1e-12)], inside);
         }
         local.choice_start.push(local.exit.len());
     }
