@@ -122,7 +122,8 @@ fn a_formatted_model_is_the_same_model() {
         let said = corroborate(folder.path(), &["format", "m.prism"]);
         assert_eq!(said.code, 0, "{said:?}");
         let formatted = read(&folder.path().join("m.prism"));
-        assert_ne!(formatted, text);
+        // The template is laid out so; the handover's and the corridor's authors broke lines elsewhere.
+        assert_eq!(formatted == text, model.contains("template"), "{model}");
         assert_eq!(formatted.matches("//").count(), text.matches("//").count());
         assert!(exported("after.tra") == before, "{model}");
     }
