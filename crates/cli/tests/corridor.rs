@@ -134,7 +134,7 @@ fn what_goes_wrong_with_a_scene_or_its_controller_is_said() {
             "controller/corridor.py",
             "        odometry = ",
             hang,
-            "no answer within 1 s",
+            "the robot's program hangs in 2 of 2 episodes",
         ),
         (
             "vocabulary.toml",
@@ -151,7 +151,9 @@ fn what_goes_wrong_with_a_scene_or_its_controller_is_said() {
             "latency_secs = 0.02\nanswer_within_secs = 1\n",
         );
         let said = simulating(&library, folder.path(), &["run", "."]);
-        assert_eq!(said.code, 2, "{new}: {said:?}");
+        // A program that hangs is what was found out, not a mistake in the study; nothing is covered then.
+        let code = if new == hang { 3 } else { 2 };
+        assert_eq!(said.code, code, "{new}: {said:?}");
         assert!(said.talk.contains(expected), "{new}: {said:?}");
     }
 }
