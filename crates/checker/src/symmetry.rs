@@ -7,10 +7,10 @@
 //! each target of a transition is replaced with the representative of its orbit, and what then coincides is merged.
 //!
 //! *Method.* Candidates come from matching two modules command by command, as modules that were made by renaming do
-//! ([`guess`]); where the model has such a symmetry but a property notices, a second pair of modules is exchanged
+//! (`guess.rs`); where the model has such a symmetry but a property notices, a second pair of modules is exchanged
 //! with the first. Each candidate is verified on all commands: expressions are brought into a normal form in which operands of
-//! commutative operators are sorted, and compared as a whole ([`terms`]); nothing is assumed of how a candidate was
-//! found. The symmetries found are put together to classes ([`Class`]): blocks of variables that may be exchanged in any way, of
+//! commutative operators are sorted, and compared as a whole (`terms.rs`); nothing is assumed of how a candidate was
+//! found. The symmetries found are put together to classes (`Class`): blocks of variables that may be exchanged in any way, of
 //! which the sorted order is the representative, and powers of one permutation, as in a ring, of which the least image is.
 //!
 //! *Source.* Kwiatkowska, Norman and Parker 2006, "Symmetry reduction for probabilistic model checking". Deviation: the

@@ -15,7 +15,7 @@
 //! p(m | y) = integral of Normal(m; M, V) p(t | y) over t,   1/V = sum 1/(v_i/w_i + t^2),  M their weighted mean
 //! ```
 //!
-//! The integral over `t` is a sum over [`NODES`] nodes, even in `ln t`.
+//! The integral over `t` is a sum over 250 nodes, even in `ln t`.
 //!
 //! Source: J. G. Ibrahim and M.-H. Chen, "Power prior distributions for regression models" (2000);
 //! A. Gelman, "Prior distributions for variance parameters in hierarchical models" (2006) for a half-normal
