@@ -173,13 +173,18 @@ pub(crate) fn superseded<'a>(
     let conditions = pieces.first().map(|piece| &piece.evidence.conditions);
     evidence
         .iter()
-        .filter(|piece| !piece.intermediate && piece.reproduced_by.is_none())
+        .filter(|piece| stands_for_itself(piece))
         .filter(|piece| Some(&piece.conditions) == conditions && !is_current(&piece.id))
         .filter(|piece| {
             let said = says_something(piece, requirement, quantity);
             said.is_some_and(|(_, counted)| counted.is_some())
         })
         .collect()
+}
+
+/// Whether a piece of evidence is neither a step on the way nor reproduced by another.
+fn stands_for_itself(piece: &Evidence) -> bool {
+    !piece.intermediate && piece.reproduced_by.is_none()
 }
 
 /// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
@@ -190,7 +195,7 @@ pub(crate) fn latest_of_each_technique(
 ) -> Vec<usize> {
     let mut by_conditions: BTreeMap<&str, BTreeMap<Technique, usize>> = BTreeMap::new();
     for (index, piece) in evidence.iter().enumerate() {
-        if !piece.intermediate && piece.reproduced_by.is_none() && counts(piece) {
+        if stands_for_itself(piece) && counts(piece) {
             let latest = by_conditions.entry(&piece.conditions).or_default();
             latest.insert(piece.technique, index);
         }
@@ -216,8 +221,7 @@ pub(crate) fn current_evidence(
             piece.technique,
             Technique::Experiment | Technique::Operation
         ) && Some(&piece.conditions) == conditions
-            && !piece.intermediate
-            && piece.reproduced_by.is_none()
+            && stands_for_itself(piece)
             && counts(piece)
     };
     (0..evidence.len())
