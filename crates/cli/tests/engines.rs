@@ -11,13 +11,27 @@ use support::copy_study;
 use support::program::{Said, command};
 use support::simulation::{handover, library, simulating};
 
-/// The corridor's study in a folder of its own.
-fn corridor() -> tempfile::TempDir {
+/// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds:
+/// the second engine is built without optimisation for tests.
+fn corridor(longest_secs: f64) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
     copy_study(
         &support::root().join("case-studies/corridor"),
         folder.path(),
     );
+    let scene = folder.path().join("simulation/scene.toml");
+    let mut text = std::fs::read_to_string(&scene).expect("a scene");
+    for (old, new) in [
+        ("time_step_secs = 0.002", "time_step_secs = 0.005".into()),
+        (
+            "duration_secs = 40",
+            format!("duration_secs = {longest_secs}"),
+        ),
+    ] {
+        assert!(text.contains(old), "{text}");
+        text = text.replace(old, &new);
+    }
+    std::fs::write(&scene, text).expect("written");
     folder
 }
 
@@ -41,7 +55,7 @@ fn json(said: &Said) -> Value {
 #[test]
 fn the_same_episode_in_both_engines_lies_near_and_is_judged_alike() {
     let Some(library) = library() else { return };
-    let folder = corridor();
+    let folder = corridor(40.0);
     let arguments = ["engines", ".", "S1", "-n", "1", "--format", "json"];
     let said = driven(&library, folder.path(), &arguments);
     assert_eq!(said.code, 0, "{said:?}");
@@ -65,7 +79,7 @@ fn the_same_episode_in_both_engines_lies_near_and_is_judged_alike() {
 #[test]
 fn both_engines_repeat_and_continue_an_episode_to_the_same_hash() {
     let Some(library) = library() else { return };
-    let folder = corridor();
+    let folder = corridor(4.0);
     let arguments = [
         "engines",
         ".",
@@ -91,7 +105,7 @@ fn both_engines_repeat_and_continue_an_episode_to_the_same_hash() {
 #[test]
 fn a_scene_is_simulated_in_the_second_engine_alone() {
     let Some(library) = library() else { return };
-    let folder = corridor();
+    let folder = corridor(40.0);
     let arguments = [
         "simulate", ".", "S1", "--engine", "rapier", "-n", "1", "--out", "out",
     ];
