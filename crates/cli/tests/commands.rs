@@ -528,6 +528,40 @@ fn without_the_physics_library_simulation_says_how_to_get_it_and_all_else_works(
     );
     assert_eq!(said.code, 0, "{said:?}");
     assert!(folder.path().join("results/evidence/rig.json").exists());
+    totals_of_the_same_people_are_no_independent_trials(folder.path());
+}
+
+/// Of E3 the tables have success and three ways to fail by person, all else as totals of the same ten people.
+fn totals_of_the_same_people_are_no_independent_trials(folder: &Path) {
+    let text = std::fs::read_to_string(folder.join("results/evidence/E3.json")).expect("written");
+    let content = &json(&text)["content"];
+    let interval = |id: &str| {
+        let all = content["findings"].as_array().expect("a list");
+        let found = all.iter().find(|finding| finding["subject"]["id"] == id);
+        let measure = &found.expect("a finding")["measure"];
+        ["effective_trials", "interval"].map(|key| measure[key].clone())
+    };
+    let close = |found: &Value, expected: f64| {
+        let found = found.as_f64().expect("a number");
+        assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+    };
+    // Independent trials would give 82.2 to 94.4 % for requirement 3, and people of whom nothing else is known up to
+    // 28.2 % for the mode that was never seen.
+    let [worth, of_requirement] = interval("3");
+    close(&worth, 50.554_37);
+    close(&of_requirement["low"], 0.792_389);
+    close(&of_requirement["high"], 0.962_809);
+    let [worth, of_mode] = interval("false_negative_gaze");
+    close(&worth, 56.702_74);
+    close(&of_mode["high"], 0.063_449);
+    let common = &content["clusters"]["common"];
+    close(&common["estimate"], 0.037_037);
+    close(&common["interval"]["high"], 0.254_037);
+    let taken_for = common["taken_for"].as_array().expect("a list").len();
+    assert_eq!(
+        (taken_for, common["columns"].as_array().map(Vec::len)),
+        (8, Some(4))
+    );
 }
 
 /// Where nobody can be told, the work is done all the same.

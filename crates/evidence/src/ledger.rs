@@ -2,8 +2,8 @@
 
 use crate::{
     Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, EpisodeFailures,
-    FailureMode, Finding, FormDifference, Requirement, Subject, Suspect, Synthesis, Technique,
-    Tool,
+    FailureMode, Finding, FormDifference, Interval, Requirement, Subject, Suspect, Synthesis,
+    Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -64,12 +64,32 @@ pub struct PublishedFigure {
 /// Statistics of trials grouped by subject or session.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClusterTests {
-    /// Intraclass correlation of success within a group.
+    /// Intraclass correlation of success within a group; what all columns have in common where success alone
+    /// cannot tell it.
     pub intraclass_correlation: f64,
     /// Trials worth of information.
     pub effective_trials: f64,
     /// Tests in words with their figures, one a line.
     pub tests: Vec<String>,
+    /// What counts were given that cannot tell themselves how alike their trials are; `None` if all can.
+    #[serde(default)]
+    pub common: Option<TakenCorrelation>,
+}
+
+/// The intraclass correlation that all columns of a cohort have in common, taken for counts that cannot tell their
+/// own (`stats::common_correlation`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TakenCorrelation {
+    /// The most likely one; `None` where no column tells, so that each subject counts as one trial.
+    pub estimate: Option<f64>,
+    /// Where it lies at the study's level, from 0 to 1.
+    pub interval: Interval,
+    /// The columns of the cohort that tell it.
+    pub columns: Vec<String>,
+    /// How many independent columns tell as much.
+    pub effective_columns: f64,
+    /// Whose counts it was taken for.
+    pub taken_for: Vec<Subject>,
 }
 
 /// A piece of evidence: what one technique found on one set of assets.

@@ -52,7 +52,9 @@ pub use finding::{
     Reading, RobustBounds, Spread, Subject,
 };
 pub use interval::Interval;
-pub use ledger::{Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult};
+pub use ledger::{
+    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult, TakenCorrelation,
+};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use synthesis::{Synthesis, synthesise};
 pub use verdict::{

@@ -8,7 +8,10 @@
 //! quotient hold, since each division is rounded outwards.
 
 use crate::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Spread};
-use stats::{ClusterMethod, Confidence, EffectiveSample, Sample, SharesDesign, StatsError};
+use stats::{
+    ClusterMethod, ClusteredRate, CommonCorrelation, Confidence, EffectiveSample, Sample,
+    SharesDesign, StatsError,
+};
 
 impl Measure {
     /// Counts with Wilson's interval at the effective number of trials.
@@ -51,19 +54,52 @@ impl Measure {
     /// # Ok::<(), stats::StatsError>(())
     /// ```
     pub fn of_clusters(by_subject: &[Sample], level: Confidence) -> Result<Self, StatsError> {
-        let rate = stats::clustered_rate(by_subject, level)?;
-        Ok(Self::Counts {
+        Ok(Self::of_rate(&stats::clustered_rate(by_subject, level)?))
+    }
+
+    /// The same where more was counted of these subjects: a count that cannot tell how alike their trials are is
+    /// given the correlation that all have in common.
+    ///
+    /// # Errors
+    /// Those of [`Measure::of_clusters`].
+    pub fn of_clusters_among(
+        common: &CommonCorrelation,
+        by_subject: &[Sample],
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let rate = stats::clustered_rate_among(common, by_subject, level)?;
+        Ok(Self::of_rate(&rate))
+    }
+
+    /// A total of subjects with so many trials each, of whom it is not known who did what.
+    ///
+    /// # Errors
+    /// Those of [`Measure::of_clusters`].
+    pub fn of_total_among(
+        common: &CommonCorrelation,
+        total: Sample,
+        trials_by_subject: &[u64],
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let rate = common.rate(total, trials_by_subject, level)?;
+        Ok(Self::of_rate(&rate))
+    }
+
+    fn of_rate(rate: &ClusteredRate) -> Self {
+        Self::Counts {
             count: rate.total.successes,
             trials: rate.total.trials,
             effective_trials: match rate.method {
                 ClusterMethod::Independent => None,
-                ClusterMethod::Profile | ClusterMethod::OneEach => Some(rate.worth.trials),
+                ClusterMethod::Profile | ClusterMethod::Common | ClusterMethod::OneEach => {
+                    Some(rate.worth.trials)
+                }
             },
             interval: Interval {
                 low: rate.interval.low,
                 high: rate.interval.high,
             },
-        })
+        }
     }
 }
 

@@ -123,7 +123,7 @@ impl BetaBinomial {
 
 /// The distinct counts of a cluster, `(successes, failures)`, each with how often it occurs.
 #[derive(Clone, Debug, PartialEq)]
-struct Model {
+pub(crate) struct Model {
     counts: Vec<(f64, f64, f64)>,
     clusters: usize,
 }
@@ -132,7 +132,7 @@ struct Model {
 const MOST_ALIKE: f64 = 1.0 - 1e-9;
 
 impl Model {
-    fn new(clusters: &[Sample]) -> Self {
+    pub(crate) fn new(clusters: &[Sample]) -> Self {
         let mut counts: BTreeMap<(u64, u64), u64> = BTreeMap::new();
         for cluster in clusters.iter().filter(|cluster| cluster.trials > 0) {
             *counts
@@ -157,6 +157,17 @@ impl Model {
                     - ln_rising(s + f, 1.0, theta))
         };
         self.counts.iter().map(one).sum()
+    }
+
+    /// The likelihood at a correlation, at its most likely mean.
+    pub(crate) fn at_correlation(&self, correlation: f64) -> f64 {
+        let rates = self.counts.iter().map(|(s, f, _)| s / (s + f));
+        let (low, high) = rates.fold((1.0_f64, 0.0_f64), |(low, high), r| {
+            (low.min(r), high.max(r))
+        });
+        let at = |mean: f64| self.ln_likelihood(mean, correlation);
+        // Clusters of one rate leave no range to look in.
+        golden_section(low, high, at).1.max(at(low))
     }
 
     /// The most likely correlation at a mean, and the likelihood there: a scan, because the
@@ -214,7 +225,7 @@ impl Model {
 const SCAN: u32 = 16;
 
 /// Correlations at `u` from 0 to 1, dense near 0 where counts decide most.
-fn correlation_at(u: f64) -> f64 {
+pub(crate) fn correlation_at(u: f64) -> f64 {
     u * u * u * MOST_ALIKE
 }
 
@@ -272,7 +283,7 @@ fn golden_section(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f
 }
 
 /// The end of an interval between `outside`, which may be excluded, and `inside`, which is not.
-fn boundary(end: f64, inside: f64, excluded: impl Fn(f64) -> bool) -> f64 {
+pub(crate) fn boundary(end: f64, inside: f64, excluded: impl Fn(f64) -> bool) -> f64 {
     let (mut outside, mut inside) = (end, inside);
     for _ in 0..60 {
         let middle = f64::midpoint(outside, inside);
@@ -289,7 +300,7 @@ fn boundary(end: f64, inside: f64, excluded: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// How far twice the logarithm of the likelihood may fall within the interval.
-fn likelihood_drop(confidence: Confidence, clusters: usize) -> f64 {
+pub(crate) fn likelihood_drop(confidence: Confidence, clusters: usize) -> f64 {
     let z = normal_quantile(0.5 * confidence.alpha());
     z * z * clusters as f64 / (clusters as f64 - 1.0)
 }

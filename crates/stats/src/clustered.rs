@@ -9,7 +9,8 @@
 //!
 //! Where all outcomes are the same (0 of n, n of n) it counts as one trial for each cluster, with
 //! Wilson's interval: nothing is known of how clusters differ, and ten subjects without a failure in ten trials
-//! each may be ten of whom one in four always fails.
+//! each may be ten of whom one in four always fails. Where other counts of the same clusters tell it,
+//! [`clustered_rate_among`] asks them.
 //!
 //! A single cluster, or a single trial in each: Wilson's, trials taken as independent. Of a single
 //! subject it then speaks of that subject.
@@ -86,6 +87,7 @@
 
 use crate::beta_binomial::BetaBinomial;
 use crate::binomial::{binomial_test_above, binomial_test_below};
+use crate::common_correlation::CommonCorrelation;
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;
 use crate::interval::wilson;
@@ -96,7 +98,10 @@ use crate::special::normal_cdf;
 pub enum ClusterMethod {
     /// By the profile likelihood of the beta-binomial model.
     Profile,
-    /// One trial for each cluster, because all outcomes are the same.
+    /// Allowing for the correlation that all columns of the clusters have in common, because the count itself
+    /// cannot tell it ([`mod@crate::common_correlation`]).
+    Common,
+    /// One trial for each cluster, because nothing tells how alike those of one are.
     OneEach,
     /// As independent trials: a single cluster, or a single trial in each.
     Independent,
@@ -171,6 +176,24 @@ pub fn clustered_rate(
     Ok(rate(ClusterMethod::Profile, interval, worth))
 }
 
+/// The rate of clusters of which more was counted: where this count cannot tell how alike its trials are, by the
+/// correlation that is common to all that was counted.
+///
+/// # Errors
+/// Those of [`clustered_rate`].
+pub fn clustered_rate_among(
+    common: &CommonCorrelation,
+    clusters: &[Sample],
+    confidence: Confidence,
+) -> Result<ClusteredRate, StatsError> {
+    let alone = clustered_rate(clusters, confidence)?;
+    if alone.method != ClusterMethod::OneEach {
+        return Ok(alone);
+    }
+    let sizes: Vec<u64> = clusters.iter().map(|cluster| cluster.trials).collect();
+    common.rate(alone.total, &sizes, confidence)
+}
+
 /// P-value of the rate being at least the threshold, where trials are alike: a small value is
 /// evidence that it is below. `worth` is [`ClusteredRate::worth`].
 ///
@@ -206,7 +229,7 @@ fn score(worth: EffectiveSample, threshold: f64) -> f64 {
 }
 
 /// The rate at the number of trials, at most all, at which Wilson's interval is as wide as this one.
-fn as_wide_as(
+pub(crate) fn as_wide_as(
     interval: Interval,
     total: Sample,
     confidence: Confidence,

@@ -13,7 +13,7 @@
 //! | Do two rates agree within a margin? | [`tost`], [`score_equivalence`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`scattered_rate`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
-//! | Are trials of one person alike? | [`clustered_rate`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
+//! | Are trials of one person alike? | [`clustered_rate`], [`CommonCorrelation`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
@@ -47,6 +47,7 @@ pub mod cluster;
 pub mod cluster_robust;
 pub mod clustered;
 pub mod combination;
+pub mod common_correlation;
 pub mod counts;
 pub mod design;
 pub mod draws;
@@ -74,9 +75,11 @@ pub use boschloo::boschloo_exact;
 pub use cluster::{Clustering, clustering};
 pub use cluster_robust::ClusterRobust;
 pub use clustered::{
-    ClusterMethod, ClusteredRate, clustered_rate, clustered_test_above, clustered_test_below,
+    ClusterMethod, ClusteredRate, clustered_rate, clustered_rate_among, clustered_test_above,
+    clustered_test_below,
 };
 pub use combination::{BETWEEN, ScatteredRate, power_prior, scattered_rate};
+pub use common_correlation::CommonCorrelation;
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};

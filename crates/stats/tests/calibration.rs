@@ -100,6 +100,41 @@ fn the_profile_of_the_beta_binomial_covers() {
     }
 }
 
+/// Few people with few trials each, correlations from 0 to 0.5, rates at the ends: what cannot tell how alike its
+/// trials are covers by what its neighbours tell, where trials taken as independent do not.
+#[test]
+fn counts_that_cannot_tell_their_correlation_cover_by_a_common_one() {
+    let (repetitions, level) = (60, Confidence::P95);
+    let designs = [
+        (5, 5, 0.03, 0.5),
+        (5, 10, 0.005, 0.1),
+        (10, 10, 0.97, 0.3),
+        (20, 5, 0.5, 0.5),
+    ];
+    let mut covered = [0; 3];
+    for (index, (count, trials, mean, correlation)) in designs.into_iter().enumerate() {
+        let mut uniform = Uniform(index as u64);
+        for _ in 0..repetitions {
+            let mut draw = |mean| uniform.clusters(count, trials, mean, correlation);
+            let (first, second, own) = (draw(0.88), draw(0.05), draw(mean));
+            let common = CommonCorrelation::of(&[&first, &second]).unwrap();
+            let total = pool(&own).unwrap();
+            let of_total = common.rate(total, &vec![trials; count], level).unwrap();
+            let of_ends = clustered_rate_among(&common, &own, level).unwrap();
+            covered[0] += usize::from(of_total.interval.contains(mean));
+            covered[1] += usize::from(of_ends.interval.contains(mean));
+            covered[2] += usize::from(wilson(total, level).contains(mean));
+        }
+    }
+    let draws = repetitions * designs.len();
+    let least = (0.94 - tolerance(0.94, draws)) * draws as f64;
+    assert!(
+        covered[0] as f64 > least && covered[1] as f64 > least,
+        "{covered:?}"
+    );
+    assert!((covered[2] as f64) < 0.88 * draws as f64, "{covered:?}");
+}
+
 #[test]
 fn clusters_are_found_where_there_are_some_and_rarely_where_there_are_none() {
     let (repetitions, mut uniform) = (2000, Uniform(9));

@@ -1,4 +1,4 @@
-//! The table of coverage in `stats::clustered`, measured. Run it with
+//! The tables of coverage in `stats::clustered` and `stats::common_correlation`, measured. Run them with
 //!
 //! ```text
 //! cargo test --release -p stats --test cluster_coverage -- --ignored --nocapture
@@ -86,4 +86,52 @@ fn table() {
             }
         }
     }
+}
+
+/// A rate counted by cluster, and the same as a total, beside three columns of the same clusters, each with rates of
+/// its own.
+#[test]
+#[ignore = "prints the table of the documentation; minutes of work"]
+fn table_of_a_common_correlation() {
+    let (repetitions, level) = (500, Confidence::P95);
+    println!("clusters trials  rate  rho    by cluster    of a total   independent   each once");
+    let mut least = [100.0_f64; 2];
+    for (count, trials) in [(5, 5), (10, 10), (20, 5)] {
+        for mean in [0.005, 0.03, 0.12, 0.5] {
+            for correlation in [0.0, 0.1, 0.3, 0.5] {
+                let mut uniform = Uniform(count as u64 * 1000 + trials);
+                let (mut covered, mut width) = ([0; 4], [0.0; 4]);
+                for _ in 0..repetitions {
+                    let mut draw = |mean| uniform.clusters(count, trials, mean, correlation);
+                    let others = [draw(0.12), draw(0.05), draw(0.03)];
+                    let own = draw(mean);
+                    let common = CommonCorrelation::of(&others).unwrap();
+                    let total = heterogeneity::pool(&own).unwrap();
+                    let of_total = common.rate(total, &vec![trials; count], level).unwrap();
+                    let alone = clustered_rate(&own, level).unwrap();
+                    let intervals = [
+                        match alone.method {
+                            ClusterMethod::OneEach => of_total.interval,
+                            _ => alone.interval,
+                        },
+                        of_total.interval,
+                        wilson(total, level),
+                        alone.interval,
+                    ];
+                    for (m, interval) in intervals.into_iter().enumerate() {
+                        covered[m] += usize::from(interval.contains(mean));
+                        width[m] += interval.width();
+                    }
+                }
+                let share = |m: usize| 100.0 * covered[m] as f64 / f64::from(repetitions);
+                let cell = |m: usize| {
+                    format!("{:.1} ({:.2})", share(m), width[m] / f64::from(repetitions))
+                };
+                let cells: String = (0..4).map(|m| format!("{:>14}", cell(m))).collect();
+                println!("{count:>8} {trials:>6} {mean:>5}  {correlation:<4}{cells}");
+                least = [least[0].min(share(0)), least[1].min(share(1))];
+            }
+        }
+    }
+    println!("least: {least:?}");
 }

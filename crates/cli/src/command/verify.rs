@@ -6,7 +6,7 @@
 //! again: comparisons, conclusions, suspects, gaps, figures beside the publication's. The result
 //! must be `study.json`, value by value and byte by byte, and the report drawn from it `report.html`.
 //! The evidence itself is held against what it was counted from: tables are read again, journals of
-//! episodes counted again, intervals formed again from their counts. Assets and recordings must have
+//! episodes counted again, intervals formed again from their counts, and every value has to lie in its own interval. Assets and recordings must have
 //! the hashes that are stated.
 //!
 //! # Guarantee
@@ -23,6 +23,7 @@ mod deep;
 mod diagnosis;
 mod kept;
 mod map;
+mod sound;
 
 use super::assure::{self, ASSURANCE};
 use super::report::read_result;

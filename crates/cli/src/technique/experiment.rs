@@ -7,8 +7,10 @@
 //! * *requirements* has the columns requirement, covered, passed, failed.
 //! * *failure modes* has the columns mode, occurrences, opportunities.
 //!
-//! Where two tables speak of the same count, they must agree.
+//! Where two tables speak of the same count, they must agree. What is counted only in all, beside a cohort,
+//! was done by the same people: it is worth as many independent trials as they tell.
 
+mod alike;
 mod by_subject;
 mod tests_of_cohort;
 
@@ -18,6 +20,7 @@ use super::{Produced, confidence, counts};
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Study, SubjectForm};
+use alike::Alike;
 use evidence::{Cost, Finding, Measure, Subject, Technique, Tool};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -89,17 +92,25 @@ impl Tables {
         id: &str,
         technique: Technique,
     ) -> Result<Produced, Problem> {
-        let clusters = self.cohort.as_ref().map(|c| c.tests(study)).transpose()?;
+        let mut alike = self
+            .cohort
+            .as_ref()
+            .map(|cohort| Alike::of(study, cohort))
+            .transpose()?;
         let mut findings = Vec::new();
         for form in &study.forms.subjects {
             findings.push(Finding {
                 subject: form.subject.clone(),
-                measure: self.measure(study, form)?,
+                measure: self.measure(study, form, alike.as_mut())?,
                 undecided: 0,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
             });
         }
+        let clusters = match (&self.cohort, alike) {
+            (Some(cohort), Some(alike)) => cohort.tests(study, alike)?,
+            _ => None,
+        };
         Ok(Produced {
             tool: Tool {
                 name: match technique {
@@ -112,7 +123,7 @@ impl Tables {
             findings,
             form_differences: Vec::new(),
             failures: Vec::new(),
-            clusters: clusters.flatten(),
+            clusters,
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),
@@ -121,38 +132,41 @@ impl Tables {
         })
     }
 
-    fn measure(&self, study: &Study, form: &SubjectForm) -> Result<Measure, Problem> {
+    fn measure(
+        &self,
+        study: &Study,
+        form: &SubjectForm,
+        alike: Option<&mut Alike>,
+    ) -> Result<Measure, Problem> {
         let level = confidence(study.about.confidence)?;
-        match &form.subject {
-            Subject::Requirement(id) => {
-                if let Some(by_subject) = self.cohort_counts(study, form)? {
-                    return clustered(&by_subject, level);
-                }
-                match self.requirements.iter().find(|row| &row.requirement == id) {
-                    Some(row) if row.covered > 0 => counts(row.passed, row.covered, None, level),
-                    Some(_) => Ok(not_covered("No trial met its precondition.")),
-                    None => Ok(not_covered("The tables do not speak of it.")),
-                }
+        let by_subject = self.cohort_counts(study, form)?;
+        let (total, uncovered) = match &form.subject {
+            Subject::Requirement(id) => (
+                (self.requirements.iter().find(|row| &row.requirement == id))
+                    .map(|row| (row.passed, row.covered)),
+                "No trial met its precondition.",
+            ),
+            Subject::FailureMode(id) => (
+                (self.failure_modes.iter().find(|row| &row.mode == id))
+                    .map(|row| (row.occurrences, row.opportunities)),
+                "No trial gave it an opportunity.",
+            ),
+        };
+        let is_requirement = matches!(form.subject, Subject::Requirement(_));
+        match (alike, by_subject, total) {
+            // Which attempts were opportunities is known only in all.
+            (Some(alike), Some(by_subject), Some((count, trials)))
+                if !is_requirement && trials > 0 =>
+            {
+                alike.occurrences(form, &by_subject, (count, trials), level)
             }
-            Subject::FailureMode(id) => {
-                let by_subject = self.cohort_counts(study, form)?;
-                match self.failure_modes.iter().find(|row| &row.mode == id) {
-                    Some(row) if row.opportunities > 0 => {
-                        let size = by_subject.map(|counts| effective(&counts, row, level));
-                        counts(
-                            row.occurrences,
-                            row.opportunities,
-                            size.transpose()?.flatten(),
-                            level,
-                        )
-                    }
-                    None if by_subject.is_some() => {
-                        clustered(&by_subject.unwrap_or_default(), level)
-                    }
-                    Some(_) => Ok(not_covered("No trial gave it an opportunity.")),
-                    None => Ok(not_covered("The tables do not speak of it.")),
-                }
+            (Some(alike), Some(by_subject), total) if is_requirement || total.is_none() => {
+                alike.by_subject(form, &by_subject, level)
             }
+            (_, _, Some((_, 0))) => Ok(not_covered(uncovered)),
+            (Some(alike), _, Some((count, trials))) => alike.total(form, (count, trials), level),
+            (None, _, Some((count, trials))) => counts(count, trials, None, level),
+            (_, _, None) => Ok(not_covered("The tables do not speak of it.")),
         }
     }
 
@@ -439,29 +453,6 @@ fn known_subject(
         ),
     )
     .remedy("correct the identifier, or declare it"))
-}
-
-fn clustered(by_subject: &[stats::Sample], level: stats::Confidence) -> Result<Measure, Problem> {
-    match Measure::of_clusters(by_subject, level) {
-        Err(stats::StatsError::NoTrials) => Ok(not_covered("There are no trials.")),
-        found => found.map_err(|error| Problem::new("bad-counts", error.to_string())),
-    }
-}
-
-/// What the opportunities of a row are worth in independent ones, where occurrences are known by
-/// subject but opportunities only in all: as many for each trial as the trials are.
-fn effective(
-    by_subject: &[stats::Sample],
-    row: &ModeRow,
-    level: stats::Confidence,
-) -> Result<Option<f64>, Problem> {
-    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
-    let rate = stats::clustered_rate(by_subject, level).map_err(bad)?;
-    let share = rate.worth.trials / rate.total.trials as f64;
-    Ok(match rate.method {
-        stats::ClusterMethod::Independent => None,
-        _ => Some(row.opportunities as f64 * share),
-    })
 }
 
 fn not_covered(reason: &str) -> Measure {

@@ -19,7 +19,9 @@
 //! # Guarantee
 //! The chance is that of `stats::Predictive` (exact up to 65536 trials). Whole numbers make it a
 //! sawtooth, so that some smaller `n` may reach it, too. Clustered trials count at their design
-//! effect of today.
+//! effect of today, of further subjects with as many trials each as those of today have: more trials of the same
+//! subjects tell less. Simulated (`promised`), 10 people with 10 trials each and 20 more at a correlation of 0.3 keep
+//! what is promised on average.
 
 use super::{Piece, current, independent, quantity};
 use crate::compare::{Belief, Study, TrialCosts, is_open};
@@ -174,6 +176,9 @@ fn first(all: u64, holds: impl Fn(u64) -> bool) -> u64 {
     }
     low
 }
+
+#[cfg(test)]
+mod promised;
 
 #[cfg(test)]
 mod tests {

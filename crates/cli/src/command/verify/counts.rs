@@ -2,7 +2,7 @@
 //! its counts.
 
 use super::audit::Audit;
-use super::compare;
+use super::{compare, sound};
 use crate::problem::Problem;
 use crate::study::{Entry, Study, Work};
 use crate::technique::campaign::{Intervals, anytime, recount};
@@ -20,6 +20,7 @@ pub fn check(
     produced: &Produced,
     audit: &mut Audit,
 ) -> Result<(), Problem> {
+    sound::check(study.about.confidence, path, produced, audit);
     match &entry.work {
         Work::Read {
             technique,
@@ -51,7 +52,6 @@ pub fn check(
             ));
         }
         Work::Check { .. } => {
-            answers(path, produced, audit);
             audit.not_checked(&format!(
                 "{}: the model was not solved again (--deep does)",
                 entry.id
@@ -133,36 +133,4 @@ fn intervals(
     }
     audit.checked(right, "intervals follow from their counts");
     Ok(())
-}
-
-/// What can be seen of a computed probability without solving: it lies in its bounds, and its
-/// distribution is one.
-fn answers(path: &Path, produced: &Produced, audit: &mut Audit) {
-    let mut right = 0;
-    for (place, finding) in produced.findings.iter().enumerate() {
-        let Measure::Probability {
-            answer, credible, ..
-        } = &finding.measure
-        else {
-            continue;
-        };
-        let within = match answer.guarantee {
-            evidence::Guarantee::Bounded { low, high } => (low..=high).contains(&answer.value),
-            _ => (0.0..=1.0).contains(&answer.value),
-        };
-        let ascends = credible.as_ref().is_none_or(|credible| {
-            credible.quantiles.is_sorted() && credible.interval.low <= credible.interval.high
-        });
-        if within && ascends {
-            right += 1;
-        } else {
-            let place = format!("/content/findings/{place}/measure");
-            audit.fault(
-                path,
-                &place,
-                "the answer does not lie within its own bounds",
-            );
-        }
-    }
-    audit.checked(right, "computed answers lie within their bounds");
 }

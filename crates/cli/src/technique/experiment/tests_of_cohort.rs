@@ -1,30 +1,58 @@
 //! What a cohort's table says of its trials: whether those of one subject are alike, and whether groups
 //! or other columns matter.
 
-use super::Cohort;
+use super::{Alike, Cohort};
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::technique::confidence;
-use evidence::{ClusterTests, Subject};
+use evidence::{ClusterTests, Subject, TakenCorrelation};
 
 impl Cohort {
     /// Tests of independence of everything in the table: of successes between
     /// groups, and of numbers with each other.
-    pub(super) fn tests(&self, study: &Study) -> Result<Option<ClusterTests>, Problem> {
+    pub(super) fn tests(
+        &self,
+        study: &Study,
+        alike: Alike,
+    ) -> Result<Option<ClusterTests>, Problem> {
+        let level = confidence(study.about.confidence)?;
         let first = study.forms.subjects.iter().find_map(|form| {
             let proposition = form.experiment.as_ref()?;
             let binding = study.vocabulary.propositions.get(proposition)?;
             let column = binding.column.as_ref()?;
             matches!(form.subject, Subject::Requirement(_)).then_some(&column.text)
         });
-        let Some(column) = first else {
-            return Ok(None);
+        let by_subject = first.map(|column| self.counts(column)).transpose()?;
+        let mut found = match (first, &by_subject) {
+            (Some(column), Some(by_subject)) => self.clustering(column, by_subject, level),
+            _ => None,
         };
-        let by_subject = self.counts(column)?;
-        // One subject, or no variation at all, leaves nothing to test.
-        let Ok(clustering) = stats::clustering(&by_subject) else {
-            return Ok(None);
-        };
+        let common = alike.taken(level);
+        if let Some(common) = &common {
+            let (estimate, worth) = (common.estimate, alike.worth_of_all(self, level));
+            let found = found.get_or_insert_with(|| ClusterTests {
+                intraclass_correlation: estimate.unwrap_or(1.0),
+                effective_trials: worth,
+                ..ClusterTests::default()
+            });
+            found.tests.push(in_words(study, common));
+        }
+        if let Some(found) = &mut found {
+            found.tests.extend(self.rank_tests());
+            found.common = common;
+        }
+        Ok(found)
+    }
+
+    /// How alike the trials of one subject are by a column; `None` for one subject, or no variation at all,
+    /// which leaves nothing to test.
+    fn clustering(
+        &self,
+        column: &str,
+        by_subject: &[stats::Sample],
+        level: stats::Confidence,
+    ) -> Option<ClusterTests> {
+        let clustering = stats::clustering(by_subject).ok()?;
         let mut tests = vec![format!(
             "Intraclass correlation of {column} {:.3} (F = {:.2}, p = {:.3}): {} trials are worth {:.1} independent ones.",
             clustering.intraclass_correlation,
@@ -33,13 +61,13 @@ impl Cohort {
             clustering.total.trials,
             clustering.effective_size
         )];
-        tests.extend(self.cluster_tests(column, &by_subject, confidence(study.about.confidence)?));
-        tests.extend(self.rank_tests());
-        Ok(Some(ClusterTests {
+        tests.extend(self.cluster_tests(column, by_subject, level));
+        Some(ClusterTests {
             intraclass_correlation: clustering.intraclass_correlation,
             effective_trials: clustering.effective_size,
             tests,
-        }))
+            common: None,
+        })
     }
 
     /// The interval that counts, by the beta-binomial model, and the one without a model beside it.
@@ -105,6 +133,35 @@ impl Cohort {
             }
         }
         tests
+    }
+}
+
+/// What was taken for counts that do not tell how alike their trials are, and whose.
+fn in_words(study: &Study, common: &TakenCorrelation) -> String {
+    let whose: Vec<String> = common
+        .taken_for
+        .iter()
+        .map(|subject| match subject {
+            Subject::Requirement(id) => format!("requirement {id}"),
+            Subject::FailureMode(id) => id.clone(),
+        })
+        .collect();
+    let whose = whose.join(", ");
+    match common.estimate {
+        Some(estimate) => format!(
+            "Counts that cannot tell how alike the trials of one subject are ({whose}) are given the intraclass \
+             correlation that the columns {} have in common: {estimate:.3}, {:.0} % interval {:.3} to {:.3} \
+             (profile likelihood, worth {:.1} independent columns), its uncertainty profiled out.",
+            common.columns.join(", "),
+            100.0 * study.about.confidence,
+            common.interval.low,
+            common.interval.high,
+            common.effective_columns
+        ),
+        None => format!(
+            "Nothing counted of the subjects tells how alike their trials are: in {whose} each subject counts as \
+             one trial."
+        ),
     }
 }
 
