@@ -111,6 +111,7 @@ impl Tables {
             },
             findings,
             form_differences: Vec::new(),
+            description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: clusters.flatten(),
             influences: Vec::new(),

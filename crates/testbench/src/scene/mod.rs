@@ -85,6 +85,7 @@ mod bench;
 mod build;
 mod data;
 mod draws;
+mod gaps;
 mod load;
 mod measure;
 mod person;
@@ -97,10 +98,11 @@ mod sensing;
 mod translate;
 mod walker;
 
-pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco, rapier};
+pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
 pub use data::{
     Activity, Actuator, ActuatorKind, ArmAngles, ArmPose, ControllerData, Fault, FaultKind, Ground,
     Object, Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor,
     SensorKind, Simulation, Waypoint,
 };
+pub use gaps::SceneGap;
 pub use saving::{RunningScene, SavedScene};
