@@ -29,6 +29,8 @@ pub(super) const XFRC_APPLIED: usize = 160_752;
 pub(super) const MOCAP_POS: usize = 160_768;
 /// `mjData.mocap_quat`: pointer, 4 doubles for each mocap body.
 pub(super) const MOCAP_QUAT: usize = 160_776;
+/// `mjData.sensordata`: pointer, `nsensordata` doubles.
+pub(super) const SENSOR_DATA: usize = 160_808;
 /// `mjData.xpos`: pointer, 3 doubles for each body.
 pub(super) const XPOS: usize = 160_840;
 /// `mjData.xquat`: pointer, 4 doubles for each body.
@@ -43,6 +45,8 @@ pub(super) const CONTACT_DISTANCE: usize = 0;
 /// `mjContact.geom`: two `int`.
 pub(super) const CONTACT_GEOMS: usize = 540;
 
+/// `mjModel.nsensordata`: 64-bit integer.
+pub(super) const MODEL_SENSOR_DATA: usize = 744;
 /// `mjModel.body_invweight0`: pointer, 2 doubles (force, torque) for each body.
 pub(super) const MODEL_BODY_WEIGHTS: usize = 1_968;
 /// `mjModel.dof_invweight0`: pointer, `nv` doubles.

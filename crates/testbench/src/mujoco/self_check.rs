@@ -13,10 +13,11 @@ const SCENE: &str = r#"<mujoco>
   <worldbody>
     <geom name="ground" type="plane" size="1 1 0.1"/>
     <body name="ball" pos="0.3 -0.2 0.0999"><freejoint/><geom name="shell" type="sphere" size="0.1" mass="2"/></body>
-    <body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0"/><geom type="sphere" pos="0 0 -0.3" size="0.05" mass="1" contype="0" conaffinity="0"/></body>
+    <body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0"/><site name="held"/><geom type="sphere" pos="0 0 -0.3" size="0.05" mass="1" contype="0" conaffinity="0"/></body>
     <body name="target" mocap="true" pos="1 2 3"/>
   </worldbody>
   <actuator><motor joint="swing"/></actuator>
+  <sensor><force site="held"/></sensor>
 </mujoco>"#;
 
 /// Runs the check.
@@ -32,7 +33,8 @@ pub(super) fn run(engine: &Engine) -> Result<(), EngineError> {
     check_state(&simulation)?;
     check_frames(&simulation)?;
     check_queries(&mut simulation)?;
-    check_contact(&simulation)
+    check_contact(&simulation)?;
+    check_sensors(&simulation)
 }
 
 /// Turns a comparison into the check's error.
@@ -165,4 +167,11 @@ fn check_contact(simulation: &Simulation) -> Result<(), EngineError> {
         (contacts[0].normal_newtons - 2.0 * 9.81).abs() < 0.05,
         "mj_contactForce",
     )
+}
+
+/// The pendulum hardly swings: what holds it bears its weight of 1 kg, upwards.
+fn check_sensors(simulation: &Simulation) -> Result<(), EngineError> {
+    let readings = simulation.sensor_readings();
+    require(readings.len() == 3, "nsensordata")?;
+    require((readings[2] - 9.81).abs() < 0.1, "sensordata")
 }

@@ -109,6 +109,10 @@ pub trait Physics: Send {
     fn lead(&mut self, body: usize, pose: &Pose);
     /// The touches found in the last step, appended to `touches`.
     fn touches(&self, touches: &mut Vec<Touch>);
+    /// The force (N) and the torque (N m, about the origin of the body's frame) that a body's parent
+    /// exerted on it in the last step, in the body's frame. `None` if the engine does not know
+    /// them, or the body is not among the layout's [`wrenches`](Layout::wrenches).
+    fn wrench(&self, body: usize) -> Option<[Vector; 2]>;
     /// The first shape that a ray meets within `longest_m` and that `seen` does not deny.
     /// `direction` has unit length.
     fn ray(

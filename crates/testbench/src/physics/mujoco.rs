@@ -20,12 +20,16 @@ pub struct MujocoPhysics {
     /// For each body that is led its place among MuJoCo's.
     led: Vec<Option<usize>>,
     touches: Vec<Touch>,
+    /// The bodies of which wrenches are asked for, and those of the last step.
+    borne: Vec<usize>,
+    wrenches: Vec<f64>,
 }
 
 /// A saved state.
 struct Saved {
     engine: SavedState,
     touches: Vec<Touch>,
+    wrenches: Vec<f64>,
 }
 
 impl MujocoPhysics {
@@ -50,7 +54,10 @@ impl MujocoPhysics {
                 count - 1
             })
         });
+        let wrenches = simulation.sensor_readings().to_vec();
         Ok(Self {
+            borne: layout.wrenches.clone(),
+            wrenches,
             led: led.collect(),
             bodies: bodies
                 .map(|body| simulation.body(&body.name).ok_or_else(|| lost(&body.name)))
@@ -90,6 +97,13 @@ impl MujocoPhysics {
         self.touches = touches;
     }
 
+    /// Copies what links bear: positions are brought up to date after a step, forces are not.
+    fn collect_wrenches(&mut self) {
+        let readings = self.simulation.sensor_readings();
+        self.wrenches.clear();
+        self.wrenches.extend_from_slice(readings);
+    }
+
     fn shape_of(&self, geom: GeomId) -> Option<usize> {
         self.geoms.iter().position(|known| *known == geom)
     }
@@ -105,11 +119,13 @@ impl Physics for MujocoPhysics {
     fn step(&mut self) {
         self.simulation.solve_and_integrate();
         self.collect_touches();
+        self.collect_wrenches();
         self.simulation.update_positions();
     }
 
     fn refresh(&mut self) {
         self.simulation.forward();
+        self.collect_wrenches();
     }
 
     fn time_secs(&self) -> f64 {
@@ -180,6 +196,12 @@ impl Physics for MujocoPhysics {
         touches.extend(&self.touches);
     }
 
+    fn wrench(&self, body: usize) -> Option<[Vector; 2]> {
+        let place = self.borne.iter().position(|borne| *borne == body)?;
+        let numbers = self.wrenches.get(6 * place..6 * place + 6)?;
+        Some([0, 3].map(|first| std::array::from_fn(|axis| numbers[first + axis])))
+    }
+
     fn ray(
         &self,
         from_m: Vector,
@@ -218,6 +240,7 @@ impl Physics for MujocoPhysics {
         PhysicsState::new(Saved {
             engine: self.simulation.save(),
             touches: self.touches.clone(),
+            wrenches: self.wrenches.clone(),
         })
     }
 
@@ -228,6 +251,7 @@ impl Physics for MujocoPhysics {
         let restored = self.simulation.restore(&saved.engine);
         if restored {
             self.touches.clone_from(&saved.touches);
+            self.wrenches.clone_from(&saved.wrenches);
             self.simulation.update_positions();
         }
         restored

@@ -6,7 +6,7 @@ use stimulus::{AbstractTest, Distribution, Settings, Stimulus};
 use toml::{Table, Value};
 use trace::Trace;
 
-use super::build::{Models, build};
+use super::build::{Models, build, check_engine};
 use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::gaps::SceneGap;
@@ -87,7 +87,8 @@ impl SceneBench {
             started.end()?;
         }
         let built = build(&data, &models, Draws { seed: 0 })?;
-        physics(&built.layout)?;
+        let engine = physics(&built.layout)?;
+        check_engine(&data, &built.layout, engine.as_ref())?;
         let known = known(&data, &descriptions);
         for test in &data.abstract_tests {
             known.check(test).map_err(|problem| {

@@ -78,7 +78,9 @@
 //!   as its convex hull.
 //! * Drives are those of the scene; those that a description names (transmissions, actuators) are not
 //!   used.
-//! * Lights, cameras, sound, soft bodies and slopes of the ground are absent.
+//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears is known to
+//!   MuJoCo alone, so a scene with sensors of it is refused in Rapier.
+//! * Lights, sound, soft bodies and slopes of the ground are absent.
 
 mod actuating;
 mod bench;
@@ -96,7 +98,9 @@ mod saving;
 mod script;
 mod sensing;
 mod translate;
+mod vision;
 mod walker;
+mod wrench;
 
 pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
 pub use data::{

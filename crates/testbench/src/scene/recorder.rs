@@ -144,7 +144,11 @@ fn person_fields(body: PersonBody) -> Vec<Field> {
 /// A list of more than three numbers is recorded as its smallest number, where that stands, and how
 /// many there are, unless all are wanted.
 pub(super) fn is_summed_up(sensor: &Sensor, length: usize) -> bool {
-    matches!(sensor.kind, SensorKind::Lidar { .. }) && length > 1 && !sensor.record_all
+    let is_image = matches!(
+        sensor.kind,
+        SensorKind::Lidar { .. } | SensorKind::DepthCamera { .. }
+    );
+    is_image && length > 1 && !sensor.record_all
 }
 
 fn sensor_fields(sensor: &Sensor) -> Vec<Field> {

@@ -287,6 +287,11 @@ impl Physics for RapierPhysics {
         touches.extend(&self.world.touches);
     }
 
+    /// Rapier's multibodies do not tell what a link bears.
+    fn wrench(&self, _body: usize) -> Option<[Vector; 2]> {
+        None
+    }
+
     fn ray(
         &self,
         from_m: Vector,
