@@ -56,6 +56,15 @@ pub(super) const MODEL_JOINT_POSITION: usize = 2_112;
 /// `mjModel.jnt_dofadr`: pointer, an `int` for each joint.
 pub(super) const MODEL_JOINT_VELOCITY: usize = 2_120;
 
+/// `mjModel.actuator_gainprm`: pointer, [`PARAMETERS`] doubles for each actuator.
+pub(super) const MODEL_GAINS: usize = 4_856;
+/// `mjModel.actuator_biasprm`: pointer, [`PARAMETERS`] doubles for each actuator.
+pub(super) const MODEL_BIASES: usize = 4_864;
+/// `mjModel.actuator_forcerange`: pointer, 2 doubles for each actuator.
+pub(super) const MODEL_FORCE_RANGES: usize = 4_976;
+/// `mjNGAIN` and `mjNBIAS`.
+pub(super) const PARAMETERS: usize = 10;
+
 /// `mjtState` bits used with `mj_getState` and `mj_setState`.
 pub(super) mod state {
     /// `mjSTATE_TIME`.

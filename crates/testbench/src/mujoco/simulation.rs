@@ -1,5 +1,6 @@
 //! A compiled model with its data: the safe face of `mjModel` and `mjData`.
 
+mod drives;
 mod queries;
 mod weights;
 
@@ -7,6 +8,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::NonNull;
 use std::sync::Arc;
 
+pub use drives::DriveLaw;
 pub use queries::{JointId, RayHit};
 
 use super::EngineError;

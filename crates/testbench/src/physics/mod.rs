@@ -99,6 +99,8 @@ pub trait Physics: Send {
     fn set_joint(&mut self, joint: usize, position: f64);
     /// What a drive is to reach: an angle or a displacement, a velocity, or a torque or force.
     fn set_drive(&mut self, drive: usize, target: f64);
+    /// The share of its gains and of its limit that a drive has, from 0 to 1, until changed.
+    fn set_drive_strength(&mut self, drive: usize, strength: f64);
     /// Applies a force and a torque at a body's centre of mass, until changed.
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector);
     /// Where a body's frame is.

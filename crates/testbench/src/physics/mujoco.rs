@@ -3,7 +3,9 @@
 use super::layout::{Layout, Motion};
 use super::{Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
 use crate::geometry::{Pose, Vector, add, scale};
-use crate::mujoco::{BodyId, Engine, EngineError, GeomId, JointId, SavedState, Simulation};
+use crate::mujoco::{
+    BodyId, DriveLaw, Engine, EngineError, GeomId, JointId, SavedState, Simulation,
+};
 
 /// How far behind the surface of a shape that is not seen a ray starts again, in metres.
 const BEYOND_M: f64 = 1e-6;
@@ -23,6 +25,9 @@ pub struct MujocoPhysics {
     /// The bodies of which wrenches are asked for, and those of the last step.
     borne: Vec<usize>,
     wrenches: Vec<f64>,
+    /// The drives as the layout has them, and the shares that they have.
+    drives: Vec<DriveLaw>,
+    strengths: Vec<f64>,
 }
 
 /// A saved state.
@@ -30,6 +35,7 @@ struct Saved {
     engine: SavedState,
     touches: Vec<Touch>,
     wrenches: Vec<f64>,
+    strengths: Vec<f64>,
 }
 
 impl MujocoPhysics {
@@ -55,7 +61,10 @@ impl MujocoPhysics {
             })
         });
         let wrenches = simulation.sensor_readings().to_vec();
+        let drives = simulation.drives();
         Ok(Self {
+            strengths: vec![1.0; drives.len()],
+            drives,
             borne: layout.wrenches.clone(),
             wrenches,
             led: led.collect(),
@@ -154,6 +163,17 @@ impl Physics for MujocoPhysics {
         }
     }
 
+    /// The model is compiled for this scene alone and shared with nobody, so that its drives can change.
+    fn set_drive_strength(&mut self, drive: usize, strength: f64) {
+        let Some(law) = self.drives.get(drive) else {
+            return;
+        };
+        if self.strengths[drive] != strength {
+            self.strengths[drive] = strength;
+            self.simulation.set_drive(drive, &law.of_strength(strength));
+        }
+    }
+
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector) {
         if let Some(id) = self.bodies.get(body) {
             self.simulation
@@ -241,6 +261,7 @@ impl Physics for MujocoPhysics {
             engine: self.simulation.save(),
             touches: self.touches.clone(),
             wrenches: self.wrenches.clone(),
+            strengths: self.strengths.clone(),
         })
     }
 
@@ -252,6 +273,9 @@ impl Physics for MujocoPhysics {
         if restored {
             self.touches.clone_from(&saved.touches);
             self.wrenches.clone_from(&saved.wrenches);
+            for (drive, strength) in saved.strengths.iter().enumerate() {
+                self.set_drive_strength(drive, *strength);
+            }
             self.simulation.update_positions();
         }
         restored

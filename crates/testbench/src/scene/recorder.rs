@@ -57,8 +57,8 @@ impl Recorder {
         for actuator in &data.actuators {
             let fields = super::actuating::fields_of(&actuator.kind);
             let fields = fields.into_iter().map(|f| Field::number(f.name, f.unit));
-            let topic =
-                trace.add_channel(format!("/command/{}", actuator.name), fields.collect())?;
+            let fields = fields.chain([Field::bool("faulty")]).collect();
+            let topic = trace.add_channel(format!("/command/{}", actuator.name), fields)?;
             topics.actuators.push(topic);
         }
         for (controller, description) in data.controllers.iter().zip(controllers) {
