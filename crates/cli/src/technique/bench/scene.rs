@@ -127,7 +127,7 @@ impl SceneCampaign {
         let is_node = |controller: &&ControllerData| controller.ros2.is_some();
         let controllers = &self.bench.data().controllers;
         if controllers.iter().any(|it| !is_node(&it)) {
-            settings.push_str(", controllers as processes, their processor time not counted");
+            settings.push_str(", controllers as processes, their processor time counted");
         }
         for controller in controllers.iter().filter(is_node) {
             settings.push_str(&ros2::said_of(controller));
