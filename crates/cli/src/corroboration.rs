@@ -71,6 +71,7 @@ pub fn piece(
             reproduced_by: entry.reproduced_by.clone(),
             findings: produced.findings,
             form_differences: produced.form_differences,
+            description_gaps: produced.description_gaps,
             failures: produced.failures,
             clusters: produced.clusters,
             inputs,

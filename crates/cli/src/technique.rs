@@ -18,7 +18,8 @@ pub mod watched;
 use crate::problem::Problem;
 use crate::store::hash_of;
 use evidence::{
-    Asset, AssetRole, ClusterTests, Cost, EpisodeFailures, Finding, FormDifference, Measure, Tool,
+    Asset, AssetRole, ClusterTests, Cost, DescriptionGap, EpisodeFailures, Finding, FormDifference,
+    Measure, Tool,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -36,6 +37,9 @@ pub struct Produced {
     /// Episodes that were ended by what is tested, or by its simulator.
     #[serde(default)]
     pub failures: Vec<EpisodeFailures>,
+    /// What of robots' descriptions was not simulated.
+    #[serde(default)]
+    pub description_gaps: Vec<DescriptionGap>,
     /// Clustering, for trials by subject.
     pub clusters: Option<ClusterTests>,
     /// What a formal model tells of failure modes and requirements.

@@ -54,7 +54,10 @@ fn episodes(folder: &Path, out: &str, evidence: &str) -> Vec<Vec<u8>> {
 #[test]
 fn a_robot_driven_by_python_is_judged_like_any_other_and_the_same_each_time() {
     let Some(library) = library() else { return };
-    let folder = study("ledger.toml", "S1", "S1");
+    // A mesh that is not there is not simulated, which is part of what was found.
+    let mast = "<collision name=\"mast\">";
+    let bumper = "<collision name=\"bumper\"><geometry><mesh filename=\"bumper.stl\"/></geometry></collision>";
+    let folder = study("simulation/carrier.urdf", mast, &format!("{bumper}{mast}"));
     for threads in ["1", "2"] {
         let arguments = ["run", ".", "-j", threads, "--out", threads];
         let said = simulating(&library, folder.path(), &arguments);
@@ -82,6 +85,31 @@ fn a_robot_driven_by_python_is_judged_like_any_other_and_the_same_each_time() {
             "{path} is not among {assets:?}"
         );
     }
+    let gaps = simulated["description_gaps"].as_array().expect("gaps");
+    let [gap] = &gaps[..] else { panic!("{gaps:?}") };
+    let (file, line) = (
+        "simulation/carrier.urdf",
+        gap["line"].as_u64().expect("a line"),
+    );
+    let urdf = std::fs::read_to_string(folder.path().join(file)).expect("a description");
+    assert!(
+        urdf.lines()
+            .nth(line as usize - 1)
+            .expect("that line")
+            .contains("bumper.stl")
+    );
+    assert_eq!(
+        (&gap["file"], &gap["effect"]),
+        (&file.into(), &"contact".into())
+    );
+    let again = std::fs::read_to_string(folder.path().join("2/study.json")).expect("a result");
+    let again: Value = serde_json::from_str(&again).expect("JSON");
+    assert_eq!(
+        again["evidence"][1]["description_gaps"],
+        simulated["description_gaps"]
+    );
+    let page = std::fs::read_to_string(folder.path().join("1/report.html")).expect("a page");
+    assert!(page.contains("Not simulated as it is described") && page.contains("bumper.stl"));
     let arrival = simulated["findings"].as_array().expect("findings");
     let arrival = arrival.iter().find(|f| f["subject"]["id"] == "arrival");
     assert_eq!(arrival.expect("arrival")["measure"]["trials"], 2);

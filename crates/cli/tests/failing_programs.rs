@@ -269,9 +269,15 @@ fn another_simulator_is_explored_shrunk_and_replayed() {
 fn corridor(failing: &str) -> tempfile::TempDir {
     let outputs = "        outputs = Outputs(finished=self.state == \"arrived\")\n";
     let fails = format!("        if self.state == \"stop\":\n            {failing}\n{outputs}");
+    // Its description moreover has what is not simulated.
+    let lamp =
+        "<gazebo reference=\"base\"><plugin name=\"lamp\" filename=\"lamp.so\"/></gazebo></robot>";
     copy_of(
         "case-studies/corridor",
-        &[("controller/corridor.py", outputs, &fails)],
+        &[
+            ("controller/corridor.py", outputs, &fails),
+            ("simulation/carrier.urdf", "</robot>", lamp),
+        ],
     )
 }
 
@@ -324,6 +330,14 @@ fn a_robots_program_that_fails_is_counted_and_the_campaign_goes_on() {
         assert!(count >= 1, "{report}");
         let recordings = report["recordings"].as_array().map(Vec::len);
         assert_eq!(recordings, episodes.parse().ok(), "{report}");
+        let gap = &report["description_gaps"][0];
+        assert_eq!(gap["file"], "simulation/carrier.urdf", "{report}");
+        assert!(
+            gap["element"]
+                .as_str()
+                .is_some_and(|it| it.contains("plugin")),
+            "{report}"
+        );
         simulate("2");
         let of = |threads: &str| bytes(&folder.path().join(threads).join("journal"));
         assert!(of("1") == of("2"), "{failing}");

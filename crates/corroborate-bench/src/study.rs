@@ -438,6 +438,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         reproduced_by: None,
         findings,
         form_differences: Vec::new(),
+        description_gaps: Vec::new(),
         failures: Vec::new(),
         clusters: None,
         inputs: String::new(),

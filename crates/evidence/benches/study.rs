@@ -124,6 +124,7 @@ fn piece(
             })
             .collect(),
         form_differences: vec![],
+        description_gaps: vec![],
         failures: vec![],
         clusters: None,
         inputs: String::new(),

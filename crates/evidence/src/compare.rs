@@ -161,6 +161,7 @@ impl<'a> Study<'a> {
 ///         readings: vec![],
 ///     }],
 ///     form_differences: vec![],
+///     description_gaps: vec![],
 ///     failures: vec![],
 ///     clusters: None,
 ///     inputs: String::new(),

@@ -1,9 +1,9 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, Diagnosis, DisagreementMap, EpisodeFailures,
-    FailureMode, Finding, FormDifference, Interval, Requirement, Subject, Suspect, Synthesis,
-    Technique, Tool,
+    Asset, Comparison, Conclusion, CoverageGap, DescriptionGap, Diagnosis, DisagreementMap,
+    EpisodeFailures, FailureMode, Finding, FormDifference, Interval, Requirement, Subject, Suspect,
+    Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -128,6 +128,9 @@ pub struct Evidence {
     /// Episodes that were ended by the robot's program or by the simulator; empty if none was.
     #[serde(default)]
     pub failures: Vec<EpisodeFailures>,
+    /// What of robots' and things' descriptions was not simulated as it is described.
+    #[serde(default)]
+    pub description_gaps: Vec<DescriptionGap>,
     /// Clustering of trials, for experiments by subject.
     pub clusters: Option<ClusterTests>,
     /// Hash of everything that the findings depend on, in hexadecimal.

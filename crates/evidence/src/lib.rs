@@ -17,6 +17,7 @@
 mod asset;
 mod compare;
 mod conclude;
+mod description;
 mod diagnose;
 mod disagreement;
 mod failure;
@@ -37,6 +38,7 @@ pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::Deciding;
 pub use conclude::{CERTAINTY, conclude};
+pub use description::DescriptionGap;
 pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, JudgedBy, Matter, Rate,
     STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces, VerdictCounts,

@@ -66,6 +66,7 @@ fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
         reproduced_by: None,
         findings: counts.iter().enumerate().map(finding).collect(),
         form_differences: vec![],
+        description_gaps: vec![],
         failures: vec![],
         clusters: None,
         inputs: String::new(),

@@ -91,6 +91,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         reproduced_by: None,
         findings,
         form_differences: vec![],
+        description_gaps: vec![],
         failures: vec![],
         clusters: None,
         inputs: String::new(),

@@ -94,6 +94,7 @@ fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> 
         reproduced_by: None,
         findings,
         form_differences: vec![],
+        description_gaps: vec![],
         failures: vec![],
         clusters: None,
         inputs: text(),

@@ -4,7 +4,7 @@
 //! Text of the study is stripped of control characters before it is printed,
 //! so that no file can write escape sequences to the reader's terminal.
 
-use evidence::{Conclusion, Measure, Outcome, Requirement, StudyResult, Technique};
+use evidence::{Conclusion, DescriptionGap, Measure, Outcome, Requirement, StudyResult, Technique};
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::number;
@@ -35,6 +35,7 @@ pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
     further(&mut page, view);
     suspects(&mut page, study);
     gaps(&mut page, view);
+    description_gaps(&mut page, study);
     page.text
 }
 
@@ -403,5 +404,30 @@ fn gaps(page: &mut Page, view: View) {
     for gap in nowhere {
         let title = view.title(&gap.subject);
         page.item("○ ", "2", &format!("{title}: {}", gap.reason));
+    }
+}
+
+/// How much of robots' descriptions was not simulated, where that can move a number.
+fn description_gaps(page: &mut Page, study: &StudyResult) {
+    let pieces = study.evidence.iter();
+    let with: Vec<_> = pieces
+        .filter(|piece| {
+            piece
+                .description_gaps
+                .iter()
+                .any(DescriptionGap::can_matter)
+        })
+        .collect();
+    if with.is_empty() {
+        return;
+    }
+    page.heading("Not simulated as described");
+    for piece in with {
+        let counts = DescriptionGap::in_short(&piece.description_gaps);
+        page.item(
+            "△ ",
+            "2",
+            &format!("{}: {counts}; see the report", piece.id),
+        );
     }
 }

@@ -51,6 +51,12 @@ fn everything_of_the_study_is_on_the_page() {
         expected.extend(evidence.calibrated.iter().map(|c| c.parameter.as_str()));
         expected.extend(
             evidence
+                .description_gaps
+                .iter()
+                .flat_map(|gap| [gap.what.as_str(), &gap.consequence]),
+        );
+        expected.extend(
+            evidence
                 .clusters
                 .iter()
                 .flat_map(|c| &c.tests)

@@ -91,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = std::fs::read_to_string(&scene)?;
     let (bench, gaps) = SceneBench::new(&text, &read, physics, start)?;
     for gap in &gaps {
-        eprintln!("{}: {}", gap.file, gap.text);
+        eprintln!("{gap}");
     }
     let stimulus = bench.data().abstract_test(test).ok_or("no such test")?;
     let stimulus = Stimulus::of(stimulus.clone());

@@ -154,8 +154,8 @@ pub use difference::{Difference, differences};
 pub use hull::hull_triangles;
 pub use model::{PhysicalDraws, joint_order, mjcf, standing_pose};
 pub use mujoco::{
-    BodyId, Contact, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION, SavedState,
-    Simulation,
+    BodyId, Contact, DriveLaw, Engine, EngineError, GeomId, JointId, RayHit, SUPPORTED_VERSION,
+    SavedState, Simulation,
 };
 pub use outside::{Outside, OutsideReadings, Reading, SensorsOutside};
 pub use random::{Distribution, Purpose, Stream};

@@ -402,7 +402,7 @@ fn a_robot_of_sdf_drives_on_its_wheels_and_its_plugin_is_a_gap() {
     let Some((bench, gaps)) = bench(scene) else {
         return;
     };
-    assert!(gaps.iter().any(|gap| gap.text.contains("plugin")));
+    assert!(gaps.iter().any(|gap| gap.element.contains("plugin")));
     let trace = run(&bench, 1, &[]);
     let gone = at(&trace, "/truth/it.x", 3.0) - at(&trace, "/truth/it.x", 1.0);
     // The chassis drags on the floor behind the axle, so the wheels creep.
@@ -424,7 +424,7 @@ fn a_robot_of_mjcf_moves_by_its_joints_and_what_scenes_do_not_have_is_a_gap() {
     };
     for missing in ["tendon", "weld", "connect"] {
         assert!(
-            gaps.iter().any(|gap| gap.text.contains(missing)),
+            gaps.iter().any(|gap| gap.to_string().contains(missing)),
             "{missing}"
         );
     }

@@ -156,7 +156,9 @@ fn campaigns(
         Work::SimulateScene { scene, test, .. } => {
             let test = test.as_deref();
             let first = Campaign::of_scene(study, scene, test, library)?;
-            first.gaps().iter().for_each(|gap| setting.talk.say(gap));
+            for gap in first.gaps() {
+                setting.talk.say(&gap.to_string());
+            }
             let second = Campaign::of_scene_in_rapier(study, scene, test)?;
             Ok(vec![first, second])
         }

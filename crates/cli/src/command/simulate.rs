@@ -14,7 +14,7 @@ use crate::technique::campaign::{
     Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until, words_of,
 };
 use crate::technique::simulation::{Campaign, Seeds, record_with};
-use evidence::{FailureKind, Subject};
+use evidence::{DescriptionGap, FailureKind, Subject};
 use ros2_table::Ros2Table;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -39,6 +39,8 @@ pub struct SimulateReport {
     /// Episodes that the robot's program or the simulator ended by failing; those are judged up to
     /// there.
     pub failures: Vec<FailureReport>,
+    /// What of robots' and things' descriptions is not simulated as it is described.
+    pub description_gaps: Vec<DescriptionGap>,
     /// What came of the stopping rule, if there was one.
     pub until: Option<String>,
     /// The table of all episodes, in Parquet.
@@ -147,7 +149,6 @@ impl Simulator {
                 .remedy("name an entry of the ledger with a scenario, a scene or a command"));
             }
         };
-        campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
         Ok((Self::Bench(Box::new(campaign)), episodes))
     }
 
@@ -337,7 +338,7 @@ impl Called<'_> {
         let kept = numbers.map(|number| (number, place(number)));
         let kept = kept.filter(|(_, path)| path.exists());
         SimulateReport {
-            format: "1.2".into(),
+            format: "1.3".into(),
             evidence: self.entry.id.clone(),
             engine: format!("{} {}", tool.name, tool.version)
                 .trim_end()
@@ -351,6 +352,7 @@ impl Called<'_> {
                 .collect(),
             estimates: Vec::new(),
             failures: Vec::new(),
+            description_gaps: source.gaps().to_vec(),
             until: None,
             table: None,
         }
@@ -423,6 +425,12 @@ impl Called<'_> {
                 failure.first_episode,
                 failure.said
             ));
+        }
+        if !report.description_gaps.is_empty() {
+            text.push_str("Not simulated as it is described:\n");
+        }
+        for gap in &report.description_gaps {
+            text.push_str(&format!("  {gap}\n"));
         }
         if let Some(until) = &report.until {
             text.push_str(&format!("{until}\n"));

@@ -34,7 +34,7 @@ use crate::study::Study;
 use crate::technique::Produced;
 use crate::technique::judging::inputs_of;
 use crate::technique::simulation::episode_name;
-use evidence::Tool;
+use evidence::{DescriptionGap, Tool};
 
 impl Source<'_> {
     /// What an episode depends on, besides its seed and this program.
@@ -50,6 +50,14 @@ impl Source<'_> {
         match self {
             Source::Bench(_) => episode_name(number),
             Source::Command(command) => command.recording_name(number),
+        }
+    }
+
+    /// What of robots' descriptions is not simulated; a simulator that is a command tells nothing of it.
+    pub fn gaps(&self) -> &[DescriptionGap] {
+        match self {
+            Source::Bench(campaign) => campaign.gaps(),
+            Source::Command(_) => &[],
         }
     }
 
@@ -90,6 +98,7 @@ impl Campaigning<'_> {
             tool,
             findings: finished.tally.findings(self.study, finished.intervals)?,
             form_differences: finished.form_differences,
+            description_gaps: self.source.gaps().to_vec(),
             failures: finished.tally.failures(self.study, finished.intervals)?,
             clusters: None,
             influences: Vec::new(),

@@ -122,6 +122,7 @@ impl Tables {
             },
             findings,
             form_differences: Vec::new(),
+            description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters,
             influences: Vec::new(),

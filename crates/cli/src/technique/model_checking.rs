@@ -255,6 +255,7 @@ impl<'a> Compiled<'a> {
             tool: tool(methods),
             findings,
             form_differences: Vec::new(),
+            description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: None,
             influences,

@@ -149,6 +149,7 @@ impl Recordings {
             },
             findings: simulation::findings(study, &judges, &all, &names)?,
             form_differences: Vec::new(),
+            description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: None,
             influences: Vec::new(),

@@ -11,7 +11,7 @@ use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::Study;
 use crate::talk::{Interrupt, Stage};
-use evidence::{Asset, Finding, Tool};
+use evidence::{Asset, DescriptionGap, Finding, Tool};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use stimulus::Stimulus;
@@ -112,7 +112,7 @@ impl Campaign {
     }
 
     /// What of robots' descriptions is not simulated.
-    pub fn gaps(&self) -> &[String] {
+    pub fn gaps(&self) -> &[DescriptionGap] {
         match &self.bench {
             Bench::Handover(_) => &[],
             Bench::Scene(scene) => scene.gaps(),

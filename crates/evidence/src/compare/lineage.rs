@@ -256,6 +256,7 @@ mod tests {
             reproduced_by: None,
             findings: Vec::new(),
             form_differences: vec![],
+            description_gaps: vec![],
             failures: vec![],
             clusters: None,
             inputs: String::new(),

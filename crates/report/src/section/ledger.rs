@@ -1,6 +1,8 @@
 //! The ledger: every piece of evidence, how it came about, what it found.
 
-use evidence::{ClusterTests, Evidence, Finding, Measure, MethodAnswer, Reading, RobustBounds};
+use evidence::{
+    ClusterTests, DescriptionGap, Evidence, Finding, Measure, MethodAnswer, Reading, RobustBounds,
+};
 use maud::{Markup, html};
 
 use super::lineage;
@@ -55,6 +57,7 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
             }
             @if let Some(clusters) = &evidence.clusters { (cluster_tests(clusters)) }
             (failures(evidence))
+            (description_gaps(evidence))
             details {
                 summary { "All findings of " (evidence.id) }
                 (findings(view, evidence))
@@ -125,6 +128,27 @@ fn failures(evidence: &Evidence) -> Markup {
                         li {
                             (failure.kind) " (" code { (failure.kind.name()) } "): " (figures(&failure.measure))
                             ", such as " span class="witnesses" { (failure.witnesses.join(", ")) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What was simulated is what was understood of the descriptions.
+fn description_gaps(evidence: &Evidence) -> Markup {
+    let gaps = &evidence.description_gaps;
+    html! {
+        @if !gaps.is_empty() {
+            details class="note description-gaps" open[gaps.iter().any(DescriptionGap::can_matter)] {
+                summary { "Not simulated as it is described: " (DescriptionGap::in_short(gaps)) }
+                ul class="lines" {
+                    @for gap in gaps {
+                        li {
+                            b { (gap.effect) } " " code { (gap.file) @if let Some(line) = gap.line { ":" (line) } } ": "
+                            @if !gap.element.is_empty() { code { (gap.element) } " " }
+                            (gap.what) "; " (gap.consequence)
                         }
                     }
                 }

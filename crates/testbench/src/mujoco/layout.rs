@@ -29,6 +29,8 @@ pub(super) const XFRC_APPLIED: usize = 160_752;
 pub(super) const MOCAP_POS: usize = 160_768;
 /// `mjData.mocap_quat`: pointer, 4 doubles for each mocap body.
 pub(super) const MOCAP_QUAT: usize = 160_776;
+/// `mjData.sensordata`: pointer, `nsensordata` doubles.
+pub(super) const SENSOR_DATA: usize = 160_808;
 /// `mjData.xpos`: pointer, 3 doubles for each body.
 pub(super) const XPOS: usize = 160_840;
 /// `mjData.xquat`: pointer, 4 doubles for each body.
@@ -43,6 +45,8 @@ pub(super) const CONTACT_DISTANCE: usize = 0;
 /// `mjContact.geom`: two `int`.
 pub(super) const CONTACT_GEOMS: usize = 540;
 
+/// `mjModel.nsensordata`: 64-bit integer.
+pub(super) const MODEL_SENSOR_DATA: usize = 744;
 /// `mjModel.body_invweight0`: pointer, 2 doubles (force, torque) for each body.
 pub(super) const MODEL_BODY_WEIGHTS: usize = 1_968;
 /// `mjModel.dof_invweight0`: pointer, `nv` doubles.
@@ -51,6 +55,15 @@ pub(super) const MODEL_JOINT_WEIGHTS: usize = 2_352;
 pub(super) const MODEL_JOINT_POSITION: usize = 2_112;
 /// `mjModel.jnt_dofadr`: pointer, an `int` for each joint.
 pub(super) const MODEL_JOINT_VELOCITY: usize = 2_120;
+
+/// `mjModel.actuator_gainprm`: pointer, [`PARAMETERS`] doubles for each actuator.
+pub(super) const MODEL_GAINS: usize = 4_856;
+/// `mjModel.actuator_biasprm`: pointer, [`PARAMETERS`] doubles for each actuator.
+pub(super) const MODEL_BIASES: usize = 4_864;
+/// `mjModel.actuator_forcerange`: pointer, 2 doubles for each actuator.
+pub(super) const MODEL_FORCE_RANGES: usize = 4_976;
+/// `mjNGAIN` and `mjNBIAS`.
+pub(super) const PARAMETERS: usize = 10;
 
 /// `mjtState` bits used with `mj_getState` and `mj_setState`.
 pub(super) mod state {

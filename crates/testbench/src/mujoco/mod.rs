@@ -22,7 +22,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use simulation::{BodyId, Contact, GeomId, JointId, RayHit, SavedState, Simulation};
+pub use simulation::{BodyId, Contact, DriveLaw, GeomId, JointId, RayHit, SavedState, Simulation};
 
 use functions::{Functions, OpenError};
 

@@ -7,16 +7,17 @@
 use super::layout::state;
 use super::{Engine, EngineError, Simulation};
 
-/// The scene: a 2 kg ball of 0.1 m radius on a plane, a motor on a pendulum, a mocap body.
+/// The scene: a 2 kg ball of 0.1 m radius on a plane, a servo on a pendulum, a mocap body.
 const SCENE: &str = r#"<mujoco>
   <option timestep="0.002" gravity="0 0 -9.81"/>
   <worldbody>
     <geom name="ground" type="plane" size="1 1 0.1"/>
     <body name="ball" pos="0.3 -0.2 0.0999"><freejoint/><geom name="shell" type="sphere" size="0.1" mass="2"/></body>
-    <body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0"/><geom type="sphere" pos="0 0 -0.3" size="0.05" mass="1" contype="0" conaffinity="0"/></body>
+    <body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0"/><site name="held"/><geom type="sphere" pos="0 0 -0.3" size="0.05" mass="1" contype="0" conaffinity="0"/></body>
     <body name="target" mocap="true" pos="1 2 3"/>
   </worldbody>
-  <actuator><motor joint="swing"/></actuator>
+  <actuator><position joint="swing" kp="1" forcerange="-7 9"/></actuator>
+  <sensor><force site="held"/></sensor>
 </mujoco>"#;
 
 /// Runs the check.
@@ -32,7 +33,9 @@ pub(super) fn run(engine: &Engine) -> Result<(), EngineError> {
     check_state(&simulation)?;
     check_frames(&simulation)?;
     check_queries(&mut simulation)?;
-    check_contact(&simulation)
+    check_contact(&simulation)?;
+    check_sensors(&simulation)?;
+    check_drives(&mut simulation)
 }
 
 /// Turns a comparison into the check's error.
@@ -165,4 +168,29 @@ fn check_contact(simulation: &Simulation) -> Result<(), EngineError> {
         (contacts[0].normal_newtons - 2.0 * 9.81).abs() < 0.05,
         "mj_contactForce",
     )
+}
+
+/// The pendulum hardly swings: what holds it bears its weight of 1 kg, upwards.
+fn check_sensors(simulation: &Simulation) -> Result<(), EngineError> {
+    let readings = simulation.sensor_readings();
+    require(readings.len() == 3, "nsensordata")?;
+    require((readings[2] - 9.81).abs() < 0.1, "sensordata")
+}
+
+/// The servo has its gains and its limits, a share of them when it is made weak, and all of them again.
+fn check_drives(simulation: &mut Simulation) -> Result<(), EngineError> {
+    let whole = simulation.drives();
+    require(whole.len() == 1, "the number of actuators")?;
+    let is = |numbers: [f64; 10], first: [f64; 3]| {
+        numbers[..3] == first && numbers[3..].iter().all(|number| *number == 0.0)
+    };
+    require(is(whole[0].gains, [1.0, 0.0, 0.0]), "actuator_gainprm")?;
+    require(is(whole[0].biases, [0.0, -1.0, 0.0]), "actuator_biasprm")?;
+    require(whole[0].force_range == [-7.0, 9.0], "actuator_forcerange")?;
+    let is_set = simulation.set_drive(0, &whole[0].of_strength(0.5));
+    let weak = simulation.drives();
+    let has_half = weak[0].gains[0] == 0.5 && weak[0].force_range == [-3.5, 4.5];
+    require(is_set && has_half, "actuator_gainprm")?;
+    simulation.set_drive(0, &whole[0]);
+    require(simulation.drives() == whole, "actuator_gainprm")
 }

@@ -1,5 +1,6 @@
 //! A compiled model with its data: the safe face of `mjModel` and `mjData`.
 
+mod drives;
 mod queries;
 mod weights;
 
@@ -7,6 +8,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 use std::ptr::NonNull;
 use std::sync::Arc;
 
+pub use drives::DriveLaw;
 pub use queries::{JointId, RayHit};
 
 use super::EngineError;
@@ -46,6 +48,7 @@ struct Sizes {
     controls: usize,
     bodies: usize,
     mocap_bodies: usize,
+    sensor_numbers: usize,
 }
 
 /// One physics simulation: a model and its state.
@@ -99,12 +102,18 @@ impl Simulation {
             usize::try_from(unsafe { (functions.state_size)(model.as_ptr(), bits) }).unwrap_or(0)
                 / per
         };
+        // SAFETY: the offset is confirmed by the self check for this version, and the model is valid.
+        let sensor_numbers = unsafe {
+            let size = model.as_ptr().cast::<u8>().add(layout::MODEL_SENSOR_DATA);
+            size.cast::<i64>().read()
+        };
         let sizes = Sizes {
             positions: size(layout::state::QPOS, 1),
             velocities: size(layout::state::QVEL, 1),
             controls: size(layout::state::CTRL, 1),
             bodies: size(layout::state::XFRC_APPLIED, 6),
             mocap_bodies: size(layout::state::MOCAP_POS, 3),
+            sensor_numbers: usize::try_from(sensor_numbers).unwrap_or(0),
         };
         let mut simulation = Self {
             functions,
@@ -219,6 +228,12 @@ impl Simulation {
             .copy_from_slice(&position);
         self.array_mut(layout::MOCAP_QUAT, count * 4)[index * 4..index * 4 + 4]
             .copy_from_slice(&quaternion);
+    }
+
+    /// What the model's sensors read, in their order; those of forces are of the last solved step.
+    #[must_use]
+    pub fn sensor_readings(&self) -> &[f64] {
+        self.array(layout::SENSOR_DATA, self.sizes.sensor_numbers)
     }
 
     /// Position of a body's frame in the world, in metres.

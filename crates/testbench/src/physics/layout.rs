@@ -19,6 +19,8 @@ pub struct Layout {
     pub drives: Vec<DrivePlan>,
     /// Joints that follow others.
     pub couplings: Vec<CouplingPlan>,
+    /// Bodies whose wrench somebody asks for; an engine need not know that of others.
+    pub wrenches: Vec<usize>,
     /// Pairs of bodies that never touch.
     pub no_contact: Vec<[usize; 2]>,
 }

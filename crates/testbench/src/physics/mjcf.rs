@@ -39,6 +39,7 @@ pub fn mjcf_of(layout: &Layout) -> String {
     drives(&mut text, layout);
     couplings(&mut text, layout);
     no_contact(&mut text, layout);
+    wrenches(&mut text, layout);
     put!(text, "</mujoco>");
     text
 }
@@ -99,6 +100,9 @@ fn children_of(text: &mut String, layout: &Layout, parent: Option<usize>) {
             Motion::Free => put!(text, r#"<freejoint name="{}"/>"#, escaped(&body.name)),
             Motion::Jointed => joint_of(text, layout, index),
             Motion::Fixed | Motion::Led => {}
+        }
+        if layout.wrenches.contains(&index) {
+            put!(text, r#"<site name="wrench {index}"/>"#);
         }
         shapes_of(text, layout, Some(index));
         children_of(text, layout, Some(index));
@@ -255,4 +259,14 @@ fn no_contact(text: &mut String, layout: &Layout) {
         );
     }
     put!(text, "</contact>");
+}
+
+/// A force and a torque for each body of which the layout asks for them, at the origin of its frame.
+fn wrenches(text: &mut String, layout: &Layout) {
+    put!(text, "<sensor>");
+    for body in &layout.wrenches {
+        put!(text, r#"<force site="wrench {body}"/>"#);
+        put!(text, r#"<torque site="wrench {body}"/>"#);
+    }
+    put!(text, "</sensor>");
 }

@@ -99,6 +99,8 @@ pub trait Physics: Send {
     fn set_joint(&mut self, joint: usize, position: f64);
     /// What a drive is to reach: an angle or a displacement, a velocity, or a torque or force.
     fn set_drive(&mut self, drive: usize, target: f64);
+    /// The share of its gains and of its limit that a drive has, from 0 to 1, until changed.
+    fn set_drive_strength(&mut self, drive: usize, strength: f64);
     /// Applies a force and a torque at a body's centre of mass, until changed.
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector);
     /// Where a body's frame is.
@@ -109,6 +111,10 @@ pub trait Physics: Send {
     fn lead(&mut self, body: usize, pose: &Pose);
     /// The touches found in the last step, appended to `touches`.
     fn touches(&self, touches: &mut Vec<Touch>);
+    /// The force (N) and the torque (N m, about the origin of the body's frame) that a body's parent
+    /// exerted on it in the last step, in the body's frame. `None` if the engine does not know
+    /// them, or the body is not among the layout's [`wrenches`](Layout::wrenches).
+    fn wrench(&self, body: usize) -> Option<[Vector; 2]>;
     /// The first shape that a ray meets within `longest_m` and that `seen` does not deny.
     /// `direction` has unit length.
     fn ray(

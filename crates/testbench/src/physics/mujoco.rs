@@ -3,7 +3,9 @@
 use super::layout::{Layout, Motion};
 use super::{Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
 use crate::geometry::{Pose, Vector, add, scale};
-use crate::mujoco::{BodyId, Engine, EngineError, GeomId, JointId, SavedState, Simulation};
+use crate::mujoco::{
+    BodyId, DriveLaw, Engine, EngineError, GeomId, JointId, SavedState, Simulation,
+};
 
 /// How far behind the surface of a shape that is not seen a ray starts again, in metres.
 const BEYOND_M: f64 = 1e-6;
@@ -20,12 +22,20 @@ pub struct MujocoPhysics {
     /// For each body that is led its place among MuJoCo's.
     led: Vec<Option<usize>>,
     touches: Vec<Touch>,
+    /// The bodies of which wrenches are asked for, and those of the last step.
+    borne: Vec<usize>,
+    wrenches: Vec<f64>,
+    /// The drives as the layout has them, and the shares that they have.
+    drives: Vec<DriveLaw>,
+    strengths: Vec<f64>,
 }
 
 /// A saved state.
 struct Saved {
     engine: SavedState,
     touches: Vec<Touch>,
+    wrenches: Vec<f64>,
+    strengths: Vec<f64>,
 }
 
 impl MujocoPhysics {
@@ -50,7 +60,13 @@ impl MujocoPhysics {
                 count - 1
             })
         });
+        let wrenches = simulation.sensor_readings().to_vec();
+        let drives = simulation.drives();
         Ok(Self {
+            strengths: vec![1.0; drives.len()],
+            drives,
+            borne: layout.wrenches.clone(),
+            wrenches,
             led: led.collect(),
             bodies: bodies
                 .map(|body| simulation.body(&body.name).ok_or_else(|| lost(&body.name)))
@@ -90,6 +106,13 @@ impl MujocoPhysics {
         self.touches = touches;
     }
 
+    /// Copies what links bear: positions are brought up to date after a step, forces are not.
+    fn collect_wrenches(&mut self) {
+        let readings = self.simulation.sensor_readings();
+        self.wrenches.clear();
+        self.wrenches.extend_from_slice(readings);
+    }
+
     fn shape_of(&self, geom: GeomId) -> Option<usize> {
         self.geoms.iter().position(|known| *known == geom)
     }
@@ -105,11 +128,13 @@ impl Physics for MujocoPhysics {
     fn step(&mut self) {
         self.simulation.solve_and_integrate();
         self.collect_touches();
+        self.collect_wrenches();
         self.simulation.update_positions();
     }
 
     fn refresh(&mut self) {
         self.simulation.forward();
+        self.collect_wrenches();
     }
 
     fn time_secs(&self) -> f64 {
@@ -135,6 +160,17 @@ impl Physics for MujocoPhysics {
     fn set_drive(&mut self, drive: usize, target: f64) {
         if let Some(control) = self.simulation.controls_mut().get_mut(drive) {
             *control = target;
+        }
+    }
+
+    /// The model is compiled for this scene alone and shared with nobody, so that its drives can change.
+    fn set_drive_strength(&mut self, drive: usize, strength: f64) {
+        let Some(law) = self.drives.get(drive) else {
+            return;
+        };
+        if self.strengths[drive] != strength {
+            self.strengths[drive] = strength;
+            self.simulation.set_drive(drive, &law.of_strength(strength));
         }
     }
 
@@ -180,6 +216,12 @@ impl Physics for MujocoPhysics {
         touches.extend(&self.touches);
     }
 
+    fn wrench(&self, body: usize) -> Option<[Vector; 2]> {
+        let place = self.borne.iter().position(|borne| *borne == body)?;
+        let numbers = self.wrenches.get(6 * place..6 * place + 6)?;
+        Some([0, 3].map(|first| std::array::from_fn(|axis| numbers[first + axis])))
+    }
+
     fn ray(
         &self,
         from_m: Vector,
@@ -218,6 +260,8 @@ impl Physics for MujocoPhysics {
         PhysicsState::new(Saved {
             engine: self.simulation.save(),
             touches: self.touches.clone(),
+            wrenches: self.wrenches.clone(),
+            strengths: self.strengths.clone(),
         })
     }
 
@@ -228,6 +272,10 @@ impl Physics for MujocoPhysics {
         let restored = self.simulation.restore(&saved.engine);
         if restored {
             self.touches.clone_from(&saved.touches);
+            self.wrenches.clone_from(&saved.wrenches);
+            for (drive, strength) in saved.strengths.iter().enumerate() {
+                self.set_drive_strength(drive, *strength);
+            }
             self.simulation.update_positions();
         }
         restored

@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::build::{Built, BuiltRobot};
 use super::data::{Actuator, ActuatorKind};
 use super::draws::Draws;
+use super::drive_errors::DriveErrors;
 use super::measure::yaw_of;
 use crate::controller::{Port, PortField};
 use crate::physics::Physics;
@@ -19,6 +20,11 @@ pub(super) struct Actuating {
     /// What is commanded, in the order of the fields.
     pub(super) commanded: Vec<f64>,
     drives: Range<usize>,
+    /// The strength that its drives have in the engine.
+    strength: f64,
+    pub(super) errors: DriveErrors,
+    /// Whether a fault was on when it was last written down.
+    pub(super) was_faulty: bool,
     lefts: usize,
     root: usize,
     kind: ActuatorKind,
@@ -67,8 +73,16 @@ impl Actuating {
         Self {
             name: actuator.name.clone(),
             robot,
+            errors: DriveErrors::new(
+                actuator,
+                &commanded,
+                matches!(actuator.kind, ActuatorKind::Position { .. }),
+                draws,
+            ),
+            was_faulty: false,
             commanded,
             fields,
+            strength: 1.0,
             drives: built.drives[index].clone(),
             lefts,
             root: added.root,
@@ -106,14 +120,22 @@ impl Actuating {
         }
     }
 
-    /// Brings the drives on their way for the next step.
-    pub(super) fn act(&mut self, physics: &mut dyn Physics, step_secs: f64) {
+    /// Brings the drives on their way for the next step, which begins now.
+    pub(super) fn act(&mut self, physics: &mut dyn Physics, now_secs: f64, step_secs: f64) {
+        let strength = self.errors.strength(now_secs);
+        let wanted = self.errors.act_on(&self.commanded, now_secs);
+        if strength != self.strength {
+            self.strength = strength;
+            for drive in self.drives.clone() {
+                physics.set_drive_strength(drive, strength);
+            }
+        }
         match &self.kind {
             ActuatorKind::Position { .. }
             | ActuatorKind::Velocity { .. }
             | ActuatorKind::Effort { .. } => {
                 for drive in self.drives.clone() {
-                    physics.set_drive(drive, self.commanded[0]);
+                    physics.set_drive(drive, wanted[0]);
                 }
             }
             ActuatorKind::DifferentialDrive {
@@ -124,9 +146,8 @@ impl Actuating {
                 turn_acceleration_rad_s2,
                 ..
             } => {
-                let speed = self.commanded[0].clamp(-longest_speed_m_s, *longest_speed_m_s);
-                let turn =
-                    self.commanded[1].clamp(-longest_turn_rate_rad_s, *longest_turn_rate_rad_s);
+                let speed = wanted[0].clamp(-longest_speed_m_s, *longest_speed_m_s);
+                let turn = wanted[1].clamp(-longest_turn_rate_rad_s, *longest_turn_rate_rad_s);
                 let [faster, slower] = self.accelerations;
                 self.ramp[0] = ramped(self.ramp[0], speed, faster, slower, step_secs);
                 let most = *turn_acceleration_rad_s2;
@@ -138,44 +159,54 @@ impl Actuating {
                     physics.set_drive(drive, rim_m_s / wheel_radius_m);
                 }
             }
-            ActuatorKind::PlanarVelocity { .. } => self.push(physics),
+            ActuatorKind::PlanarVelocity { .. } => {
+                push(physics, self.root, &self.kind, wanted, strength);
+            }
         }
     }
+}
 
-    /// Force and torque on the root towards the commanded velocity.
-    fn push(&self, physics: &mut dyn Physics) {
-        let ActuatorKind::PlanarVelocity {
-            longest_speed_m_s,
-            longest_turn_rate_rad_s,
-            gain_ns_m,
-            turn_gain_nms_rad,
-            force_limit_newtons,
-            torque_limit_nm,
-        } = &self.kind
-        else {
-            return;
-        };
-        let limited = |value: f64, limit: f64| value.clamp(-limit, limit);
-        let (sine, cosine) = yaw_of(physics.body_pose(self.root).orientation).sin_cos();
-        let twist = physics.body_twist(self.root);
-        let [forward, left] = [0, 1].map(|i| limited(self.commanded[i], *longest_speed_m_s));
-        let turn = limited(self.commanded[2], *longest_turn_rate_rad_s);
-        let wanted = [
-            forward * cosine - left * sine,
-            forward * sine + left * cosine,
-        ];
-        let [x, y] = [0, 1].map(|i| {
-            limited(
+/// Force and torque on the root towards the commanded velocity.
+fn push(
+    physics: &mut dyn Physics,
+    root: usize,
+    kind: &ActuatorKind,
+    commanded: &[f64],
+    strength: f64,
+) {
+    let ActuatorKind::PlanarVelocity {
+        longest_speed_m_s,
+        longest_turn_rate_rad_s,
+        gain_ns_m,
+        turn_gain_nms_rad,
+        force_limit_newtons,
+        torque_limit_nm,
+    } = kind
+    else {
+        return;
+    };
+    let limited = |value: f64, limit: f64| value.clamp(-limit, limit);
+    let (sine, cosine) = yaw_of(physics.body_pose(root).orientation).sin_cos();
+    let twist = physics.body_twist(root);
+    let [forward, left] = [0, 1].map(|i| limited(commanded[i], *longest_speed_m_s));
+    let turn = limited(commanded[2], *longest_turn_rate_rad_s);
+    let wanted = [
+        forward * cosine - left * sine,
+        forward * sine + left * cosine,
+    ];
+    let [x, y] = [0, 1].map(|i| {
+        strength
+            * limited(
                 gain_ns_m * (wanted[i] - twist.linear_m_s[i]),
                 *force_limit_newtons,
             )
-        });
-        let torque = limited(
+    });
+    let torque = strength
+        * limited(
             turn_gain_nms_rad * (turn - twist.angular_rad_s[2]),
             *torque_limit_nm,
         );
-        physics.apply(self.root, [x, y, 0.0], [0.0, 0.0, torque]);
-    }
+    physics.apply(root, [x, y, 0.0], [0.0, 0.0, torque]);
 }
 
 /// One step from `now` towards `wanted`: `slower` limits changes towards 0, `faster` all others.

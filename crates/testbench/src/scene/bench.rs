@@ -6,9 +6,10 @@ use stimulus::{AbstractTest, Distribution, Settings, Stimulus};
 use toml::{Table, Value};
 use trace::Trace;
 
-use super::build::{Models, build};
+use super::build::{Models, build, check_engine};
 use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
+use super::gaps::SceneGap;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
 use crate::bench::{Bench, Cancel, Drawn, End, Failure, Recorded, SimError, Watch};
@@ -57,20 +58,12 @@ pub struct SceneBench {
     descriptions: Vec<Description>,
 }
 
-/// What [`SceneBench::new`] found in the descriptions of robots and objects that it does not carry
-/// over.
-pub struct SceneGap {
-    /// The description's file.
-    pub file: String,
-    /// What it is, with its place and what follows from it.
-    pub text: String,
-}
-
 impl SceneBench {
     /// The bench of a scene in TOML. `file` gives the bytes of each file that the scene names and
     /// that those name (meshes), by its path relative to the scene's file.
     ///
-    /// Controllers are started once, to learn what they send and report.
+    /// Controllers are started once, to learn what they send and report. What of the descriptions is
+    /// not simulated comes with the bench.
     ///
     /// # Errors
     /// [`SimError::Scenario`] for data that cannot be used, [`SimError::Controller`] for a
@@ -94,7 +87,8 @@ impl SceneBench {
             started.end()?;
         }
         let built = build(&data, &models, Draws { seed: 0 })?;
-        physics(&built.layout)?;
+        let engine = physics(&built.layout)?;
+        check_engine(&data, &built.layout, engine.as_ref())?;
         let known = known(&data, &descriptions);
         for test in &data.abstract_tests {
             known.check(test).map_err(|problem| {

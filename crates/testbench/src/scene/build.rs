@@ -1,15 +1,17 @@
 //! From a scene's data and the draws of an episode to a layout, and where things are in it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData};
+use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData, Sensor, SensorKind};
 use super::draws::Draws;
 use super::person::body_of;
+use super::sensing::joints_of;
 use super::translate::{Added, add_model};
+use super::vision::Marker;
 use crate::geometry::{IDENTITY, Pose, box_inertia, cylinder_inertia, sphere_inertia};
 use crate::physics::{
-    BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, ShapePlan, Touches,
+    BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, Physics, ShapePlan, Touches,
 };
 use crate::scenario::ScenarioError;
 use crate::viewer::{Geometry, Role, VisibleShape};
@@ -134,6 +136,7 @@ pub(super) fn build(
         .iter()
         .map(|actuator| add_drives(&mut layout, actuator, data, &robots))
         .collect::<Result<_, _>>()?;
+    layout.wrenches = borne(data, &layout, &robots)?;
     let built = Built {
         layout,
         robots,
@@ -363,6 +366,86 @@ fn check_sensors(data: &SceneData, built: &Built) -> Result<(), ScenarioError> {
                 return Err(unknown("joints", joint));
             }
         }
+        if let SensorKind::MarkerCamera {
+            target,
+            target_part,
+            ..
+        } = &sensor.kind
+            && Marker::find(
+                &built.layout,
+                (target, target_part.as_deref()),
+                [0.0; 3],
+                None,
+            )
+            .is_none()
+        {
+            return Err(match target_part {
+                Some(part) => unknown("target_part", &format!("{target}/{part}")),
+                None => unknown("target", target),
+            });
+        }
     }
     Ok(())
+}
+
+/// The bodies of which sensors measure what they bear.
+fn borne(
+    data: &SceneData,
+    layout: &Layout,
+    robots: &[BuiltRobot],
+) -> Result<Vec<usize>, ScenarioError> {
+    let mut bodies = BTreeSet::new();
+    for sensor in &data.sensors {
+        let place = data.robots.iter().position(|r| r.name == sensor.robot);
+        let Some(robot) = place.and_then(|robot| robots.get(robot)) else {
+            continue;
+        };
+        match &sensor.kind {
+            SensorKind::ForceTorque { .. } => bodies.extend(robot.body(sensor.link())),
+            SensorKind::JointTorque { joints } => {
+                for joint in joints_of(robot, joints) {
+                    let body = layout.joints[joint].body;
+                    let joints = layout.joints.iter().filter(|it| it.body == body);
+                    if joints.count() > 1 {
+                        let key = super::data::key_of("sensor", &sensor.name, "joints");
+                        let problem = "names one of several joints of a link, which bear together; use force_torque";
+                        return Err(ScenarioError::value(&key, problem));
+                    }
+                    bodies.insert(body);
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(bodies.into_iter().collect())
+}
+
+/// An engine that does not know what links bear cannot have sensors of it.
+///
+/// # Errors
+/// [`ScenarioError::Value`] naming such a sensor.
+pub(super) fn check_engine(
+    data: &SceneData,
+    layout: &Layout,
+    physics: &dyn Physics,
+) -> Result<(), ScenarioError> {
+    if layout
+        .wrenches
+        .iter()
+        .all(|body| physics.wrench(*body).is_some())
+    {
+        return Ok(());
+    }
+    let is_bearing = |sensor: &&Sensor| {
+        matches!(
+            sensor.kind,
+            SensorKind::ForceTorque { .. } | SensorKind::JointTorque { .. }
+        )
+    };
+    let name = data.sensors.iter().find(is_bearing);
+    let key = super::data::key_of("sensor", name.map_or("", |it| it.name.as_str()), "kind");
+    let (engine, _) = physics.engine();
+    let problem =
+        format!("cannot be had in {engine}, which does not tell forces between links; use MuJoCo");
+    Err(ScenarioError::value(&key, &problem))
 }

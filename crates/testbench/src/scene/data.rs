@@ -4,6 +4,7 @@
 //! an episode; each such number has a random stream of its own, named by its key, so that setting
 //! one changes no other.
 
+mod actuator;
 mod body;
 mod drawn;
 mod person;
@@ -15,6 +16,7 @@ use serde::Deserialize;
 use stimulus::{AbstractTest, Distribution};
 use toml::Table;
 
+pub use actuator::{ActuatorFault, ActuatorFaultKind};
 pub use body::{Actuator, ActuatorKind, Object, PlaceKeys, Robot};
 pub(super) use drawn::resolve;
 pub use person::{
@@ -244,7 +246,7 @@ impl SceneData {
         self.people.iter().try_for_each(Person::check)?;
         for actuator in &self.actuators {
             self.check_robot("actuator", &actuator.name, &actuator.robot)?;
-            actuator.check()?;
+            actuator.check(self.simulation.time_step_secs)?;
         }
         for sensor in &self.sensors {
             self.check_robot("sensor", &sensor.name, &sensor.robot)?;

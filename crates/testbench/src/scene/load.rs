@@ -1,8 +1,8 @@
 //! The descriptions that a scene names, read by `robot-model`.
 
-use super::bench::SceneGap;
 use super::build::Models;
 use super::data::SceneData;
+use super::gaps::{SceneGap, gaps_of};
 use crate::scenario::ScenarioError;
 
 /// Reads the files of all robots and objects, each once.
@@ -33,14 +33,7 @@ pub(super) fn load(
         let mut resolve = |address: &str| file(address);
         let loaded = robot_model::parse(path, &text, &mut resolve)
             .map_err(|problems| bad(problems.to_string()))?;
-        gaps.extend(loaded.gaps.iter().map(|gap| SceneGap {
-            file: path.clone(),
-            text: gap.to_string(),
-        }));
-        gaps.extend(loaded.warnings.iter().map(|warning| SceneGap {
-            file: path.clone(),
-            text: warning.to_string(),
-        }));
+        gaps.extend(gaps_of(path, &loaded));
         models.insert(path.clone(), loaded.model);
     }
     Ok((models, gaps))

@@ -8,11 +8,13 @@ use super::build::{Built, BuiltRobot};
 use super::data::{Sensor, SensorKind};
 use super::draws::Draws;
 use super::sensing::joints_of;
+use super::vision::{self, Marker, View};
 use super::walker::{Walker, wrapped};
+use super::wrench;
 use crate::geometry::{
     Pose, Quaternion, Vector, add, compose, from_roll_pitch_yaw, rotate, scale, subtract,
 };
-use crate::physics::{Physics, Touch};
+use crate::physics::{Layout, Physics, Touch};
 use crate::random::Stream;
 
 /// What instruments look at.
@@ -27,9 +29,9 @@ pub(super) struct Scenery<'a> {
 
 /// Where an instrument is mounted: a body and a pose in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Mount {
-    body: usize,
-    place: Pose,
+pub(super) struct Mount {
+    pub(super) body: usize,
+    pub(super) place: Pose,
 }
 
 /// What an instrument is, and what it remembers between measurements.
@@ -62,6 +64,20 @@ enum Kind {
         longest_m: f64,
         probability: f64,
     },
+    MarkerCamera {
+        view: View,
+        /// `None` if there is no such target, which the scene's check refuses.
+        marker: Option<Marker>,
+        probability: f64,
+    },
+    DepthCamera {
+        view: View,
+        pixels: [usize; 2],
+    },
+    ForceTorque,
+    JointTorque {
+        joints: Vec<usize>,
+    },
 }
 
 /// Dead reckoning from the turns of wheels.
@@ -78,9 +94,9 @@ struct Odometry {
 }
 
 impl Instrument {
-    pub(super) fn new(sensor: &Sensor, robot: &BuiltRobot, draws: Draws) -> Self {
+    pub(super) fn new(sensor: &Sensor, robot: &BuiltRobot, layout: &Layout, draws: Draws) -> Self {
         let drawn = |field: &str, d: &Distribution| draws.of("sensor", &sensor.name, field, d);
-        let [x, y, z, yaw] = sensor.mount().map(|(field, d)| drawn(field, &d));
+        let [x, y, z, yaw, pitch] = sensor.mount().map(|(field, d)| drawn(field, &d));
         let kind = match &sensor.kind {
             SensorKind::JointEncoder { joints, resolution } => Kind::Encoder {
                 joints: joints_of(robot, joints),
@@ -126,6 +142,54 @@ impl Instrument {
                 longest_m: *longest_m,
                 probability: drawn("detection_probability", detection_probability),
             },
+            SensorKind::MarkerCamera {
+                target,
+                target_part,
+                marker_m,
+                facing,
+                widest_angle_rad,
+                horizontal_view_rad,
+                vertical_view_rad,
+                shortest_m,
+                longest_m,
+                detection_probability,
+                ..
+            } => Kind::MarkerCamera {
+                view: View::new(
+                    *horizontal_view_rad,
+                    *vertical_view_rad,
+                    *shortest_m,
+                    *longest_m,
+                ),
+                marker: Marker::find(
+                    layout,
+                    (target, target_part.as_deref()),
+                    *marker_m,
+                    facing.map(|facing| (facing, *widest_angle_rad)),
+                ),
+                probability: drawn("detection_probability", detection_probability),
+            },
+            SensorKind::DepthCamera {
+                columns,
+                rows,
+                horizontal_view_rad,
+                vertical_view_rad,
+                shortest_m,
+                longest_m,
+                ..
+            } => Kind::DepthCamera {
+                view: View::new(
+                    *horizontal_view_rad,
+                    *vertical_view_rad,
+                    *shortest_m,
+                    *longest_m,
+                ),
+                pixels: [*columns, *rows],
+            },
+            SensorKind::ForceTorque { .. } => Kind::ForceTorque,
+            SensorKind::JointTorque { joints } => Kind::JointTorque {
+                joints: joints_of(robot, joints),
+            },
         };
         Self {
             robot_shapes: robot.added.shapes.clone(),
@@ -133,7 +197,7 @@ impl Instrument {
                 body: robot.body(sensor.link()).unwrap_or(robot.added.root),
                 place: Pose {
                     position_m: [x, y, z],
-                    orientation: from_roll_pitch_yaw([0.0, 0.0, yaw]),
+                    orientation: from_roll_pitch_yaw([0.0, pitch, yaw]),
                 },
             },
             kind,
@@ -170,6 +234,18 @@ impl Instrument {
             } => {
                 fact("field_of_view_rad", 2.0 * half_view_rad);
                 fact("longest_m", *longest_m);
+            }
+            Kind::MarkerCamera { view, .. } => {
+                for (name, value) in view.facts() {
+                    fact(name, value);
+                }
+            }
+            Kind::DepthCamera { view, pixels } => {
+                for (name, value) in view.facts() {
+                    fact(name, value);
+                }
+                fact("columns", pixels[0] as f64);
+                fact("rows", pixels[1] as f64);
             }
             _ => {}
         }
@@ -236,6 +312,26 @@ impl Instrument {
                     stream,
                 ))
             }
+            Kind::MarkerCamera {
+                view,
+                marker,
+                probability,
+            } => match marker {
+                Some(marker) => one(&vision::detect(
+                    scenery,
+                    &self.mount,
+                    view,
+                    marker,
+                    *probability,
+                    stream,
+                )),
+                None => one(&[f64::NAN; 7]),
+            },
+            Kind::DepthCamera { view, pixels } => {
+                vec![vision::depths(scenery, &self.mount, view, *pixels)]
+            }
+            Kind::ForceTorque => wrench::at_flange(scenery, &self.mount),
+            Kind::JointTorque { joints } => wrench::at_joints(scenery, joints),
         }
     }
 }
@@ -253,7 +349,8 @@ pub(super) fn yaw_of(orientation: Quaternion) -> f64 {
     y.atan2(x)
 }
 
-fn pose_of(scenery: &Scenery<'_>, mount: &Mount) -> Pose {
+/// The frame of an instrument in the world.
+pub(super) fn pose_of(scenery: &Scenery<'_>, mount: &Mount) -> Pose {
     let body = scenery.physics.body_pose(mount.body);
     Pose {
         position_m: add(

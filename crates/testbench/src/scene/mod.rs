@@ -50,7 +50,7 @@
 //! | `/truth/ROBOT` | `record_hz` | `x`, `y`, `z`, `yaw`, `speed`, `turn_rate` of the root; `person_distance` between the surfaces of the robot and the nearest person; `person_force` and `other_force`, the largest sums of contact forces (the ground's aside) since the row before; of recorded joints `JOINT.position` and `.velocity` |
 //! | `/truth/PERSON` | `record_hz` | `x`, `y`, `heading`, `speed`, `robot_distance`, `activity`, `reacting`, `distracted`, `arrived`; of an articulated one the hands |
 //! | `/sensor/SENSOR` | when a measurement arrives | `measured_at`, `faulty`, and what it measured; a lidar's nearest range, its place and the number of returns, or all with `record_all` |
-//! | `/command/ACTUATOR` | when a command takes effect | the commanded values |
+//! | `/command/ACTUATOR` | when a command takes effect, and when a fault begins or ends | the commanded values; `faulty` |
 //! | `/controller/CONTROLLER` | each tick | `finished`, `said.MESSAGE` for each message that it may send, and what it reports |
 //! | `/test` | `record_hz` | `actions_done`, `done` |
 //!
@@ -59,7 +59,7 @@
 //! `send_signal` sends a message to the controllers that receive it; `receive_signal` waits for a
 //! message of theirs or for `PERSON.arrived`; `set_param` sets `PERSON.activity` (`stand`, `walk`,
 //! `approach`, `follow`), `PERSON.speed_m_s`, `PERSON.distracted`, `PERSON.arms` (`swing`, `reach`,
-//! `carry`, `withdraw`) and `SENSOR.fault` (`none`, `stuck`, `silent`).
+//! `carry`, `withdraw`), `SENSOR.fault` (`none`, `stuck`, `silent`) and `ACTUATOR.fault` (`none`, `stuck`, `limp`).
 //!
 //! # Parts that are not simulated
 //!
@@ -78,13 +78,17 @@
 //!   as its convex hull.
 //! * Drives are those of the scene; those that a description names (transmissions, actuators) are not
 //!   used.
-//! * Lights, cameras, sound, soft bodies and slopes of the ground are absent.
+//! * Cameras find markers and measure depth by rays; they have no picture. What a link bears is known to
+//!   MuJoCo alone, so a scene with sensors of it is refused in Rapier.
+//! * Lights, sound, soft bodies and slopes of the ground are absent.
 
 mod actuating;
 mod bench;
 mod build;
 mod data;
 mod draws;
+mod drive_errors;
+mod gaps;
 mod load;
 mod measure;
 mod person;
@@ -95,12 +99,15 @@ mod saving;
 mod script;
 mod sensing;
 mod translate;
+mod vision;
 mod walker;
+mod wrench;
 
-pub use bench::{BuildPhysics, SceneBench, SceneGap, StartController, mujoco, rapier};
+pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
 pub use data::{
-    Activity, Actuator, ActuatorKind, ArmAngles, ArmPose, ControllerData, Fault, FaultKind, Ground,
-    Object, Person, PersonBody, PlaceKeys, Reaction, ReactionKind, Robot, SceneData, Sensor,
-    SensorKind, Simulation, Waypoint,
+    Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose,
+    ControllerData, Fault, FaultKind, Ground, Object, Person, PersonBody, PlaceKeys, Reaction,
+    ReactionKind, Robot, SceneData, Sensor, SensorKind, Simulation, Waypoint,
 };
+pub use gaps::SceneGap;
 pub use saving::{RunningScene, SavedScene};

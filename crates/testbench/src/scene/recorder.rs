@@ -57,8 +57,8 @@ impl Recorder {
         for actuator in &data.actuators {
             let fields = super::actuating::fields_of(&actuator.kind);
             let fields = fields.into_iter().map(|f| Field::number(f.name, f.unit));
-            let topic =
-                trace.add_channel(format!("/command/{}", actuator.name), fields.collect())?;
+            let fields = fields.chain([Field::bool("faulty")]).collect();
+            let topic = trace.add_channel(format!("/command/{}", actuator.name), fields)?;
             topics.actuators.push(topic);
         }
         for (controller, description) in data.controllers.iter().zip(controllers) {
@@ -144,7 +144,11 @@ fn person_fields(body: PersonBody) -> Vec<Field> {
 /// A list of more than three numbers is recorded as its smallest number, where that stands, and how
 /// many there are, unless all are wanted.
 pub(super) fn is_summed_up(sensor: &Sensor, length: usize) -> bool {
-    matches!(sensor.kind, SensorKind::Lidar { .. }) && length > 1 && !sensor.record_all
+    let is_image = matches!(
+        sensor.kind,
+        SensorKind::Lidar { .. } | SensorKind::DepthCamera { .. }
+    );
+    is_image && length > 1 && !sensor.record_all
 }
 
 fn sensor_fields(sensor: &Sensor) -> Vec<Field> {

@@ -22,7 +22,7 @@ use super::measure::{Scenery, yaw_of};
 use super::person::poses_of;
 use super::piloting::Piloting;
 use super::recorder::{Recorder, sensor_row};
-use super::script::{Known, Script};
+use super::script::{Known, Reach, Script};
 use super::sensing::Sensing;
 use super::walker::{RobotSeen, Walker};
 use crate::bench::{End, Failure, Recorded, SimError, Watch};
@@ -268,9 +268,13 @@ impl Run {
             }
         }
         let mut sent = Vec::new();
-        let reach = (self.people.as_mut_slice(), self.sensors.as_mut_slice());
+        let mut reach = Reach {
+            people: &mut self.people,
+            sensors: &mut self.sensors,
+            actuators: &mut self.actuators,
+        };
         self.script
-            .enact(now_secs, self.draws, &self.known, reach, &mut sent);
+            .enact(now_secs, self.draws, &self.known, &mut reach, &mut sent);
         for signal in &sent {
             self.pilots
                 .iter_mut()
@@ -325,12 +329,15 @@ impl Run {
         });
         let step_secs = self.prepared.data.simulation.time_step_secs;
         for (index, actuator) in self.actuators.iter_mut().enumerate() {
-            if changed[index] {
+            let is_faulty = actuator.errors.is_faulty(now_secs);
+            if changed[index] || is_faulty != actuator.was_faulty {
                 let topic = self.recorder.topics.actuators[index];
-                self.recorder
-                    .row(topic, now_secs, &actuator.commanded, watch)?;
+                let mut row = actuator.commanded.clone();
+                row.push(f64::from(u8::from(is_faulty)));
+                self.recorder.row(topic, now_secs, &row, watch)?;
             }
-            actuator.act(self.physics.as_mut(), step_secs);
+            actuator.was_faulty = is_faulty;
+            actuator.act(self.physics.as_mut(), now_secs, step_secs);
         }
         Ok(())
     }
@@ -413,6 +420,7 @@ pub(super) fn known(
         sendable: receives.collect(),
         receivable: sends.chain(events).collect(),
         sensors: data.sensors.iter().map(|s| s.name.clone()).collect(),
+        actuators: data.actuators.iter().map(|a| a.name.clone()).collect(),
         people,
     }
 }

@@ -4,8 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use stimulus::{AbstractTest, Setting, Verb};
 
+use super::actuating::Actuating;
 use super::data::{Activity, ArmPose, FaultKind};
 use super::draws::Draws;
+use super::drive_errors::ForcedDriveFault;
 use super::sensing::Sensing;
 use super::walker::Walker;
 
@@ -29,9 +31,17 @@ pub(super) struct Known {
     pub(super) sendable: BTreeSet<String>,
     /// Messages that controllers send, and events of people.
     pub(super) receivable: BTreeSet<String>,
-    /// Names of people and of sensors.
+    /// Names of people, of sensors and of actuators.
     pub(super) people: Vec<String>,
     pub(super) sensors: Vec<String>,
+    pub(super) actuators: Vec<String>,
+}
+
+/// What a test acts on.
+pub(super) struct Reach<'a> {
+    pub(super) people: &'a mut [Walker],
+    pub(super) sensors: &'a mut [Sensing],
+    pub(super) actuators: &'a mut [Actuating],
 }
 
 /// Something that a test sets.
@@ -42,6 +52,7 @@ enum Change {
     Distracted(usize, bool),
     Arms(usize, ArmPose),
     Fault(usize, Option<FaultKind>),
+    DriveFault(usize, Option<ForcedDriveFault>),
 }
 
 impl Known {
@@ -88,6 +99,7 @@ impl Known {
         let (name, field) = key.rsplit_once('.').unwrap_or((key, ""));
         let person = self.people.iter().position(|known| known == name);
         let sensor = self.sensors.iter().position(|known| known == name);
+        let actuator = self.actuators.iter().position(|known| known == name);
         let wrong = |allowed: &str| Err(format!("it sets `{key}` to {value}; it may be {allowed}"));
         match (person, sensor, field, value) {
             (Some(person), _, "activity", Setting::Text(text)) => {
@@ -117,10 +129,20 @@ impl Known {
                 "silent" => Ok(Change::Fault(sensor, Some(FaultKind::Silent))),
                 _ => wrong("none, stuck or silent"),
             },
+            (None, None, "fault", Setting::Text(text)) if actuator.is_some() => {
+                let actuator = actuator.unwrap_or_default();
+                match text.as_str() {
+                    "none" => Ok(Change::DriveFault(actuator, None)),
+                    "stuck" => Ok(Change::DriveFault(actuator, Some(ForcedDriveFault::Stuck))),
+                    "limp" => Ok(Change::DriveFault(actuator, Some(ForcedDriveFault::Limp))),
+                    _ => wrong("none, stuck or limp"),
+                }
+            }
             _ => Err(format!(
-                "it sets `{key}` to {value}, which cannot be set; settable are PERSON.activity, PERSON.arms (texts), PERSON.speed_m_s (a number), PERSON.distracted (true or false) and SENSOR.fault (a text), with the people {} and the sensors {}",
+                "it sets `{key}` to {value}, which cannot be set; settable are PERSON.activity, PERSON.arms (texts), PERSON.speed_m_s (a number), PERSON.distracted (true or false), SENSOR.fault and ACTUATOR.fault (texts), with the people {}, the sensors {} and the actuators {}",
                 self.people.join(", "),
-                self.sensors.join(", ")
+                self.sensors.join(", "),
+                self.actuators.join(", ")
             )),
         }
     }
@@ -166,7 +188,7 @@ impl Script {
         now_secs: f64,
         draws: Draws,
         known: &Known,
-        (people, sensors): (&mut [Walker], &mut [Sensing]),
+        reach: &mut Reach<'_>,
         sent: &mut Vec<String>,
     ) {
         while let Some(action) = self.test.actions.get(self.next) {
@@ -192,7 +214,7 @@ impl Script {
                 Verb::Receive(_) => {}
                 Verb::Set(values) => {
                     let changes = values.iter().filter_map(|(k, v)| known.change(k, v).ok());
-                    changes.for_each(|change| make(&change, people, sensors));
+                    changes.for_each(|change| make(&change, reach));
                 }
             }
             self.next += 1;
@@ -203,13 +225,19 @@ impl Script {
     }
 }
 
-fn make(change: &Change, people: &mut [Walker], sensors: &mut [Sensing]) {
+fn make(change: &Change, reach: &mut Reach<'_>) {
+    let Reach {
+        people,
+        sensors,
+        actuators,
+    } = reach;
     match *change {
         Change::Activity(person, activity) => people[person].activity = activity,
         Change::Speed(person, speed_m_s) => people[person].walking_m_s = speed_m_s,
         Change::Distracted(person, distracted) => people[person].distracted = distracted,
         Change::Arms(person, arms) => people[person].hold_arms(arms),
         Change::Fault(sensor, fault) => sensors[sensor].forced = fault,
+        Change::DriveFault(actuator, fault) => actuators[actuator].errors.forced = fault,
     }
 }
 
@@ -233,7 +261,12 @@ mod tests {
         let (draws, known) = (Draws { seed: 1 }, Known::default());
         let at = |script: &mut Script, now_secs: f64| {
             let mut sent = Vec::new();
-            script.enact(now_secs, draws, &known, (&mut [], &mut []), &mut sent);
+            let mut reach = Reach {
+                people: &mut [],
+                sensors: &mut [],
+                actuators: &mut [],
+            };
+            script.enact(now_secs, draws, &known, &mut reach, &mut sent);
             sent
         };
         assert!(at(&mut script, 0.9).is_empty());
@@ -255,6 +288,7 @@ mod tests {
             receivable: ["arrived".to_owned()].into(),
             people: vec!["anna".to_owned()],
             sensors: vec!["lidar".to_owned()],
+            actuators: vec!["drive".to_owned()],
         };
         let error = |action: Action| known.check(&AbstractTest::new("t", vec![action]));
         assert!(
@@ -283,6 +317,12 @@ mod tests {
                 .contains("cannot be set")
         );
         assert!(error(Action::set("lidar.fault", "stuck")).is_ok());
+        assert!(
+            error(Action::set("drive.fault", "silent"))
+                .unwrap_err()
+                .contains("none, stuck or limp")
+        );
+        assert!(error(Action::set("drive.fault", "limp")).is_ok());
         assert!(error(Action::set("anna.speed_m_s", 1.5)).is_ok());
     }
 }

@@ -104,7 +104,7 @@ impl Sensing {
             name: sensor.name.clone(),
             robot,
             period_steps,
-            instrument: Instrument::new(sensor, &built.robots[robot], draws),
+            instrument: Instrument::new(sensor, &built.robots[robot], &built.layout, draws),
             bias: errors("bias", &sensor.bias),
             noise: errors("noise", &sensor.noise),
             latency: sensor.latency_secs.clone(),

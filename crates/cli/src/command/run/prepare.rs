@@ -46,12 +46,12 @@ pub(super) fn prepare<'a>(
                 ..
             } => {
                 let library = setting.physics_library.as_deref();
-                prepared_campaign(Campaign::new(study, scenario, parameters, library), setting)
+                prepared_campaign(Campaign::new(study, scenario, parameters, library))
             }
             Work::SimulateScene { scene, test, .. } => {
                 let library = setting.physics_library.as_deref();
                 let campaign = Campaign::of_scene(study, scene, test.as_deref(), library);
-                prepared_campaign(campaign, setting)
+                prepared_campaign(campaign)
             }
             Work::Command { command, .. } => {
                 let command = OutsideCommand::new(study, command)?;
@@ -78,17 +78,10 @@ pub(super) fn prepare<'a>(
     Ok(prepared)
 }
 
-/// A campaign, or that simulations cannot run here; what of robots'
-/// descriptions is not simulated is said.
-fn prepared_campaign(
-    campaign: Result<Campaign, Problem>,
-    setting: &Setting,
-) -> Result<Prepared<'static>, Problem> {
+/// A campaign, or that simulations cannot run here.
+fn prepared_campaign(campaign: Result<Campaign, Problem>) -> Result<Prepared<'static>, Problem> {
     match campaign {
-        Ok(campaign) => {
-            campaign.gaps().iter().for_each(|gap| setting.talk.say(gap));
-            Ok(Prepared::Simulate(Box::new(campaign)))
-        }
+        Ok(campaign) => Ok(Prepared::Simulate(Box::new(campaign))),
         Err(problem) if problem.code == "no-physics-library" => {
             Ok(Prepared::CannotSimulate(problem))
         }

@@ -276,6 +276,13 @@ impl Runner<'_> {
                 ));
             }
         }
+        let gaps = &piece.evidence.description_gaps;
+        if !gaps.is_empty() {
+            let counts = evidence::DescriptionGap::in_short(gaps);
+            self.setting.talk.say(&format!(
+                "{id:<13} not simulated as described: {counts} (listed in the report)"
+            ));
+        }
         let differing = &piece.evidence.form_differences;
         if !differing.is_empty() {
             self.setting.talk.say(&differences::in_words(differing));

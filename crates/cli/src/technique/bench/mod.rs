@@ -3,6 +3,7 @@
 
 mod place;
 mod process;
+pub mod processor;
 mod ros2;
 mod scene;
 

@@ -3,11 +3,12 @@
 //! Simulated time stands still while it thinks; only here does a clock of the
 //! real world run, so that a controller that hangs is ended and said to hang.
 
+use super::processor;
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -38,6 +39,10 @@ pub struct Process {
     said: Said,
     listeners: Vec<JoinHandle<()>>,
     limit: Duration,
+    /// Its processor time, as it was last seen.
+    used_secs: Option<f64>,
+    /// How it ended, once it has.
+    status: Option<ExitStatus>,
 }
 
 impl Process {
@@ -94,6 +99,8 @@ impl Process {
             said,
             listeners,
             limit,
+            used_secs: None,
+            status: None,
         })
     }
 
@@ -120,12 +127,17 @@ impl Process {
     }
 
     /// Waits for its end for a while.
-    fn wait(&mut self, longest: Duration) -> Option<std::process::ExitStatus> {
+    fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
         const PAUSE: Duration = Duration::from_millis(5);
         let mut waited = Duration::ZERO;
         loop {
-            if let Ok(Some(status)) = self.child.try_wait() {
-                return Some(status);
+            if self.status.is_none() {
+                // Once its end is known its time is not, and its number may be another's.
+                self.used_secs = processor::of_process(self.child.id()).or(self.used_secs);
+                self.status = self.child.try_wait().unwrap_or_default();
+            }
+            if self.status.is_some() {
+                return self.status;
             }
             if waited >= longest {
                 return None;
@@ -172,6 +184,7 @@ impl Drop for Process {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
+        processor::count(self.used_secs.unwrap_or(0.0));
         // A grandchild may hold the pipes open: then the listeners are left behind.
         self.listeners.retain(|listener| !listener.is_finished());
     }
@@ -256,6 +269,22 @@ mod tests {
         assert!(error.contains("exit status: 3"), "{error}");
         // Its error output is read on another thread, which may be a moment behind.
         assert!(error.contains("closed its output"), "{error}");
+    }
+
+    #[test]
+    fn the_time_of_a_program_counts_as_that_of_the_thread() {
+        let before = processor::used_secs();
+        let work = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done; read line; echo done";
+        let mut working = start(work, Duration::from_secs(600));
+        working.exchange("go").unwrap();
+        let thread_secs = processor::used_secs() - before;
+        drop(working);
+        let secs = processor::used_secs() - before;
+        // A shell needs a tenth of a second or so; what this thread does, hardly anything.
+        assert!(
+            secs > thread_secs + 0.02,
+            "{secs} s, {thread_secs} s of this thread"
+        );
     }
 
     #[test]

@@ -7,14 +7,16 @@ use crate::problem::{Problem, Source, did_you_mean};
 use crate::store::{Inputs, hash_of};
 use crate::study::Study;
 use crate::talk::Interrupt;
-use evidence::{Asset, AssetRole};
+use evidence::{Asset, AssetRole, DescriptionGap};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use stimulus::{AbstractTest, Stimulus};
 use testbench::controller::{Controller, ControllerError, RemoteController};
-use testbench::scene::{BuildPhysics, ControllerData, SceneBench, StartController, mujoco};
+use testbench::scene::{
+    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, mujoco,
+};
 use testbench::{Bench, Engine, Recorded, SimError, Watch};
 
 /// A scene and the test that is enacted in it.
@@ -24,7 +26,7 @@ pub struct SceneCampaign {
     text: String,
     /// The files that the scene consists of.
     assets: Vec<Asset>,
-    gaps: Vec<String>,
+    gaps: Vec<DescriptionGap>,
 }
 
 impl SceneCampaign {
@@ -88,7 +90,7 @@ impl SceneCampaign {
             stimulus,
             text: source.text,
             assets: assets.collect(),
-            gaps: gaps.into_iter().map(|gap| gap.text).collect(),
+            gaps: gaps.into_iter().map(|gap| in_study(beside, gap)).collect(),
         })
     }
 
@@ -111,7 +113,7 @@ impl SceneCampaign {
     }
 
     /// What of the robots' descriptions is not carried over.
-    pub fn gaps(&self) -> &[String] {
+    pub fn gaps(&self) -> &[DescriptionGap] {
         &self.gaps
     }
 
@@ -125,7 +127,7 @@ impl SceneCampaign {
         let is_node = |controller: &&ControllerData| controller.ros2.is_some();
         let controllers = &self.bench.data().controllers;
         if controllers.iter().any(|it| !is_node(&it)) {
-            settings.push_str(", controllers as processes, their processor time not counted");
+            settings.push_str(", controllers as processes, their processor time counted");
         }
         for controller in controllers.iter().filter(is_node) {
             settings.push_str(&ros2::said_of(controller));
@@ -152,6 +154,23 @@ impl SceneCampaign {
     ) -> Result<Recorded, SimError> {
         self.bench
             .run(&self.stimulus, seed, watch, interrupt.cancel())
+    }
+}
+
+/// A gap, its file by its path in the study; addresses such as `package://` stay what they are.
+fn in_study(beside: &Path, gap: SceneGap) -> DescriptionGap {
+    let file = match gap.file.contains("://") {
+        true => gap.file,
+        false => plain(&beside.join(&gap.file)),
+    };
+    DescriptionGap {
+        file,
+        line: gap.place.map(|[line, _]| line),
+        column: gap.place.map(|[_, column]| column),
+        element: gap.element,
+        what: gap.what,
+        effect: gap.effect,
+        consequence: gap.consequence,
     }
 }
 

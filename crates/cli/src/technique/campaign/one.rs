@@ -9,6 +9,7 @@ use super::tally::Monitored;
 use crate::problem::{Problem, write_whole};
 use crate::store::hash_of;
 use crate::study::Keep;
+use crate::technique::bench::processor::used_secs;
 use crate::technique::judging::{Judgement, Judges};
 use crate::technique::operation::only_violations;
 use crate::technique::simulation::{Campaign, problem_at};
@@ -49,7 +50,7 @@ struct Shown {
 impl<'a> Bench<'a> {
     /// Runs and judges an episode, unless it was recorded before.
     pub(super) fn episode(&self, number: u64) -> Result<(EpisodeRecord, Effort), Problem> {
-        let began = thread_cpu_secs();
+        let began = used_secs();
         let (record, is_new) = match (self.plan.source, &self.layout) {
             (Source::Bench(campaign), Some(layout)) => self.simulated(campaign, layout, number)?,
             (Source::Command(command), _) => (self.commanded(command, number)?, false),
@@ -61,7 +62,7 @@ impl<'a> Bench<'a> {
             }
         };
         let effort = Effort {
-            cpu_secs: is_new.then(|| thread_cpu_secs() - began),
+            cpu_secs: is_new.then(|| used_secs() - began),
         };
         Ok((record, effort))
     }
@@ -282,12 +283,6 @@ fn shown(
         main: main.iter().map(Judged::of).collect(),
         of_forms: of_forms.iter().map(|it| it.findings.verdict).collect(),
     }
-}
-
-/// Processor seconds that this thread has used.
-fn thread_cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// The recording of an episode of ours. One that is missing, damaged, cut short, of another episode

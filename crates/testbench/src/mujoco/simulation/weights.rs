@@ -44,7 +44,7 @@ impl Simulation {
     }
 
     /// An array of numbers that `mjModel` points to.
-    fn model_array(&self, offset: usize, length: usize) -> &[f64] {
+    pub(super) fn model_array(&self, offset: usize, length: usize) -> &[f64] {
         let model = self.model.as_ptr().cast::<u8>();
         // SAFETY: offsets come from `layout`, confirmed by the self check for this version; the
         // field is a pointer to doubles.
@@ -58,7 +58,7 @@ impl Simulation {
     }
 
     /// As [`Self::model_array`], for writing; `None` if the model is shared.
-    fn model_array_mut(&mut self, offset: usize, length: usize) -> Option<&mut [f64]> {
+    pub(super) fn model_array_mut(&mut self, offset: usize, length: usize) -> Option<&mut [f64]> {
         let model = Arc::get_mut(&mut self.model)?.raw.as_ptr().cast::<u8>();
         // SAFETY: as in `model_array`.
         let start = unsafe { model.add(offset).cast::<*mut f64>().read() };

@@ -185,7 +185,7 @@ impl Joints {
 
     /// Gives a servo its target.
     pub(super) fn aim(&self, layout: &Layout, drive: usize, world: &mut World) {
-        let target = world.targets[drive];
+        let (target, strength) = (world.targets[drive], world.strengths[drive]);
         let drive = &layout.drives[drive];
         let link = self.links[drive.joint];
         let axis = axis_of(link.kind);
@@ -206,8 +206,11 @@ impl Joints {
         };
         let data = &mut found.joint.data;
         data.set_motor_model(axis, r::MotorModel::ForceBased);
+        // One that has no strength left is a servo that may not push, not a rigid one.
+        let share = strength.max(1e-9);
+        let (stiffness, damping) = (share * stiffness, share * damping);
         data.set_motor(axis, position, velocity, stiffness, damping);
-        data.set_motor_max_force(axis, drive.limit);
+        data.set_motor_max_force(axis, strength * drive.limit);
     }
 
     /// Applies the efforts of drives: on the child, and against them on its parent.
@@ -218,12 +221,13 @@ impl Joints {
                 rigid.reset_torques(false);
             }
         }
-        for (drive, target) in layout.drives.iter().zip(&world.targets) {
+        let told = world.targets.iter().zip(&world.strengths);
+        for (drive, (target, strength)) in layout.drives.iter().zip(told) {
             if !matches!(drive.kind, DriveKind::Effort) {
                 continue;
             }
             let link = self.links[drive.joint];
-            let effort = target.clamp(-drive.limit, drive.limit);
+            let effort = strength * target.clamp(-drive.limit, drive.limit);
             let data = world.multibodies.get(link.handle);
             let data = data.and_then(|(body, id)| body.link(id));
             let Some(frame) = data.map(|found| found.joint().data.local_frame2) else {

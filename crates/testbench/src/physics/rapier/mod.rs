@@ -58,6 +58,8 @@ struct World {
     applied: Vec<[Vector; 2]>,
     /// Targets of drives.
     targets: Vec<f64>,
+    /// The shares of their gains and limits that they have.
+    strengths: Vec<f64>,
     touches: Vec<Touch>,
 }
 
@@ -89,6 +91,7 @@ impl RapierPhysics {
             is_sound: true,
             applied: vec![[[0.0; 3]; 2]; layout.bodies.len()],
             targets: vec![0.0; layout.drives.len()],
+            strengths: vec![1.0; layout.drives.len()],
             ..World::default()
         };
         let shapes = shapes::of(layout)?;
@@ -247,6 +250,13 @@ impl Physics for RapierPhysics {
         }
     }
 
+    fn set_drive_strength(&mut self, drive: usize, strength: f64) {
+        if let Some(kept) = self.world.strengths.get_mut(drive) {
+            *kept = strength;
+            self.joints.aim(&self.layout, drive, &mut self.world);
+        }
+    }
+
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector) {
         if let Some(applied) = self.world.applied.get_mut(body) {
             *applied = [force_newtons, torque_nm];
@@ -285,6 +295,11 @@ impl Physics for RapierPhysics {
 
     fn touches(&self, touches: &mut Vec<Touch>) {
         touches.extend(&self.world.touches);
+    }
+
+    /// Rapier's multibodies do not tell what a link bears.
+    fn wrench(&self, _body: usize) -> Option<[Vector; 2]> {
+        None
     }
 
     fn ray(

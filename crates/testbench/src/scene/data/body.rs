@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use stimulus::Distribution;
 
+use super::actuator::{ActuatorFault, hundred};
 use super::{key_of, number_within, within, zero};
 use crate::controller::PortField;
 use crate::geometry::Vector;
@@ -194,6 +195,18 @@ pub struct Actuator {
     pub name: String,
     /// The robot it belongs to.
     pub robot: String,
+    /// Standard deviation of normal noise on commands, by field with its unit: `effort_nm = 0.1`.
+    #[serde(default)]
+    pub noise: BTreeMap<String, Distribution>,
+    /// How often noise is drawn anew; in between it stays.
+    #[serde(default = "hundred")]
+    pub noise_hz: f64,
+    /// A constant error of an episode, by field with its unit.
+    #[serde(default)]
+    pub bias: BTreeMap<String, Distribution>,
+    /// Faults that may occur.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<ActuatorFault>,
     /// What it drives, and how.
     #[serde(flatten)]
     pub kind: ActuatorKind,
@@ -253,7 +266,8 @@ impl Actuator {
         crate::scene::actuating::fields_of(&self.kind)
     }
 
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self, time_step_secs: f64) -> Result<(), ScenarioError> {
+        self.check_errors(time_step_secs)?;
         let key = |field: &str| key_of("actuator", &self.name, field);
         for (field, value) in self.kind.positive() {
             number_within(&key(field), value, 1e-9, 1e9)?;

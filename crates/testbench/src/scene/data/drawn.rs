@@ -9,7 +9,7 @@
 use stimulus::Distribution;
 use toml::{Table, Value};
 
-/// Keys of numbers that may be distributions, by list; of `box_m` each element.
+/// Keys of numbers that may be distributions, by list; of `box_m` and `marker_m` each element.
 const DRAWN: [(&str, &[&str]); 3] = [
     ("object", &["box_m", "radius_m", "length_m"]),
     (
@@ -40,6 +40,10 @@ const DRAWN: [(&str, &[&str]); 3] = [
             "shortest_m",
             "longest_m",
             "field_of_view_rad",
+            "horizontal_view_rad",
+            "vertical_view_rad",
+            "widest_angle_rad",
+            "marker_m",
         ],
     ),
 ];

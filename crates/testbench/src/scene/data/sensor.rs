@@ -7,6 +7,7 @@ use stimulus::Distribution;
 
 use super::{key_of, number_within, whole_steps, within, zero};
 use crate::controller::PortField;
+use crate::geometry::{Vector, norm};
 use crate::scenario::ScenarioError;
 
 /// A sensor: what it measures, how often, how well, and how it fails.
@@ -144,10 +145,88 @@ pub enum SensorKind {
         #[serde(default = "one")]
         detection_probability: Distribution,
     },
+    /// `seen`, and where a marker is in the frame of a camera (`x` along its axis, `y` to the left,
+    /// `z` up) with `roll`, `pitch` and `yaw` of what carries it: if it is in view and within range,
+    /// nothing stands between, and it is detected.
+    MarkerCamera {
+        link: Option<String>,
+        #[serde(default = "zero")]
+        x_m: Distribution,
+        #[serde(default = "zero")]
+        y_m: Distribution,
+        #[serde(default = "zero")]
+        z_m: Distribution,
+        #[serde(default = "zero")]
+        yaw_rad: Distribution,
+        /// Positive looks down.
+        #[serde(default = "zero")]
+        pitch_rad: Distribution,
+        /// A robot, a person or an object; and a link or a limb of it, the first if left out.
+        target: String,
+        target_part: Option<String>,
+        /// Where the marker is in that part's frame.
+        #[serde(default)]
+        marker_m: Vector,
+        /// Where its face looks there; a marker without a face is seen from all sides.
+        facing: Option<Vector>,
+        /// The widest angle between its face and the line to the camera.
+        #[serde(default = "steep")]
+        widest_angle_rad: f64,
+        horizontal_view_rad: f64,
+        vertical_view_rad: f64,
+        #[serde(default)]
+        shortest_m: f64,
+        longest_m: f64,
+        #[serde(default = "one")]
+        detection_probability: Distribution,
+    },
+    /// `depths` along a camera's axis, row by row from the top left.
+    DepthCamera {
+        link: Option<String>,
+        #[serde(default = "zero")]
+        x_m: Distribution,
+        #[serde(default = "zero")]
+        y_m: Distribution,
+        #[serde(default = "zero")]
+        z_m: Distribution,
+        #[serde(default = "zero")]
+        yaw_rad: Distribution,
+        /// Positive looks down.
+        #[serde(default = "zero")]
+        pitch_rad: Distribution,
+        columns: usize,
+        rows: usize,
+        horizontal_view_rad: f64,
+        vertical_view_rad: f64,
+        #[serde(default)]
+        shortest_m: f64,
+        longest_m: f64,
+    },
+    /// `force` (3) and `torque` (3) that the link's parent exerts on it, at and in the frame of the
+    /// mount: a wrist that holds a mass bears its weight, upwards.
+    ForceTorque {
+        link: Option<String>,
+        #[serde(default = "zero")]
+        x_m: Distribution,
+        #[serde(default = "zero")]
+        y_m: Distribution,
+        #[serde(default = "zero")]
+        z_m: Distribution,
+        #[serde(default = "zero")]
+        yaw_rad: Distribution,
+    },
+    /// `effort`: the torque about each joint's axis (the force along it, of a slide) that is passed on
+    /// to its link.
+    JointTorque { joints: Vec<String> },
 }
 
 fn one() -> Distribution {
     Distribution::Constant(1.0)
+}
+
+/// Markers are found up to some 75 degrees.
+fn steep() -> f64 {
+    1.3
 }
 
 /// The unit as it stands at the end of a key: `m/s` as `m_s`.
@@ -155,6 +234,7 @@ fn one() -> Distribution {
 pub(in crate::scene) fn key_with_unit(field: &PortField) -> String {
     let unit = match field.unit.as_str() {
         "N" => "newtons",
+        "Nm" => "nm",
         "m/s^2" => "m_s2",
         "rad/s" => "rad_s",
         "m/s" => "m_s",
@@ -204,6 +284,19 @@ impl Sensor {
                 field("distance", "m", 1),
                 field("bearing", "rad", 1),
             ],
+            SensorKind::MarkerCamera { .. } => {
+                let place = ["x", "y", "z"].map(|axis| field(axis, "m", 1));
+                let turn = ["roll", "pitch", "yaw"].map(|angle| field(angle, "rad", 1));
+                let all = [field("seen", "1", 1)].into_iter().chain(place);
+                all.chain(turn).collect()
+            }
+            SensorKind::DepthCamera { columns, rows, .. } => {
+                vec![field("depths", "m", columns * rows)]
+            }
+            SensorKind::ForceTorque { .. } => {
+                vec![field("force", "N", 3), field("torque", "Nm", 3)]
+            }
+            SensorKind::JointTorque { joints } => vec![field("effort", "Nm", joints.len())],
         }
     }
 
@@ -218,6 +311,10 @@ impl Sensor {
             SensorKind::Lidar { .. } => "lidar",
             SensorKind::Contact { .. } => "contact",
             SensorKind::PersonDetector { .. } => "person_detector",
+            SensorKind::MarkerCamera { .. } => "marker_camera",
+            SensorKind::DepthCamera { .. } => "depth_camera",
+            SensorKind::ForceTorque { .. } => "force_torque",
+            SensorKind::JointTorque { .. } => "joint_torque",
         }
     }
 
@@ -229,8 +326,13 @@ impl Sensor {
             | SensorKind::Imu { link }
             | SensorKind::Contact { link }
             | SensorKind::Lidar { link, .. }
-            | SensorKind::PersonDetector { link, .. } => link.as_deref(),
-            SensorKind::JointEncoder { .. } | SensorKind::Odometry { .. } => None,
+            | SensorKind::PersonDetector { link, .. }
+            | SensorKind::MarkerCamera { link, .. }
+            | SensorKind::DepthCamera { link, .. }
+            | SensorKind::ForceTorque { link, .. } => link.as_deref(),
+            SensorKind::JointEncoder { .. }
+            | SensorKind::Odometry { .. }
+            | SensorKind::JointTorque { .. } => None,
         }
     }
 
@@ -238,7 +340,9 @@ impl Sensor {
     #[must_use]
     pub fn joints(&self) -> Vec<&str> {
         match &self.kind {
-            SensorKind::JointEncoder { joints, .. } => joints.iter().map(String::as_str).collect(),
+            SensorKind::JointEncoder { joints, .. } | SensorKind::JointTorque { joints } => {
+                joints.iter().map(String::as_str).collect()
+            }
             SensorKind::Odometry {
                 left_joints,
                 right_joints,
@@ -253,13 +357,14 @@ impl Sensor {
     }
 
     /// Where it is mounted in its link.
-    pub(in crate::scene) fn mount(&self) -> [(&'static str, Distribution); 4] {
-        let place = |[x, y, z, yaw]: [&Distribution; 4]| {
+    pub(in crate::scene) fn mount(&self) -> [(&'static str, Distribution); 5] {
+        let place = |[x, y, z, yaw]: [&Distribution; 4], pitch: &Distribution| {
             [
                 ("x_m", x.clone()),
                 ("y_m", y.clone()),
                 ("z_m", z.clone()),
                 ("yaw_rad", yaw.clone()),
+                ("pitch_rad", pitch.clone()),
             ]
         };
         match &self.kind {
@@ -276,8 +381,31 @@ impl Sensor {
                 z_m,
                 yaw_rad,
                 ..
-            } => place([x_m, y_m, z_m, yaw_rad]),
-            _ => place([&zero(), &zero(), &zero(), &zero()]),
+            }
+            | SensorKind::ForceTorque {
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad,
+                ..
+            } => place([x_m, y_m, z_m, yaw_rad], &zero()),
+            SensorKind::MarkerCamera {
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad,
+                pitch_rad,
+                ..
+            }
+            | SensorKind::DepthCamera {
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad,
+                pitch_rad,
+                ..
+            } => place([x_m, y_m, z_m, yaw_rad], pitch_rad),
+            _ => place([&zero(), &zero(), &zero(), &zero()], &zero()),
         }
     }
 
@@ -380,7 +508,60 @@ impl Sensor {
             SensorKind::JointEncoder { resolution, .. } => {
                 number_within(&key("resolution"), *resolution, 0.0, 10.0)
             }
-            SensorKind::Pose { .. } | SensorKind::Imu { .. } | SensorKind::Contact { .. } => Ok(()),
+            SensorKind::MarkerCamera {
+                widest_angle_rad,
+                facing,
+                detection_probability,
+                ..
+            } => {
+                self.check_view()?;
+                number_within(&key("widest_angle_rad"), *widest_angle_rad, 1e-3, 1.571)?;
+                let is_direction = |facing: &Vector| norm(*facing) > 1e-6;
+                if !facing.as_ref().is_none_or(is_direction) {
+                    let problem = "is no direction; name one, such as [1.0, 0.0, 0.0]";
+                    return Err(ScenarioError::value(&key("facing"), problem));
+                }
+                let probability = key("detection_probability");
+                within(&probability, detection_probability, 0.0, 1.0)
+            }
+            SensorKind::DepthCamera { columns, rows, .. } => {
+                self.check_view()?;
+                number_within(&key("columns"), *columns as f64, 1.0, 640.0)?;
+                number_within(&key("rows"), *rows as f64, 1.0, 480.0)?;
+                let pixels = (*columns * *rows) as f64;
+                number_within(&key("columns times rows"), pixels, 1.0, 4096.0)
+            }
+            SensorKind::Pose { .. }
+            | SensorKind::Imu { .. }
+            | SensorKind::Contact { .. }
+            | SensorKind::ForceTorque { .. }
+            | SensorKind::JointTorque { .. } => Ok(()),
         }
+    }
+
+    /// A camera's views are less than half a turn, and its range is not empty.
+    fn check_view(&self) -> Result<(), ScenarioError> {
+        let (SensorKind::MarkerCamera {
+            horizontal_view_rad,
+            vertical_view_rad,
+            shortest_m,
+            longest_m,
+            ..
+        }
+        | SensorKind::DepthCamera {
+            horizontal_view_rad,
+            vertical_view_rad,
+            shortest_m,
+            longest_m,
+            ..
+        }) = &self.kind
+        else {
+            return Ok(());
+        };
+        let key = |field: &str| key_of("sensor", &self.name, field);
+        number_within(&key("horizontal_view_rad"), *horizontal_view_rad, 1e-3, 3.1)?;
+        number_within(&key("vertical_view_rad"), *vertical_view_rad, 1e-3, 3.1)?;
+        number_within(&key("longest_m"), *longest_m, 1e-3, 1e4)?;
+        number_within(&key("shortest_m"), *shortest_m, 0.0, *longest_m)
     }
 }

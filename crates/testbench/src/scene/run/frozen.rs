@@ -98,6 +98,9 @@ impl Run {
         for sensor in &mut self.sensors {
             sensor.draw_anew(draws);
         }
+        for actuator in &mut self.actuators {
+            actuator.errors.draw_anew(draws);
+        }
         self.recorder.note("drawn_anew_seed", draws.seed);
         let secs = self.now_secs();
         self.recorder.note("drawn_anew_from_secs", secs);
