@@ -123,7 +123,7 @@ pub use random::Random;
 pub use search::{
     Agreement, Bayesian, CmaEs, Confirmation, CrossEntropy, DisagreementOptions,
     DisagreementSearch, Evaluated, Finding, FormalPrediction, GaussianProcess, MapCell, Method,
-    Prediction, Question, Region, Search, Searcher,
+    Prediction, Question, RandomSearch, Region, Search, Searcher,
 };
 pub use shrink::{NotShown, ShrinkOptions, Shrunk, Size, shrink};
 pub use stopping::{Stop, Stopping, StoppingRule};

@@ -48,8 +48,14 @@ fn a_small_calibration_reports_everything_and_the_same_again() {
         "fitted.toml",
     ];
     let said = simulating(&library, folder.path(), &arguments);
-    assert!([0, 1].contains(&said.code), "{said:?}");
     let report = json(&said);
+    let expected = match report["conclusion"].as_str() {
+        Some("equivalent") => 0,
+        Some("different") => 1,
+        Some("undecided") => 3,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(said.code, expected, "{said:?}");
     let schema: Value = serde_json::from_str(&read(&root().join("schemas/calibrate.schema.json")))
         .expect("a schema");
     let violations = schema::violations(&schema, &report);
@@ -77,6 +83,24 @@ fn a_small_calibration_reports_everything_and_the_same_again() {
     assert_eq!(mode("runtime_error")["by_subject"], false);
     assert_eq!(mode("1a")["occurrences"], 12);
     assert_eq!(mode("1a")["held_out"], true);
+    // What is fitted is no evidence; with 6 episodes nothing is shown of what was held out.
+    assert_eq!(mode("false_negative_pressure")["margin"], 0.05);
+    let runtime_error = mode("runtime_error");
+    assert_eq!(runtime_error["likeness"], "undecided");
+    assert!(
+        runtime_error["equivalence_p"].as_f64() > Some(0.05),
+        "{runtime_error}"
+    );
+    assert_ne!(report["conclusion"], "equivalent");
+    for parameter in report["parameters"].as_array().expect("parameters") {
+        let contraction = parameter["contraction"].as_f64().expect("a number");
+        let words = match contraction {
+            it if it >= 0.8 => "identified",
+            it if it >= 0.5 => "weakly-identified",
+            _ => "not-identified",
+        };
+        assert_eq!(parameter["identifiability"], words, "{parameter}");
+    }
     // Each person is predicted once, and all their runs together are the experiments'.
     let groups = report["held_out_runs"].as_array().expect("groups");
     let subjects: usize = groups
@@ -334,7 +358,8 @@ fn counts_of_none_and_of_all_are_fitted() {
             folder.path(),
             &["calibrate", ".", "calibration.toml", "--format", "json"],
         );
-        assert!([0, 1].contains(&said.code), "{said:?}");
+        // Nothing was held out, so nothing is shown.
+        assert!([1, 3].contains(&said.code), "{said:?}");
         let report = json(&said);
         assert_eq!(report["modes"][0]["occurrences"], occurrences);
         assert!(report["effective_size"].as_f64() > Some(1.0), "{report}");

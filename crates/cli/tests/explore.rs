@@ -309,6 +309,35 @@ fn goals_and_triggers_of_the_model_become_tests_and_the_rest_has_its_reason() {
 }
 
 #[test]
+fn a_search_is_guided_by_time_and_says_when_it_cannot_see() {
+    let Some(library) = library() else { return };
+    // Without a deadline all walks that arrive are as good; who stands never comes to it.
+    let blind = study(&[("test = \"walk\"\nmethod", "test = \"stay\"\nmethod")]);
+    let scene = blind.path().join("scene.toml");
+    let stays = "[[abstract_test]]\nname = \"stay\"\nactions = []\n";
+    std::fs::write(&scene, format!("{SCENE}{stays}")).expect("written");
+    let search = ["--source", "search", "-n", "20"];
+    let said = explore(&library, blind.path(), &search);
+    // Standing still is behaviour that the model does not have.
+    assert_eq!(said.code, 1, "{said:?}");
+    let warned = "the search against requirement arrival cannot see: in its first 10 episodes the requirement never came up";
+    assert!(said.talk.contains(warned), "{said:?}");
+    assert!(said.out.contains(warned), "{said:?}");
+
+    // With one the time that is left leads to the slowest walk, which does not keep it.
+    let seeing = study(&[("cma-es", "bayesian")]);
+    let requirements =
+        REQUIREMENTS.replace("eventually satisfy arrived", "within 4 s satisfy arrived");
+    std::fs::write(seeing.path().join("requirements.toml"), requirements).expect("written");
+    let found = report(&library, seeing.path(), &search);
+    let search = &found["searches"][0];
+    assert_eq!(search["blind"], Value::Null, "{search}");
+    assert_eq!(search["with_robustness"], 20, "{search}");
+    assert!(number(&search["least_robustness"]) < 0.0, "{search}");
+    assert!(finding(&found, "requirement arrival is violated").is_some());
+}
+
+#[test]
 fn what_is_covered_is_counted_and_holes_are_named() {
     let Some(library) = library() else { return };
     let folder = study(&[]);
@@ -542,6 +571,22 @@ fn mistakes_are_told_with_their_place_before_anything_runs() {
                 "[[fault]]\nkey = \"person.ana.speed_m_s\"\nvalues = [9.0]\n[grammar]",
             ),
             "did you mean `anna`",
+        ),
+        (
+            (
+                "person.anna.speed_m_s\"]\nunit",
+                "person.anna.sped_m_s\"]\nunit",
+            ),
+            "exploration.toml:36:",
+        ),
+        (
+            ("unit = \"m/s\"", "unit = \"km/h\""),
+            "give its numbers in m/s",
+        ),
+        (("unit = \"m/s\"", "unit = \"kg\""), "correct `unit`"),
+        (
+            ("requirement = \"arrival\"", "requirement = \"arival\""),
+            "did you mean `arrival`",
         ),
     ];
     for ((old, new), expected) in mistakes {

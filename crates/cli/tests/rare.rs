@@ -76,6 +76,36 @@ name = "place"
 unit = "m"
 sets = ["robot.carrier.y_m"]
 normal = [0.0, 1.0]
+
+[[event]]
+name = "violated to the left"
+meaning = "The same, as a requirement."
+requirement = "place"
+until_secs = 0.1
+particles = 100
+killed = 20
+replications = 4
+
+[[event.parameter]]
+name = "place"
+unit = "m"
+sets = ["robot.carrier.y_m"]
+normal = [0.0, 1.0]
+"#;
+
+/// The third event as a requirement.
+const REQUIREMENT: &str = r#"
+[[requirement]]
+id = "place"
+text = "The robot is not far to the left."
+shall = "The robot shall always satisfy placed."
+margin = 0.05
+"#;
+
+const WORD: &str = r#"
+[placed]
+meaning = "The robot is where 999 in 1000 are."
+trace = "/truth/carrier.y < 3.0902 m"
 "#;
 
 /// The corridor's study with the scene and the file, changed.
@@ -83,6 +113,13 @@ fn study(old: &str, new: &str) -> tempfile::TempDir {
     let folder = tempfile::TempDir::new().expect("a folder");
     copy_study(&root().join("case-studies/corridor"), folder.path());
     assert!(EVENTS.contains(old), "no `{old}`");
+    for (file, more) in [
+        ("requirements.toml", REQUIREMENT),
+        ("vocabulary.toml", WORD),
+    ] {
+        let file = folder.path().join(file);
+        std::fs::write(&file, read(&file) + more).expect("written");
+    }
     let scene = folder.path().join("simulation/standing.toml");
     std::fs::write(scene, SCENE).expect("written");
     let events = EVENTS.replacen(old, new, 1);
@@ -132,6 +169,7 @@ fn a_scene_gives_the_exact_probabilities_and_the_same_again() {
     within(0, exact(3));
     within(1, exact(6));
     within(2, (1e-3, 1e-3));
+    within(3, (1e-3, 1e-3));
     assert!(number(1, "probability") < 2e-4 && number(1, "high") < 1e-3);
     assert!(number(1, "episode_equivalents") < 3000.0);
     let plain = &report["events"][0]["plain"];
@@ -218,6 +256,12 @@ fn wrong_names_of_signals_tests_and_keys_are_said_before_anything_runs() {
             "posse",
         ),
         ("test = \"nothing\"", "test = \"nothin\"", "nothing"),
+        (
+            "requirement = \"place\"",
+            "requirement = \"plase\"",
+            "did you mean `place`",
+        ),
+        ("unit = \"m\"", "unit = \"mm\"", "1 mm = 0.001 m"),
         ("robot.carrier.y_m", "robot.carrier.y_mm", "y_mm"),
         (
             "simulation/standing.toml",

@@ -37,7 +37,8 @@
 //! except at the first failure. Twenty monitors over 1,200 samples take about 0.3 ms.
 //!
 //! The robustness, how far a monitor is from another verdict, is computed apart, by a
-//! [`RobustnessMonitor`].
+//! [`RobustnessMonitor`]. Where propositions are only true or false that is infinite; a search is
+//! guided by [`SpaceTimeJudge`] instead, which also measures time.
 //!
 //! ```
 //! use temporal::monitor::{Monitor, MonitorSpec, Stage, Verdict};
@@ -66,12 +67,14 @@ mod formula;
 mod machine;
 mod report;
 mod robustness;
+mod space_time;
 mod spec;
 
 pub use formula::StagedFormula;
-pub use machine::{Judge, Monitor, PropId, StepError};
-pub use report::{Failure, FailureReason, MonitorReport, Verdict};
+pub use machine::{Judge, Monitor, PropId};
+pub use report::{Failure, FailureReason, MonitorReport, StepError, Verdict};
 pub use robustness::{
     MAX_UNBOUNDED_STAGES, RobustnessJudge, RobustnessMonitor, StagedRobustness, TooManyUnbounded,
 };
+pub use space_time::{Graded, SpaceTimeJudge};
 pub use spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};

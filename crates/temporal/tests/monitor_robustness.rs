@@ -2,7 +2,8 @@
 
 use temporal::formula::{Ending, FormulaMonitor, RobustnessBounds, Settings};
 use temporal::monitor::{
-    AtEnd, MAX_UNBOUNDED_STAGES, Monitor, MonitorSpec, Repeat, Stage, Trigger, Verdict,
+    AtEnd, Graded, MAX_UNBOUNDED_STAGES, Monitor, MonitorSpec, Repeat, SpaceTimeJudge, Stage,
+    Trigger, Verdict,
 };
 
 /// Numbers that look random (a xorshift generator by G. Marsaglia, 2003).
@@ -191,4 +192,112 @@ fn too_many_stages_without_a_deadline_are_refused_with_a_remedy() {
             .to_string()
             .contains("give some of them `within_secs`")
     );
+}
+
+/// The space-time robustness of a monitor on a trace; where `only_truth`, no proposition has a number.
+fn space_time(
+    monitor: &Monitor,
+    word: &Word,
+    ends_by_secs: Option<f64>,
+    (complete, only_truth): (bool, bool),
+) -> (Verdict, Option<f64>) {
+    let names = monitor.propositions();
+    let mut judge = monitor.start();
+    let mut found = SpaceTimeJudge::new(monitor, ends_by_secs);
+    let mut before = f64::INFINITY;
+    for (time_secs, values) in word {
+        let graded = |id: usize| {
+            let value = values[position(&names[id])];
+            Graded {
+                truth: (value != 0.0 && !value.is_nan()).then_some(value > 0.0),
+                degree: if only_truth { f64::INFINITY } else { value },
+            }
+        };
+        judge
+            .step(*time_secs, &|id| graded(id).truth)
+            .expect("times ascend");
+        found.step(*time_secs, &graded).expect("times ascend");
+        let now = found.so_far().unwrap_or(f64::INFINITY);
+        assert!(now <= before, "{before} rises to {now}");
+        before = now;
+    }
+    (judge.finish(complete).verdict, found.finish(complete))
+}
+
+#[test]
+fn space_time_robustness_is_negative_exactly_where_the_monitor_is_violated() {
+    let mut numbers = Numbers(2_010);
+    let (mut violated, mut satisfied) = (0, 0);
+    for round in 0..6_000 {
+        let spec = spec(&mut numbers);
+        let word = word(&mut numbers, 0.0);
+        let monitor = Monitor::compile(&spec).expect("sensible");
+        // Late enough, too early, and unknown.
+        let ends_by_secs = [Some(60.0), Some(3.0), None][round % 3];
+        let how = (round % 4 > 0, round % 5 == 0);
+        let (verdict, found) = space_time(&monitor, &word, ends_by_secs, how);
+        let is_negative = found.is_some_and(|found| found < 0.0);
+        assert_eq!(
+            is_negative,
+            verdict == Verdict::Violated,
+            "{found:?} {spec:?} {word:?}"
+        );
+        assert!(found.is_none_or(|found| found.is_finite() && found != 0.0));
+        let is_met = matches!(verdict, Verdict::Violated | Verdict::Satisfied);
+        assert!(!is_met || found.is_some(), "{spec:?} {word:?}");
+        violated += usize::from(verdict == Verdict::Violated);
+        satisfied += usize::from(verdict == Verdict::Satisfied);
+    }
+    assert!(
+        violated > 1_000 && satisfied > 300,
+        "{violated} {satisfied}"
+    );
+}
+
+#[test]
+fn space_time_robustness_measures_time_and_numbers() {
+    let (yes, no) = (f64::INFINITY, f64::NEG_INFINITY);
+    let of = |stages: Vec<Stage>, ends_by_secs, word: &[(f64, [f64; 4])]| {
+        let spec = MonitorSpec {
+            at_end: AtEnd::FailPending,
+            ..MonitorSpec::new("w", stages)
+        };
+        let monitor = Monitor::compile(&spec).expect("sensible");
+        let word: Word = word.iter().map(|(t, v)| (*t, v.to_vec())).collect();
+        space_time(&monitor, &word, ends_by_secs, (true, false)).1
+    };
+    let wait = |within_secs| Stage::WaitFor {
+        proposition: "p".into(),
+        within_secs,
+    };
+    let comes = [
+        (0.0, [yes, no, no, no]),
+        (3.0, [yes, yes, no, no]),
+        (9.0, [yes, yes, no, no]),
+    ];
+    // A quarter of 4 s left; half of 2 s too late; of 12 s three quarters left.
+    assert_eq!(of(vec![wait(Some(4.0))], None, &comes), Some(0.25));
+    assert_eq!(of(vec![wait(Some(2.0))], None, &comes), Some(-0.5));
+    assert_eq!(of(vec![wait(None)], Some(12.0), &comes), Some(0.75));
+    // It never comes; the nearest of what is held; the time since what is asserted is so.
+    assert_eq!(of(vec![wait(None)], Some(12.0), &comes[..1]), Some(-1.0));
+    let hold = Stage::Hold {
+        proposition: "q".into(),
+        until: "p".into(),
+        within_secs: None,
+    };
+    let held = [
+        (0.0, [yes, no, 0.5, no]),
+        (1.0, [yes, no, 0.125, no]),
+        (2.0, [yes, yes, -3.0, no]),
+    ];
+    assert_eq!(of(vec![hold], Some(100.0), &held), Some(0.125));
+    let assert = Stage::Assert {
+        proposition: "p".into(),
+    };
+    let asserted = [(0.0, [no, yes, no, no]), (3.0, [yes, yes, no, no])];
+    assert_eq!(of(vec![assert.clone()], None, &asserted), Some(0.75));
+    // Without a trigger, how near it was.
+    let near = [(0.0, [-0.5, -2.0, no, no]), (1.0, [-0.25, -2.0, no, no])];
+    assert_eq!(of(vec![assert], None, &near), Some(0.25));
 }

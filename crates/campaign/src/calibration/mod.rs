@@ -40,6 +40,6 @@ mod surface;
 mod tests;
 
 pub use inference::{Calibration, CalibrationOptions, Counted, Episode, Observed};
-pub use posterior::{Direction, Marginal, Posterior};
+pub use posterior::{Direction, Identifiability, Marginal, Posterior};
 pub use predictive::{Prediction, Predictive};
 pub use surface::{Surface, SurfaceFit};

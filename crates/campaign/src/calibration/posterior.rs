@@ -3,8 +3,8 @@
 //! Definition. Points of the prior carry weights in proportion to their likelihood. Contraction of
 //! a parameter is `1 - var(posterior) / var(prior)`, taken in the prior's own unit cube, where every
 //! prior is uniform with variance 1/12: 0 if nothing was learnt, 1 if all is known. Directions are
-//! the eigenvectors of the posterior's covariance there; one whose variance is more than 80 % of
-//! the prior's is practically unidentifiable.
+//! the eigenvectors of the posterior's covariance there, with a contraction of their own. Words follow
+//! from the contraction ([`Identifiability`]): 0.8 and more is identified, 0.5 to 0.8 weakly, less is not.
 //!
 //! Source: A. Raue et al., "Structural and practical identifiability analysis of partially observed
 //! dynamical models by exploiting the profile likelihood", Bioinformatics 25 (2009) for the notion;
@@ -17,8 +17,11 @@ use stats::{Confidence, Draws, Interval};
 use crate::random::Random;
 use crate::search::eigen::symmetric_eigen;
 
-/// A direction keeps this share of the prior's variance or more: practically unidentifiable.
-const UNIDENTIFIED: f64 = 0.8;
+/// From this contraction on, counts say where a value is.
+const IDENTIFIED: f64 = 0.8;
+
+/// From this contraction on, they say more than the prior that is left.
+const WEAKLY_IDENTIFIED: f64 = 0.5;
 
 /// The prior's variance in the unit cube.
 const PRIOR_VARIANCE: f64 = 1.0 / 12.0;
@@ -45,6 +48,29 @@ pub struct Marginal {
     pub contraction: f64,
 }
 
+/// Whether the data say where a value is, by the contraction of its posterior.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Identifiability {
+    /// A contraction of at least 0.8.
+    Identified,
+    /// From 0.5 to 0.8.
+    Weak,
+    /// Less: the value is mostly the prior's.
+    Unidentified,
+}
+
+impl Identifiability {
+    /// That of a contraction.
+    #[must_use]
+    pub fn of(contraction: f64) -> Self {
+        match contraction {
+            it if it >= IDENTIFIED => Self::Identified,
+            it if it >= WEAKLY_IDENTIFIED => Self::Weak,
+            _ => Self::Unidentified,
+        }
+    }
+}
+
 /// A direction in the unit cube.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Direction {
@@ -52,8 +78,8 @@ pub struct Direction {
     pub loadings: Vec<f64>,
     /// Posterior variance over prior variance.
     pub variance_share: f64,
-    /// Whether the data hardly say anything about it.
-    pub unidentified: bool,
+    /// Whether the data say where in this direction the parameters are.
+    pub identifiability: Identifiability,
 }
 
 impl Posterior {
@@ -175,7 +201,7 @@ impl Posterior {
                 Direction {
                     loadings: loadings.iter().map(|x| x * sign).collect(),
                     variance_share,
-                    unidentified: variance_share > UNIDENTIFIED,
+                    identifiability: Identifiability::of(1.0 - variance_share),
                 }
             })
             .collect();

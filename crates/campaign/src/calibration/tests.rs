@@ -66,7 +66,8 @@ fn planted_parameters_are_recovered() {
         assert!(marginal.contraction > 0.5, "{marginals:?}");
     }
     assert!(posterior.effective_size() > 50.0);
-    assert!(posterior.directions().iter().all(|d| !d.unidentified));
+    let known = |d: &Direction| d.identifiability != Identifiability::Unidentified;
+    assert!(posterior.directions().iter().all(known));
     for (predicted, fit) in calibration
         .predictive(&posterior)
         .iter()
@@ -124,7 +125,18 @@ fn a_parameter_without_influence_is_named() {
     let marginals = posterior.marginals(Confidence::P95);
     assert!(marginals[0].contraction > 0.6 && marginals[1].contraction < 0.3);
     let least = &posterior.directions()[0];
-    assert!(least.unidentified && least.loadings[1] > 0.9, "{least:?}");
+    let is_unidentified = least.identifiability == Identifiability::Unidentified;
+    assert!(is_unidentified && least.loadings[1] > 0.9, "{least:?}");
+    for (contraction, expected) in [
+        (0.95, Identifiability::Identified),
+        (0.8, Identifiability::Identified),
+        (0.79, Identifiability::Weak),
+        (0.5, Identifiability::Weak),
+        (0.49, Identifiability::Unidentified),
+        (-0.1, Identifiability::Unidentified),
+    ] {
+        assert_eq!(Identifiability::of(contraction), expected, "{contraction}");
+    }
 }
 
 #[test]

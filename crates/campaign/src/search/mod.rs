@@ -9,6 +9,7 @@
 //! |---|---|---|
 //! | [`CrossEntropy`] | mixed spaces, many cheap noisy episodes | R. Y. Rubinstein (1999) |
 //! | [`CmaEs`] | continuous spaces, hundreds to thousands of episodes, correlated parameters | N. Hansen (2016) |
+//! | [`RandomSearch`] | what the others have to be better than | |
 //! | [`Bayesian`] | few (up to some hundreds of) expensive episodes, noise | D. R. Jones, M. Schonlau and W. J. Welch (1998) |
 //!
 //! A search stays within the declared ranges and constraints, and within the inner 99.8 % of a
@@ -24,6 +25,7 @@ mod cube;
 mod disagreement;
 pub(crate) mod eigen;
 mod gaussian_process;
+mod random_search;
 
 use serde::{Deserialize, Serialize};
 use stimulus::{Point, Space};
@@ -36,6 +38,7 @@ pub use disagreement::{
     MapCell, Question, Region,
 };
 pub use gaussian_process::{GaussianProcess, Prediction};
+pub use random_search::RandomSearch;
 
 use crate::error::CampaignError;
 
@@ -96,6 +99,8 @@ pub enum Method {
     CmaEs,
     /// [`Bayesian`].
     Bayesian,
+    /// [`RandomSearch`].
+    Random,
 }
 
 /// A search of any method, as data.
@@ -126,6 +131,8 @@ pub enum Searcher {
     CmaEs(Box<CmaEs>),
     /// Bayesian optimisation.
     Bayesian(Box<Bayesian>),
+    /// Independent draws.
+    Random(Box<RandomSearch>),
 }
 
 impl Searcher {
@@ -138,6 +145,7 @@ impl Searcher {
             Method::CrossEntropy => Self::CrossEntropy(Box::new(CrossEntropy::new(space, seed)?)),
             Method::CmaEs => Self::CmaEs(Box::new(CmaEs::new(space, seed)?)),
             Method::Bayesian => Self::Bayesian(Box::new(Bayesian::new(space, seed)?)),
+            Method::Random => Self::Random(Box::new(RandomSearch::new(space, seed)?)),
         })
     }
 
@@ -146,6 +154,7 @@ impl Searcher {
             Self::CrossEntropy(search) => search.as_ref(),
             Self::CmaEs(search) => search.as_ref(),
             Self::Bayesian(search) => search.as_ref(),
+            Self::Random(search) => search.as_ref(),
         }
     }
 
@@ -154,6 +163,7 @@ impl Searcher {
             Self::CrossEntropy(search) => search.as_mut(),
             Self::CmaEs(search) => search.as_mut(),
             Self::Bayesian(search) => search.as_mut(),
+            Self::Random(search) => search.as_mut(),
         }
     }
 }

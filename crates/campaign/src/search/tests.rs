@@ -63,7 +63,7 @@ fn median_evaluations(
             let portion = match &search {
                 Searcher::CrossEntropy(search) => search.population(),
                 Searcher::CmaEs(search) => search.population(),
-                Searcher::Bayesian(_) => 1,
+                Searcher::Bayesian(_) | Searcher::Random(_) => 1,
             };
             evaluations(&mut search, function, target, portion, budget).unwrap_or(usize::MAX)
         })
@@ -96,6 +96,16 @@ fn bayesian_optimisation_needs_few_evaluations() {
     assert!(count <= 45, "{count}");
     let count = median_evaluations(Method::Bayesian, &sphere, 3, 0.01, 80);
     assert!(count <= 40, "{count}");
+    // Random points come within 0.1 of the centre once in 10^3 / (4/3 pi) / 0.1^3 = 240,000 draws.
+    let mut blind = Searcher::new(Method::Random, cube(3), 1).unwrap();
+    assert_eq!(evaluations(&mut blind, &|x| sphere(x), 0.01, 10, 500), None);
+    // Their mean is the space's, whatever they are told.
+    let points = blind.ask(400);
+    let mean = points.iter().map(|point| point.0[0]).sum::<f64>() / 400.0;
+    assert!(
+        mean.abs() < 4.0 * (100.0_f64 / 12.0 / 400.0).sqrt(),
+        "{mean}"
+    );
 }
 
 #[test]

@@ -12,7 +12,7 @@ Examples:
   corroborate rare my-study my-study/rare.toml --only 'five in a row' --format json
 
 FILE names a scenario, its parameters, and events: a score over signals with a
-limit. Each event's probability in an episode is estimated by splitting (runs
+limit, or a requirement that is violated. Each event's probability in an episode is estimated by splitting (runs
 that come near it are saved and continued with other random draws) or by
 subsets of the inputs. Replications give the interval; where `plain` asks for
 it, plain episodes are counted beside it, and exit code 1 says that the two
@@ -46,9 +46,9 @@ Examples:
 FILE names a scenario, the parameters to begin with, what is to be fitted within
 which range, and the evidence whose counts are to be reproduced, some of them
 held out. Episodes at many parameters give the posterior; the fitted set is then
-run, and its counts are compared with the evidence's. Exits 1 if they differ, or
-if what was held out contradicts the prediction. Interrupted, it goes on where
-it stopped.")]
+run, and its counts are compared with the evidence's. Exits 0 if what was held
+out is shown to be within its margin, 1 if anything differs or contradicts its
+prediction, and 3 if neither is shown. Interrupted, it goes on where it stopped.")]
 pub struct Calibrate {
     /// The study's folder.
     pub study: PathBuf,

@@ -15,12 +15,13 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source, write_whole};
 use crate::store::{Inputs, Store, hash_of};
 use crate::study::{Study, Work as Ledgered};
+use crate::technique::bench::check_units;
 use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use counts::Reality;
 use file::{CODE, CalibrationText, merge, quoted};
-use report::{FileReport, LineageReport};
+use report::{FileReport, Likeness, LineageReport};
 use std::path::{Path, PathBuf};
 use stimulus::Space;
 use testbench::SimError;
@@ -40,6 +41,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
     let library = setting.physics_library.as_deref();
     let bench = TestBench::new(&scenario, &base, &text.test, library)?;
     let space = text.space();
+    check_units(&space, &source, CODE)?;
     bench_accepts(&bench, &space, &source)?;
     let folder = arguments.out.clone();
     let folder = folder.unwrap_or_else(|| study.folder.join("results/calibration"));
@@ -56,6 +58,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
         reality,
         space,
         setting,
+        agreement: confidence(study.about.agreement)?,
         lineage: lineage(&study, &source, &text)?,
     };
     let report = work.report(&base, level)?;
@@ -63,10 +66,10 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
         write_whole(path, report.parameter_set.as_bytes())?;
     }
     Ok(Done {
-        outcome: if report.reproduces {
-            Outcome::Holds
-        } else {
-            Outcome::Violated
+        outcome: match report.conclusion {
+            Likeness::Equivalent => Outcome::Holds,
+            Likeness::Different => Outcome::Violated,
+            Likeness::Undecided | Likeness::Fit => Outcome::Inconclusive,
         },
         output: match arguments.format {
             Format::Json => json(&report)?,

@@ -8,7 +8,7 @@ pub use disagreement::{kept_map, map_again, map_file};
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};
 use crate::outcome::Outcome;
-use crate::problem::{Problem, Source, write_whole};
+use crate::problem::{Problem, Source, did_you_mean, write_whole};
 use crate::store::{Inputs, program_hash};
 use crate::study::{Finding, Shows, Study, Work};
 use crate::talk::Interrupt;
@@ -16,7 +16,7 @@ use crate::technique::exploration::{
     Abstraction, ExplorationReport, Explored, Exploring, Formal, Journal, ModelTests, OpenBench,
     Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, tests_of_model,
 };
-use crate::technique::judging::{Judges, inputs_of};
+use crate::technique::judging::{Judges, SpaceTime, inputs_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -40,6 +40,7 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
     let library = setting.physics_library.as_deref();
     let entry = study.entry(plan.evidence(arguments.disagreement))?;
     let bench = OpenBench::of_entry(&study, entry, library)?;
+    plan.fits(&bench, arguments.disagreement)?;
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
         None => study.folder.join("results/exploration"),
@@ -118,6 +119,7 @@ fn exploration(
         study,
         bench,
         judges,
+        searched: searched(study, plan, bench, &layout)?,
         layout,
         early_end: plan.data.budget.early_end,
         code,
@@ -134,8 +136,37 @@ fn exploration(
         journal: &journal,
         interrupt,
         stage: &stage,
+        talk: &setting.talk,
     };
     exploring.run()
+}
+
+/// What the searches of a plan go by.
+fn searched<'a>(
+    study: &'a Study,
+    plan: &Plan,
+    bench: &OpenBench,
+    layout: &trace::Trace,
+) -> Result<BTreeMap<String, SpaceTime<'a>>, Problem> {
+    let mut searched = BTreeMap::new();
+    for search in &plan.data.search {
+        let id = &search.requirement;
+        let Some(robustness) = SpaceTime::new(study, id, bench.ends_by_secs())? else {
+            let message = format!("`{id}` is no requirement of this study that has a monitor");
+            let known = study.forms.subjects.iter().map(|form| form.subject.id());
+            let problem = plan.mistake(&format!("\"{id}\""), message);
+            return Err(match did_you_mean(id, known) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => {
+                    problem.remedy("name a requirement of requirements.toml with a form for traces")
+                }
+            });
+        };
+        // A word that grades another and that the recordings do not know is told before anything runs.
+        robustness.start(layout)?;
+        searched.insert(id.clone(), robustness);
+    }
+    Ok(searched)
 }
 
 /// What decides what any episode shows, beside its seed and its stimulus.
@@ -146,6 +177,11 @@ fn inputs_of_all(study: &Study, plan: &Plan, bench: &OpenBench) -> Result<Inputs
     inputs.add_json("files", &bench.files);
     bench.inputs(&mut inputs);
     inputs_of(study, &mut inputs);
+    for (name, proposition) in &study.vocabulary.propositions {
+        if let Some(graded) = &proposition.graded {
+            inputs.add(name, graded.text.as_bytes());
+        }
+    }
     Ok(inputs)
 }
 

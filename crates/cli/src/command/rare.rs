@@ -12,7 +12,9 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::store::{Inputs, Store};
 use crate::study::Study;
+use crate::technique::bench::check_units;
 use crate::technique::confidence;
+use crate::technique::judging::inputs_of;
 use crate::technique::simulation::Seeds;
 use bench::{World, stimulus_at};
 use campaign::splitting::{
@@ -85,7 +87,7 @@ struct Asked<'a> {
 impl Asked<'_> {
     /// One report for each event that is wanted; all scores and inputs are tried before anything runs.
     fn reports<B: Savable>(&self, bench: &B, test: &Stimulus) -> Result<Vec<EventReport>, Problem> {
-        let scored: Vec<(&EventText, Score)> = (self.wanted.iter())
+        let scored: Vec<(&EventText, Score<'_>)> = (self.wanted.iter())
             .map(|event| {
                 let layout = bench.layout();
                 let layout = layout.map_err(|error| bench::simulation_problem(error, 0))?;
@@ -121,6 +123,9 @@ impl Asked<'_> {
         self.world.inputs(&mut inputs)?;
         inputs.add("event", format!("{event:?}").as_bytes());
         inputs.add("vocabulary", self.study.vocabulary.source.text.as_bytes());
+        if event.requirement.is_some() {
+            inputs_of(self.study, &mut inputs);
+        }
         Ok(inputs)
     }
 }
@@ -152,6 +157,7 @@ struct Work<'a, B> {
 impl<B: Savable> Work<'_, B> {
     /// Fails unless the middle of the inputs can be simulated, and both ends of each.
     fn accepts(&self, source: &Source) -> Result<(), Problem> {
+        check_units(&self.space, source, file::CODE)?;
         let middle = vec![0.5; self.space.dimensions()];
         for (place, parameter) in self.space.parameters.iter().enumerate() {
             for end in bench::tried(&parameter.distribution) {
@@ -193,7 +199,7 @@ impl<B: Savable> Work<'_, B> {
             name: event.name.clone(),
             meaning: event.meaning.clone(),
             guarantee: self.guarantee(level),
-            limit: event.limit,
+            limit: event.limit(),
             probability: estimate.probability,
             low: estimate.interval.low,
             high: estimate.interval.high,
@@ -255,7 +261,7 @@ impl<B: Savable> Work<'_, B> {
             particles: event.particles,
             chains: event.killed(),
             dimensions: self.space.dimensions(),
-            limit: event.limit,
+            limit: event.limit(),
             seed,
         };
         let score = |inputs| self.runs.scores(&self.space, inputs).map_err(Failure);

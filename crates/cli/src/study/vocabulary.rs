@@ -18,6 +18,9 @@ pub struct Proposition {
     pub model: Option<Binding>,
     /// A predicate over a trace's signals.
     pub trace: Option<Binding>,
+    /// A predicate whose robustness says how far the proposition is from
+    /// changing, where `trace` is only true or false. It decides nothing.
+    pub graded: Option<Binding>,
     /// A column of the experiments' table that counts it.
     pub column: Option<Binding>,
 }
@@ -48,6 +51,7 @@ struct PropositionText {
     meaning: String,
     model: Option<Spanned<String>>,
     trace: Option<Spanned<String>>,
+    graded: Option<Spanned<String>>,
     column: Option<Spanned<String>>,
 }
 
@@ -64,6 +68,7 @@ impl Vocabulary {
                     meaning: text.meaning,
                     model: text.model.map(binding),
                     trace: text.trace.map(binding),
+                    graded: text.graded.map(binding),
                     column: text.column.map(binding),
                 };
                 (name, proposition)

@@ -8,10 +8,12 @@
 
 mod session;
 mod shown;
+mod space_time;
 mod valueless;
 
 pub use session::Session;
 pub use shown::Shown;
+pub use space_time::{SpaceTime, SpaceTimeSession};
 pub use valueless::valueless_of;
 
 use crate::problem::Problem;

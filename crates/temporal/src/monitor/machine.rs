@@ -1,8 +1,6 @@
 //! The state machine that carries out a monitor; its semantics are defined in [`super`].
 
-use std::fmt;
-
-use super::report::{Failure, FailureReason, MonitorReport, Verdict};
+use super::report::{Failure, FailureReason, MonitorReport, StepError, Verdict};
 use super::spec::{AtEnd, MonitorSpec, Repeat, SpecError, Stage, Trigger};
 use crate::clock::tolerance_secs;
 
@@ -105,6 +103,25 @@ impl Monitor {
         &self.propositions
     }
 
+    /// What becomes of an instance under way at the end.
+    pub(super) fn at_end(&self) -> AtEnd {
+        self.at_end
+    }
+
+    /// The precondition.
+    pub(super) fn when(&self) -> PropId {
+        self.when
+    }
+
+    /// What is asserted, if all is judged at once.
+    pub(super) fn asserted(&self) -> Option<Vec<PropId>> {
+        let asserted = self.stages.iter().map(|step| match step {
+            Step::Assert(proposition) => Some(*proposition),
+            _ => None,
+        });
+        asserted.collect()
+    }
+
     /// What it is made of.
     pub(super) fn parts(&self) -> (PropId, Trigger, Repeat, AtEnd, &[Step]) {
         (
@@ -190,11 +207,22 @@ struct Instance {
 }
 
 /// What a stage does at a sample.
-enum Move {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Move {
     Stay,
     Next,
     Fail(FailureReason),
     Unclear,
+}
+
+/// A stage of an instance at one sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Visit {
+    pub(super) step: Step,
+    /// When the stage was entered, in seconds.
+    pub(super) entered_secs: f64,
+    pub(super) time_secs: f64,
+    pub(super) moved: Move,
 }
 
 /// Where a time lies in relation to a deadline.
@@ -217,6 +245,16 @@ impl Judge<'_> {
         time_secs: f64,
         valuation: &dyn Fn(PropId) -> Option<bool>,
     ) -> Result<(), StepError> {
+        self.step_seen(time_secs, valuation, &mut |_| ())
+    }
+
+    /// As [`Judge::step`], where `seen` is told of each stage that an instance is in at this sample.
+    pub(super) fn step_seen(
+        &mut self,
+        time_secs: f64,
+        valuation: &dyn Fn(PropId) -> Option<bool>,
+        seen: &mut dyn FnMut(Visit),
+    ) -> Result<(), StepError> {
         if !time_secs.is_finite() || time_secs <= self.last_secs {
             return Err(StepError {
                 last_secs: self.last_secs,
@@ -224,7 +262,7 @@ impl Judge<'_> {
             });
         }
         self.last_secs = time_secs;
-        self.advance(time_secs, valuation);
+        self.advance(time_secs, valuation, seen);
         if self.triggers(valuation(self.monitor.when)) {
             if self.instance.is_some() {
                 self.report.overlapping += 1;
@@ -237,7 +275,7 @@ impl Judge<'_> {
                     doubtful: false,
                     end_unseen: false,
                 });
-                self.advance(time_secs, valuation);
+                self.advance(time_secs, valuation, seen);
             }
         }
         Ok(())
@@ -256,12 +294,24 @@ impl Judge<'_> {
     }
 
     /// Takes the instance under way, if any, through as many stages as this sample ends.
-    fn advance(&mut self, time_secs: f64, valuation: &dyn Fn(PropId) -> Option<bool>) {
+    fn advance(
+        &mut self,
+        time_secs: f64,
+        valuation: &dyn Fn(PropId) -> Option<bool>,
+        seen: &mut dyn FnMut(Visit),
+    ) {
         let Some(mut instance) = self.instance.take() else {
             return;
         };
         while let Some(&step) = self.monitor.stages.get(instance.stage) {
-            match instance.judge(step, time_secs, valuation) {
+            let moved = instance.judge(step, time_secs, valuation);
+            seen(Visit {
+                step,
+                entered_secs: instance.entered_secs,
+                time_secs,
+                moved,
+            });
+            match moved {
                 Move::Stay => {
                     self.instance = Some(instance);
                     return;
@@ -320,10 +370,24 @@ impl Judge<'_> {
         }
     }
 
+    /// How many instances have begun so far.
+    pub(super) fn triggered(&self) -> u64 {
+        self.report.triggered
+    }
+
     /// How many instances have failed so far.
     #[must_use]
     pub fn failed(&self) -> u64 {
         self.report.failed
+    }
+
+    /// The stage that the instance under way is in, and since when, if there is one that fails if a
+    /// complete trace ends here.
+    pub(super) fn would_fail(&self) -> Option<(Step, f64)> {
+        let instance = self.instance.as_ref()?;
+        let fails = self.monitor.at_end == AtEnd::FailPending && !instance.end_unseen;
+        let step = self.monitor.stages.get(instance.stage).copied()?;
+        fails.then_some((step, instance.entered_secs))
     }
 
     /// Ends the trace. `complete` is false if the recording was cut short: then nothing fails for
@@ -426,25 +490,3 @@ impl Instance {
         }
     }
 }
-
-/// A sample came with a time that is not finite, or not after the last one.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StepError {
-    /// Time of the sample before, in seconds; minus infinity if there was none.
-    pub last_secs: f64,
-    /// The time that was given, in seconds.
-    pub time_secs: f64,
-}
-
-impl fmt::Display for StepError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            out,
-            "a monitor was given a sample at {} s after one at {} s; give it one sample for each \
-             time, in order",
-            self.time_secs, self.last_secs
-        )
-    }
-}
-
-impl std::error::Error for StepError {}

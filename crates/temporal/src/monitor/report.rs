@@ -1,5 +1,7 @@
 //! What a monitor found in one trace.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// The outcome of one monitor on one trace, over all its instances:
@@ -73,3 +75,25 @@ pub enum Verdict {
     /// No instance failed, but not all are known to have passed.
     Inconclusive,
 }
+
+/// A sample came with a time that is not finite, or not after the last one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepError {
+    /// Time of the sample before, in seconds; minus infinity if there was none.
+    pub last_secs: f64,
+    /// The time that was given, in seconds.
+    pub time_secs: f64,
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "a monitor was given a sample at {} s after one at {} s; give it one sample for each \
+             time, in order",
+            self.time_secs, self.last_secs
+        )
+    }
+}
+
+impl std::error::Error for StepError {}

@@ -1,17 +1,111 @@
-//! Counted against predicted, and against the fitted set.
+//! Counted against predicted, and against the fitted set: what is shown of their likeness.
+//!
+//! # Definition
+//! Of each way to fail that was held out, fitted set and evidence are two counts. They are *equivalent* if
+//! a difference of the study's margin or more is refuted at the study's level of agreement, *different* if
+//! they differ beyond chance (Holm over all, 5 %) or its prediction does, and otherwise *undecided*. That no difference
+//! was found shows nothing by itself. What was fitted is a *fit*; so is what follows from it, told
+//! by the episodes: most of its occurrences come with one of something fitted, in the same
+//! episode. A success rate whose failures were fitted one by one is such.
+//!
+//! All is equivalent if each held-out quantity is and there is one; different if anything differs, fitted or held
+//! out, or the runs of people who were predicted from the others; else undecided. No correction is needed
+//! for equivalence of all, since each has to be shown by itself.
+//!
+//! # Source and guarantee
+//! The tests are those of `compare`: [`stats::tost`] and [`stats::score_equivalence`], the larger of both
+//! p-values, and Fisher's for the difference; trials of one person count for less where they are alike,
+//! for equivalence. The level of a wrong "equivalent" is that of those tests.
 
 use super::counts::Reality;
-use super::report::{HeldOutRunsReport, ModeReport, PredictionReport};
+use super::report::{HeldOutRunsReport, Likeness, ModeReport, PredictionReport};
 use super::work::{Outcomes, bad_calibration};
 use crate::problem::Problem;
 use campaign::calibration::{Calibration, Posterior, Prediction, Predictive};
-use stats::{Sample, fisher_exact, holm};
+use stats::{
+    Confidence, DifferenceVariance, EffectiveSample, Sample, fisher_exact, holm, score_equivalence,
+    tost,
+};
 
 /// Below this, after Holm's correction, a difference counts.
 const DIFFERENCE: f64 = 0.05;
 
+/// Of the occurrences of something held out, more than this share with something fitted: derived.
+const DERIVED: f64 = 0.5;
+
 /// Each way to fail: what was counted, what is predicted, what the fitted set shows.
 pub fn mode_reports(
+    reality: &Reality,
+    calibration: &Calibration,
+    posterior: &Posterior,
+    check: &Outcomes,
+    agreement: Confidence,
+) -> Result<Vec<ModeReport>, Problem> {
+    let simulated = || {
+        let rounds = calibration.episodes().iter().map(|it| &it.outcomes);
+        rounds.chain(check)
+    };
+    let mut reports = counted_reports(reality, calibration, posterior, check)?;
+    for (mode, report) in reports.iter_mut().enumerate().filter(|(_, it)| it.held_out) {
+        report.derived_share = derived_share(reality, mode, simulated());
+    }
+    judge(&mut reports, agreement);
+    Ok(reports)
+}
+
+/// Of the episodes in which `mode` occurred, the share in which something fitted did; `None` if it
+/// never occurred.
+fn derived_share<'o>(
+    reality: &Reality,
+    mode: usize,
+    episodes: impl Iterator<Item = &'o Vec<Option<bool>>>,
+) -> Option<f64> {
+    let (mut occurred, mut with_fitted) = (0_u64, 0_u64);
+    for outcomes in episodes.filter(|outcomes| outcomes[mode] == Some(true)) {
+        occurred += 1;
+        let mut others = reality.observed.iter().zip(outcomes);
+        let is_with = others.any(|(it, outcome)| !it.held_out && *outcome == Some(true));
+        with_fitted += u64::from(is_with);
+    }
+    (occurred > 0).then(|| with_fitted as f64 / occurred as f64)
+}
+
+/// What is shown of each.
+fn judge(reports: &mut [ModeReport], agreement: Confidence) {
+    let checks: Vec<f64> = reports.iter().map(|it| it.check_p).collect();
+    let predictions: Vec<f64> = reports
+        .iter()
+        .map(|it| it.predictive_p.filter(|_| it.held_out).unwrap_or(1.0))
+        .collect();
+    let corrected = holm(&checks).into_iter().zip(holm(&predictions));
+    for (report, (check, prediction)) in reports.iter_mut().zip(corrected) {
+        let is_derived = report.derived_share.is_some_and(|share| share > DERIVED);
+        let is_alike = report.equivalence_p.is_some_and(|p| p <= agreement.alpha());
+        report.likeness = if check < DIFFERENCE || prediction < DIFFERENCE {
+            Likeness::Different
+        } else if !report.held_out || is_derived {
+            Likeness::Fit
+        } else if is_alike {
+            Likeness::Equivalent
+        } else {
+            Likeness::Undecided
+        };
+    }
+}
+
+/// p-value of "the two differ by the margin or more".
+fn equivalence_p(evidence: Sample, worth: f64, fitted: Sample, margin: f64) -> Option<f64> {
+    let rate = evidence.rate()?;
+    let evidence = EffectiveSample {
+        successes: rate * worth,
+        trials: worth,
+    };
+    let tost = tost(evidence, fitted, margin, DifferenceVariance::AgrestiCaffo)?;
+    let score = score_equivalence(evidence, fitted, margin).unwrap_or(0.0);
+    Some(tost.p_value().max(score))
+}
+
+fn counted_reports(
     reality: &Reality,
     calibration: &Calibration,
     posterior: &Posterior,
@@ -45,6 +139,16 @@ pub fn mode_reports(
                 check_occurrences: checked.successes,
                 check_opportunities: checked.trials,
                 check_p: fisher_exact(checked, counted),
+                margin: reality.margins[mode],
+                effective_opportunities: reality.effective[mode],
+                equivalence_p: equivalence_p(
+                    counted,
+                    reality.effective[mode],
+                    checked,
+                    reality.margins[mode],
+                ),
+                derived_share: None,
+                likeness: Likeness::Undecided,
             })
         })
         .collect()
@@ -89,41 +193,77 @@ fn prediction_report(predictive: Predictive) -> Option<PredictionReport> {
     })
 }
 
-/// Whether neither the fitted set's counts nor any prediction of what was held
-/// out differ from what was counted.
-pub fn reproduces(modes: &[ModeReport], runs: &[HeldOutRunsReport]) -> bool {
-    let checks: Vec<f64> = modes.iter().map(|mode| mode.check_p).collect();
-    let held_out = modes.iter().filter(|mode| mode.held_out);
-    let of_modes = held_out.filter_map(|mode| mode.predictive_p);
+/// What all of it shows, and why, in words.
+pub fn conclusion(modes: &[ModeReport], runs: &[HeldOutRunsReport]) -> (Likeness, String) {
+    let named = |likeness: Likeness| -> Vec<&str> {
+        let those = modes.iter().filter(|mode| mode.likeness == likeness);
+        those.map(|mode| mode.id.as_str()).collect()
+    };
     let of_runs = runs.iter().flat_map(|group| &group.predictions);
-    let of_runs = of_runs.filter_map(|prediction| prediction.predictive_p);
-    let predictions: Vec<f64> = of_modes.chain(of_runs).collect();
-    let differs = |p_values: &[f64]| holm(p_values).iter().any(|p| *p < DIFFERENCE);
-    !differs(&checks) && !differs(&predictions)
+    let p_values: Vec<f64> = of_runs.filter_map(|it| it.predictive_p).collect();
+    let different = named(Likeness::Different);
+    if !different.is_empty() {
+        let because = format!("beyond chance differs: {}", different.join(", "));
+        return (Likeness::Different, because);
+    }
+    if holm(&p_values).iter().any(|p| *p < DIFFERENCE) {
+        let because = "the runs of some people differ from their prediction from the others";
+        return (Likeness::Different, because.into());
+    }
+    let (alike, open) = (named(Likeness::Equivalent), named(Likeness::Undecided));
+    let shown = |alike: &[&str]| match alike {
+        [] => String::new(),
+        alike => format!("; within the margin: {}", alike.join(", ")),
+    };
+    if !open.is_empty() {
+        let because = format!(
+            "no difference was found, and equivalence is not shown of: {}{}",
+            open.join(", "),
+            shown(&alike)
+        );
+        return (Likeness::Undecided, because);
+    }
+    if alike.is_empty() {
+        let because = "nothing was held out that does not follow from what was fitted";
+        return (Likeness::Undecided, because.into());
+    }
+    let because = format!(
+        "all that was held out is within its margin: {}",
+        alike.join(", ")
+    );
+    (Likeness::Equivalent, because)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn mode(held_out: bool, predictive_p: f64, check_p: f64) -> ModeReport {
+    /// Counts of the evidence and of the fitted set, at a margin of 5 points.
+    fn mode(held_out: bool, evidence: (u64, u64), fitted: (u64, u64)) -> ModeReport {
+        let sample = |(k, n): (u64, u64)| Sample::new(k, n).unwrap();
+        let (counted, checked) = (sample(evidence), sample(fitted));
         ModeReport {
             id: "slip".into(),
             held_out,
-            occurrences: 2,
-            opportunities: 100,
-            fitted_occurrences: 2,
-            fitted_opportunities: 100,
+            occurrences: evidence.0,
+            opportunities: evidence.1,
+            fitted_occurrences: evidence.0,
+            fitted_opportunities: evidence.1,
             by_subject: false,
             intraclass_correlation: None,
             predicted_rate: 0.02,
             predicted_low: 0,
             predicted_high: 6,
-            predictive_p: Some(predictive_p),
+            predictive_p: Some(0.5),
             surface_p: None,
-            check_occurrences: 4,
-            check_opportunities: 200,
-            check_p,
+            check_occurrences: fitted.0,
+            check_opportunities: fitted.1,
+            check_p: fisher_exact(checked, counted),
+            margin: 0.05,
+            effective_opportunities: evidence.1 as f64,
+            equivalence_p: equivalence_p(counted, evidence.1 as f64, checked, 0.05),
+            derived_share: None,
+            likeness: Likeness::Undecided,
         }
     }
 
@@ -142,20 +282,51 @@ mod tests {
         }
     }
 
+    fn concluded(mut modes: Vec<ModeReport>, runs: &[HeldOutRunsReport]) -> (Likeness, String) {
+        judge(&mut modes, Confidence::P95);
+        conclusion(&modes, runs)
+    }
+
     #[test]
-    fn what_was_held_out_and_the_fitted_set_decide() {
-        let good = [mode(false, 0.5, 0.9), mode(true, 0.3, 0.4)];
-        assert!(reproduces(&good, &[]) && reproduces(&good, &[runs(0.2)]));
-        assert!(!reproduces(&good, &[runs(0.001)]));
-        assert!(!reproduces(
-            &[mode(false, 0.5, 0.001), mode(true, 0.3, 0.4)],
-            &[]
-        ));
-        assert!(!reproduces(
-            &[mode(false, 0.5, 0.9), mode(true, 0.001, 0.4)],
-            &[]
-        ));
-        // The p-value of what was fitted only shows that fitting worked.
-        assert!(reproduces(&[mode(false, 0.001, 0.9)], &[]));
+    fn no_difference_is_not_equivalence() {
+        use Likeness::{Different, Equivalent, Undecided};
+        let fit = || mode(false, (2, 100), (4, 200));
+        // 2 of 100 against 4 of 200 is no difference, and too little to show that it is within 5 points ...
+        let few = mode(true, (1, 20), (3, 60));
+        assert_eq!(concluded(vec![fit(), few], &[]).0, Undecided);
+        // ... with more trials it is shown; of people whose trials are all alike it is not.
+        let many = || mode(true, (8, 400), (8, 400));
+        let (likeness, because) = concluded(vec![fit(), many()], &[runs(0.2)]);
+        assert_eq!(likeness, Equivalent, "{because}");
+        let p = |worth| {
+            let sample = Sample::new(8, 400).unwrap();
+            equivalence_p(sample, worth, sample, 0.05).unwrap()
+        };
+        assert!(p(400.0) < 0.05 && p(20.0) > 0.05);
+        // A difference counts, of what was fitted as well, and of runs that were predicted.
+        let far = |held_out| mode(held_out, (2, 100), (80, 200));
+        assert_eq!(concluded(vec![fit(), far(true)], &[]).0, Different);
+        assert_eq!(concluded(vec![far(false), many()], &[]).0, Different);
+        assert_eq!(concluded(vec![fit(), many()], &[runs(0.001)]).0, Different);
+        let mut unlikely = many();
+        unlikely.predictive_p = Some(0.001);
+        assert_eq!(concluded(vec![fit(), unlikely], &[]).0, Different);
+    }
+
+    #[test]
+    fn what_follows_from_a_fit_shows_nothing() {
+        let derived = || ModeReport {
+            derived_share: Some(0.97),
+            ..mode(true, (8, 400), (8, 400))
+        };
+        let (likeness, because) = concluded(vec![mode(false, (2, 100), (4, 200)), derived()], &[]);
+        assert_eq!(likeness, Likeness::Undecided);
+        assert!(because.contains("follow from what was fitted"), "{because}");
+        // It can contradict all the same.
+        let far = ModeReport {
+            derived_share: Some(0.97),
+            ..mode(true, (2, 100), (80, 200))
+        };
+        assert_eq!(concluded(vec![far], &[]).0, Likeness::Different);
     }
 }

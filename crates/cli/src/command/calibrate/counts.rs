@@ -12,6 +12,10 @@ use evidence::{Measure, Subject};
 pub struct Reality {
     /// For each requirement (as violations) and failure mode, fitted ones first: all runs.
     pub observed: Vec<Observed>,
+    /// For each of them, what its opportunities are worth in independent ones.
+    pub effective: Vec<f64>,
+    /// For each of them, the difference that still counts as agreement.
+    pub margins: Vec<f64>,
     /// The subjects, in the order of the clusters; none if nothing is counted by subject.
     pub subjects: Vec<String>,
     /// Groups of subjects, by place, that are predicted from the others.
@@ -31,6 +35,8 @@ impl Reality {
         let (tables, findings) = about.tables()?;
         let mut reality = Self {
             observed: Vec::new(),
+            effective: Vec::new(),
+            margins: Vec::new(),
             subjects: Vec::new(),
             held_out: Vec::new(),
             kept_out: !matches!(text.hold_out_runs, Some(HeldOutRuns::Folds(_)) | None),
@@ -38,6 +44,11 @@ impl Reality {
         let ids = text.fit.iter().map(|id| (id, false));
         for (id, held_out) in ids.chain(text.hold_out.iter().map(|id| (id, true))) {
             let (occurrences, opportunities) = about.counts(id, &findings)?;
+            let effective = about.effective(id, &findings);
+            reality
+                .effective
+                .push(effective.unwrap_or(opportunities as f64));
+            reality.margins.push(about.margin(id));
             let mut observed = Observed::new(id, occurrences, opportunities);
             observed.held_out = held_out;
             if text.by_subject
@@ -133,6 +144,27 @@ impl About<'_> {
         let tables = Tables::read(self.study, cohort, requirements, failure_modes)?;
         let produced = tables.produce(self.study, id, *technique)?;
         Ok((tables, produced.findings))
+    }
+
+    /// What the opportunities are worth in independent ones, where trials are alike.
+    fn effective(&self, id: &str, findings: &[evidence::Finding]) -> Option<f64> {
+        let finding = findings.iter().find(|f| f.subject.id() == id)?;
+        match finding.measure {
+            Measure::Counts {
+                effective_trials, ..
+            } => effective_trials,
+            _ => None,
+        }
+    }
+
+    /// The difference that still counts as agreement.
+    fn margin(&self, id: &str) -> f64 {
+        let study = self.study;
+        let of_requirements = study.requirements.iter().map(|it| (&it.id, it.margin));
+        let of_modes = study.failure_modes.iter().map(|it| (&it.id, it.margin));
+        let mut all = of_requirements.chain(of_modes);
+        all.find(|(other, _)| *other == id)
+            .map_or(0.0, |(_, margin)| margin)
     }
 
     /// Occurrences and opportunities of a requirement (as violations) or failure mode.

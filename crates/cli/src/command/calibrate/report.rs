@@ -1,5 +1,6 @@
 //! What a calibration found, as JSON.
 
+use campaign::calibration::Identifiability;
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -30,8 +31,11 @@ pub struct CalibrationReport {
     pub modes: Vec<ModeReport>,
     /// Groups of subjects, each predicted from the others.
     pub held_out_runs: Vec<HeldOutRunsReport>,
-    /// Whether the fitted set reproduces what was counted.
-    pub reproduces: bool,
+    /// Whether the fitted set was shown to be like reality in what was held
+    /// out; the command's exit code follows from it.
+    pub conclusion: Likeness,
+    /// Why, in words.
+    pub because: String,
     /// What it was made from.
     pub lineage: LineageReport,
     /// The fitted parameter set, as TOML.
@@ -81,6 +85,69 @@ pub struct ParameterReport {
     pub contraction: f64,
     /// The posterior's standard deviation over the prior's, on the prior's scale.
     pub deviation_ratio: f64,
+    /// Whether the counts say what it is: by the contraction, 0.8 and more,
+    /// 0.5 to 0.8, and less.
+    pub identifiability: Identification,
+}
+
+/// Whether counts say what a parameter is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Identification {
+    /// At least 80 % of the prior's variance is gone.
+    Identified,
+    /// 50 % to 80 %.
+    WeaklyIdentified,
+    /// Less: the value is mostly the prior's.
+    NotIdentified,
+}
+
+impl Identification {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Identified => "identified",
+            Self::WeaklyIdentified => "weakly identified",
+            Self::NotIdentified => "not identified",
+        }
+    }
+}
+
+impl From<Identifiability> for Identification {
+    fn from(of: Identifiability) -> Self {
+        match of {
+            Identifiability::Identified => Self::Identified,
+            Identifiability::Weak => Self::WeaklyIdentified,
+            Identifiability::Unidentified => Self::NotIdentified,
+        }
+    }
+}
+
+/// What is shown of a difference between the fitted set and reality.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Likeness {
+    /// The difference is shown to be within the margin.
+    Equivalent,
+    /// There is a difference beyond chance.
+    Different,
+    /// Neither is shown.
+    Undecided,
+    /// Its counts were fitted, or it follows from what was: agreement shows
+    /// nothing.
+    Fit,
+}
+
+impl Likeness {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Equivalent => "equivalent",
+            Self::Different => "different",
+            Self::Undecided => "undecided",
+            Self::Fit => "a fit",
+        }
+    }
 }
 
 /// A direction of the parameters.
@@ -90,8 +157,8 @@ pub struct DirectionReport {
     pub loadings: Vec<f64>,
     /// Posterior variance over prior variance.
     pub variance_share: f64,
-    /// Whether the counts hardly say anything about it.
-    pub unidentified: bool,
+    /// Whether the counts say where in this direction the parameters are.
+    pub identifiability: Identification,
 }
 
 /// One way to fail.
@@ -129,6 +196,18 @@ pub struct ModeReport {
     pub check_opportunities: u64,
     /// Fisher's exact p-value of fitted set against evidence, held-out runs included.
     pub check_p: f64,
+    /// The difference that still counts as agreement.
+    pub margin: f64,
+    /// What the evidence's opportunities are worth in independent ones.
+    pub effective_opportunities: f64,
+    /// p-value of "fitted set and evidence differ by the margin or more".
+    pub equivalence_p: Option<f64>,
+    /// Of its occurrences in the simulated episodes, the share in which
+    /// something fitted occurred, too. More than half, and it is no held-out
+    /// quantity: it follows from what was fitted.
+    pub derived_share: Option<f64>,
+    /// What is shown.
+    pub likeness: Likeness,
 }
 
 /// Runs that were predicted from those of the other subjects.

@@ -1,6 +1,6 @@
 //! What a calibration found, for people.
 
-use super::report::{CalibrationReport, ModeReport, PredictionReport};
+use super::report::{CalibrationReport, Likeness, ModeReport, PredictionReport};
 use std::fmt::{Result, Write};
 
 /// Correlations of at least this are told.
@@ -27,29 +27,26 @@ impl CalibrationReport {
         writeln!(text, "\nWays to fail")?;
         writeln!(
             text,
-            "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6}",
-            "", "counted", "predicted (95 %)", "p", "fitted set", "p"
+            "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6}  {:>6}  {:>6}",
+            "", "counted", "predicted (95 %)", "p", "fitted set", "p", "margin", "p"
         )?;
         for mode in &self.modes {
             write_mode(text, mode)?;
         }
         self.write_held_out_runs(text)?;
-        let said = match self.reproduces {
-            true => {
-                "No difference was found between the fitted set, the predictions and what was counted"
-            }
-            false => {
-                "The fitted set, or a prediction of what was held out, differs from what was counted"
-            }
-        };
-        writeln!(text, "\n{said} (Holm, 5 %).")
+        let conclusion = self.conclusion.words();
+        writeln!(
+            text,
+            "\nFitted set and {}: {conclusion}; {}.",
+            self.evidence, self.because
+        )
     }
 
     fn write_parameters(&self, text: &mut String) -> Result {
         let interval = format!("median [{} %]", 100.0 * self.confidence);
         writeln!(
             text,
-            "\nParameters\n  {:<24} {:>18}  {:>28}  {:>8}  {:>6}  {:>8}",
+            "\nParameters\n  {:<24} {:>18}  {:>28}  {:>8}  {:>6}  {:>8}  by learnt: 80 %, 50 %, less",
             "", "prior", interval, "fitted", "learnt", "sd/prior"
         )?;
         for it in &self.parameters {
@@ -59,13 +56,14 @@ impl CalibrationReport {
                 .map_or(String::new(), |unit| format!(" ({unit})"));
             writeln!(
                 text,
-                "  {:<24} {:>18}  {:>28}  {:>8.4}  {:>4.0} %  {:>8.2}",
+                "  {:<24} {:>18}  {:>28}  {:>8.4}  {:>4.0} %  {:>8.2}  {}",
                 format!("{}{unit}", it.name),
                 format!("{:.4} to {:.4}", it.prior[0], it.prior[1]),
                 format!("{:.4} [{:.4}, {:.4}]", it.median, it.low, it.high),
                 it.fitted,
                 100.0 * it.contraction.max(0.0),
                 it.deviation_ratio,
+                it.identifiability.words(),
             )?;
         }
         Ok(())
@@ -78,10 +76,7 @@ impl CalibrationReport {
                 .filter(|(_, loading)| loading.abs() > 0.2)
                 .map(|(parameter, loading)| format!("{loading:+.2} {}", parameter.name));
             let parts: Vec<String> = parts.collect();
-            let said = match direction.unidentified {
-                true => "not identified",
-                false => "identified",
-            };
+            let said = direction.identifiability.words();
             writeln!(
                 text,
                 "  {said}: {} ({:.0} % of the prior's variance is left)",
@@ -125,7 +120,12 @@ fn p_value(p: Option<f64>) -> String {
 
 fn write_mode(text: &mut String, mode: &ModeReport) -> Result {
     let how = match (mode.held_out, mode.intraclass_correlation) {
-        (true, _) => "held out".to_owned(),
+        (true, _) if mode.likeness == Likeness::Fit => {
+            let share = 100.0 * mode.derived_share.unwrap_or(1.0);
+            format!("held out, but follows from what was fitted ({share:.0} % of its occurrences)")
+        }
+        (true, _) => format!("held out: {}", mode.likeness.words()),
+        (false, _) if mode.likeness == Likeness::Different => "fitted: different".to_owned(),
         (false, None) => "fitted".to_owned(),
         (false, Some(correlation)) => {
             format!("fitted; trials of one subject correlate by {correlation:.2}")
@@ -133,13 +133,15 @@ fn write_mode(text: &mut String, mode: &ModeReport) -> Result {
     };
     writeln!(
         text,
-        "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6.3}  {how}",
+        "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6.3}  {:>6}  {:>6}  {how}",
         mode.id,
         format!("{}/{}", mode.fitted_occurrences, mode.fitted_opportunities),
         format!("{} to {}", mode.predicted_low, mode.predicted_high),
         p_value(mode.predictive_p),
         format!("{}/{}", mode.check_occurrences, mode.check_opportunities),
         mode.check_p,
+        mode.margin,
+        p_value(mode.equivalence_p),
     )?;
     match mode.surface_p {
         Some(p) if p < 0.01 => {

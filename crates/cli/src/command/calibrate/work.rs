@@ -1,6 +1,6 @@
 //! The rounds of a calibration, its episodes, and what they give.
 
-use super::conclusion::{held_out_runs, mode_reports, reproduces};
+use super::conclusion::{conclusion, held_out_runs, mode_reports};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
 use super::parameter_set;
@@ -12,7 +12,7 @@ use crate::store::{Inputs, Store};
 use crate::talk::Stage;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
-use campaign::calibration::{Calibration, CalibrationOptions, Episode, Posterior};
+use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
@@ -45,6 +45,8 @@ pub struct Work<'a> {
     pub inputs: Inputs,
     pub seeds: Seeds,
     pub setting: &'a Setting,
+    /// The level at which likeness is shown.
+    pub agreement: Confidence,
     pub lineage: LineageReport,
 }
 
@@ -61,14 +63,16 @@ impl Work<'_> {
             .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
         let units = vec![unit; self.text.check_episodes as usize];
         let check = self.episodes("fitted set", CHECK_FROM, &units)?;
-        let modes = mode_reports(&self.reality, &calibration, &posterior, &check)?;
-        let held_out_runs = held_out_runs(&self.reality, &calibration)?;
+        let (reality, agreement) = (&self.reality, self.agreement);
+        let modes = mode_reports(reality, &calibration, &posterior, &check, agreement)?;
+        let held_out_runs = held_out_runs(reality, &calibration)?;
+        let (conclusion, because) = conclusion(&modes, &held_out_runs);
         let parameters = self.parameters(&posterior, &fitted.0, level);
         let body = parameter_set::body(base, &settings)?;
         let heading = self.heading(&parameters, calibration.episodes().len());
         let directions = posterior.directions().into_iter();
         Ok(CalibrationReport {
-            format: "1.2".into(),
+            format: "2.0".into(),
             engine: self.bench.engine.clone(),
             evidence: self.text.evidence.clone(),
             guarantee: "estimated: posterior by response surfaces (logistic, quadratic) over seeded episodes; checked by episodes of the fitted set".into(),
@@ -80,10 +84,11 @@ impl Work<'_> {
                 .map(|d| DirectionReport {
                     loadings: d.loadings,
                     variance_share: d.variance_share,
-                    unidentified: d.unidentified,
+                    identifiability: d.identifiability.into(),
                 })
                 .collect(),
-            reproduces: reproduces(&modes, &held_out_runs),
+            conclusion,
+            because,
             lineage: self.lineage.clone(),
             parameter_set: heading + &body,
             parameters,
@@ -127,6 +132,7 @@ impl Work<'_> {
                 high: at(marginal.interval.high),
                 contraction: marginal.contraction,
                 deviation_ratio: (1.0 - marginal.contraction).max(0.0).sqrt(),
+                identifiability: Identifiability::of(marginal.contraction).into(),
             }
         };
         parameters.map(report).collect()

@@ -38,8 +38,11 @@ pub struct EventText {
     pub greatest: Option<String>,
     /// A proposition; the longest time that it holds is the score, in s.
     pub longest: Option<String>,
-    /// The event is a score of at least this.
-    pub limit: f64,
+    /// A requirement or failure mode; minus its space-time robustness so far is the score, from which 0 on
+    /// it is violated.
+    pub requirement: Option<String>,
+    /// The event is a score of at least this; 0 for a requirement, if absent.
+    pub limit: Option<f64>,
     /// Scores on the way to it, rising (for splitting only).
     #[serde(default)]
     pub levels: Vec<f64>,
@@ -113,10 +116,17 @@ impl EventText {
                 "give a positive number of seconds",
             );
         }
-        if self.greatest.is_some() == self.longest.is_some() {
+        let scores = [&self.greatest, &self.longest, &self.requirement];
+        if scores.iter().filter(|score| score.is_some()).count() != 1 {
             return says(
-                "it has no score, or two",
-                "give either `greatest = \"a quantity\"` or `longest = \"a proposition\"`",
+                "it has no score, or several",
+                "give one of `greatest = \"a quantity\"`, `longest = \"a proposition\"` and `requirement = \"its id\"`",
+            );
+        }
+        if self.limit.is_none() && self.requirement.is_none() {
+            return says(
+                "it has no limit",
+                "give the score from which on it is the event",
             );
         }
         if self.replications < 2 {
@@ -162,7 +172,12 @@ impl EventText {
 
     /// The ladder: the levels and then the limit.
     pub fn rungs(&self) -> Vec<f64> {
-        self.levels.iter().copied().chain([self.limit]).collect()
+        self.levels.iter().copied().chain([self.limit()]).collect()
+    }
+
+    /// The score that is the event.
+    pub fn limit(&self) -> f64 {
+        self.limit.unwrap_or(0.0)
     }
 
     /// How many are killed at a time: as declared, or a tenth.

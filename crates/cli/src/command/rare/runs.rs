@@ -18,19 +18,19 @@ pub struct Runs<'a, B> {
     pub bench: &'a B,
     /// The test that episodes enact, without settings.
     pub test: &'a Stimulus,
-    pub score: &'a Score,
+    pub score: &'a Score<'a>,
     pub event: &'a EventText,
     pub setting: &'a Setting,
 }
 
 /// A run at a moment at which it had come nearer to the event.
 #[derive(Clone)]
-pub struct Moment<S> {
+pub struct Moment<'s, S> {
     saved: S,
-    follower: Follower,
+    follower: Follower<'s>,
 }
 
-impl<B: Savable> Runs<'_, B> {
+impl<'a, B: Savable> Runs<'a, B> {
     /// The highest rung.
     pub fn top(&self) -> usize {
         self.score.rungs.len()
@@ -39,12 +39,15 @@ impl<B: Savable> Runs<'_, B> {
     /// Runs, in parallel; the outcomes come in the order of the jobs.
     pub fn branches(
         &self,
-        jobs: Vec<Job<Moment<B::Saved>>>,
-    ) -> Result<Vec<Branch<Moment<B::Saved>>>, Problem> {
+        jobs: Vec<Job<Moment<'a, B::Saved>>>,
+    ) -> Result<Vec<Branch<Moment<'a, B::Saved>>>, Problem> {
         jobs.into_par_iter().map(|job| self.branch(&job)).collect()
     }
 
-    fn branch(&self, job: &Job<Moment<B::Saved>>) -> Result<Branch<Moment<B::Saved>>, Problem> {
+    fn branch(
+        &self,
+        job: &Job<Moment<'a, B::Saved>>,
+    ) -> Result<Branch<Moment<'a, B::Saved>>, Problem> {
         let fail = |error| self.problem(error, job.seed);
         let bench = self.bench;
         let mut rung = job.from.as_ref().map_or(0, |from| from.rung);
@@ -58,7 +61,7 @@ impl<B: Savable> Runs<'_, B> {
         let (mut run, mut follower) = match &job.from {
             None => {
                 let run = bench.start(self.test, job.seed).map_err(fail)?;
-                (run, self.score.start())
+                (run, self.score.start()?)
             }
             Some(from) => {
                 let run = bench.resume(&from.state.saved, Some(job.seed));
@@ -107,7 +110,7 @@ impl<B: Savable> Runs<'_, B> {
         }
     }
 
-    fn following<'f>(&'f self, follower: &'f mut Follower) -> Following<'f> {
+    fn following<'f>(&'f self, follower: &'f mut Follower<'a>) -> Following<'f, 'a> {
         Following {
             score: self.score,
             follower,
@@ -126,7 +129,7 @@ impl<B: Savable> Runs<'_, B> {
     pub fn episode(&self, space: &Space, unit: &[f64], seed: u64) -> Result<f64, Problem> {
         self.setting.go_on()?;
         let stimulus = stimulus_at(self.test, space, unit)?;
-        let mut follower = self.score.start();
+        let mut follower = self.score.start()?;
         let mut watch = self.following(&mut follower);
         let cancel = self.setting.interrupt.cancel();
         self.bench

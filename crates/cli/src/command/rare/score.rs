@@ -1,12 +1,15 @@
 //! How near a run comes to an event, while it runs.
 //!
 //! A score is a quantity over signals, of which the greatest value so far
-//! counts, or a proposition, of which the longest time counts during which it
-//! held without interruption. The event is a score of at least the limit.
+//! counts; or a proposition, of which the longest time counts during which it
+//! held without interruption; or a requirement, of which minus the space-time
+//! robustness so far counts ([`SpaceTime`]): it is violated from 0 on, and never
+//! falls. The event is a score of at least the limit.
 
 use super::file::{EventText, quoted};
-use crate::problem::{Problem, Source};
+use crate::problem::{Problem, Source, did_you_mean};
 use crate::study::Study;
+use crate::technique::judging::{SpaceTime, SpaceTimeSession};
 use testbench::{Control, Watch};
 use trace::{BoundPredicate, BoundQuantity, SignalIndex, Snapshot, Trace};
 
@@ -14,32 +17,36 @@ use trace::{BoundPredicate, BoundQuantity, SignalIndex, Snapshot, Trace};
 const SAME_SECS: f64 = 1e-6;
 
 /// A score bound to what the bench records.
-pub struct Score {
-    kind: Kind,
+pub struct Score<'a> {
+    kind: Kind<'a>,
     channels: Vec<usize>,
     layout: Trace,
     /// Rungs of the ladder, the last being the limit; rising.
     pub rungs: Vec<f64>,
 }
 
-enum Kind {
+enum Kind<'a> {
     Greatest(BoundQuantity),
     Longest(BoundPredicate),
+    Requirement(Box<SpaceTime<'a>>),
 }
 
 /// A score so far; a saved run is continued with a copy of it.
-#[derive(Clone, Debug)]
-pub struct Follower {
+#[derive(Clone)]
+pub struct Follower<'s> {
     snapshot: Snapshot,
     since_secs: Option<f64>,
+    /// Of a requirement: its monitor, and the instant of which more rows may come.
+    session: Option<SpaceTimeSession<'s>>,
+    open_secs: Option<f64>,
     /// The score so far.
     pub highest: f64,
 }
 
-impl Score {
+impl<'a> Score<'a> {
     /// Binds the event's score to the channels of `layout`.
     pub fn new(
-        study: &Study,
+        study: &'a Study,
         source: &Source,
         event: &EventText,
         layout: Trace,
@@ -64,15 +71,20 @@ impl Score {
                     .and_then(|p| p.bind(&layout))
                     .map_err(|error| wrong(text, error.kind.to_string()))?,
             ),
-            // Refused when the file is read.
-            (None, None) => return Err(wrong(&event.name, "it has no score".into())),
+            (None, None) => Kind::Requirement(Box::new(requirement(study, source, event)?)),
         };
-        let signals = match &kind {
-            Kind::Greatest(quantity) => quantity.signals(),
-            Kind::Longest(predicate) => predicate.signals(),
+        let of = |signals: Vec<SignalIndex>| signals.iter().map(|it| it.channel).collect();
+        let channels = match &kind {
+            Kind::Greatest(quantity) => of(quantity.signals()),
+            Kind::Longest(predicate) => of(predicate.signals()),
+            // Monitors see every instant.
+            Kind::Requirement(it) => {
+                it.start(&layout)?;
+                (0..layout.channels.len()).collect()
+            }
         };
         Ok(Self {
-            channels: signals.iter().map(|it: &SignalIndex| it.channel).collect(),
+            channels,
             kind,
             layout,
             rungs: event.rungs(),
@@ -80,25 +92,33 @@ impl Score {
     }
 
     /// Before a run.
-    pub fn start(&self) -> Follower {
-        Follower {
+    pub fn start(&self) -> Result<Follower<'_>, Problem> {
+        let session = match &self.kind {
+            Kind::Requirement(it) => Some(it.start(&self.layout)?),
+            _ => None,
+        };
+        Ok(Follower {
             snapshot: Snapshot::new(&self.layout),
             since_secs: None,
+            session,
+            open_secs: None,
             highest: f64::NEG_INFINITY,
-        }
+        })
     }
 
     /// How many rungs a score has reached.
     pub fn rung(&self, score: f64) -> usize {
         let slack = match self.kind {
-            Kind::Greatest(_) => 0.0,
+            Kind::Greatest(_) | Kind::Requirement(_) => 0.0,
             Kind::Longest(_) => SAME_SECS,
         };
         self.rungs.partition_point(|rung| score + slack >= *rung)
     }
 
-    fn take(&self, follower: &mut Follower, time_secs: f64) {
+    fn take(&self, follower: &mut Follower<'_>, time_secs: f64) {
         let now = match &self.kind {
+            // Only an instant of which all rows are there is judged.
+            Kind::Requirement(_) => None,
             Kind::Greatest(quantity) => quantity.eval(&follower.snapshot),
             Kind::Longest(predicate) => match predicate.eval(&follower.snapshot) {
                 Some(true) => {
@@ -117,21 +137,64 @@ impl Score {
     }
 }
 
+impl Follower<'_> {
+    /// Judges the instant before `time_secs`, of which no more rows come.
+    fn judge_before(&mut self, time_secs: f64) -> Result<(), Problem> {
+        let Some(session) = &mut self.session else {
+            return Ok(());
+        };
+        if let Some(open_secs) = self.open_secs.filter(|open_secs| *open_secs < time_secs) {
+            session.step(open_secs, &self.snapshot)?;
+            if let Some(robustness) = session.so_far() {
+                self.highest = self.highest.max(-robustness);
+            }
+        }
+        self.open_secs = Some(time_secs);
+        Ok(())
+    }
+}
+
+/// The space-time robustness of the requirement that an event names.
+fn requirement<'a>(
+    study: &'a Study,
+    source: &Source,
+    event: &EventText,
+) -> Result<SpaceTime<'a>, Problem> {
+    let id = event.requirement.as_deref().unwrap_or_default();
+    if let Some(found) = SpaceTime::new(study, id, Some(event.until_secs))? {
+        return Ok(found);
+    }
+    let message = format!(
+        "event `{}`: `{id}` is no requirement and no failure mode of this study that has a monitor",
+        event.name
+    );
+    let known = study.forms.subjects.iter().map(|form| form.subject.id());
+    let problem = Problem::new("bad-rare-event", message).at(source, quoted(source, id));
+    Err(match did_you_mean(id, known) {
+        Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+        None => problem.remedy("name one of requirements.toml with a form for traces"),
+    })
+}
+
 /// Follows a score along a run, which ends once the limit is reached.
-pub struct Following<'a> {
-    pub score: &'a Score,
-    pub follower: &'a mut Follower,
+pub struct Following<'f, 's> {
+    pub score: &'f Score<'s>,
+    pub follower: &'f mut Follower<'s>,
     pub until_secs: f64,
     /// What kept it from being followed.
     pub problem: Option<Problem>,
 }
 
-impl Watch for Following<'_> {
+impl Watch for Following<'_, '_> {
     fn row(&mut self, topic: usize, time_secs: f64, values: &[f64]) -> Control {
         if !self.score.channels.contains(&topic) {
             return Control::Continue;
         }
         if time_secs > self.until_secs + SAME_SECS {
+            return Control::Finish;
+        }
+        if let Err(problem) = self.follower.judge_before(time_secs) {
+            self.problem = Some(problem);
             return Control::Finish;
         }
         if let Err(error) = self.follower.snapshot.update(topic, time_secs, values) {

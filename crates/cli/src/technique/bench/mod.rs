@@ -1,10 +1,12 @@
 //! Benches of simulation besides the handover world: scenes with any robot,
 //! whose controllers are processes or nodes of ROS 2.
 
+mod parameters;
 mod place;
 mod process;
 pub mod processor;
 mod ros2;
 mod scene;
 
+pub use parameters::{check_keys, check_units};
 pub use scene::SceneCampaign;

@@ -131,6 +131,22 @@ impl OpenBench {
         }
     }
 
+    /// The time by which every episode ends, as the bench's own data say;
+    /// `None` of another simulator.
+    pub fn ends_by_secs(&self) -> Option<f64> {
+        let (simulation, key) = match &self.world {
+            World::Handover { .. } => (
+                self.data().get("scenario")?.get("simulation")?,
+                "longest_secs",
+            ),
+            World::Scene(_) => (self.data().get("simulation")?, "duration_secs"),
+            World::Command(_) => return None,
+        };
+        let secs = simulation.get(key)?;
+        secs.as_float()
+            .or_else(|| secs.as_integer().map(|secs| secs as f64))
+    }
+
     /// The numbers that an episode draws once from its seed, where no setting
     /// fixes them; `None` of a bench that does not say.
     pub fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Option<Vec<Drawn>>, Problem> {
@@ -140,6 +156,20 @@ impl OpenBench {
             World::Command(_) => return Ok(None),
         };
         drawn.map(Some).map_err(|error| failed(&error))
+    }
+
+    /// Why a stimulus cannot be run, if it sets what the bench does not have;
+    /// another simulator decides that itself.
+    pub fn refuses(&self, stimulus: &Stimulus) -> Option<String> {
+        let tried = match &self.world {
+            World::Handover { bench, .. } => bench.world(stimulus, 0).map(drop),
+            World::Scene(scene) => scene.bench().drawn(stimulus, 0).map(drop),
+            World::Command(_) => Ok(()),
+        };
+        match tried {
+            Err(SimError::Stimulus { reason }) => Some(reason),
+            _ => None,
+        }
     }
 
     /// Adds all that an episode depends on beside its seed, its stimulus and

@@ -17,7 +17,7 @@ use super::sources::{Material, Planned, Sources};
 use super::tests_of_model::ModelTests;
 use crate::problem::Problem;
 use crate::study::Finding;
-use crate::talk::{Interrupt, Stage};
+use crate::talk::{Interrupt, Stage, Talk};
 use crate::technique::confidence;
 use crate::technique::simulation::Seeds;
 use rayon::prelude::*;
@@ -49,6 +49,8 @@ pub struct Exploring<'e, 's> {
     pub interrupt: &'e Interrupt,
     /// Where progress is told.
     pub stage: &'e Stage,
+    /// Where warnings are.
+    pub talk: &'e Talk,
 }
 
 impl Exploring<'_, '_> {
@@ -76,6 +78,7 @@ impl Exploring<'_, '_> {
             simulated_secs: seen.simulated_secs,
             stopped,
             sources: sources_report(&sources),
+            searches: sources.search_reports(),
             findings: seen.finding_reports(),
             broken: std::mem::take(&mut seen.broken),
             coverage: seen.coverage_report(confidence(study.about.confidence)?)?,
@@ -111,7 +114,9 @@ impl Exploring<'_, '_> {
             };
             for ((number, planned), shown) in numbered.iter().zip(&shown) {
                 let news = seen.record(*number, seeds.of(*number), planned, shown)?;
-                sources.tell(planned, news, &shown.robustness);
+                if let Some(warning) = sources.tell(planned, news, shown) {
+                    self.talk.say(&format!("warning: {warning}"));
+                }
             }
             episodes += count;
             if let Some(stop) = budget.stop

@@ -12,7 +12,7 @@ use crate::problem::Problem;
 use crate::study::Study;
 use crate::talk::Interrupt;
 use crate::technique::campaign::{OnLine, kind_of};
-use crate::technique::judging::Judges;
+use crate::technique::judging::{Judges, SpaceTime};
 use campaign::Situation;
 use evidence::{FailureKind, Subject};
 use serde::{Deserialize, Serialize};
@@ -35,6 +35,8 @@ pub struct Watching<'a> {
     pub bench: &'a OpenBench,
     /// All monitors of the study.
     pub judges: Judges<'a>,
+    /// What searches go by, for each requirement that is searched.
+    pub searched: BTreeMap<String, SpaceTime<'a>>,
     /// The channels of the bench's recordings.
     pub layout: Trace,
     /// Whether episodes end once all is decided.
@@ -63,9 +65,9 @@ pub struct Shown {
     pub abstracted: AbstractTrace,
     /// Steps that the model does not have.
     pub unknown: Vec<(Class, Option<Class>)>,
-    /// The least robustness of each requirement, if it has one.
-    #[serde(with = "as_text")]
-    pub robustness: BTreeMap<String, f64>,
+    /// The space-time robustness of the requirement for whose sake it was run,
+    /// of what was seen until it ended; a number, or it says nothing.
+    pub robustness: Option<f64>,
     /// Simulated time.
     pub simulated_secs: f64,
     /// Which lines of the controller's code ran, in the format of lcov.
@@ -137,9 +139,6 @@ impl Watching<'_> {
             }
             let findings = judgement.findings;
             let id = judgement.subject.id().to_owned();
-            if let Some(robustness) = findings.robustness {
-                shown.robustness.insert(id.clone(), robustness.low);
-            }
             if findings.triggered > 0 {
                 shown.triggered.push(id.clone());
             }
@@ -148,6 +147,9 @@ impl Watching<'_> {
                 (Subject::FailureMode(_), Verdict::Violated) => shown.failure_modes.push(id),
                 _ => {}
             }
+        }
+        if let Some(searched) = for_the_sake_of.and_then(|id| self.searched.get(id)) {
+            shown.robustness = searched.of(&recorded.trace)?;
         }
         if let Some(abstraction) = self.abstraction {
             shown.abstracted = abstraction.of_trace(&recorded.trace)?;
@@ -165,28 +167,5 @@ impl Watching<'_> {
             .filter_map(|file| std::fs::read_to_string(file).ok());
         let text: String = texts.collect();
         (!text.is_empty()).then_some(text)
-    }
-}
-
-/// Numbers as texts: JSON has no infinity.
-mod as_text {
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-    use std::collections::BTreeMap;
-
-    pub fn serialize<S: Serializer>(
-        values: &BTreeMap<String, f64>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(values.iter().map(|(id, value)| (id, value.to_string())))
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<BTreeMap<String, f64>, D::Error> {
-        let texts = BTreeMap::<String, String>::deserialize(deserializer)?;
-        let parsed = texts
-            .into_iter()
-            .map(|(id, text)| Ok((id, text.parse().map_err(Error::custom)?)));
-        parsed.collect()
     }
 }

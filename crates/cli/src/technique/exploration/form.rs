@@ -29,6 +29,8 @@ pub struct ExplorationReport {
     pub stopped: Stopped,
     /// Each source with what it brought.
     pub sources: Vec<SourceReport>,
+    /// Each search for a violation.
+    pub searches: Vec<SearchReport>,
     /// What was found, in the order in which it was found.
     pub findings: Vec<FindingReport>,
     /// Episodes that could not be run to their end.
@@ -60,6 +62,29 @@ pub struct SourceReport {
     pub episodes: u64,
     /// How many of them showed something that no episode had shown before.
     pub with_news: u64,
+}
+
+/// A search for the violation of a requirement.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct SearchReport {
+    /// The requirement.
+    pub requirement: String,
+    /// How it was searched.
+    pub method: String,
+    /// Episodes that it asked for.
+    pub episodes: u64,
+    /// How many of them had a space-time robustness, which guides the search.
+    pub with_robustness: u64,
+    /// The least of these, as a share of what is allowed; below 0 the
+    /// requirement is violated.
+    pub least_robustness: Option<f64>,
+    /// Its first episode that violated the requirement, counted among its own
+    /// from 1.
+    pub violated_after: Option<u64>,
+    /// How many of its episodes violated it.
+    pub violated: u64,
+    /// Why the search was as good as blind, and what would help, if it was.
+    pub blind: Option<String>,
 }
 
 /// Something that was found.

@@ -175,11 +175,7 @@ mod tests {
     fn shown(secs: f64) -> Shown {
         Shown {
             violated: vec!["8".into()],
-            robustness: [
-                ("8".to_owned(), f64::NEG_INFINITY),
-                ("1".to_owned(), 1.0 / 3.0),
-            ]
-            .into(),
+            robustness: Some(1.0 / 3.0),
             unknown: vec![(5, None), (u64::MAX, Some(2))],
             simulated_secs: secs,
             ..Shown::default()

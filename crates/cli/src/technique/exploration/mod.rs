@@ -20,6 +20,7 @@ mod form;
 mod formal;
 mod journal;
 mod plan;
+mod searches;
 mod seen;
 mod shows;
 mod situations;

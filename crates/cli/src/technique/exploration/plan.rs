@@ -23,9 +23,11 @@
 //! model = "robotState=GPLOk"
 //! ```
 
+use super::bench::OpenBench;
 use super::faults::FaultData;
 use crate::problem::{Problem, Source};
 use crate::study::Study;
+use crate::technique::bench::{check_keys, check_units};
 use campaign::{Agent, Cross, Design, Grammar, Method, PathMapping, StepRule};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -256,6 +258,10 @@ pub struct SearchData {
     pub test: String,
     /// How it is searched.
     pub method: Method,
+    /// What it varies; the file's parameters, if absent. Few that bear on the
+    /// requirement are searched faster.
+    #[serde(default)]
+    parameter: Vec<Parameter>,
 }
 
 /// The search for contexts in which model and bench differ.
@@ -301,6 +307,26 @@ pub struct ConstantData {
     /// See `factor`.
     #[serde(default)]
     pub offset: f64,
+}
+
+impl SearchData {
+    /// What it varies, if not what the file does.
+    pub fn space(&self) -> Option<Space> {
+        (!self.parameter.is_empty()).then(|| Space {
+            parameters: self.parameter.clone(),
+            constraints: Vec::new(),
+        })
+    }
+}
+
+impl DisagreementData {
+    /// The contexts.
+    pub fn space(&self) -> Space {
+        Space {
+            parameters: self.parameter.clone(),
+            constraints: Vec::new(),
+        }
+    }
 }
 
 fn one() -> usize {
@@ -358,6 +384,14 @@ impl Plan {
         let wrong =
             |word: &str, error: &dyn std::fmt::Display| self.mistake(word, error.to_string());
         self.space.check().map_err(|e| wrong("[[parameter]]", &e))?;
+        check_units(&self.space, &self.source, "bad-exploration")?;
+        for space in self.data.search.iter().filter_map(SearchData::space) {
+            space.check().map_err(|e| wrong("[[search]]", &e))?;
+            check_units(&space, &self.source, "bad-exploration")?;
+        }
+        if let Some(disagreement) = &self.data.disagreement {
+            check_units(&disagreement.space(), &self.source, "bad-exploration")?;
+        }
         self.mapping.check().map_err(|e| wrong("[[step]]", &e))?;
         if let Some(grammar) = &self.data.grammar {
             grammar.check().map_err(|e| wrong("[grammar]", &e))?;
@@ -399,6 +433,22 @@ impl Plan {
         own.map(|trigger| trigger.model.clone())
             .or_else(abstracted)
             .or_else(|| Some(word?.model.as_ref()?.text.clone()))
+    }
+
+    /// Fails where a parameter sets what the bench does not have.
+    pub fn fits(&self, bench: &OpenBench, disagreement: bool) -> Result<(), Problem> {
+        let Some(test) = bench.own_tests().first() else {
+            return Ok(());
+        };
+        let refused = |stimulus: &stimulus::Stimulus| bench.refuses(stimulus);
+        let fits =
+            |space: &Space| check_keys(space, test, &self.source, "bad-exploration", &refused);
+        match &self.data.disagreement {
+            Some(data) if disagreement => return fits(&data.space()),
+            _ => fits(&self.space)?,
+        }
+        let mut of_searches = self.data.search.iter().filter_map(SearchData::space);
+        of_searches.try_for_each(|space| fits(&space))
     }
 
     /// The ledger's entry whose bench is run, of the search for disagreement

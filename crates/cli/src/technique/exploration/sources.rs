@@ -10,14 +10,17 @@
 //! by the plan's designs in turn.
 
 use super::concretise::{Concretiser, design_name};
+use super::episode::Shown;
 use super::faults::{self, Fault};
-use super::plan::{Plan, SearchData, SourceKind};
+use super::form::SearchReport;
+use super::plan::{Plan, SourceKind};
+use super::searches::{Falsifier, searches};
 use super::situations::Situations;
 use super::tests_of_model::ModelTests;
 use crate::problem::Problem;
-use campaign::{ActionPattern, Coverage, Method, Random, Search, Searcher};
+use campaign::{ActionPattern, Coverage, Random};
 use std::collections::BTreeMap;
-use stimulus::{AbstractTest, Point, Settings, Space, Stimulus};
+use stimulus::{AbstractTest, Point, Settings, Stimulus};
 
 /// Tests that showed something new and are kept for mutation, at most.
 const POOL: usize = 64;
@@ -97,14 +100,6 @@ impl Material<'_> {
         let given = own.chain(faulty).chain(of_model);
         given.filter(|given| kinds.contains(&given.kind)).collect()
     }
-}
-
-struct Falsifier {
-    requirement: String,
-    method: Method,
-    test: AbstractTest,
-    space: Space,
-    searcher: Searcher,
 }
 
 impl<'a> Sources<'a> {
@@ -262,31 +257,17 @@ impl<'a> Sources<'a> {
     fn searched(&mut self) -> Result<Planned, Problem> {
         let place = self.random.index(self.searches.len());
         let search = &mut self.searches[place];
-        let point = match search.searcher.ask(1).into_iter().next() {
-            Some(point) => point,
-            None => search.space.nominal(),
-        };
-        let stimulus = search.space.stimulus(&search.test, &point);
-        let stimulus = stimulus.map_err(|e| self.plan.mistake("[[search]]", e.to_string()))?;
-        let method = match search.method {
-            Method::CrossEntropy => "cross-entropy",
-            Method::CmaEs => "CMA-ES",
-            Method::Bayesian => "Bayesian optimisation",
-        };
+        let (point, stimulus) = search.next(self.plan)?;
         Ok(Planned {
             search: Some((place, point)),
             for_the_sake_of: Some(search.requirement.clone()),
-            ..planned(
-                SourceKind::Search,
-                format!("{method} against requirement {}", search.requirement),
-                stimulus,
-            )
+            ..planned(SourceKind::Search, search.in_words(), stimulus)
         })
     }
 
-    /// What became of a stimulus: how many new things it showed, and the
-    /// robustness of each requirement.
-    pub fn tell(&mut self, planned: &Planned, news: usize, robustness: &BTreeMap<String, f64>) {
+    /// What became of a stimulus: how many new things it showed, and what a
+    /// search learns from. Returns what the user should know of that search.
+    pub fn tell(&mut self, planned: &Planned, news: usize, shown: &Shown) -> Option<String> {
         let (episodes, with_news) = self.yields.entry(planned.kind).or_default();
         *episodes += 1;
         if news > 0 {
@@ -296,13 +277,13 @@ impl<'a> Sources<'a> {
             }
             self.pool.push(planned.stimulus.test.clone());
         }
-        if let Some((place, point)) = &planned.search {
-            let search = &mut self.searches[*place];
-            let value = robustness.get(&search.requirement).copied();
-            search
-                .searcher
-                .tell(&[(point.clone(), value.unwrap_or(f64::NAN))]);
-        }
+        let (place, point) = planned.search.as_ref()?;
+        self.searches[*place].tell(point, shown)
+    }
+
+    /// How each search fared.
+    pub fn search_reports(&self) -> Vec<SearchReport> {
+        self.searches.iter().map(Falsifier::report).collect()
     }
 }
 
@@ -341,24 +322,4 @@ fn injected(test: AbstractTest, settings: Settings, how: &str) -> Planned {
         how => format!("fault injection, {how}"),
     };
     planned(SourceKind::Faults, found_by, Stimulus { test, settings })
-}
-
-/// The searches of a plan, ready to be asked.
-fn searches(plan: &Plan, own: &[AbstractTest], seed: u64) -> Result<Vec<Falsifier>, Problem> {
-    let of = |(number, data): (usize, &SearchData)| {
-        let test = own.iter().find(|test| test.name == data.test);
-        let test = test.cloned().ok_or_else(|| {
-            plan.mistake(&data.test, format!("the bench has no test `{}`", data.test))
-        })?;
-        let space = plan.space.with_delays_of(&test);
-        let searcher = Searcher::new(data.method, space.clone(), seed.wrapping_add(number as u64));
-        Ok(Falsifier {
-            requirement: data.requirement.clone(),
-            method: data.method,
-            test,
-            searcher: searcher.map_err(|e| plan.mistake("[[search]]", e.to_string()))?,
-            space,
-        })
-    };
-    plan.data.search.iter().enumerate().map(of).collect()
 }

@@ -142,6 +142,26 @@ fn sources(text: &mut String, report: &ExplorationReport) {
             source.source, source.episodes, source.with_news
         );
     }
+    for search in &report.searches {
+        let found = match search.violated_after {
+            Some(after) => format!(
+                "violated in its episode {after}, {} times in all",
+                search.violated
+            ),
+            None => "not violated".to_owned(),
+        };
+        let least = search.least_robustness.map_or_else(String::new, |least| {
+            format!("; least space-time robustness {least:.3}")
+        });
+        let _ = writeln!(
+            text,
+            "  {} against requirement {}: {} episodes, {found}{least}",
+            search.method, search.requirement, search.episodes
+        );
+        if let Some(blind) = &search.blind {
+            let _ = writeln!(text, "      warning: {blind}");
+        }
+    }
     let tests = &report.model_tests;
     if let Some(cover) = &tests.transition_cover {
         let _ = writeln!(

@@ -295,7 +295,11 @@ fn conclude<'a>(
 /// The time on a monitor's own clock, which never goes back and, where it
 /// stands still, takes the least step. So of several instants exactly at a
 /// deadline the first decides: what comes with the others is late.
-fn own_time<V: SignalValues>(clock: &BoundQuantity, values: &V, last_secs: f64) -> Option<f64> {
+pub(super) fn own_time<V: SignalValues>(
+    clock: &BoundQuantity,
+    values: &V,
+    last_secs: f64,
+) -> Option<f64> {
     let shown = clock.eval(values)?;
     let in_secs = match clock.unit() {
         Some(unit) if unit.dimension() == trace::units::Dimension::TIME => {
