@@ -5,32 +5,23 @@ use std::fmt;
 use prism_lang::Rational;
 use temporal::automaton::AutomatonError;
 
+use crate::method::{Method, Termination};
 use crate::rounding::Bounds;
 use crate::state_space::StateError;
-
-/// How values are computed, and thereby what is known of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
-    /// Floating point with bounds that hold, rounding included.
-    #[default]
-    Sound,
-    /// PRISM's default: Jacobi iteration that stops when values hardly change. An estimate, for
-    /// reproducing published figures.
-    PrismDefault,
-    /// Rational arithmetic.
-    Exact,
-}
 
 /// How to check.
 #[derive(Clone, Copy)]
 pub struct Options<'a> {
     /// How values are computed.
     pub method: Method,
-    /// [`Method::Sound`]: the widest relative distance of the bounds that is aimed at.
+    /// Methods with bounds: the widest relative distance of these that is aimed at.
     pub precision: f64,
-    /// [`Method::PrismDefault`]: iteration stops when no value changes by more than this, relatively.
+    /// Methods that are estimates ([`Method::is_estimate`]): iteration stops when no value changes by more than this.
     pub epsilon: f64,
-    /// [`Method::PrismDefault`]: iteration fails after this many rounds.
+    /// The same: which change is meant.
+    pub termination: Termination,
+    /// The same: iteration fails after this many rounds (of [`Method::PrismDefault`] on the whole model, of others on
+    /// a strongly connected component).
     pub max_iters: u64,
     /// Most states of a product with an automaton, and of an automaton.
     pub product_limit: usize,
@@ -48,6 +39,7 @@ impl Default for Options<'_> {
             method: Method::Sound,
             precision: 1e-6,
             epsilon: 1e-6,
+            termination: Termination::Relative,
             max_iters: 10_000,
             product_limit: 50_000_000,
             fair: false,
@@ -80,6 +72,7 @@ impl fmt::Debug for Options<'_> {
             .field("method", &self.method)
             .field("precision", &self.precision)
             .field("epsilon", &self.epsilon)
+            .field("termination", &self.termination)
             .field("max_iters", &self.max_iters)
             .field("product_limit", &self.product_limit)
             .field("fair", &self.fair)
@@ -173,7 +166,7 @@ pub struct Answer {
     pub method: Method,
     /// For a probability with one initial state: the probability of the contrary, computed as such and
     /// not as a difference from 1, so that it keeps its digits when the value is nearly 1. Missing
-    /// where it was not computed ([`Method::PrismDefault`]).
+    /// where it was not computed (methods that are estimates).
     pub complement: Option<f64>,
     /// What is known of the complement, where it is not exact.
     pub complement_bounds: Option<(f64, f64)>,
@@ -213,15 +206,15 @@ pub enum CheckError {
         /// The limit.
         limit: usize,
     },
-    /// The iteration that imitates PRISM did not reach its stopping rule.
+    /// An iteration that is an estimate did not reach its stopping rule.
     NotConverged {
         /// Rounds done.
         iterations: u64,
         /// The threshold that was not met.
         epsilon: f64,
     },
-    /// The iteration that imitates PRISM divided by zero: 1 less the probability of staying in a state
-    /// rounds to 0.
+    /// An iteration that is an estimate divided by zero (1 less the probability of staying in a state rounds to
+    /// 0), or its values grew beyond all numbers.
     NotFinite {
         /// The state's number.
         state: usize,

@@ -4,11 +4,12 @@ use prism_lang::resolved::Model;
 use prism_lang::{Number, Property, Rational, rational_to_f64};
 
 use crate::amount::Amount;
-use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, Method, Options};
-use crate::engine::{Exact, PrismDefault, Sound};
+use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, Options};
+use crate::engine::{Exact, Plain, Sound};
 use crate::evaluate::Evaluator;
 use crate::evaluate::bounds_of_states::StateBounds;
 use crate::explore::{ExploreError, ExploreOptions, explore_with};
+use crate::method::Method;
 use crate::rounding::Bounds;
 use crate::state_space::StateSpace;
 
@@ -18,8 +19,8 @@ const TIGHTEST: f64 = 1e-13;
 
 /// Checks a property of a model, of which `space` is the state space.
 ///
-/// The exact method builds the state space again, with rational probabilities; so does the sound method when
-/// its bounds, tightened once, leave a comparison such as `P>=0.5` open, unless the model is larger than
+/// The exact method builds the state space again, with rational probabilities; so does a method with bounds when
+/// these, tightened once, leave a comparison such as `P>=0.5` open, unless the model is larger than
 /// [`Options::exact_limit`], and for several objectives (`multi`). The answer's `method` says which one was used
 /// in the end.
 ///
@@ -162,11 +163,11 @@ pub fn check_space(
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
     match options.method {
-        Method::Sound => Evaluator::<Sound>::new(space, options)?.answer(property),
-        Method::PrismDefault => Evaluator::<PrismDefault>::new(space, options)?.answer(property),
         Method::Exact => Err(CheckError::Unsupported(
             "the exact method needs a state space with rational probabilities".to_owned(),
         )),
+        method if method.is_estimate() => Evaluator::<Plain>::new(space, options)?.answer(property),
+        _ => Evaluator::<Sound>::new(space, options)?.answer(property),
     }
 }
 

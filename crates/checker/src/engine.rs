@@ -8,6 +8,8 @@ use crate::amount::Amount;
 use crate::answer::{AnswerValue, CheckError, Guarantee, Options};
 use crate::choices::Choices;
 use crate::graph::{Qualitative, qualitative};
+use crate::method::Method;
+use crate::optimum::classical;
 use crate::rounding::{Bounds, LEAST_ENTRY_ERROR};
 use crate::sound::Probability;
 use crate::state_space::Csr;
@@ -202,7 +204,7 @@ fn step_by_step<E: Engine + ?Sized>(
     Ok(values)
 }
 
-/// [`crate::Method::Sound`].
+/// [`crate::Method::Sound`], and the direct methods, whose answers have bounds, too.
 pub(crate) enum Sound {}
 
 impl Engine for Sound {
@@ -291,10 +293,10 @@ impl Engine for Sound {
     }
 }
 
-/// [`crate::Method::PrismDefault`].
-pub(crate) enum PrismDefault {}
+/// Plain floating point: [`crate::Method::PrismDefault`] and the other methods whose answers are estimates.
+pub(crate) enum Plain {}
 
-impl Engine for PrismDefault {
+impl Engine for Plain {
     type Entry = f64;
     type Value = f64;
 
@@ -315,7 +317,10 @@ impl Engine for PrismDefault {
         sets: &Qualitative,
         context: &Context<'_>,
     ) -> Result<(Vec<f64>, u64), CheckError> {
-        prism_default::reachability(matrix, sets, context.options)
+        match context.options.method {
+            Method::PrismDefault => prism_default::reachability(matrix, sets, context.options),
+            _ => classical::reachability(matrix, sets, context.options),
+        }
     }
 
     fn meets(value: &f64, comparison: Comparison, bound: &Bound) -> Option<bool> {
@@ -344,9 +349,11 @@ impl Engine for PrismDefault {
         }
         Guarantee::Estimated {
             reason: format!(
-                "Jacobi iteration, stopped after {iterations} iterations when no value changed by \
-                 more than {} (relative); this does not bound the error",
-                context.options.epsilon
+                "{}, stopped after {iterations} iterations when no value changed by \
+                 more than {} ({}); this does not bound the error",
+                capitalised(context.options.method.term()),
+                context.options.epsilon,
+                context.options.termination.word()
             ),
         }
     }
@@ -354,6 +361,12 @@ impl Engine for PrismDefault {
     fn complement(_: &f64) -> Option<Bounds> {
         None
     }
+}
+
+fn capitalised(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().map(|letter| letter.to_ascii_uppercase());
+    first.into_iter().chain(letters).collect()
 }
 
 /// [`crate::Method::Exact`].

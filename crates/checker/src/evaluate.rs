@@ -31,6 +31,7 @@ use crate::amount::Amount;
 use crate::answer::{Answer, AnswerValue, CheckError, Options};
 use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
+use crate::method::Method;
 use crate::property::{meets, validate};
 use crate::rounding::UNIT;
 use crate::shape::negation;
@@ -57,6 +58,17 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
     ) -> Result<Self, CheckError> {
         validate(options)?;
         E::check_entries(&space.matrix)?;
+        let choices = Choices::new(&space.matrix, &space.choice_start);
+        let has_choice = |state: usize| choices.rows(state).len() > 1;
+        if E::method(options.method) == Method::LinearEquations
+            && (0..space.num_states()).any(has_choice)
+        {
+            return Err(CheckError::Unsupported(
+                "linear equations are those of a chain: use policy iteration for a model with choices, which solves \
+                 the equations of one chain after the other"
+                    .to_owned(),
+            ));
+        }
         if space.initial_states().is_empty() {
             return Err(CheckError::NoInitialState);
         }

@@ -41,7 +41,8 @@ mod solve;
 pub use corners::{ConstantRange, IntervalModelError};
 pub use range::Range;
 
-use crate::answer::{Answer, CheckError, Method, Options};
+use crate::answer::{Answer, CheckError, Options};
+use crate::method::Method;
 use crate::property::Checker;
 use crate::state_space::{Csr, StateSpace};
 use prism_lang::Property;

@@ -9,9 +9,9 @@
 //!   transition, and what happens in each step;
 //! * [`interval_model`] bounds a property over all chains whose probabilities lie in intervals.
 //!
-//! Three methods ([`Method`]): sound (the default: floating point with bounds that hold, rounding included),
-//! an imitation of PRISM's default for reproducing published figures, and exact rational arithmetic. Path
-//! formulas may be any linear temporal logic with step bounds, nested in probabilistic state formulas.
+//! Methods by name ([`Method`]): sound (the default: floating point with bounds that hold, rounding included), exact
+//! rational arithmetic, an imitation of PRISM's default for reproducing published figures, and the classical ones, of
+//! which policy iteration and linear equations have bounds and the iterations none. Path formulas may be any linear temporal logic with step bounds, nested in probabilistic state formulas.
 //!
 //! ```
 //! use checker::explore::explore;
@@ -60,6 +60,7 @@ mod joint;
 mod krylov;
 mod limit;
 mod long_run;
+mod method;
 mod multi;
 mod not_yet;
 mod optimum;
@@ -84,9 +85,10 @@ mod test_models;
 mod transient;
 mod witness;
 
-pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
+pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Options};
 pub use check::{bounds_of_states, check, check_exact, check_or_exact, check_space};
 pub use evaluate::bounds_of_states::{Outcomes, StateBounds};
+pub use method::{Method, Termination};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;

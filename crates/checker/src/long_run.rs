@@ -20,6 +20,9 @@
 //! ([`krylov`]), which changes nothing of the guarantee: see [`iteration`]. Where neither helps, elimination is tried with
 //! more work.
 //!
+//! *Methods by name* ([`crate::Method`]): elimination alone, or the shares of time by the classical iterations
+//! ([`stationary`]), without alternatives; value iteration with them.
+//!
 //! Source: Puterman 1994, chapters 8 and 9; Ashok, Chatterjee, Daca, Křetínský and Meggendorfer 2017, "Value
 //! iteration for long-run average reward in Markov decision processes". Guarantee: that of the engine; exact
 //! arithmetic solves models without alternatives only.
@@ -27,19 +30,23 @@
 use prism_lang::Arithmetic;
 
 use crate::amount::Amount;
-use crate::answer::CheckError;
+use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::diagonals::Keys;
 use crate::elimination::{GivenUp, System};
 use crate::engine::{Context, Numbers};
 use crate::graph::{EndComponent, is_seen_to_be_strongly_connected, maximal_end_components};
+use crate::method::Method;
 use crate::quotient::{Optimal, Quotient};
 use crate::rewards::Part;
 use crate::rounding::{Bounds, UNIT};
+use crate::sound::not_eliminated;
 
 mod iteration;
 mod krylov;
+mod stationary;
 use iteration::Iteration;
+use stationary::Flows;
 
 /// Multiplications that are spent on eliminating a component before iteration, and some for each of its entries.
 const FIRST_BUDGET: u64 = 10_000_000;
@@ -180,15 +187,67 @@ fn gain<E: Numbers>(
         }
         work.run(maximise, context).map(of_bounds)
     };
-    let found = match is_simple {
-        true => directly(first).and_then(|found| found.map_or_else(iterated, Ok)),
-        false => iterated(),
+    let found = match E::method(context.options.method) {
+        Method::Sound | Method::PrismDefault | Method::Exact => match is_simple {
+            true => directly(first).and_then(|found| found.map_or_else(iterated, Ok)),
+            false => iterated(),
+        },
+        method if method.is_direct() && is_chain => directly(u64::MAX)
+            .and_then(|found| found.ok_or_else(|| not_eliminated(component.states.len()))),
+        method => by_name::<E>(method, rates, part, component, maximise, local, context),
     };
     component
         .states
         .iter()
         .for_each(|state| local[*state as usize] = u32::MAX);
     found
+}
+
+/// The gain by a classical iteration.
+fn by_name<E: Numbers>(
+    method: Method,
+    rates: Choices<'_, E::Entry>,
+    part: &Part<E::Amount>,
+    component: &EndComponent,
+    maximise: bool,
+    local: &[u32],
+    context: &Context<'_>,
+) -> Result<(E::Amount, u64), CheckError> {
+    let refused = || {
+        CheckError::Unsupported(format!(
+            "long-run averages over schedulers cannot be computed by {}: use value iteration or the sound method",
+            method.term()
+        ))
+    };
+    let matrix = E::floats(rates.matrix).ok_or_else(refused)?;
+    let rewards: Vec<Bounds> = component
+        .rows
+        .iter()
+        .map(|row| part.row[*row].bounds())
+        .collect();
+    if component.rows.len() == component.states.len() {
+        let flows = Flows::new(matrix, component, local);
+        let (shares, rounds) = flows.shares(context.options)?;
+        let pairs = shares.iter().zip(&rewards);
+        let gain = pairs.map(|(share, reward)| share * reward.middle()).sum();
+        return Ok((E::from_bounds(Bounds::exactly(gain)), rounds));
+    }
+    if method != Method::ValueIteration {
+        return Err(refused());
+    }
+    let rows = |state: u32| rates.rows(state as usize);
+    let work = Iteration::new(matrix, rows, &rewards, component, local);
+    // Its stopping rule: values grow by nearly as much everywhere.
+    let options = Options {
+        precision: 2.0 * context.options.epsilon,
+        ..*context.options
+    };
+    let context = Context {
+        options: &options,
+        ..*context
+    };
+    let (bounds, rounds) = work.run(maximise, &context)?;
+    Ok((E::from_bounds(bounds), rounds))
 }
 
 /// Expected reward over expected time of a round trip; nothing if that takes too long.

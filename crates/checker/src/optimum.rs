@@ -12,8 +12,9 @@
 //! Analysis of Stochastic Shortest Path Problems"). [`crate::quotient`] brings models into this form by
 //! collapsing end components.
 //!
-//! Three ways to solve it: [`sound`], [`exact`], [`jacobi`].
+//! Ways to solve it: [`sound`] (policy iteration and linear equations, too), [`exact`], [`classical`], [`jacobi`].
 
+pub(crate) mod classical;
 pub(crate) mod exact;
 pub(crate) mod jacobi;
 pub(crate) mod local;

@@ -6,6 +6,8 @@
 //! x'_i = (b_i + sum_{j != i} p_ij x_j) / (1 - p_ii),      stop when  max_i |x'_i - x_i| / x'_i < epsilon
 //! ```
 //!
+//! (or `max_i |x'_i - x_i| < epsilon`, if [`crate::Termination::Absolute`] is asked for).
+//!
 //! Source: the PRISM manual (Kwiatkowska, Norman and Parker 2011), "Solution methods and options", read for
 //! its default settings: method Jacobi, relative termination criterion, epsilon 1e-6, at most 10000
 //! iterations.
@@ -49,7 +51,7 @@ pub(crate) fn reachability(
                 return Err(CheckError::NotFinite { state: *state });
             }
             // As in PRISM, 0/0 is no change.
-            change = change.max((new - x[*state]).abs() / new);
+            change = change.max(options.termination.change(x[*state], new));
             next[*state] = new;
         }
         std::mem::swap(&mut x, &mut next);

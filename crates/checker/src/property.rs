@@ -14,9 +14,10 @@ use prism_lang::{Bound, Comparison, Path, Property, Rational, StateFormula};
 use temporal::automaton::{Automaton, DEFAULT_STATE_LIMIT};
 use temporal::ltl::Ltl;
 
-use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method, Options};
+use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Options};
 use crate::choices::Choices;
 use crate::engine::{Context, Engine, UNKNOWN_ENTRY_ERROR};
+use crate::method::Method;
 use crate::not_yet::unsupported_over_intervals;
 use crate::product::product;
 use crate::shape::{Shape, letters, negation, read_path, shape};
@@ -305,12 +306,13 @@ pub(crate) fn guarantee_of_truths(
 ) -> Guarantee {
     let doubt = match method {
         _ if !mentions_probability(property) => None,
-        Method::PrismDefault => Some(
-            "probabilities were compared with their bounds after an iteration that does not \
-             bound its error",
+        Method::Exact => None,
+        method if method.is_estimate() => Some(
+            "numbers were compared with their bounds as they are, by a method that does not bound \
+             its error",
         ),
-        Method::Sound if !context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
-        Method::Sound | Method::Exact => None,
+        _ if !context.entry_error_known => Some(UNKNOWN_ENTRY_ERROR),
+        _ => None,
     };
     doubt.map_or(Guarantee::Exact, |reason| Guarantee::Estimated {
         reason: reason.to_owned(),

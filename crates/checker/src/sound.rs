@@ -16,6 +16,8 @@
 //! see [`crate::elimination`]; `e` = [`Context::entry_error`]). `x` and `y` are computed independently and improve
 //! each other's bounds, as `x + y = 1`.
 //!
+//! *By linear equations or policies* ([`crate::Method`], in a chain the same): by elimination alone, whatever it costs.
+//!
 //! Cost: linear in transitions outside larger components.
 
 use crate::answer::CheckError;
@@ -53,6 +55,15 @@ const EFFORT: Effort = Effort {
     first_rounds: 20_000,
     second_budget: 50_000_000_000,
     last_rounds: 1_000_000,
+};
+
+/// Elimination alone.
+const DIRECT: Effort = Effort {
+    first_budget: u64::MAX,
+    equations: false,
+    first_rounds: 0,
+    second_budget: 0,
+    last_rounds: 0,
 };
 
 /// A probability and that of the contrary, each computed on its own.
@@ -150,7 +161,11 @@ pub(crate) fn reachability(
     sets: &Qualitative,
     context: &Context<'_>,
 ) -> Result<(Vec<Probability>, u64), CheckError> {
-    reachability_with(matrix, sets, context, EFFORT)
+    let effort = match context.options.method.is_direct() {
+        true => DIRECT,
+        false => EFFORT,
+    };
+    reachability_with(matrix, sets, context, effort)
 }
 
 fn reachability_with(
@@ -234,10 +249,14 @@ impl Solver<'_> {
         let inputs = self.context.entry_error + (exits.1 + 2) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
         let entries: usize = system.rows.iter().map(Vec::len).sum();
-        let is_easy = component.len() < EASY || entries < SPARSE * component.len();
+        let is_direct = self.effort.first_budget == u64::MAX;
+        let is_easy = is_direct || component.len() < EASY || entries < SPARSE * component.len();
         let first = self.effort.first_budget;
         if is_easy && self.eliminate(component, system.clone(), first, input_error, &cancelled)? {
             return Ok(());
+        }
+        if is_direct {
+            return Err(not_eliminated(component.len()));
         }
         let share = component.len() as f64 / self.matrix.num_rows() as f64;
         let floor = 64.0 * (longest + 4) as f64 * UNIT;
@@ -413,6 +432,14 @@ impl Solver<'_> {
             .for_each(|state| self.local[*state as usize] = u32::MAX);
         (outside, longest)
     }
+}
+
+/// Elimination of a component, asked for by name, was given up.
+pub(crate) fn not_eliminated(states: usize) -> CheckError {
+    CheckError::Unsupported(format!(
+        "the equations of a component of {states} states cannot be solved by elimination in floating point, since \
+         products become too small for it: use the sound or the exact method"
+    ))
 }
 
 fn accumulate(sum: &mut Bounds, probability: f64, value: Bounds) {

@@ -15,7 +15,7 @@ mod simulate;
 mod watch;
 
 pub use assurance::{Assure, Verify};
-pub use check::{Check, CheckFormat};
+pub use check::{Check, CheckFormat, Termination};
 pub use diagnose::Diagnose;
 pub use engines::{EngineChoice, Engines};
 pub use explore::Explore;

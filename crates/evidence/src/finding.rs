@@ -51,7 +51,7 @@ pub enum Guarantee {
 /// The answer of one method of model checking.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MethodAnswer {
-    /// `sound`, `exact` or `prism-default`.
+    /// `sound`, `exact`, `prism-default` or another method by name.
     pub method: String,
     /// The probability.
     pub value: f64,

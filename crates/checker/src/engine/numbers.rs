@@ -2,10 +2,11 @@
 
 use prism_lang::Rational;
 
-use super::{Context, Engine, Exact, PrismDefault, Sound, UNKNOWN_ENTRY_ERROR};
+use super::{Context, Engine, Exact, Plain, Sound, UNKNOWN_ENTRY_ERROR};
 use crate::amount::{Amount, Extended};
-use crate::answer::{CheckError, Guarantee, Method};
+use crate::answer::{CheckError, Guarantee};
 use crate::choices::Choices;
+use crate::method::Method;
 use crate::optimum::sound::Equations;
 use crate::optimum::{self, Problem, Solution};
 use crate::rounding::Bounds;
@@ -18,8 +19,8 @@ pub(crate) trait Numbers: Engine {
     /// Rewards and other numbers.
     type Amount: Amount<Entry = Self::Entry>;
 
-    /// Which it is.
-    const METHOD: Method;
+    /// By which method it answers if the options name this one.
+    fn method(asked: Method) -> Method;
 
     /// Solves an optimality problem, of whose values `cap` is an upper bound.
     fn solve(
@@ -87,7 +88,13 @@ pub(crate) trait Numbers: Engine {
 impl Numbers for Sound {
     type Amount = Bounds;
 
-    const METHOD: Method = Method::Sound;
+    fn method(asked: Method) -> Method {
+        if asked.is_direct() {
+            asked
+        } else {
+            Method::Sound
+        }
+    }
 
     fn solve(
         problem: &Problem<f64, Bounds>,
@@ -189,17 +196,22 @@ impl Numbers for Sound {
     }
 }
 
-impl Numbers for PrismDefault {
+impl Numbers for Plain {
     type Amount = f64;
 
-    const METHOD: Method = Method::PrismDefault;
+    fn method(asked: Method) -> Method {
+        asked
+    }
 
     fn solve(
         problem: &Problem<f64, f64>,
         _: f64,
         context: &Context<'_>,
     ) -> Result<Solution<f64>, CheckError> {
-        optimum::jacobi::solve(problem, context.options)
+        match context.options.method {
+            Method::PrismDefault => optimum::jacobi::solve(problem, context.options),
+            _ => optimum::classical::solve(problem, context.options),
+        }
     }
 
     fn amount(value: &f64) -> f64 {
@@ -238,7 +250,9 @@ impl Numbers for PrismDefault {
 impl Numbers for Exact {
     type Amount = Extended;
 
-    const METHOD: Method = Method::Exact;
+    fn method(_: Method) -> Method {
+        Method::Exact
+    }
 
     fn solve(
         problem: &Problem<Rational, Extended>,

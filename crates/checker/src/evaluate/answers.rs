@@ -4,8 +4,9 @@ use prism_lang::property::{FilterOperator, Property, Quantity};
 
 use super::Evaluator;
 use crate::amount::Amount;
-use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Method};
+use crate::answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue};
 use crate::engine::Numbers;
+use crate::method::Method;
 use crate::property::{guarantee_of_truths, joint_guarantee, range};
 use crate::rounding::Bounds;
 
@@ -75,13 +76,25 @@ impl<E: Numbers> Evaluator<'_, E> {
             .iter()
             .map(|v| width(&v.bounds()))
             .fold(0.0, f64::max);
-        if E::METHOD == Method::Sound && width > self.context.options.precision {
+        let method = self.method();
+        if !method.is_estimate() && width > self.context.options.precision {
             answer.notes.push(format!(
                 "the bounds hold, but their relative distance is {width:e}, more than the {:e} asked for",
                 self.context.options.precision
             ));
         }
+        if method.is_direct() && matches!(answer.guarantee, Guarantee::Bounded { .. }) {
+            answer.notes.push(format!(
+                "by {}: chains are solved by elimination without subtraction; the bounds allow for its rounding",
+                method.term()
+            ));
+        }
         answer
+    }
+
+    /// By which method the answer is computed.
+    fn method(&self) -> Method {
+        E::method(self.context.options.method)
     }
 
     pub(super) fn of_range(mut self, low: &E::Amount, high: &E::Amount) -> Answer {
@@ -97,7 +110,7 @@ impl<E: Numbers> Evaluator<'_, E> {
     }
 
     pub(super) fn of_truths(mut self, holds: &[bool], property: &Property) -> Answer {
-        let guarantee = guarantee_of_truths(property, E::METHOD, &self.context);
+        let guarantee = guarantee_of_truths(property, self.method(), &self.context);
         let initial = (self.space.initial_states().iter().zip(holds))
             .map(|(state, holds)| InitialValue {
                 state: *state,
@@ -118,7 +131,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         Answer {
             value,
             guarantee,
-            method: E::METHOD,
+            method: self.method(),
             complement: None,
             complement_bounds: None,
             iterations: self.iterations,

@@ -8,7 +8,7 @@
 use num_traits::{One, Zero};
 use prism_lang::Rational;
 
-use super::policy::leaving;
+use super::policy::leaving_component;
 use super::sound::no_choice;
 use super::{Problem, Solution};
 use crate::amount::{Amount, Extended};
@@ -54,10 +54,12 @@ struct Solver<'a> {
 
 impl Solver<'_> {
     fn component(&mut self, component: &[u32]) -> Result<(), CheckError> {
+        let choices = Choices::new(&self.problem.matrix, &self.problem.choice_start);
+        let first = leaving_component(choices, component, &mut self.position);
+        let mut policy = first.ok_or_else(no_choice)?;
         for (place, state) in component.iter().enumerate() {
             self.position[*state as usize] = place as u32;
         }
-        let mut policy = self.first_policy(component)?;
         loop {
             self.evaluate(component, &policy)?;
             let mut changed = false;
@@ -75,33 +77,6 @@ impl Solver<'_> {
             self.choice[*state as usize] = *row;
         }
         Ok(())
-    }
-
-    fn first_policy(&self, component: &[u32]) -> Result<Vec<usize>, CheckError> {
-        let problem = self.problem;
-        let rows = |place: usize| {
-            let state = component[place] as usize;
-            problem.choice_start[state]..problem.choice_start[state + 1]
-        };
-        let first = rows(0).start;
-        // Components' rows are not contiguous; their targets inside, by row.
-        let mut inside: rustc_hash::FxHashMap<usize, Vec<u32>> = rustc_hash::FxHashMap::default();
-        for place in 0..component.len() {
-            for row in rows(place) {
-                let within = problem
-                    .matrix
-                    .row(row)
-                    .map(|(target, _)| self.position[target]);
-                inside.insert(row, within.filter(|place| *place != u32::MAX).collect());
-            }
-        }
-        let targets = |row: usize| inside.get(&row).map_or(&[][..], Vec::as_slice);
-        let leaves = |row: usize| {
-            let entries = problem.matrix.row_start[row + 1] - problem.matrix.row_start[row];
-            targets(row).len() < entries
-        };
-        debug_assert!(first <= problem.matrix.num_rows());
-        leaving(component.len(), rows, targets, leaves).ok_or_else(no_choice)
     }
 
     /// Sets the values to those of the chain in which these choices are taken.

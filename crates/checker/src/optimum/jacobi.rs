@@ -2,7 +2,7 @@
 //!
 //! As [`crate::prism_default`] where there are no alternatives (method Jacobi: self-loops are divided out), else
 //! value iteration: `x'_i = opt over c of r_c + sum p_cj x_j`, self-loops included. Stops when no value changes
-//! by more than epsilon relatively. Deviation: end components have been collapsed before. Guarantee: none.
+//! by more than epsilon ([`crate::Termination`]). Deviation: end components have been collapsed before. Guarantee: none.
 //! Cost: iterations times entries.
 
 use super::{Problem, Solution};
@@ -40,7 +40,7 @@ pub(crate) fn solve(
             if !new.is_finite() {
                 return Err(CheckError::NotFinite { state: *state });
             }
-            change = change.max((new - x[*state]).abs() / new);
+            change = change.max(options.termination.change(x[*state], new));
             (choice[*state], next[*state]) = (row, new);
         }
         std::mem::swap(&mut x, &mut next);

@@ -2,6 +2,34 @@
 
 use std::collections::VecDeque;
 
+use rustc_hash::FxHashMap;
+
+use crate::choices::Choices;
+
+/// The same for the states of a component of a model, in its order; `position` has no entry yet, and none afterwards.
+pub(super) fn leaving_component<N>(
+    choices: Choices<'_, N>,
+    component: &[u32],
+    position: &mut [u32],
+) -> Option<Vec<usize>> {
+    for (place, state) in component.iter().enumerate() {
+        position[*state as usize] = place as u32;
+    }
+    let rows = |place: usize| choices.rows(component[place] as usize);
+    // Rows of a component are not contiguous; their targets inside, by row.
+    let mut inside: FxHashMap<usize, Vec<u32>> = FxHashMap::default();
+    for row in (0..component.len()).flat_map(rows) {
+        let within = choices.targets(row).iter().map(|t| position[*t as usize]);
+        inside.insert(row, within.filter(|place| *place != u32::MAX).collect());
+    }
+    for state in component {
+        position[*state as usize] = u32::MAX;
+    }
+    let targets = |row: usize| inside.get(&row).map_or(&[][..], Vec::as_slice);
+    let leaves = |row: usize| targets(row).len() < choices.entries(row).len();
+    leaving(component.len(), rows, targets, leaves)
+}
+
 /// For each state of a component a choice such that the component is left with probability 1; `None` if some
 /// state cannot leave.
 ///

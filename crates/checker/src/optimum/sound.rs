@@ -9,6 +9,9 @@
 //! 4. more rounds of value iteration;
 //! 5. policy iteration (Howard 1960), each scheduler's chain solved by elimination; then the guess as before.
 //!
+//! By linear equations or policy iteration ([`crate::Method`]): step 1 alone without alternatives, step 5 alone with them, whatever
+//! they cost; if no bounds around the last scheduler's values are inductive, that is an error.
+//!
 //! *Why inductive bounds hold.* With `F` the right-hand side of [`super`]: if `F(u) <= u` then for each
 //! scheduler that is sure to reach fixed states, hence for a best one, `u >= F^n(u)`, which tends to its value
 //! or more; if `F(l) >= l` then some scheduler's value (max), or every such scheduler's value (min), is at
@@ -31,6 +34,7 @@ use crate::elimination::GivenUp;
 use crate::engine::Context;
 use crate::graph::{Components, NO_ROW};
 use crate::rounding::{Bounds, SMALLEST_VALUE, UNIT};
+use crate::sound::not_eliminated;
 
 /// How much work is spent on a component by one way before the next is tried: multiplications.
 #[derive(Debug, Clone, Copy)]
@@ -53,6 +57,15 @@ const EFFORT: Effort = Effort {
     iterate: 2_000_000_000,
     policy: 20_000_000_000,
     last: 100_000_000_000,
+};
+
+/// Elimination and policy iteration alone.
+const DIRECT: Effort = Effort {
+    direct: u64::MAX,
+    before: 0,
+    iterate: 0,
+    policy: u64::MAX,
+    last: 0,
 };
 
 /// Components of fewer states than this are iterated without solving equations.
@@ -96,7 +109,11 @@ impl<'a> Equations<'a> {
     }
 
     pub fn solve(self, context: &Context<'_>) -> Result<Solution<Bounds>, CheckError> {
-        solve_with(self, context, EFFORT)
+        let effort = match context.options.method.is_direct() {
+            true => DIRECT,
+            false => EFFORT,
+        };
+        solve_with(self, context, effort)
     }
 }
 
@@ -206,13 +223,20 @@ impl Solver<'_> {
         let local = Local::new(&self.equations, component, &mut self.position);
         let inputs = self.entry_error() + (local.longest_exit + 3) as f64 * UNIT;
         let input_error = 2.0 * component.len() as f64 * inputs;
+        let is_direct = self.effort.direct == u64::MAX;
         if local.is_chain() {
             let policy: Vec<usize> = (0..local.len()).collect();
             let is_simple = local.len() < EASY || local.entries() < SPARSE * local.len();
-            let budget = if is_simple { self.effort.direct } else { 0 };
+            let budget = match is_simple || is_direct {
+                true => self.effort.direct,
+                false => 0,
+            };
             if let Some((values, error)) = self.evaluate(&local, &policy, budget)? {
                 self.keep(component, &local, values, &policy, input_error + error);
                 return Ok(());
+            }
+            if is_direct {
+                return Err(not_eliminated(local.len()));
             }
         }
         let share = component.len() as f64 / self.asked as f64;
@@ -226,6 +250,11 @@ impl Solver<'_> {
             tolerance,
             self.equations.cap,
         );
+        if is_direct {
+            search.rounds = (self.improve_policies(&mut search)?)
+                .ok_or_else(|| no_bounds_of_policy(local.len()))?;
+            return self.keep_found(component, &search, input_error);
+        }
         let solved = search.rounds(self.effort.before, true, &cancelled);
         if solved || local.len() < SMALL {
             let solved = solved || search.iterate(self.effort.iterate, &cancelled);
@@ -275,12 +304,22 @@ impl Solver<'_> {
         let cancelled = || options.cancel.is_some_and(|cancel| cancel());
         options.check_cancelled()?;
         if !solved {
-            solved = self.improve_policies(search)?;
+            solved = self.improve_policies(search)?.is_some();
         }
         if !solved {
             search.iterate(self.effort.last, &cancelled);
             options.check_cancelled()?;
         }
+        self.keep_found(component, search, input_error)
+    }
+
+    /// Keeps the bounds that a search has found.
+    fn keep_found(
+        &mut self,
+        component: &[u32],
+        search: &Search<'_>,
+        input_error: f64,
+    ) -> Result<(), CheckError> {
         self.iterations += search.rounds;
         let local = search.local;
         let choice = |place: usize| local.best(place, &search.low, Side::Low, search.maximise).0;
@@ -334,19 +373,22 @@ impl Solver<'_> {
         }
     }
 
-    /// Policy iteration; whether bounds around its result were found.
-    fn improve_policies(&self, search: &mut Search<'_>) -> Result<bool, CheckError> {
+    /// Policy iteration; the number of schedulers if bounds around its result were found.
+    fn improve_policies(&self, search: &mut Search<'_>) -> Result<Option<u64>, CheckError> {
         const ROUNDS: usize = 200;
         let local = search.local;
         let inside = |row: usize| &local.column[local.row_start[row]..local.row_start[row + 1]];
         let choices = |place: usize| local.choice_start[place]..local.choice_start[place + 1];
         let leaves = |row: usize| local.exit[row] > 0.0;
         let Some(mut policy) = leaving(local.len(), choices, inside, leaves) else {
-            return Ok(false);
+            return Ok(None);
         };
+        let mut schedulers = 0;
         for _ in 0..ROUNDS {
+            self.context.options.check_cancelled()?;
+            schedulers += 1;
             let Some((values, _)) = self.evaluate(local, &policy, self.effort.policy)? else {
-                return Ok(false);
+                return Ok(None);
             };
             search.low = values.iter().map(|value| value.low).collect();
             search.high = values.iter().map(|value| value.high).collect();
@@ -368,7 +410,8 @@ impl Solver<'_> {
                 break;
             }
         }
-        Ok(search.guess(search.tolerance / 16.0) || search.guess(search.tolerance))
+        let held = search.guess(search.tolerance / 16.0) || search.guess(search.tolerance);
+        Ok(held.then_some(schedulers))
     }
 }
 
@@ -395,6 +438,14 @@ pub(crate) fn widened(value: Bounds, error: f64, cap: f64) -> Bounds {
         },
         high: high.min(cap),
     }
+}
+
+/// Policy iteration, asked for by name, ended without bounds.
+fn no_bounds_of_policy(states: usize) -> CheckError {
+    CheckError::Unsupported(format!(
+        "policy iteration on a component of {states} states ended with a scheduler around whose values no bounds can be \
+         shown: use the sound or the exact method"
+    ))
 }
 
 /// A state without choices and value.

@@ -16,10 +16,11 @@ use super::amount::FunctionAmount;
 use super::function::RationalFunction;
 use super::optimise;
 use crate::amount::Amount;
-use crate::answer::{AnswerValue, CheckError, Guarantee, Method};
+use crate::answer::{AnswerValue, CheckError, Guarantee};
 use crate::elimination::{GivenUp, System};
 use crate::engine::{Context, Engine, Numbers};
 use crate::graph::{Components, Qualitative};
+use crate::method::Method;
 use crate::optimum::{Problem, Solution};
 use crate::rounding::Bounds;
 use crate::state_space::Csr;
@@ -119,7 +120,9 @@ impl Engine for Parametric {
 impl Numbers for Parametric {
     type Amount = FunctionAmount;
 
-    const METHOD: Method = Method::Exact;
+    fn method(_: Method) -> Method {
+        Method::Exact
+    }
 
     fn solve(
         problem: &Problem<RationalFunction, FunctionAmount>,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::answer::Options;
-use crate::engine::{Exact, PrismDefault, Sound};
+use crate::engine::{Exact, Plain, Sound};
 use crate::graph::qualitative;
 use crate::state_space::Csr;
 use crate::test_models::{Process, arbitrary_process, rounded};
@@ -50,7 +50,7 @@ proptest! {
         // Iteration from below stays below, however early it stops.
         let options = Options::default();
         let context = Context::new(&options, 0.0);
-        let estimates = until::<PrismDefault>(choices, left, right, (0, None), None, maximise, &context);
+        let estimates = until::<Plain>(choices, left, right, (0, None), None, maximise, &context);
         if let Ok((estimates, _, _)) = estimates {
             for (estimate, exact) in estimates.iter().zip(&exact) {
                 prop_assert!(*estimate <= prism_lang::rational_to_f64(exact) + 1e-12);

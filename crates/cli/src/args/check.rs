@@ -17,7 +17,8 @@ Examples:
   corroborate check model.all 'P=? [ F \"done\" ]'       of model.tra, model.sta, model.lab, ...
 
 PRISM's flags are understood, such as -const N=3, -pf, -prop, -exact, -exportresults, -exportmodel and
--exportstrat; those that choose an engine or a numerical method have no effect, as bounds hold by any.")]
+-exportstrat; so are those that choose a numerical method (-valiter, -power, -gs, -jac, -politer, -modpoliter, with -epsilon,
+-maxiters, -absolute, -relative), of which the last one counts. Those that choose an engine have no effect.")]
 pub struct Check {
     /// The model, in the PRISM language; or its states and transitions: FILE.tra, FILE.tra,sta,lab, FILE.all
     /// (all that there are: .tra, .sta, .lab, .srew, .trew) or FILE.drn.
@@ -41,19 +42,22 @@ pub struct Check {
     /// Check each answer again with code that shares nothing with the solver.
     #[arg(long)]
     pub certify: bool,
-    /// How the answer is computed.
-    #[arg(long, value_enum, default_value_t = Method::Sound)]
+    /// How the answer is computed; of several the last one counts.
+    #[arg(long, value_enum, default_value_t = Method::Sound, overrides_with = "method")]
     pub method: Method,
-    /// Relative width of the bounds of the sound method.
+    /// Relative width of the bounds, of methods that have bounds.
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
     pub precision: f64,
-    /// When the method of PRISM's default settings stops: relative change.
+    /// When a method that has no bounds stops: change of the values.
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
     pub epsilon: f64,
+    /// Which change that is.
+    #[arg(long, value_enum, default_value_t, overrides_with = "termination")]
+    pub termination: Termination,
     /// How many states the model may have.
     #[arg(long, value_name = "N", default_value_t = 20_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
     pub max_states: u64,
-    /// How many iterations a method may take.
+    /// How many iterations a method that has no bounds may take.
     #[arg(long = "maxiters", value_name = "N")]
     pub max_iterations: Option<u64>,
     /// How the answers are printed.
@@ -103,6 +107,16 @@ pub enum CheckFormat {
     Json,
     /// One line of JSON for each answer, also where the model has a mistake.
     Jsonl,
+}
+
+/// Which change of the values stops an iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Termination {
+    /// Relative to the value.
+    #[default]
+    Relative,
+    /// As it is.
+    Absolute,
 }
 
 fn precision(text: &str) -> Result<f64, String> {

@@ -1,13 +1,13 @@
 //! PRISM's command line, understood by `check`.
 //!
-//! Flags that have the same meaning here are rewritten to ours. Flags that choose among PRISM's engines, numerical
-//! methods and data structures change no answer, since all our answers carry their guarantee: they are noted and
-//! have no effect. Flags that would change an answer and that we do not have are left as they are, and are errors.
+//! Flags that have the same meaning here are rewritten to ours. Those that choose a numerical method that is here, too,
+//! choose it, unless another flag asks for exact or interval arithmetic. Flags that choose among PRISM's engines and data
+//! structures change no answer: they are noted and have no effect. Flags that would change an answer and that we do not have are left as they are, and are errors.
 
 use std::ffi::OsString;
 
 /// Flags with the same meaning, and ours.
-const SAME: [(&str, &[&str]); 27] = [
+const SAME: [(&str, &[&str]); 31] = [
     ("-const", &["--const"]),
     ("-param", &["--param"]),
     ("-pf", &["--pf"]),
@@ -20,6 +20,10 @@ const SAME: [(&str, &[&str]); 27] = [
     ("-maxiters", &["--maxiters"]),
     ("-exact", &["--method", "exact"]),
     ("--exact", &["--method", "exact"]),
+    ("-relative", &["--termination", "relative"]),
+    ("-rel", &["--termination", "relative"]),
+    ("-absolute", &["--termination", "absolute"]),
+    ("-abs", &["--termination", "absolute"]),
     ("-fair", &["--fair"]),
     ("-dtmc", &["--type", "dtmc"]),
     ("-ctmc", &["--type", "ctmc"]),
@@ -37,6 +41,23 @@ const SAME: [(&str, &[&str]); 27] = [
     ("-exportadvmdp", &["--export-strategy"]),
 ];
 
+/// Flags that choose a numerical method, and ours.
+const METHODS: [(&str, &str); 10] = [
+    ("-valiter", "value-iteration"),
+    ("-power", "value-iteration"),
+    ("-pow", "value-iteration"),
+    ("-pwr", "value-iteration"),
+    ("-gaussseidel", "gauss-seidel"),
+    ("-gs", "gauss-seidel"),
+    ("-jacobi", "jacobi"),
+    ("-jac", "jacobi"),
+    ("-politer", "policy-iteration"),
+    ("-modpoliter", "modified-policy-iteration"),
+];
+
+/// Flags that ask for answers without estimates, whatever numerical method is chosen besides.
+const WITH_GUARANTEE: [&str; 5] = ["-exact", "--exact", "-param", "-intervaliter", "-ii"];
+
 /// Flags that read a part of a model, and its form.
 const IMPORTS: [(&str, &str); 4] = [
     ("-importstates", "sta"),
@@ -46,7 +67,7 @@ const IMPORTS: [(&str, &str); 4] = [
 ];
 
 /// Flags without a value that change no answer.
-const WITHOUT_EFFECT: [&str; 54] = [
+const WITHOUT_EFFECT: [&str; 40] = [
     "-mtbdd",
     "-m",
     "-sparse",
@@ -55,13 +76,6 @@ const WITHOUT_EFFECT: [&str; 54] = [
     "-h",
     "-explicit",
     "-ex",
-    "-power",
-    "-pow",
-    "-pwr",
-    "-jacobi",
-    "-jac",
-    "-gaussseidel",
-    "-gs",
     "-bgaussseidel",
     "-bgs",
     "-pgaussseidel",
@@ -73,18 +87,11 @@ const WITHOUT_EFFECT: [&str; 54] = [
     "-bsor",
     "-psor",
     "-bpsor",
-    "-valiter",
-    "-politer",
-    "-modpoliter",
     "-linprog",
     "-lp",
     "-intervaliter",
     "-ii",
     "-topological",
-    "-relative",
-    "-rel",
-    "-absolute",
-    "-abs",
     "-nopre",
     "-noprob0",
     "-noprob1",
@@ -142,6 +149,8 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
     let Some(start) = command.filter(|at| all[*at] == "check") else {
         return all;
     };
+    let guaranteed = |argument: &OsString| WITH_GUARANTEE.iter().any(|flag| argument == flag);
+    let may_estimate = !all[start + 1..].iter().any(guaranteed);
     let mut given = all[start + 1..].iter();
     let mut rewritten = all[..=start].to_vec();
     let mut has_model = false;
@@ -181,8 +190,14 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
             }
             continue;
         }
+        let method = METHODS.iter().find(|(theirs, _)| *theirs == text);
+        if let Some((_, ours)) = method.filter(|_| may_estimate) {
+            rewritten.push(OsString::from(format!("--method={ours}")));
+            continue;
+        }
         // `check -h` alone asks for help.
-        let without = WITHOUT_EFFECT.contains(&text) && (text != "-h" || has_model);
+        let without =
+            method.is_some() || WITHOUT_EFFECT.contains(&text) && (text != "-h" || has_model);
         if without || VALUE_WITHOUT_EFFECT.contains(&text) {
             rewritten.push(OsString::from(format!("--without-effect={text}")));
             if !without {
@@ -248,6 +263,28 @@ mod tests {
         assert_eq!(found, ours);
         let found = rewritten(&["check", "m.pm", "-exporttrans", "a.txt"]);
         assert_eq!(found, ["check", "m.pm", "--export-model", "tra=a.txt"]);
+    }
+
+    #[test]
+    fn numerical_methods_are_chosen_unless_a_guarantee_is_asked_for() {
+        let found = rewritten(&["check", "m.pm", "-gs", "-politer", "-absolute"]);
+        let ours = [
+            "check",
+            "m.pm",
+            "--method=gauss-seidel",
+            "--method=policy-iteration",
+            "--termination",
+            "absolute",
+        ];
+        assert_eq!(found, ours);
+        let found = rewritten(&["check", "m.pm", "-jac", "-ii"]);
+        let ours = [
+            "check",
+            "m.pm",
+            "--without-effect=-jac",
+            "--without-effect=-ii",
+        ];
+        assert_eq!(found, ours);
     }
 
     #[test]

@@ -13,7 +13,7 @@ mod ranges;
 mod results;
 
 use super::{Done, Setting, json};
-use crate::args::{Check, CheckFormat};
+use crate::args::{Check, CheckFormat, Termination};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
@@ -84,6 +84,10 @@ fn say_what_has_no_effect(arguments: &Check, setting: &Setting) {
     for flag in &arguments.without_effect {
         let why = match flag.as_str() {
             file if file.starts_with("-export") => "what it writes cannot be written yet",
+            "-valiter" | "-power" | "-pow" | "-pwr" | "-gaussseidel" | "-gs" | "-jacobi"
+            | "-jac" | "-politer" | "-modpoliter" => {
+                "another flag asks for answers that are no estimates"
+            }
             "-sim" => "the answers are computed, not estimated from samples",
             _ => "our bounds hold by any method, in any data structure",
         };
@@ -222,13 +226,13 @@ impl<'a> Work<'a> {
     }
 
     /// Whether states that symmetries map to each other may stand for each other: nothing is shown of single states, all
-    /// schedulers count, and the method reproduces no published digits.
+    /// schedulers count, and the method has bounds (estimates are of the model as it is).
     fn may_fold(&self) -> bool {
         let arguments = self.arguments;
         let is_shown = arguments.witness
             || arguments.export_strategy.is_some()
             || !arguments.export_model.is_empty();
-        !is_shown && !arguments.fair && arguments.method != Method::PrismDefault
+        !is_shown && !arguments.fair && !arguments.method.of_checker().is_estimate()
     }
 
     /// The properties over a model.
@@ -334,6 +338,10 @@ impl<'a> Work<'a> {
         options.precision = arguments.precision;
         options.fair = arguments.fair;
         options.epsilon = arguments.epsilon;
+        options.termination = match arguments.termination {
+            Termination::Relative => checker::Termination::Relative,
+            Termination::Absolute => checker::Termination::Absolute,
+        };
         options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
         options.cancel = Some(&cancel);
         let answer = |property: &NamedProperty| answer(space, property, &options);

@@ -185,6 +185,18 @@ pub enum Method {
     Exact,
     /// The stopping rule of PRISM's default settings: an estimate.
     PrismDefault,
+    /// Value iteration (power method) that stops when little changes: an estimate.
+    ValueIteration,
+    /// The same in place: an estimate.
+    GaussSeidel,
+    /// The same with self-loops divided out: an estimate.
+    Jacobi,
+    /// Policy iteration with some rounds for each policy: an estimate.
+    ModifiedPolicyIteration,
+    /// Policy iteration, each policy's chain solved by elimination: bounds that hold.
+    PolicyIteration,
+    /// Chains solved by elimination: bounds that hold.
+    LinearEquations,
 }
 
 impl Method {
@@ -194,16 +206,21 @@ impl Method {
             Method::Sound => checker::Method::Sound,
             Method::Exact => checker::Method::Exact,
             Method::PrismDefault => checker::Method::PrismDefault,
+            Method::ValueIteration => checker::Method::ValueIteration,
+            Method::GaussSeidel => checker::Method::GaussSeidel,
+            Method::Jacobi => checker::Method::Jacobi,
+            Method::ModifiedPolicyIteration => checker::Method::ModifiedPolicyIteration,
+            Method::PolicyIteration => checker::Method::PolicyIteration,
+            Method::LinearEquations => checker::Method::LinearEquations,
         }
     }
 
     /// The name of a method of the checker.
     pub fn name_of_checker(method: checker::Method) -> &'static str {
-        match method {
-            checker::Method::Sound => Method::Sound.name(),
-            checker::Method::PrismDefault => Method::PrismDefault.name(),
-            checker::Method::Exact => Method::Exact.name(),
-        }
+        let same = |own: &&Method| own.of_checker() == method;
+        let all = <Method as clap::ValueEnum>::value_variants();
+        let own = all.iter().find(same);
+        own.unwrap_or(&Method::Sound).name()
     }
 
     /// Its name in evidence, reports and on the command line.
@@ -212,6 +229,12 @@ impl Method {
             Method::Sound => "sound",
             Method::Exact => "exact",
             Method::PrismDefault => "prism-default",
+            Method::ValueIteration => "value-iteration",
+            Method::GaussSeidel => "gauss-seidel",
+            Method::Jacobi => "jacobi",
+            Method::ModifiedPolicyIteration => "modified-policy-iteration",
+            Method::PolicyIteration => "policy-iteration",
+            Method::LinearEquations => "linear-equations",
         }
     }
 }
