@@ -19,6 +19,7 @@ pub(crate) mod parametric;
 mod paths;
 mod quantifiers;
 mod rewards;
+mod schedulers;
 mod timed;
 
 use std::cell::OnceCell;

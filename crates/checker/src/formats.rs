@@ -24,10 +24,12 @@ mod dot;
 mod drn;
 mod outline;
 mod read;
+mod scheduler;
 mod write;
 
 pub use drn::read_drn;
 pub use read::{ExplicitError, ExplicitFiles, read_explicit};
+pub use scheduler::Decision;
 
 use prism_lang::{Rational, rational_to_f64};
 

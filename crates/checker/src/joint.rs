@@ -18,6 +18,7 @@ use temporal::ltl::Ltl;
 use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::graph::{EndComponent, maximal_end_components};
+use crate::scheduler::tour::{Recurring, covering};
 use crate::state_space::Csr;
 
 /// The product, with one row for each choice, also for chains.
@@ -161,6 +162,16 @@ impl<'a, N: Arithmetic> Joint<'a, N> {
         self.owner[row] as usize
     }
 
+    /// The model's state of a state.
+    pub fn state(&self, state: usize) -> usize {
+        self.state[state] as usize
+    }
+
+    /// Where the automata and the clock are in a state, as one number.
+    pub fn memory(&self, state: usize) -> u32 {
+        self.memory[state]
+    }
+
     /// Whether a scheduler can stay in a component such that the formulas `wanted` hold of almost all paths that
     /// do; the formulas by their place.
     pub fn satisfies(
@@ -168,27 +179,42 @@ impl<'a, N: Arithmetic> Joint<'a, N> {
         component: &EndComponent,
         wanted: &[usize],
     ) -> Result<bool, CheckError> {
+        Ok(self.recurring(component, wanted)?.is_some())
+    }
+
+    /// Where in a component to stay for that, and what must recur there.
+    pub fn recurring(
+        &mut self,
+        component: &EndComponent,
+        wanted: &[usize],
+    ) -> Result<Option<Recurring>, CheckError> {
         let mut open = vec![component.clone()];
         while let Some(component) = open.pop() {
-            let mut rejecting = None;
+            let (mut rejecting, mut recurring) = (None, Vec::new());
             for automaton in wanted {
                 let marks = self.marks(&component, *automaton)?;
                 let mut all: Vec<u32> = marks.iter().flatten().copied().collect();
                 all.sort_unstable();
                 all.dedup();
-                if !self.reader.automata[*automaton].accepts(all) {
+                let reader = &self.reader.automata[*automaton];
+                if !reader.accepts(all) {
                     rejecting = Some((*automaton, marks));
                     break;
                 }
+                recurring.extend(covering(reader, &component.rows, &marks));
             }
             match rejecting {
-                None => return Ok(true),
+                None => {
+                    recurring.sort_unstable();
+                    recurring.dedup();
+                    return Ok(Some((component, recurring)));
+                }
                 Some((automaton, marks)) => {
                     open.extend(self.within(&component, automaton, &marks));
                 }
             }
         }
-        Ok(false)
+        Ok(None)
     }
 
     /// The marks that an automaton shows on each row of a component.

@@ -4,6 +4,7 @@
 //! * [`symmetry`] finds symmetries of a model, up to which it is enough to explore;
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
+//! * [`scheduler()`] gives the scheduler that attains the value, with the memory it needs, and the chain it induces;
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
 //!   transition, and what happens in each step;
@@ -75,6 +76,7 @@ mod reachability;
 mod rewards;
 mod rounding;
 mod sample;
+pub mod scheduler;
 mod shape;
 mod sound;
 pub mod state_space;
@@ -92,4 +94,5 @@ pub use method::{Method, Termination};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;
+pub use scheduler::{Scheduler, scheduler, scheduler_exact};
 pub use witness::{Witness, witness};

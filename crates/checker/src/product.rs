@@ -27,6 +27,7 @@ use crate::choices::Choices;
 use crate::co_safe::CoSafe;
 use crate::fairness::is_complete;
 use crate::graph::{EndComponent, maximal_end_components};
+use crate::scheduler::tour::{Recurring, covering};
 use crate::state_space::Csr;
 
 /// Automaton states that stand for a settled verdict.
@@ -44,6 +45,8 @@ pub(crate) struct Product<N> {
     pub accepting: Vec<bool>,
     /// The model's state of each state.
     pub state: Vec<u32>,
+    /// The automaton's state of each state; one number each for what is settled.
+    pub memory: Vec<u32>,
     /// The model's row of each row; `None` where the verdict is settled and the product stops.
     pub origin: Vec<Option<usize>>,
 }
@@ -97,8 +100,23 @@ pub(crate) fn product<N: Arithmetic>(
 ) -> Result<Product<N>, CheckError> {
     let mut builder = Builder::new(model, automaton, letters, options);
     let mut product = builder.build(from, options)?;
-    product.accepting = builder.accepting(&product, options.fair)?;
+    product.accepting = builder.accepting(&product, options.fair, None)?;
     Ok(product)
+}
+
+/// The same, with the accepting end components and what must recur in each.
+pub(crate) fn recurring_product<N: Arithmetic>(
+    model: Choices<'_, N>,
+    automaton: &mut Automaton,
+    letters: &[u64],
+    from: &[usize],
+    options: &Options<'_>,
+) -> Result<(Product<N>, Vec<Recurring>), CheckError> {
+    let mut builder = Builder::new(model, automaton, letters, options);
+    let mut product = builder.build(from, options)?;
+    let mut found = Vec::new();
+    product.accepting = builder.accepting(&product, options.fair, Some(&mut found))?;
+    Ok((product, found))
 }
 
 /// The same with the automaton of a co-safe formula; accepting states are those in which it has accepted.
@@ -155,6 +173,7 @@ impl<'a, N: Arithmetic, R: Reader> Builder<'a, N, R> {
             start,
             accepting: self.states.iter().map(accepted).collect(),
             state: self.states.iter().map(|(state, _)| *state).collect(),
+            memory: self.states.iter().map(|(_, memory)| *memory).collect(),
             origin,
         })
     }
@@ -208,7 +227,13 @@ impl<N: Arithmetic, R: Reader> Builder<'_, N, R> {
 
 impl<N: Arithmetic> Builder<'_, N, Automaton> {
     /// The states of accepting end components; only of those in which a scheduler can be `fair`, if it must.
-    fn accepting(&mut self, product: &Product<N>, fair: bool) -> Result<Vec<bool>, CheckError> {
+    /// `found` is given the components, if they are asked for.
+    fn accepting(
+        &mut self,
+        product: &Product<N>,
+        fair: bool,
+        mut found: Option<&mut Vec<Recurring>>,
+    ) -> Result<Vec<bool>, CheckError> {
         let choices = product.choices();
         let owner = choices.owners();
         let mut accepting = vec![false; choices.num_states()];
@@ -224,6 +249,10 @@ impl<N: Arithmetic> Builder<'_, N, Automaton> {
             if self.accepts(&component, &marks) {
                 for state in &component.states {
                     accepting[*state as usize] = true;
+                }
+                if let Some(found) = &mut found {
+                    let recurring = covering(self.automaton, &component.rows, &marks);
+                    found.push((component, recurring));
                 }
             } else if !choices.is_chain() {
                 open.extend(self.within(choices, &component, &marks));

@@ -28,6 +28,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         }
         let mut sets = Vec::new();
         let formula = read_path(path, &mut sets, &mut |f| self.set(f))?.simplify();
+        // An inner operator's is not that of this one.
+        self.scheduler = None;
         let states = self.space.num_states();
         let (values, contrary) = match shape(&formula, &sets, states) {
             None => return self.on_product(&formula, &sets, maximise, from),

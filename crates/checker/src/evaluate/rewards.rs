@@ -268,20 +268,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         let product = co_safe_product(self.choices(), &mut automaton, &letters, from, options)?;
         self.product_states = self.product_states.max(Some(product.accepting.len()));
         let model = self.per_step(by_time);
-        let lifted = |part: &Part<E::Amount>| Part {
-            state: product
-                .state
-                .iter()
-                .map(|s| part.state[*s as usize].clone())
-                .collect(),
-            row: (product.origin.iter())
-                .map(|row| row.map_or_else(E::Amount::zero, |row| part.row[row].clone()))
-                .collect(),
-        };
-        let model = RewardModel {
-            gain: lifted(&model.gain),
-            loss: model.loss.as_ref().map(lifted),
-        };
+        let model = model.lifted(&product.state, &product.origin);
         let context: &Context<'_> = &self.context;
         let choices = product.choices();
         let optimal = rewards::reach::<E>(choices, &model, &product.accepting, maximise, context)?;

@@ -106,34 +106,6 @@ impl<N: Written> Explicit<'_, N> {
         Ok(())
     }
 
-    /// Writes a scheduler, a row of the matrix for each state: lines `(1,0)=go` with the state's values, or
-    /// `7=go` with its number. A choice without action is named by its place, such as `#0`. States where the
-    /// choice does not matter are left out.
-    ///
-    /// # Errors
-    /// Those of writing.
-    pub fn write_scheduler(
-        &self,
-        scheduler: &[Option<usize>],
-        with_values: bool,
-        out: &mut dyn Write,
-    ) -> Result<()> {
-        for (number, state) in self.order.iter().enumerate() {
-            let Some(Some(row)) = scheduler.get(*state) else {
-                continue;
-            };
-            let action = match self.space.action(*row) {
-                Some(action) => self.space.actions()[action].clone(),
-                None => format!("#{}", row - self.space.choices(*state).start),
-            };
-            match with_values {
-                true => writeln!(out, "{}={action}", self.values(*state))?,
-                false => writeln!(out, "{number}={action}")?,
-            }
-        }
-        Ok(())
-    }
-
     fn reward_head(&self, index: usize, of: &str, out: &mut dyn Write) -> Result<()> {
         match &self.space.rewards[index].0 {
             Some(name) => writeln!(out, "# Reward structure \"{name}\"")?,

@@ -86,7 +86,12 @@ impl Backward {
     }
 
     /// The states from which every scheduler has a chance of `right`.
-    fn unavoidable<N>(&self, choices: Choices<'_, N>, left: &[bool], right: &[bool]) -> Vec<bool> {
+    pub fn unavoidable<N>(
+        &self,
+        choices: Choices<'_, N>,
+        left: &[bool],
+        right: &[bool],
+    ) -> Vec<bool> {
         let mut found = right.to_vec();
         let mut hits = vec![false; choices.matrix.num_rows()];
         let mut missing: Vec<usize> = (0..left.len()).map(|s| choices.rows(s).len()).collect();

@@ -66,6 +66,22 @@ impl<A: Amount> RewardModel<A> {
         self.difference(|part| &part.state)
     }
 
+    /// The same on a product, of whose states and rows these are the model's; none earns nothing.
+    pub fn lifted(&self, state: &[u32], origin: &[Option<usize>]) -> Self {
+        let lifted = |part: &Part<A>| Part {
+            state: (state.iter())
+                .map(|state| part.state[*state as usize].clone())
+                .collect(),
+            row: (origin.iter())
+                .map(|row| row.map_or_else(A::zero, |row| part.row[row].clone()))
+                .collect(),
+        };
+        Self {
+            gain: lifted(&self.gain),
+            loss: self.loss.as_ref().map(lifted),
+        }
+    }
+
     fn difference(&self, of: impl Fn(&Part<A>) -> &Vec<A>) -> Vec<A> {
         let gain = of(&self.gain);
         match &self.loss {

@@ -79,8 +79,9 @@ pub struct Check {
     /// Write the labels.
     #[arg(long = "export-labels", value_name = "FILE")]
     pub export_labels: Option<PathBuf>,
-    /// Write the scheduler of each answer that has one: FILE.tra is the chain that it induces, another file
-    /// names its action in each state.
+    /// Write the scheduler that attains the answer: its action in each state, with the memory it needs (FILE, or
+    /// FILE.json); or the chain that it induces, which can be checked (FILE.tra, .sta, .lab, .srew, .trew, .dot, .drn, with the
+    /// memory as a variable).
     #[arg(long = "export-strategy", value_name = "FILE")]
     pub export_strategy: Option<String>,
     /// Show the most probable path that satisfies (or violates) each path formula with one temporal operator.

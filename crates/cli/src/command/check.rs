@@ -11,6 +11,7 @@ mod print;
 mod properties;
 mod ranges;
 mod results;
+mod strategy;
 
 use super::{Done, Setting, json};
 use crate::args::{Check, CheckFormat, Termination};
@@ -348,6 +349,13 @@ impl<'a> Work<'a> {
         let mut reports = Vec::new();
         for (place, asked) in chosen {
             reports.push(self.answered(*place, asked, space, answer)?);
+            let answered = reports.last().is_some_and(|report| report.error.is_none());
+            if let (Some(file), Asked::Property(named), true) =
+                (&arguments.export_strategy, asked, answered)
+            {
+                let (property, talk) = (&named.property, &setting.talk);
+                strategy::write_strategy(file, model, space, property, &options, talk)?;
+            }
         }
         Ok((built, reports))
     }
@@ -370,9 +378,6 @@ impl<'a> Work<'a> {
             return Err(Problem::interrupted());
         }
         let check_secs = began.elapsed().as_secs_f64();
-        if let (Some(file), Ok(answer)) = (&self.arguments.export_strategy, &answered) {
-            export::strategy(file, space, answer, &self.setting.talk)?;
-        }
         let witness = match &answered {
             Ok(answer) if self.arguments.witness => witness(space, property, answer),
             _ => None,

@@ -1,16 +1,14 @@
-//! The model and the schedulers, written to files.
+//! The model, written to files.
 
 use crate::args::Check;
 use crate::problem::{Problem, write_whole};
-use crate::talk::Talk;
-use checker::Answer;
 use checker::formats::{Explicit, Written};
 use checker::state_space::StateSpace;
 use prism_lang::{Arithmetic, resolved};
 use std::path::{Path, PathBuf};
 
 /// The forms of a model's files.
-const FORMS: [&str; 7] = ["tra", "sta", "lab", "srew", "trew", "dot", "drn"];
+pub(super) const FORMS: [&str; 7] = ["tra", "sta", "lab", "srew", "trew", "dot", "drn"];
 
 /// Writes the model as the arguments ask for.
 pub(super) fn model<N: Arithmetic + Written>(
@@ -49,8 +47,24 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
     }
 }
 
+/// Writes the chain of a scheduler in one form.
+pub(super) fn chain<N: Arithmetic + Written>(
+    model: &resolved::Model,
+    space: &StateSpace<N>,
+    form: &str,
+    path: &Path,
+) -> Result<(), Problem> {
+    let explicit = Explicit::new(space);
+    let export = Export {
+        model,
+        space,
+        explicit,
+    };
+    export.write(form, path)
+}
+
 /// The files that are asked for: `FORM=FILE`, `FILE.form,form` or `FILE.all`.
-fn files(asked: &str) -> Result<Vec<(String, PathBuf)>, Problem> {
+pub(super) fn files(asked: &str) -> Result<Vec<(String, PathBuf)>, Problem> {
     if let Some((form, path)) = asked.split_once('=')
         && (FORMS.contains(&form) || form == "dot-plain")
     {
@@ -156,36 +170,4 @@ impl<N: Arithmetic + Written> Export<'_, N> {
         }
         Ok(())
     }
-}
-
-/// Writes the scheduler of an answer, if it has one.
-pub(super) fn strategy<N: Arithmetic + Written>(
-    asked: &str,
-    space: &StateSpace<N>,
-    answer: &Answer,
-    talk: &Talk,
-) -> Result<(), Problem> {
-    let (file, options) = asked.split_once(':').unwrap_or((asked, ""));
-    let path = Path::new(file);
-    let Some(scheduler) = &answer.scheduler else {
-        talk.say("note: this answer has no scheduler that chooses by the state alone, so none is written");
-        return Ok(());
-    };
-    let cannot = |error: std::io::Error| Problem::cannot_write(path, &error);
-    let mut bytes = Vec::new();
-    let induces_chain = path.extension().is_some_and(|ending| ending == "tra")
-        || options.split(',').any(|option| option == "type=induced");
-    if induces_chain {
-        let chain = space.induced(scheduler);
-        Explicit::new(&chain)
-            .write_transitions(&mut bytes)
-            .map_err(cannot)?;
-    } else {
-        let with_states = !options.split(',').any(|option| option == "states=false");
-        let explicit = Explicit::new(space);
-        explicit
-            .write_scheduler(scheduler, with_states, &mut bytes)
-            .map_err(cannot)?;
-    }
-    write(path, &bytes)
 }
