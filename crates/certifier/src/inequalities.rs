@@ -45,9 +45,23 @@ enum Side {
     Upper,
 }
 
+/// What is to be reached, or earned before.
+#[derive(Clone, Copy, Debug)]
+pub struct Problem<'a> {
+    /// The choices of each state.
+    pub choices: &'a [Vec<Choice>],
+    /// What is to be reached.
+    pub target: &'a [bool],
+    /// Where it can no longer be.
+    pub failed: &'a [bool],
+    /// Whether the expected reward before the target is meant, else the probability of reaching it.
+    pub is_reward: bool,
+    /// Whether the greatest value over schedulers is meant, else the least.
+    pub maximise: bool,
+}
+
 struct Checker<'a> {
-    reading: &'a Reading,
-    question: &'a Question,
+    problem: Problem<'a>,
     bounds: &'a Bounds,
     count: u64,
 }
@@ -55,11 +69,10 @@ struct Checker<'a> {
 /// Checks all inequalities; says how many.
 ///
 /// # Errors
-/// The first that does not hold.
-pub fn check(reading: &Reading, question: &Question, bounds: &Bounds) -> Result<u64, Failure> {
+/// The first that does not hold: the number of the state, and what does not hold there.
+pub fn check_problem(problem: Problem<'_>, bounds: &Bounds) -> Result<u64, (usize, String)> {
     let mut checker = Checker {
-        reading,
-        question,
+        problem,
         bounds,
         count: 0,
     };
@@ -72,6 +85,24 @@ pub fn check(reading: &Reading, question: &Question, bounds: &Bounds) -> Result<
     Ok(checker.count)
 }
 
+/// Checks all inequalities; says how many.
+///
+/// # Errors
+/// The first that does not hold.
+pub fn check(reading: &Reading, question: &Question, bounds: &Bounds) -> Result<u64, Failure> {
+    let problem = Problem {
+        choices: &reading.choices,
+        target: &reading.target,
+        failed: &reading.failed,
+        is_reward: question.reward.is_some(),
+        maximise: question.maximise,
+    };
+    check_problem(problem, bounds).map_err(|(state, what)| Failure::Broken {
+        state: reading.states[state].clone(),
+        what,
+    })
+}
+
 impl Checker<'_> {
     fn values(&self, side: Side) -> &[f64] {
         match side {
@@ -81,48 +112,40 @@ impl Checker<'_> {
     }
 
     fn is_open(&self, state: usize) -> bool {
-        !self.reading.target[state] && !self.reading.failed[state]
-    }
-
-    fn broken(&self, state: usize, what: &str) -> Failure {
-        Failure::Broken {
-            state: self.reading.states[state].clone(),
-            what: what.to_owned(),
-        }
+        !self.problem.target[state] && !self.problem.failed[state]
     }
 
     /// In the target, and where it can no longer be reached.
-    fn ends(&self) -> Result<(), Failure> {
-        let at_target = if self.question.reward.is_some() {
-            0.0
-        } else {
-            1.0
-        };
-        for state in 0..self.reading.states.len() {
+    fn ends(&self) -> Result<(), Broken> {
+        let at_target = if self.problem.is_reward { 0.0 } else { 1.0 };
+        for state in 0..self.problem.choices.len() {
             let (low, high) = (self.bounds.lower[state], self.bounds.upper[state]);
             if low.is_nan() || high.is_nan() || low > high {
-                return Err(self.broken(state, "the lower bound exceeds the upper one"));
+                return Err(broken(state, "the lower bound exceeds the upper one"));
             }
             if high < 0.0 {
-                return Err(self.broken(state, "the upper bound is negative, as no value is"));
+                return Err(broken(state, "the upper bound is negative, as no value is"));
             }
-            let value = match (self.reading.target[state], self.reading.failed[state]) {
+            let value = match (self.problem.target[state], self.problem.failed[state]) {
                 (true, _) => at_target,
                 (_, true) => 0.0,
                 _ => continue,
             };
             if low > value || high < value {
-                return Err(self.broken(state, "the value is known, and not between the bounds"));
+                return Err(broken(
+                    state,
+                    "the value is known, and not between the bounds",
+                ));
             }
         }
         Ok(())
     }
 
     /// Which choices meet the inequality of a side, in each open state.
-    fn inductive(&mut self, side: Side) -> Result<Vec<Vec<bool>>, Failure> {
-        let for_all = self.question.maximise == (side == Side::Upper);
-        let mut all = Vec::with_capacity(self.reading.states.len());
-        for (state, choices) in self.reading.choices.iter().enumerate() {
+    fn inductive(&mut self, side: Side) -> Result<Vec<Vec<bool>>, Broken> {
+        let for_all = self.problem.maximise == (side == Side::Upper);
+        let mut all = Vec::with_capacity(self.problem.choices.len());
+        for (state, choices) in self.problem.choices.iter().enumerate() {
             if !self.is_open(state) {
                 all.push(Vec::new());
                 continue;
@@ -147,7 +170,10 @@ impl Checker<'_> {
                 } else {
                     "upper"
                 };
-                return Err(self.broken(state, &format!("the {which} bound is not inductive")));
+                return Err(broken(
+                    state,
+                    &format!("the {which} bound is not inductive"),
+                ));
             }
             all.push(meets);
         }
@@ -167,20 +193,20 @@ impl Checker<'_> {
             (Side::Lower, true, _) | (Side::Lower, _, true) => true,
             (Side::Upper, true, _) => true,
             (Side::Upper, false, true) => false,
-            _ => compared(side, own, choice, values),
+            _ => compared(side, own, choice, values, self.problem.is_reward),
         }
     }
 
     /// That the target is reached where a bound needs it.
-    fn progress(&mut self, side: Side, meets: &[Vec<bool>]) -> Result<(), Failure> {
-        let is_reward = self.question.reward.is_some();
+    fn progress(&mut self, side: Side, meets: &[Vec<bool>]) -> Result<(), Broken> {
+        let is_reward = self.problem.is_reward;
         if is_reward == (side == Side::Lower) {
             return Ok(());
         }
         // The lower bound of a probability, or the upper one of a reward.
-        let by_all = self.question.maximise == (side == Side::Upper);
+        let by_all = self.problem.maximise == (side == Side::Upper);
         let may = |state: usize, choice: usize| meets[state].get(choice) == Some(&true);
-        let reached = self.reached(&self.reading.target, by_all, may);
+        let reached = self.reached(self.problem.target, by_all, may);
         for (state, reached) in reached.iter().enumerate() {
             let value = self.values(side)[state];
             let needs = match is_reward {
@@ -188,7 +214,10 @@ impl Checker<'_> {
                 false => value > 0.0,
             };
             if needs && self.is_open(state) && !reached {
-                return Err(self.broken(state, "the bound makes no progress towards the target"));
+                return Err(broken(
+                    state,
+                    "the bound makes no progress towards the target",
+                ));
             }
         }
         Ok(())
@@ -209,7 +238,7 @@ impl Checker<'_> {
                     continue;
                 }
                 let leads = |c: &Choice| c.outcomes.iter().any(|(t, _)| reached[*t]);
-                let choices = &self.reading.choices[state];
+                let choices = &self.problem.choices[state];
                 let holds = match by_all {
                     true => choices.iter().all(leads),
                     false => (choices.iter().enumerate()).any(|(at, c)| may(state, at) && leads(c)),
@@ -224,26 +253,36 @@ impl Checker<'_> {
     }
 
     /// That values that are said to be infinite are.
-    fn infinite(&self) -> Result<(), Failure> {
+    fn infinite(&self) -> Result<(), Broken> {
         if self.bounds.lower.iter().all(|value| value.is_finite()) {
             return Ok(());
         }
-        let possible = self.reached(&self.reading.target, false, |_, _| true);
+        let possible = self.reached(self.problem.target, false, |_, _| true);
         let never: Vec<bool> = possible.iter().map(|possible| !possible).collect();
-        let misses = self.reached(&never, !self.question.maximise, |_, _| true);
+        let misses = self.reached(&never, !self.problem.maximise, |_, _| true);
         for (state, misses) in misses.iter().enumerate() {
             let value = self.bounds.lower[state];
-            if value.is_infinite() && (value < 0.0 || self.question.reward.is_none() || !misses) {
-                return Err(self.broken(state, "the value is not shown to be infinite"));
+            if value.is_infinite() && (value < 0.0 || !self.problem.is_reward || !misses) {
+                return Err(broken(state, "the value is not shown to be infinite"));
             }
         }
         Ok(())
     }
 }
 
+/// A state and what does not hold there.
+type Broken = (usize, String);
+
+fn broken(state: usize, what: &str) -> Broken {
+    (state, what.to_owned())
+}
+
 /// Whether `own >= F_c(values)` (upper) or `own <= F_c(values)` (lower), for finite numbers.
-fn compared(side: Side, own: f64, choice: &Choice, values: &[f64]) -> bool {
-    let mut sum = rational_to_f64(&choice.reward);
+fn compared(side: Side, own: f64, choice: &Choice, values: &[f64], is_reward: bool) -> bool {
+    let mut sum = match is_reward {
+        true => rational_to_f64(&choice.reward),
+        false => 0.0,
+    };
     for (target, p) in &choice.outcomes {
         sum += rational_to_f64(p) * values[*target];
     }
@@ -254,12 +293,15 @@ fn compared(side: Side, own: f64, choice: &Choice, values: &[f64]) -> bool {
     if nonnegative && difference.abs() > error {
         return (difference > 0.0) == (side == Side::Upper);
     }
-    exactly(side, own, choice, values)
+    exactly(side, own, choice, values, is_reward)
 }
 
-fn exactly(side: Side, own: f64, choice: &Choice, values: &[f64]) -> bool {
+fn exactly(side: Side, own: f64, choice: &Choice, values: &[f64], is_reward: bool) -> bool {
     let exact = |value: f64| Rational::from_float(value).unwrap_or_else(Rational::zero);
-    let mut sum = choice.reward.clone();
+    let mut sum = match is_reward {
+        true => choice.reward.clone(),
+        false => Rational::zero(),
+    };
     for (target, p) in &choice.outcomes {
         sum += p * exact(values[*target]);
     }

@@ -30,11 +30,21 @@
 //! assert!(certify(&model, &asked[0].property, &certificate(0.4, 0.45)).is_err());
 //! ```
 
+mod average;
+mod evaluate;
+mod explicit;
 mod failure;
+mod formula;
 pub mod inequalities;
+mod interval;
+mod product;
 mod question;
 mod reading;
+mod steps;
+mod timed;
+mod total;
 
+pub use evaluate::Oracle;
 pub use failure::Failure;
 pub use question::Question;
 pub use reading::{Choice, Reading};
@@ -68,6 +78,8 @@ pub struct Certified {
     pub low: f64,
     /// The value is at most this in the initial states (the greatest of them).
     pub high: f64,
+    /// Whether the property holds in all initial states, if it is true or false.
+    pub truth: Option<bool>,
     /// How many states were read.
     pub states: usize,
     /// How many inequalities were checked.
@@ -100,9 +112,43 @@ pub fn certify(
     Ok(Certified {
         low,
         high,
+        truth: None,
         states: reading.states.len(),
         inequalities,
     })
+}
+
+/// Certifies a property of any kind: what has to be solved on the way is asked of an oracle, whose bounds count only
+/// if they are shown to hold; what is true or false only where the bounds leave no doubt.
+///
+/// # Errors
+/// What does not hold, or what cannot be certified.
+///
+/// ```
+/// use certifier::{Oracle, certify_by, inequalities::{Bounds, Problem}};
+/// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+///
+/// // Nobody to ask: enough for what happens within steps.
+/// struct Nobody;
+/// impl Oracle for Nobody {
+///     fn bounds(&mut self, _: &Problem<'_>, _: u32) -> Option<Bounds> {
+///         None
+///     }
+/// }
+/// let text = "dtmc module coin s : [0..2]; [] s=0 -> 1/3:(s'=0) + 1/3:(s'=1) + 1/3:(s'=2); endmodule";
+/// let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+/// let asked = parse_properties("P=? [ F<=2 s=1 ]").tree;
+/// let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
+/// let certified = certify_by(&model, &asked[0].property, &mut Nobody).unwrap();
+/// assert!(certified.low <= 4.0 / 9.0 && 4.0 / 9.0 <= certified.high);
+/// assert!(certified.high - certified.low < 1e-15);
+/// ```
+pub fn certify_by(
+    model: &Model,
+    property: &Property,
+    oracle: &mut dyn Oracle,
+) -> Result<Certified, Failure> {
+    evaluate::Evaluator::new(model, oracle)?.certified(property)
 }
 
 /// The certificate in the order of the states that were read here.

@@ -44,6 +44,10 @@ pub struct Reading {
     pub num_initial: usize,
     /// The choices of each state.
     pub choices: Vec<Vec<Choice>>,
+    /// Where nothing is enabled.
+    pub deadlock: Vec<bool>,
+    /// The rate of leaving each state, in continuous time (of a deadlock 1); 1 in discrete time.
+    pub rate: Vec<Rational>,
     /// Where the target is reached.
     pub target: Vec<bool>,
     /// Where it can no longer be: neither it nor what must hold before holds.
@@ -60,11 +64,28 @@ struct Event<'m> {
 type Outcomes = Vec<(Vec<i64>, Rational)>;
 
 impl Reading {
-    /// Reads the states of a model that can be reached.
+    /// Reads the states of a model that can be reached, and where a question's target is.
     ///
     /// # Errors
     /// If the model is none, or has a construct that is not read here.
     pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
+        let mut reading = Self::of(model, question.reward)?;
+        for (number, state) in reading.states.iter().enumerate() {
+            let is_deadlock = reading.deadlock[number];
+            let is = |formula| holds(formula, model, state, number == 0, is_deadlock);
+            let target = is(&question.right)?;
+            let waits = question.left.as_ref().map_or(Ok(true), is)?;
+            reading.target.push(target);
+            reading.failed.push(!target && !waits);
+        }
+        Ok(reading)
+    }
+
+    /// Reads the states of a model that can be reached, with what each step earns of a reward structure.
+    ///
+    /// # Errors
+    /// If the model is none, or has a construct that is not read here.
+    pub fn of(model: &Model, structure: Option<usize>) -> Result<Self, Failure> {
         if model.composition.is_some() {
             return Err(unsupported("a model with `system ... endsystem`"));
         }
@@ -75,6 +96,8 @@ impl Reading {
             states: vec![initial.clone()],
             num_initial: 1,
             choices: Vec::new(),
+            deadlock: Vec::new(),
+            rate: Vec::new(),
             target: Vec::new(),
             failed: Vec::new(),
         };
@@ -83,7 +106,7 @@ impl Reading {
         while reading.choices.len() < reading.states.len() {
             let number = reading.choices.len();
             let state = reading.states[number].clone();
-            let read = choices(model, &state, question)?;
+            let (read, rate) = choices(model, &state, structure)?;
             let mut number_of = |target: Vec<i64>| {
                 let next = reading.states.len();
                 *numbers.entry(target).or_insert_with_key(|target| {
@@ -103,15 +126,12 @@ impl Reading {
             let is_deadlock = numbered.is_empty();
             if is_deadlock {
                 let outcomes = vec![(number, Rational::one())];
-                let reward = state_reward(model, &state, question)?;
+                let reward = state_reward(model, &state, structure)?;
                 numbered.push(Choice { outcomes, reward });
             }
             reading.choices.push(numbered);
-            let is = |formula| holds(formula, model, &state, number == 0, is_deadlock);
-            let target = is(&question.right)?;
-            let waits = question.left.as_ref().map_or(Ok(true), is)?;
-            reading.target.push(target);
-            reading.failed.push(!target && !waits);
+            reading.deadlock.push(is_deadlock);
+            reading.rate.push(rate);
         }
         Ok(reading)
     }
@@ -134,22 +154,22 @@ fn merged<T: Ord>(mut outcomes: Vec<(T, Rational)>) -> Vec<(T, Rational)> {
 fn choices(
     model: &Model,
     state: &[i64],
-    question: &Question,
-) -> Result<Vec<(Outcomes, Rational)>, Failure> {
+    structure: Option<usize>,
+) -> Result<(Vec<(Outcomes, Rational)>, Rational), Failure> {
     let mut found = Vec::new();
     for event in events(model, state)? {
         let outcomes = outcomes(model, state, &event)?;
-        let earned = reward(model, state, question, Some(event.action))?;
+        let earned = reward(model, state, structure, Some(event.action))?;
         if outcomes.iter().any(|(_, p)| !p.is_zero()) {
             found.push((outcomes, earned));
         }
     }
-    let own = state_reward(model, state, question)?;
+    let own = state_reward(model, state, structure)?;
     match model.model_type {
-        _ if found.is_empty() => Ok(found),
+        _ if found.is_empty() => Ok((found, Rational::one())),
         ModelType::Mdp | ModelType::Lts => {
             found.iter_mut().for_each(|(_, earned)| *earned += &own);
-            Ok(found)
+            Ok((found, Rational::one()))
         }
         kind => {
             // Rates race; in discrete time all choices are equally likely.
@@ -173,7 +193,11 @@ fn choices(
                     all.push((target, p));
                 }
             }
-            Ok(vec![(all, sum)])
+            let rate = match kind {
+                ModelType::Ctmc => total,
+                _ => Rational::one(),
+            };
+            Ok((vec![(all, sum)], rate))
         }
     }
 }
@@ -263,19 +287,23 @@ fn outcomes(model: &Model, state: &[i64], event: &Event<'_>) -> Result<Outcomes,
     Ok(merged(outcomes))
 }
 
-fn state_reward(model: &Model, state: &[i64], question: &Question) -> Result<Rational, Failure> {
-    reward(model, state, question, None)
+pub(crate) fn state_reward(
+    model: &Model,
+    state: &[i64],
+    structure: Option<usize>,
+) -> Result<Rational, Failure> {
+    reward(model, state, structure, None)
 }
 
 /// What the state earns (`None`), or a transition with this action.
 fn reward(
     model: &Model,
     state: &[i64],
-    question: &Question,
+    structure: Option<usize>,
     of: Option<Option<usize>>,
 ) -> Result<Rational, Failure> {
     let mut sum = Rational::zero();
-    let items = question.reward.and_then(|index| model.rewards.get(index));
+    let items = structure.and_then(|index| model.rewards.get(index));
     for item in items.iter().flat_map(|structure| &structure.items) {
         if item.transition == of && item.guard.eval_bool(state)? {
             let value: Rational = item.value.eval_number(state)?;

@@ -220,8 +220,7 @@ impl<'a> Work<'a> {
         }?;
         let mut report = CheckReport::new(self.arguments, found);
         if self.arguments.certify {
-            let (source, setting) = (&self.source, self.setting);
-            certify::all(&mut report, self.arguments, source, &model, &asked, setting)?;
+            certify::all(&mut report, self.arguments, &model, &asked, self.setting)?;
         }
         Ok((built, report.properties))
     }

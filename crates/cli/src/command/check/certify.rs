@@ -4,12 +4,15 @@ use super::properties::Asked;
 use super::{CheckReport, PropertyReport};
 use crate::args::Check;
 use crate::command::Setting;
-use crate::problem::{Problem, Source};
-use certifier::{Certificate, Certified, Failure, certify};
-use checker::explore::ExploreOptions;
-use checker::state_space::StateSpace;
+use crate::problem::Problem;
+use certifier::inequalities::{self, Bounds};
+use certifier::{Certified, Oracle, certify_by};
+use checker::state_space::{Csr, Rewards, StateSpace, TransitionRewards};
 use checker::{CheckError, Options};
-use prism_lang::{NamedProperty, Property, StateFormula, resolved};
+use prism_lang::ast::Optimum;
+use prism_lang::property::{Quantity, RewardObjective, RewardQuery};
+use prism_lang::resolved::{self, ModelType};
+use prism_lang::{NamedProperty, Path, Property, StateFormula, TimeBound, rational_to_f64};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -39,26 +42,22 @@ impl CertificateReport {
 }
 
 /// How many times more than the residual bounds are widened by, one after the other.
-const SLACKS: [f64; 4] = [2.0, 32.0, 1024.0, 1_048_576.0];
+const SLACKS: [f64; 5] = [2.0, 32.0, 1024.0, 1_048_576.0, 1_073_741_824.0];
+
+/// The relative width of bounds beyond which they confirm no number.
+const COARSE: f64 = 1e-3;
 
 /// Certifies all answers of a report.
 pub(super) fn all(
     report: &mut CheckReport,
     arguments: &Check,
-    source: &Source,
     model: &resolved::Model,
     asked: &[Asked],
     setting: &Setting,
 ) -> Result<(), Problem> {
-    let limits = ExploreOptions {
-        max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
-        ..ExploreOptions::default()
-    };
-    let space = super::explore::<f64>(source, model, &limits, setting)?;
     let cancel = || setting.interrupt.is_set();
     let options = Options {
         precision: arguments.precision,
-        fair: arguments.fair,
         cancel: Some(&cancel),
         ..Options::default()
     };
@@ -66,10 +65,14 @@ pub(super) fn all(
         let Some(Asked::Property(named)) = asked.get(property.prop_idx - 1) else {
             continue;
         };
-        if property.error.is_none() {
-            let found = one(property, named, &space, model, &options)?;
-            property.certificate = Some(found);
+        if property.error.is_some() {
+            continue;
         }
+        let is_fair = arguments.fair && model.model_type == resolved::ModelType::Mdp;
+        property.certificate = Some(match is_fair {
+            true => nothing("values over fair schedulers cannot be certified yet".into()),
+            false => one(property, named, model, &options)?,
+        });
     }
     Ok(())
 }
@@ -77,32 +80,118 @@ pub(super) fn all(
 fn one(
     report: &PropertyReport,
     named: &NamedProperty,
-    space: &StateSpace<f64>,
     model: &resolved::Model,
     options: &Options<'_>,
 ) -> Result<CertificateReport, Problem> {
-    let states: Vec<Vec<i64>> = (0..space.num_states()).map(|s| space.state(s)).collect();
-    let mut why = String::new();
-    for slack in SLACKS {
-        let bounds = match checker::bounds_of_states(space, &named.property, options, slack) {
-            Ok(bounds) => bounds,
-            Err(CheckError::Cancelled) => return Err(Problem::interrupted()),
-            Err(error) => return Ok(nothing(error.to_string())),
-        };
-        let certificate = Certificate {
-            states: states.clone(),
-            lower: bounds.lower,
-            upper: bounds.upper,
-            scheduler: bounds.scheduler,
-        };
-        match certify(model, &named.property, &certificate) {
-            Ok(certified) => return Ok(judged(report, named, &certified)),
-            // Wider bounds may pass.
-            Err(failure @ Failure::Broken { .. }) => why = failure.to_string(),
-            Err(failure) => return Ok(nothing(failure.to_string())),
+    let mut solver = Solver {
+        options,
+        is_cancelled: false,
+        why: None,
+    };
+    let found = certify_by(model, &named.property, &mut solver);
+    if solver.is_cancelled {
+        return Err(Problem::interrupted());
+    }
+    Ok(match found {
+        Ok(certified) => judged(report, &certified),
+        Err(failure) => nothing(solver.why.unwrap_or_else(|| failure.to_string())),
+    })
+}
+
+/// The solver as the certifier's oracle: it is asked about explicit problems, and trusted in nothing.
+struct Solver<'a> {
+    options: &'a Options<'a>,
+    is_cancelled: bool,
+    /// Why the last problem has no bounds.
+    why: Option<String>,
+}
+
+impl Oracle for Solver<'_> {
+    fn bounds(&mut self, problem: &inequalities::Problem<'_>, attempt: u32) -> Option<Bounds> {
+        let slack = *SLACKS.get(attempt as usize)?;
+        let (space, property) = asked_of_the_solver(problem);
+        match checker::bounds_of_states(&space, &property, self.options, slack) {
+            Ok(bounds) => Some(Bounds {
+                lower: bounds.lower,
+                upper: bounds.upper,
+                scheduler: None,
+            }),
+            Err(CheckError::Cancelled) => {
+                self.is_cancelled = true;
+                None
+            }
+            Err(error) => {
+                self.why = Some(error.to_string());
+                None
+            }
         }
     }
-    Ok(nothing(why))
+}
+
+/// A problem as a state space without variables and a property of it.
+fn asked_of_the_solver(problem: &inequalities::Problem<'_>) -> (StateSpace<f64>, Property) {
+    let is_chain = problem.choices.iter().all(|choices| choices.len() == 1);
+    let rows = problem.choices.iter().flatten().map(|choice| {
+        let entry =
+            |(target, p): &(usize, prism_lang::Rational)| (*target as u32, rational_to_f64(p));
+        choice.outcomes.iter().map(entry).collect()
+    });
+    let matrix = Csr::from_rows(rows.collect());
+    let (kind, choice_start) = match is_chain {
+        true => (ModelType::Dtmc, Vec::new()),
+        false => {
+            let mut start = vec![0];
+            for choices in problem.choices {
+                start.push(start[start.len() - 1] + choices.len());
+            }
+            (ModelType::Mdp, start)
+        }
+    };
+    let waits = problem.failed.iter().map(|failed| !failed).collect();
+    let labels = vec![
+        ("target".to_owned(), problem.target.to_vec()),
+        ("waits".to_owned(), waits),
+    ];
+    let mut space = StateSpace::from_parts(kind, matrix, choice_start, vec![0], labels);
+    let label = |name: &str| StateFormula::Label(name.to_owned());
+    let path = |name: &str| Box::new(Path::State(Box::new(label(name))));
+    let optimum = match problem.maximise {
+        _ if is_chain => None,
+        true => Some(Optimum::Max),
+        false => Some(Optimum::Min),
+    };
+    let quantity = match problem.is_reward {
+        false => Quantity::Probability {
+            optimum,
+            path: Box::new(Path::Until {
+                left: path("waits"),
+                right: path("target"),
+                bound: TimeBound::default(),
+            }),
+        },
+        true => {
+            let earned = problem.choices.iter().flatten();
+            let earned: Vec<f64> = earned
+                .map(|choice| rational_to_f64(&choice.reward))
+                .collect();
+            let rewards = match is_chain {
+                true => Rewards::of_states(earned),
+                false => Rewards {
+                    transition: TransitionRewards::Row(earned),
+                    ..Rewards::of_states(vec![0.0; problem.choices.len()])
+                },
+            };
+            space = space.with_rewards(None, rewards);
+            let objective = RewardObjective::Reach(Box::new(label("target")));
+            let reward = RewardQuery {
+                structure: 0,
+                divisor: None,
+                objective,
+            };
+            Quantity::Reward { optimum, reward }
+        }
+    };
+    (space, Property::Number(quantity))
 }
 
 fn nothing(why: String) -> CertificateReport {
@@ -117,23 +206,18 @@ fn nothing(why: String) -> CertificateReport {
 }
 
 /// Whether an answer agrees with what was shown.
-fn judged(
-    report: &PropertyReport,
-    named: &NamedProperty,
-    certified: &Certified,
-) -> CertificateReport {
+fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
     let (low, high) = (certified.low, certified.high);
-    let why = match report.result.as_deref() {
-        Some("true") => agrees(named, certified, true),
-        Some("false") => agrees(named, certified, false),
-        Some("Infinity") => Some(low == f64::INFINITY),
-        _ => {
-            let ends = (report.low.or(report.value), report.high.or(report.value));
-            match ends {
-                (Some(from), Some(to)) => Some(from <= high && low <= to),
-                _ => None,
-            }
-        }
+    let is_coarse = high - low > COARSE * low.abs().max(high.abs());
+    let why = match (report.result.as_deref(), certified.truth) {
+        (Some(answer @ ("true" | "false")), Some(truth)) => Some((answer == "true") == truth),
+        (Some("Infinity"), _) if low == f64::INFINITY => Some(true),
+        (Some("Infinity"), _) => (high < f64::INFINITY).then_some(false),
+        _ => match (report.low.or(report.value), report.high.or(report.value)) {
+            (Some(from), Some(to)) if from > high || to < low => Some(false),
+            (Some(_), Some(_)) if !is_coarse => Some(true),
+            _ => None,
+        },
     };
     let (status, why) = match why {
         Some(true) => ("certified", None),
@@ -157,36 +241,6 @@ fn judged(
     }
 }
 
-/// Whether bounds agree that a property has this truth value; `None` if they leave it open.
-fn agrees(named: &NamedProperty, certified: &Certified, truth: bool) -> Option<bool> {
-    let (comparison, bound) = match &named.property {
-        Property::Probability {
-            bound: Some((comparison, bound)),
-            ..
-        } => (comparison, bound),
-        Property::State(StateFormula::Reward { bound, .. }) => (&bound.0, &bound.1),
-        _ => return None,
-    };
-    let bound = prism_lang::Rational::from_float(bound.to_f64())
-        .filter(|exact| Some(exact) == bound.exact())
-        .map(|_| bound.to_f64())
-        .map_or_else(
-            || (bound.to_f64().next_down(), bound.to_f64().next_up()),
-            |exact| (exact, exact),
-        );
-    let holds_at = |value: f64| {
-        let (a, b) = (
-            comparison.holds(&value, &bound.0),
-            comparison.holds(&value, &bound.1),
-        );
-        (a == b).then_some(a)
-    };
-    match (holds_at(certified.low)?, holds_at(certified.high)?) {
-        (low, high) if low == high => Some(low == truth),
-        _ => None,
-    }
-}
-
 /// The lines of a certificate, for reading.
 pub(super) fn text(certificate: &CertificateReport) -> String {
     let mut line = format!("Certificate: {}", certificate.status);
@@ -201,4 +255,66 @@ pub(super) fn text(certificate: &CertificateReport) -> String {
     }
     line.push('\n');
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::Method;
+    use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+
+    const MODEL: &str = "mdp module m s : [0..3];
+        [a] s=0 -> 1/3:(s'=1) + 2/3:(s'=2); [b] s=0 -> 1/2:(s'=0) + 1/2:(s'=2);
+        [a] s=1 -> (s'=3); [b] s=1 -> (s'=1); [] s=3 -> (s'=1); [] s=2 -> true; endmodule
+        rewards s=1 : 1; s=3 : 2; s=0 : 1; endrewards";
+
+    #[test]
+    fn answers_of_each_kind_are_certified_and_altered_ones_refuted() {
+        let model = resolve(&parse_model(MODEL).tree, &Constants::new()).unwrap();
+        let space = checker::explore::explore::<f64>(&model).unwrap();
+        let options = Options::default();
+        let judge = |report: &PropertyReport, named: &NamedProperty| {
+            let found = one(report, named, &model, &options).unwrap();
+            (found.status, found.why)
+        };
+        for text in [
+            "Pmax=? [ F s=3 ]",
+            "Pmin=? [ F s=2 ]",
+            "Pmax=? [ F<=4 s=3 ]",
+            "Pmax=? [ X s=2 ]",
+            "Pmax=? [ (G F s=1) & (G F s=3) ]",
+            "Pmin=? [ (G F s=1) => (G F s=3) ]",
+            "Pmax=? [ F (P>=1 [ X s=3 ]) ]",
+            "Rmin=? [ F s!=0 ]",
+            "Rmax=? [ C<=5 ]",
+            "Rmin=? [ I=3 ]",
+            "Rmin=? [ C ]",
+            "Rmax=? [ S ]",
+            "Rmax=? [ F (s!=0 & (X true)) ]",
+            "Pmax=? [ F s=3 ] + Rmax=? [ C<=2 ]",
+            "filter(max, Pmax=? [ F s=3 ], s!=1)",
+            "P>=0.3 [ F s=1 ]",
+            "Rmax=? [ S ] > 0.2 & P<=0.4 [ F s=3 ]",
+        ] {
+            let asked = parse_properties(text).into_result().unwrap();
+            let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
+            let answer = checker::check(&space, &model, &asked[0].property, &options);
+            let mut report =
+                super::super::form::property_report(1, &asked[0], answer, Method::Sound, 0.0);
+            assert_eq!(judge(&report, &asked[0]), ("certified".into(), None), "{text}");
+            match report.result.as_deref() {
+                Some("true") => report.result = Some("false".into()),
+                Some("false") => report.result = Some("true".into()),
+                _ => {
+                    let altered = |end: &mut Option<f64>| {
+                        *end = end.map(|x| if x == 0.0 { 1e-3 } else { x * 1.002 });
+                    };
+                    altered(&mut report.low);
+                    altered(&mut report.high);
+                    altered(&mut report.value);
+                }
+            }
+            assert_eq!(judge(&report, &asked[0]).0, "refuted", "{text}");
+        }
+    }
 }

@@ -1,0 +1,246 @@
+//! From a property to bounds of its value, with nothing taken on trust.
+//!
+//! *Method.* Bottom-up over the states that were read anew. What happens within steps is computed backward in intervals
+//! ([`steps`]); what happens within a time, by uniformisation in intervals ([`timed`]); what is reached, or earned before,
+//! is asked of an [`Oracle`], which need not be trusted: its bounds count only if all inequalities hold ([`inequalities`]).
+//! Linear temporal logic becomes reachability in a product with machines ([`product`](super::product)); averages are bounded by gain and bias,
+//! totals by inequalities ([`average`], [`total`]). Truth values of nested operators follow from the bounds; where these
+//! leave one open, nothing is certified.
+//!
+//! Guarantee: exact where inequalities are checked, containment where intervals are computed. Nothing is shared with the
+//! solver but the parser and the meaning of expressions.
+//!
+//! [`steps`]: crate::steps
+//! [`timed`]: crate::timed
+//! [`inequalities`]: crate::inequalities
+//! [`average`]: crate::average
+//! [`total`]: crate::total
+
+use std::rc::Rc;
+
+use num_traits::Zero;
+use prism_lang::ast::BinaryOp;
+use prism_lang::property::{Property, StateFormula};
+use prism_lang::resolved::{Model, ModelType};
+use prism_lang::{Comparison, Rational};
+
+use crate::Certified;
+use crate::failure::Failure;
+use crate::inequalities::{Bounds, Problem};
+use crate::interval::Interval;
+use crate::question::{holds, unsupported};
+use crate::reading::{Choice, Reading};
+
+mod paths;
+mod quantities;
+pub(crate) use paths::as_set;
+
+/// Who finds bounds, which need not be right.
+pub trait Oracle {
+    /// Bounds for a problem, one of each kind for every state; wider ones each time it is asked again about the same
+    /// problem (`attempt` counts from 0). Nothing if there are no (more) bounds.
+    fn bounds(&mut self, problem: &Problem<'_>, attempt: u32) -> Option<Bounds>;
+}
+
+/// How often an oracle is asked about the same problem.
+const ATTEMPTS: u32 = 6;
+
+/// The evaluation of one property.
+pub(crate) struct Evaluator<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) oracle: &'a mut dyn Oracle,
+    readings: Vec<(Option<usize>, Rc<Reading>)>,
+    pub(crate) inequalities: u64,
+}
+
+impl<'a> Evaluator<'a> {
+    pub fn new(model: &'a Model, oracle: &'a mut dyn Oracle) -> Result<Self, Failure> {
+        if model.model_type == ModelType::Lts {
+            return Err(unsupported("a model without probabilities"));
+        }
+        Ok(Self {
+            model,
+            oracle,
+            readings: Vec::new(),
+            inequalities: 0,
+        })
+    }
+
+    /// What is shown of a property in the initial states.
+    pub fn certified(mut self, property: &Property) -> Result<Certified, Failure> {
+        let reading = self.reading(None)?;
+        let initial = 0..reading.num_initial;
+        let (values, truth) = match property {
+            Property::Probability { bound, path } => {
+                let maximise = bound.as_ref().is_none_or(|(c, _)| worst(*c));
+                let values = self.path(path, maximise)?;
+                let truth = match bound {
+                    None => None,
+                    Some((comparison, bound)) => Some(all(
+                        &values[initial.clone()],
+                        *comparison,
+                        &Interval::of_number(bound),
+                    )?),
+                };
+                (values, truth)
+            }
+            Property::State(formula) => {
+                let truths = self.truths(formula)?;
+                let truth = truths[initial.clone()].iter().all(|holds| *holds);
+                let unknown = Interval {
+                    low: f64::NEG_INFINITY,
+                    high: f64::INFINITY,
+                };
+                (vec![unknown; truths.len()], Some(truth))
+            }
+            Property::Number(quantity) => (self.numbers(quantity)?, None),
+            Property::Range(filter) => (self.filtered(filter, true)?, None),
+            Property::Objectives(_) => return Err(unsupported("an answer for several objectives")),
+        };
+        let ends = initial.map(|state| values[state]);
+        let joined = ends
+            .reduce(|a, b| Interval {
+                low: a.low.min(b.low),
+                high: a.high.max(b.high),
+            })
+            .ok_or(Failure::NoInitialState)?;
+        Ok(Certified {
+            low: joined.low,
+            high: joined.high,
+            truth,
+            states: reading.states.len(),
+            inequalities: self.inequalities,
+        })
+    }
+
+    /// The model with what its steps earn.
+    pub fn reading(&mut self, structure: Option<usize>) -> Result<Rc<Reading>, Failure> {
+        if let Some((_, known)) = self.readings.iter().find(|(of, _)| *of == structure) {
+            return Ok(known.clone());
+        }
+        let reading = Rc::new(Reading::of(self.model, structure)?);
+        self.readings.push((structure, reading.clone()));
+        Ok(reading)
+    }
+
+    pub fn is_chain(&self) -> bool {
+        self.model.model_type != ModelType::Mdp
+    }
+
+    /// The states in which a formula holds.
+    pub fn truths(&mut self, formula: &StateFormula) -> Result<Vec<bool>, Failure> {
+        let pairs = |evaluator: &mut Self,
+                     a: &StateFormula,
+                     b: &StateFormula,
+                     join: fn(bool, bool) -> bool| {
+            let (a, b) = (evaluator.truths(a)?, evaluator.truths(b)?);
+            Ok(a.into_iter().zip(b).map(|(a, b)| join(a, b)).collect())
+        };
+        match formula {
+            StateFormula::Expr(_) | StateFormula::Label(_) => {
+                let reading = self.reading(None)?;
+                (reading.states.iter().enumerate())
+                    .map(|(number, state)| {
+                        let (first, stuck) =
+                            (number < reading.num_initial, reading.deadlock[number]);
+                        holds(formula, self.model, state, first, stuck)
+                    })
+                    .collect()
+            }
+            StateFormula::Not(a) => Ok(self.truths(a)?.into_iter().map(|a| !a).collect()),
+            StateFormula::And(a, b) => pairs(self, a, b, |a, b| a && b),
+            StateFormula::Or(a, b) => pairs(self, a, b, |a, b| a || b),
+            StateFormula::Implies(a, b) => pairs(self, a, b, |a, b| !a || b),
+            StateFormula::Iff(a, b) => pairs(self, a, b, |a, b| a == b),
+            StateFormula::Choice(condition, a, b) => {
+                let condition = self.truths(condition)?;
+                let (a, b) = (self.truths(a)?, self.truths(b)?);
+                let each = condition.into_iter().zip(a.into_iter().zip(b));
+                Ok(each.map(|(c, (a, b))| if c { a } else { b }).collect())
+            }
+            StateFormula::Probability { .. }
+            | StateFormula::Reward { .. }
+            | StateFormula::LongRun { .. } => self.bounded(formula, false),
+            StateFormula::SomeScheduler(inner) => self.bounded(inner, true),
+            StateFormula::Compare(operator, a, b) => {
+                let (a, b) = (self.numbers(a)?, self.numbers(b)?);
+                (a.iter().zip(&b))
+                    .map(|(a, b)| match operator {
+                        BinaryOp::Less => decided(a, Comparison::Less, b),
+                        BinaryOp::LessEqual => decided(a, Comparison::LessEqual, b),
+                        BinaryOp::Greater => decided(a, Comparison::Greater, b),
+                        BinaryOp::GreaterEqual => decided(a, Comparison::GreaterEqual, b),
+                        BinaryOp::NotEqual if a.high < b.low || b.high < a.low => Ok(true),
+                        BinaryOp::Equal if a.high < b.low || b.high < a.low => Ok(false),
+                        _ => Err(open()),
+                    })
+                    .collect()
+            }
+            StateFormula::Filter(filter) => self.filter_truths(filter),
+            StateFormula::ForAll(_) | StateFormula::Exists(_) => {
+                Err(unsupported("the path quantifiers `A` and `E`"))
+            }
+        }
+    }
+
+    fn bounded(&mut self, formula: &StateFormula, by_some: bool) -> Result<Vec<bool>, Failure> {
+        let (values, comparison, bound) = match formula {
+            StateFormula::Probability { bound, path } => {
+                let values = self.path(path, worst(bound.0) != by_some)?;
+                (values, bound.0, Interval::of_number(&bound.1))
+            }
+            StateFormula::Reward { bound, reward } => {
+                let values = self.reward(reward, worst(bound.0) != by_some)?;
+                (values, bound.0, Interval::of_number(&bound.1))
+            }
+            StateFormula::LongRun { bound, states } => {
+                let values = self.share(states)?;
+                (values, bound.0, Interval::of_number(&bound.1))
+            }
+            _ => return Err(unsupported("a strategy of several operators")),
+        };
+        let decide = |value: &Interval| decided(value, comparison, &bound);
+        values.iter().map(decide).collect()
+    }
+}
+
+/// Whether the greatest value is what a bound must be compared with, so that all schedulers meet it.
+fn worst(comparison: Comparison) -> bool {
+    matches!(comparison, Comparison::Less | Comparison::LessEqual)
+}
+
+/// Whether a number compares so, if that is known.
+fn decided(value: &Interval, comparison: Comparison, bound: &Interval) -> Result<bool, Failure> {
+    let below = if value.high < bound.low {
+        Some(true)
+    } else if value.low > bound.high {
+        Some(false)
+    } else {
+        None
+    };
+    let (no_less, no_more) = (value.low >= bound.high, value.high <= bound.low);
+    match comparison {
+        Comparison::Less => below.or(no_less.then_some(false)),
+        Comparison::GreaterEqual => below.map(|below| !below).or(no_less.then_some(true)),
+        Comparison::LessEqual => below.or(no_more.then_some(true)),
+        Comparison::Greater => below.map(|below| !below).or(no_more.then_some(false)),
+    }
+    .ok_or_else(open)
+}
+
+fn all(values: &[Interval], comparison: Comparison, bound: &Interval) -> Result<bool, Failure> {
+    let mut all = true;
+    for value in values {
+        all &= decided(value, comparison, bound)?;
+    }
+    Ok(all)
+}
+
+fn open() -> Failure {
+    Failure::Unsupported("a comparison that the bounds leave open".to_owned())
+}
+
+/// Nothing is earned.
+pub(crate) fn is_free(choice: &Choice) -> bool {
+    choice.reward == Rational::zero()
+}

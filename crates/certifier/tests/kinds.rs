@@ -1,0 +1,273 @@
+//! Questions of every kind: what is known is certified, and a bound that is a little wrong is refused.
+//!
+//! The oracle here is value iteration in floating point, whose bounds can be spoilt; what needs no oracle is compared
+//! with what was worked out by hand.
+
+use certifier::inequalities::{Bounds, Problem};
+use certifier::{Certified, Failure, Oracle, certify_by};
+use prism_lang::{
+    Constants, parse_model, parse_properties, rational_to_f64, resolve, resolve_properties,
+};
+
+/// Iterates from below; bounds are widened by steps against slowness, and spoilt by so much at the state from which
+/// most is left open.
+struct Iteration {
+    spoilt: [f64; 2],
+    asked: usize,
+}
+
+impl Iteration {
+    fn new(low: f64, high: f64) -> Self {
+        Self {
+            spoilt: [low, high],
+            asked: 0,
+        }
+    }
+}
+
+impl Oracle for Iteration {
+    fn bounds(&mut self, problem: &Problem<'_>, attempt: u32) -> Option<Bounds> {
+        self.asked += 1;
+        let states = problem.choices.len();
+        let start = |s: usize| {
+            if problem.target[s] && !problem.is_reward {
+                1.0
+            } else {
+                0.0
+            }
+        };
+        let mut x: Vec<f64> = (0..states).map(start).collect();
+        // How long it takes to leave the open states: what bounds may be moved by.
+        let mut long = vec![0.0; states];
+        let open = |s: usize| !problem.target[s] && !problem.failed[s];
+        for _ in 0..1200 {
+            for s in (0..states).filter(|s| open(*s)) {
+                let values = problem.choices[s].iter().map(|choice| {
+                    let reward = if problem.is_reward {
+                        rational_to_f64(&choice.reward)
+                    } else {
+                        0.0
+                    };
+                    let outcomes = choice.outcomes.iter();
+                    outcomes.fold(reward, |sum, (t, p)| sum + rational_to_f64(p) * x[*t])
+                });
+                x[s] = match problem.maximise {
+                    true => values.fold(0.0, f64::max),
+                    false => values.fold(f64::INFINITY, f64::min),
+                };
+                let times = problem.choices[s].iter().map(|choice| {
+                    let outcomes = choice.outcomes.iter();
+                    outcomes.fold(1.0, |sum, (t, p)| sum + rational_to_f64(p) * long[*t])
+                });
+                long[s] = if x[s] > 0.0 {
+                    times.fold(0.0, f64::max)
+                } else {
+                    0.0
+                };
+            }
+        }
+        // What grew without end is infinite, and so it is where the target can be missed.
+        let reaches = possible(problem, problem.target);
+        let never: Vec<bool> = reaches.iter().map(|reaches| !reaches).collect();
+        let misses = possible(problem, &never);
+        let misses = |s: usize| {
+            if problem.maximise {
+                misses[s]
+            } else {
+                never[s]
+            }
+        };
+        let infinite = |(s, x): (usize, &f64)| match problem.is_reward && (*x > 1000.0 || misses(s))
+        {
+            true => f64::INFINITY,
+            false => *x,
+        };
+        let x: Vec<f64> = x.iter().enumerate().map(infinite).collect();
+        let wide = 1e-12 * 100f64.powi(attempt as i32);
+        let mut bounds = Bounds {
+            lower: (0..states)
+                .map(|s| (x[s] - wide * long[s]).max(0.0))
+                .collect(),
+            upper: (0..states)
+                .map(|s| x[s] + if x[s] > 0.0 { wide * long[s] } else { 0.0 })
+                .collect(),
+            scheduler: None,
+        };
+        if !problem.is_reward {
+            bounds.upper.iter_mut().for_each(|u| *u = u.min(1.0));
+        }
+        for s in
+            (0..states).filter(|s| open(*s) && x[*s] > 0.0 && (problem.is_reward || x[*s] < 1.0))
+        {
+            bounds.lower[s] += self.spoilt[0];
+            bounds.upper[s] -= self.spoilt[1];
+        }
+        Some(bounds)
+    }
+}
+
+/// The states that may come to a set outside the target.
+fn possible(problem: &Problem<'_>, set: &[bool]) -> Vec<bool> {
+    let mut reached = set.to_vec();
+    for _ in 0..reached.len() {
+        for s in (0..reached.len()).filter(|s| !problem.target[*s]) {
+            let mut targets = problem.choices[s]
+                .iter()
+                .flat_map(|choice| &choice.outcomes);
+            let leads = targets.any(|(t, _)| reached[*t]);
+            reached[s] |= leads;
+        }
+    }
+    reached
+}
+
+fn certified(text: &str, asked: &str, oracle: &mut Iteration) -> Result<Certified, Failure> {
+    let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
+    let asked = parse_properties(asked).into_result().unwrap();
+    let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
+    certify_by(&model, &asked[0].property, oracle)
+}
+
+/// The value is certified to within 1e-6; where something is asked of the oracle, bounds that are wrong by little are not.
+fn holds(text: &str, asked: &str, expected: f64) {
+    let mut oracle = Iteration::new(0.0, 0.0);
+    let found = certified(text, asked, &mut oracle).unwrap_or_else(|e| panic!("{asked}: {e}"));
+    let near = |x: f64| x == expected || (x - expected).abs() <= 1e-6 * expected.abs().max(1e-3);
+    assert!(near(found.low) && near(found.high), "{asked}: {found:?}");
+    assert!(
+        found.low <= expected * (1.0 + 1e-15) && expected * (1.0 - 1e-15) <= found.high,
+        "{asked}: {found:?}"
+    );
+    if oracle.asked > 0 && expected.is_finite() {
+        for (low, high) in [(1e-3, 0.0), (0.0, 1e-3), (1e-3, -1e-2), (-1e-2, 1e-3)] {
+            let mut oracle = Iteration::new(low, high);
+            match certified(text, asked, &mut oracle) {
+                Err(Failure::Broken { .. }) => {}
+                // What is spoilt may not matter in the initial state, but then the bounds still hold.
+                Ok(found) => {
+                    assert!(
+                        found.low <= expected + 1e-12 && expected <= found.high + 1e-12,
+                        "{asked}: {found:?}"
+                    );
+                }
+                Err(other) => panic!("{asked}: {other}"),
+            }
+        }
+    }
+}
+
+/// Up with 1/4, down with 3/4, between two ends that are never left.
+const WALK: &str = "dtmc module walk s : [0..3] init 1;
+    [] s=1 | s=2 -> 1/4:(s'=s+1) + 3/4:(s'=s-1); [] s=0 | s=3 -> true; endmodule
+    label \"low\" = s=0; label \"top\" = s=3; rewards s=1 | s=2 : 1; endrewards";
+
+/// From 0 to one of two machines that run for ever; the first is up 1/3, the second 3/4 of the time.
+const MACHINES: &str = "dtmc module m s : [0..4];
+    [] s=0 -> 1/5:(s'=1) + 4/5:(s'=3);
+    [] s=1 -> 1/2:(s'=2) + 1/2:(s'=1); [] s=2 -> (s'=1);
+    [] s=3 -> 1/4:(s'=4) + 3/4:(s'=3); [] s=4 -> 3/4:(s'=3) + 1/4:(s'=4); endmodule
+    label \"rest\" = s=2 | s=4; label \"first\" = s=1 | s=2;
+    rewards s=2 : 3; s=4 : 8; endrewards";
+
+#[test]
+fn steps_and_rewards_within_them_are_computed_anew() {
+    holds(WALK, "P=? [ X s=2 ]", 0.25);
+    holds(WALK, "P=? [ F<=3 s=0 ]", 0.75 + 0.25 * 0.75 * 0.75);
+    holds(WALK, "P=? [ s>0 U[2,2] s=3 ]", 0.0625);
+    holds(WALK, "P=? [ G<=1 s>0 ]", 0.25);
+    holds(WALK, "P=? [ s<2 W<=1 s=2 ]", 1.0);
+    holds(WALK, "P=? [ F>=2 s=3 ]", 1.0 / 13.0);
+    holds(WALK, "R=? [ C<=2 ]", 1.25);
+    holds(WALK, "R=? [ I=1 ]", 0.25);
+    holds(WALK, "R=? [ C ]", 20.0 / 13.0);
+    holds(WALK, "R=? [ F (\"low\" | \"top\") ]", 20.0 / 13.0);
+}
+
+#[test]
+fn nested_operators_and_filters_follow_from_the_bounds_within() {
+    // Only from 2 and 3 is the top within a step likely enough.
+    holds(WALK, "P=? [ F (P>=0.25 [ X s=3 ]) ]", 0.25);
+    holds(WALK, "filter(max, P=? [ F s=3 ], s<3)", 4.0 / 13.0);
+    holds(WALK, "filter(sum, P=? [ F s=3 ], s=1|s=2)", 5.0 / 13.0);
+    holds(WALK, "P=? [ F s=3 ] * 13 + 1", 2.0);
+    let mut oracle = Iteration::new(0.0, 0.0);
+    let found = certified(WALK, "P>0.07 [ F s=3 ] & !P>0.08 [ F s=3 ]", &mut oracle).unwrap();
+    assert_eq!(found.truth, Some(true));
+    let found = certified(WALK, "P<0.07 [ F s=3 ]", &mut oracle).unwrap();
+    assert_eq!(found.truth, Some(false));
+    // The bounds are not narrow enough to tell.
+    let asked = "filter(forall, P>=0.07692307692307 [ F s=3 ], s=1)";
+    let found = certified(WALK, asked, &mut oracle);
+    assert!(matches!(found, Err(Failure::Unsupported(_))), "{found:?}");
+}
+
+#[test]
+fn formulas_are_judged_on_end_components() {
+    holds(MACHINES, "P=? [ G F s=2 ]", 0.2);
+    holds(MACHINES, "P=? [ F G !s=2 ]", 0.8);
+    holds(MACHINES, "P=? [ (G F s=4) | (F G s=1) ]", 0.8);
+    holds(MACHINES, "P=? [ G (s=2 => (X s=1)) ]", 1.0);
+    holds(MACHINES, "P=? [ G (\"rest\" => (F<=1 s=3)) ]", 0.0);
+    holds(MACHINES, "P=? [ F (s=1 & (X (s=1 & (X s=1)))) ]", 0.2);
+    holds(MACHINES, "P=? [ G F s=2 || F<=1 \"first\" ]", 1.0);
+    holds(MACHINES, "P=? [ X (X s=2) || F<=1 \"first\" ]", 0.5);
+    holds(WALK, "R=? [ F (s=1 & (X s=0)) ]", f64::INFINITY);
+    holds(WALK, "R=? [ F (s=1 & (X s!=1)) ]", 1.0);
+    let mdp = "mdp module m s : [0..3];
+        [a] s=0 -> 1/2:(s'=1) + 1/2:(s'=2); [b] s=0 -> (s'=2);
+        [a] s=1 -> (s'=3); [b] s=1 -> (s'=1); [] s=3 -> (s'=1); [] s=2 -> true; endmodule
+        rewards s=1 : 1; s=3 : 2; [b] s=0 : 5; endrewards";
+    holds(mdp, "Pmax=? [ (G F s=1) & (G F s=3) ]", 0.5);
+    holds(mdp, "Pmin=? [ F G s=2 ]", 0.5);
+    holds(mdp, "Pmax=? [ F<=2 s=3 ]", 0.5);
+    holds(mdp, "Rmax=? [ S ]", 0.75);
+    holds(mdp, "Rmin=? [ S ]", 0.0);
+    holds(mdp, "Rmin=? [ C ]", 5.0);
+    holds(mdp, "Rmax=? [ C ]", f64::INFINITY);
+}
+
+#[test]
+fn averages_have_a_gain_and_a_bias() {
+    // Of the first machine 1/3 of the time in 2, of the second 1/4 in 4.
+    holds(MACHINES, "S=? [ s=2 ]", 0.2 / 3.0);
+    holds(MACHINES, "S=? [ \"rest\" ]", 0.2 / 3.0 + 0.8 / 4.0);
+    holds(MACHINES, "R=? [ S ]", 0.2 + 0.8 * 2.0);
+    let ctmc = "ctmc module m s : [0..1]; [] s=0 -> 2:(s'=1); [] s=1 -> 3:(s'=0); endmodule
+        rewards s=1 : 5; endrewards";
+    holds(ctmc, "S=? [ s=1 ]", 0.4);
+    holds(ctmc, "R=? [ S ]", 2.0);
+}
+
+#[test]
+fn time_passes_in_intervals() {
+    let text = "ctmc module m s : [0..2]; [] s=0 -> 2:(s'=1); [] s=1 -> 3:(s'=2); endmodule
+        rewards s=0 : 5; endrewards";
+    let e = |x: f64| (-x).exp();
+    holds(text, "P=? [ F<=0.5 s>0 ]", 1.0 - e(1.0));
+    holds(text, "P=? [ G<=1000 s=0 ]", 0.0);
+    holds(text, "P=? [ F<=1 s=2 ]", 1.0 - 3.0 * e(2.0) + 2.0 * e(3.0));
+    holds(
+        text,
+        "P=? [ s<2 U[0.5,1] s=1 ]",
+        3.0 * e(1.0) - 2.0 * e(1.5) - e(2.0),
+    );
+    holds(text, "P=? [ F>=1 s=0 ]", e(2.0));
+    holds(text, "R=? [ I=0.5 ]", 5.0 * e(1.0));
+    holds(text, "R=? [ C<=0.5 ]", 2.5 * (1.0 - e(1.0)));
+    holds(text, "R=? [ F s=2 ]", 2.5);
+}
+
+#[test]
+fn what_is_not_certified_is_refused_by_name() {
+    let mut oracle = Iteration::new(0.0, 0.0);
+    for (asked, name) in [
+        ("E [ F s=3 ]", "quantifiers"),
+        ("P=? [ s=1 U (G s=0) ]", "combine"),
+        ("P=? [ F s=3 ] ^ 2", "arithmetic"),
+    ] {
+        match certified(WALK, asked, &mut oracle) {
+            Err(Failure::Unsupported(what)) => assert!(what.contains(name), "{asked}: {what}"),
+            other => panic!("{asked}: {other:?}"),
+        }
+    }
+}
