@@ -108,7 +108,7 @@ fn the_memory_is_the_number_of_steps_and_a_variable_of_the_chain() {
     };
     assert_eq!(memory.meaning, Meaning::Steps);
     let action = |place: usize| {
-        let row = memory.nodes[place].moves[0].row;
+        let row = memory.nodes[place].row;
         space
             .action(row)
             .map(|action| space.actions()[action].as_str())

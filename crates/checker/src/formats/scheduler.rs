@@ -32,10 +32,9 @@ impl<N: Written> Explicit<'_, N> {
             Scheduler::WithMemory(memory) => {
                 let mut nodes: Vec<_> = memory.nodes.iter().filter(|n| n.matters).collect();
                 nodes.sort_by_key(|node| (self.place[node.state], node.memory));
-                let decisions = nodes.into_iter().flat_map(|node| {
-                    let rows = node.moves.iter().map(|taken| taken.row);
-                    rows.map(|row| decision(node.state, Some(node.memory), row))
-                });
+                let decisions = nodes
+                    .into_iter()
+                    .map(|n| decision(n.state, Some(n.memory), n.row));
                 decisions.collect()
             }
         }

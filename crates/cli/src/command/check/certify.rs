@@ -301,7 +301,11 @@ mod tests {
             let answer = checker::check(&space, &model, &asked[0].property, &options);
             let mut report =
                 super::super::form::property_report(1, &asked[0], answer, Method::Sound, 0.0);
-            assert_eq!(judge(&report, &asked[0]), ("certified".into(), None), "{text}");
+            assert_eq!(
+                judge(&report, &asked[0]),
+                ("certified".into(), None),
+                "{text}"
+            );
             match report.result.as_deref() {
                 Some("true") => report.result = Some("false".into()),
                 Some("false") => report.result = Some("true".into()),

@@ -21,7 +21,7 @@ pub struct StrategyReport {
     /// The names of the model's variables.
     pub variables: Vec<String>,
     /// What the memory says: `steps` (how many were taken, up to a last number after which none matters), `automaton`
-    /// (where the automaton of the formula is, and what must recur next), `mixture`; null where the state is enough.
+    /// (where the automaton of the formula is, and what must recur next); null where the state is enough.
     pub memory: Option<String>,
     /// What is done, where it matters.
     pub decisions: Vec<DecisionReport>,
@@ -126,7 +126,6 @@ fn report<N: Arithmetic + Written>(
         Scheduler::WithMemory(memory) => Some(match memory.meaning {
             Meaning::Steps => "steps",
             Meaning::Automaton => "automaton",
-            Meaning::Mixture => "mixture",
         }),
     };
     let decision = |decision: checker::formats::Decision| DecisionReport {
