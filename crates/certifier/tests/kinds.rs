@@ -213,6 +213,11 @@ fn formulas_are_judged_on_end_components() {
     holds(MACHINES, "P=? [ X (X s=2) || F<=1 \"first\" ]", 0.5);
     holds(WALK, "R=? [ F (s=1 & (X s=0)) ]", f64::INFINITY);
     holds(WALK, "R=? [ F (s=1 & (X s!=1)) ]", 1.0);
+    holds(
+        "dtmc module m s : [0..1]; [] true -> (s'=1-s); endmodule rewards true : 1; endrewards",
+        "R=? [ F (s=0 & (X true)) ]",
+        1.0,
+    );
     let mdp = "mdp module m s : [0..3];
         [a] s=0 -> 1/2:(s'=1) + 1/2:(s'=2); [b] s=0 -> (s'=2);
         [a] s=1 -> (s'=3); [b] s=1 -> (s'=1); [] s=3 -> (s'=1); [] s=2 -> true; endmodule

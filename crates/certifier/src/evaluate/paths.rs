@@ -151,9 +151,8 @@ impl Evaluator<'_> {
         Ok(match path {
             Path::State(state) => {
                 let set = self.truths(state)?;
-                if set.iter().all(|holds| *holds) {
-                    Formula::True
-                } else if !set.contains(&true) {
+                // What holds everywhere is still to be read: `X true` is decided one step later.
+                if !set.contains(&true) {
                     Formula::False
                 } else {
                     let known = sets.iter().position(|known| *known == set);
@@ -178,10 +177,7 @@ impl Evaluator<'_> {
                 let neither = Formula::And(vec![a.negated(), b.negated()]);
                 Formula::Or(vec![Formula::And(vec![a, b]), neither])
             }
-            Path::Next(a) => match self.formula(a, sets)? {
-                settled @ (Formula::True | Formula::False) => settled,
-                of => Formula::Next(Box::new(of)),
-            },
+            Path::Next(a) => Formula::Next(Box::new(self.formula(a, sets)?)),
             Path::Until { left, right, bound } => {
                 until(self.formula(left, sets)?, self.formula(right, sets)?, bound)
             }
