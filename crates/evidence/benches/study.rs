@@ -73,6 +73,7 @@ fn computed(subject: usize) -> Measure {
                 mean: posterior.mean(),
                 interval,
                 solves: 1000,
+                by_function: false,
                 spread: vec![],
                 quantiles: draws,
                 robust: None,

@@ -69,7 +69,7 @@ pub struct MethodAnswer {
 pub struct Spread {
     /// The model's constant.
     pub constant: String,
-    /// What knowing this constant alone would take away from the variance, 0 to 1.
+    /// What knowing this constant alone would take away from the variance, 0 to 1 (Sobol's index of first order).
     pub share: f64,
     /// What would be left of the variance if all other constants were known, 0 to 1.
     #[serde(default)]
@@ -108,8 +108,11 @@ pub struct CredibleInterval {
     pub mean: f64,
     /// Its central interval at the study's confidence level.
     pub interval: Interval,
-    /// How many times the model was solved.
+    /// At how many points of the constants it was answered.
     pub solves: u64,
+    /// Whether by a rational function of the constants, found once; else the model was solved at each point.
+    #[serde(default)]
+    pub by_function: bool,
     /// Which constant contributes how much, largest first.
     pub spread: Vec<Spread>,
     /// Evenly spaced quantiles (0.5 % to 99.5 %) for drawing and comparing;

@@ -190,6 +190,7 @@ impl CredibleInterval {
                 high: interval.high,
             },
             solves: solves as u64,
+            by_function: false,
             spread,
             quantiles: (0..100)
                 .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))

@@ -146,6 +146,7 @@ fn credible(function: fn(&[f64]) -> f64) -> CredibleInterval {
             high: interval.high,
         },
         solves: 2000,
+        by_function: false,
         spread,
         quantiles: (0..100)
             .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))

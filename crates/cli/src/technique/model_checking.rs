@@ -11,6 +11,7 @@
 
 mod answer;
 mod at_constants;
+mod functions;
 mod point_values;
 mod robust;
 mod uncertainty;

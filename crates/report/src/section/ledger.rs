@@ -2,6 +2,7 @@
 
 use evidence::{
     ClusterTests, DescriptionGap, Evidence, Finding, Measure, MethodAnswer, Reading, RobustBounds,
+    Spread,
 };
 use maud::{Markup, html};
 
@@ -209,16 +210,17 @@ fn measure_detail(measure: &Measure) -> Markup {
                 @if let Some(credible) = credible {
                     p {
                         "With the uncertainty of its constants: mean " (number::percent(credible.mean))
-                        ", from " (number::count(credible.solves)) " solutions of the model."
+                        ", from " (number::count(credible.solves))
+                        @if credible.by_function { " points of its rational function." } @else { " solutions of the model." }
                     }
                     @if !credible.spread.is_empty() {
                         p {
                             "Shares in the variance: "
                             @for (i, spread) in credible.spread.iter().enumerate() {
                                 @if i > 0 { ", " }
-                                code { (spread.constant) } " " (number::percent(spread.share))
+                                code { (spread.constant) } " " (share(spread))
                             }
-                            "."
+                            " (Sobol' indices of first order with their standard errors)."
                             @if let Some(first) = credible.spread.first() {
                                 " Measuring " code { (first.constant) } " better would narrow it most."
                             }
@@ -229,6 +231,17 @@ fn measure_detail(measure: &Measure) -> Markup {
             },
             Measure::NotExpressible { reason } | Measure::NotCovered { reason } => p { (reason) },
         }
+    }
+}
+
+/// A share in the variance in digits that mean something: `41.2 ± 0.3 %`.
+fn share(spread: &Spread) -> String {
+    let points = 100.0 * spread.share;
+    match spread.error.map(|error| 100.0 * error) {
+        // No figure is finer than its own error.
+        Some(error) if error < 0.5 => format!("{points:.1} ± {:.1} %", error.max(0.1)),
+        Some(error) => format!("{points:.0} ± {error:.0} %"),
+        None => format!("{points:.0} %"),
     }
 }
 

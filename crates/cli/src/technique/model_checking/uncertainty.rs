@@ -4,14 +4,16 @@
 //! # Definition
 //! Each counted constant has the Jeffreys posterior of its counts, independent
 //! of the others. The posterior of a probability is that of the model's answer
-//! when the constants are drawn from theirs. It is found by solving the model
+//! when the constants are drawn from theirs. It is found from the answers
 //! at the points of a low-discrepancy design, all questions on the same points
 //! (common random numbers), laid out so that each constant's share in the variance follows
-//! (`stats::propagation`).
+//! (Sobol' indices, `stats::propagation`). Where the answers are rational functions of the constants
+//! (`checker::parametric`), these are found once and evaluated at each point, at more of them if floating point
+//! suffices; else the model is solved at each.
 //!
 //! # Guarantee
-//! None but convergence: the quantiles are estimates from the design's points. Beside them stand robust
-//! bounds, which hold (see [`super::robust`]).
+//! None but convergence: the quantiles are estimates from the design's points, and the shares come with their
+//! standard error. Beside them stand robust bounds, which hold (see [`super::robust`]).
 
 use super::answer::{answer, explore};
 use super::{Compiled, CountedConstant, MAX_STATES, unplaced};
@@ -27,6 +29,9 @@ use std::collections::BTreeMap;
 /// Base rows of the design: a model is solved at twice as many points, and at as many more for each
 /// constant, whose share is found so.
 const BASE: usize = 250;
+
+/// The same where functions are evaluated in floating point, which costs nearly nothing.
+const BASE_OF_FUNCTIONS: usize = 8192;
 
 /// A change of a probability below this is rounding.
 const NO_EFFECT: f64 = 1e-9;
@@ -74,7 +79,16 @@ impl Compiled<'_> {
             .iter()
             .map(|constant| stats::BetaPosterior::jeffreys(constant.sample))
             .collect();
-        let design = stats::SharesDesign::new(&posteriors, BASE, self.study.about.seed);
+        let functions = self.functions(counted, &|| interrupt.is_set())?;
+        let means: Vec<f64> = posteriors
+            .iter()
+            .map(|posterior| posterior.mean())
+            .collect();
+        let base = match &functions {
+            Some(functions) if functions.is_quick_at(&means) => BASE_OF_FUNCTIONS,
+            _ => BASE,
+        };
+        let design = stats::SharesDesign::new(&posteriors, base, self.study.about.seed);
         let stage = begin(
             &format!("{id}: uncertainty of its constants"),
             design.rows().len() as u64,
@@ -86,7 +100,11 @@ impl Compiled<'_> {
                 if interrupt.is_set() {
                     return Err(Problem::interrupted());
                 }
-                let row = self.solve_at(counted, point, &|| interrupt.is_set());
+                let by_function = functions.as_ref().and_then(|functions| functions.at(point));
+                let row = match by_function {
+                    Some(row) => Ok(row),
+                    None => self.solve_at(counted, point, &|| interrupt.is_set()),
+                };
                 stage.advance();
                 row
             })
@@ -107,6 +125,7 @@ impl Compiled<'_> {
                 let found = CredibleInterval::of_design(&names, &design, &values, level)
                     .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
                 *credible = Some(CredibleInterval {
+                    by_function: functions.is_some(),
                     robust: Some(Box::new(robust[place].clone())),
                     ..found
                 });
@@ -138,34 +157,9 @@ impl Compiled<'_> {
             Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
         };
         let mut known: BTreeMap<&str, f64> = BTreeMap::new();
-        let mut row = Vec::new();
-        for question in &self.questions {
-            if question.missing.is_some() {
-                row.push(None);
-                continue;
-            }
-            let mut parts = [None, None];
-            for (part, text) in parts
-                .iter_mut()
-                .zip([Some(question.property), question.opportunity])
-            {
-                if let Some(text) = text {
-                    let found = match known.get(text.text.as_str()) {
-                        Some(found) => *found,
-                        None => value(text)?,
-                    };
-                    known.insert(&text.text, found);
-                    *part = Some(found);
-                }
-            }
-            row.push(match parts {
-                [Some(occurs), Some(opportunity)] if opportunity > 0.0 => {
-                    Some(occurs / opportunity)
-                }
-                [occurs, None] => occurs,
-                _ => None,
-            });
+        for text in self.texts() {
+            known.insert(&text.text, value(text)?);
         }
-        Ok(row)
+        Ok(self.rates(&known))
     }
 }

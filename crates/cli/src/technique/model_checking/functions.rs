@@ -1,0 +1,111 @@
+//! The answers to all questions as functions of the constants that were set to counts.
+
+use super::answer::explore;
+use super::{Compiled, CountedConstant, MAX_STATES};
+use crate::problem::Problem;
+use crate::study::FormText;
+use checker::parametric::RationalFunction;
+use checker::{CheckError, Options};
+use prism_lang::Constants;
+use std::collections::BTreeMap;
+
+/// Functions of all questions' properties, one point for each set of constants.
+pub(super) struct Functions<'a, 'b> {
+    of: &'b Compiled<'a>,
+    functions: checker::parametric::Functions,
+    /// For each open constant of the model the place among those counted.
+    places: Vec<usize>,
+}
+
+impl<'a> Compiled<'a> {
+    /// The properties of all questions that this model can be asked, each once.
+    pub(super) fn texts(&self) -> Vec<&'a FormText> {
+        let asked = self.questions.iter().filter(|q| q.missing.is_none());
+        let mut texts: Vec<&FormText> = asked
+            .flat_map(|question| [Some(question.property), question.opportunity])
+            .flatten()
+            .collect();
+        texts.sort_by(|a, b| a.text.cmp(&b.text));
+        texts.dedup_by(|a, b| a.text == b.text);
+        texts
+    }
+
+    /// The rate that each question asks for, from its properties' values; `None` where the model cannot be asked, or
+    /// has no opportunity.
+    pub(super) fn rates(&self, known: &BTreeMap<&str, f64>) -> Vec<Option<f64>> {
+        let rate = |question: &super::Question<'_>| {
+            if question.missing.is_some() {
+                return None;
+            }
+            let of = |text: &FormText| known.get(text.text.as_str()).copied();
+            let occurs = of(question.property)?;
+            match question.opportunity.map(of) {
+                None => Some(occurs),
+                Some(Some(opportunity)) if opportunity > 0.0 => Some(occurs / opportunity),
+                Some(_) => None,
+            }
+        };
+        self.questions.iter().map(rate).collect()
+    }
+
+    /// Rational functions of the counted constants; `None` where the checker gives none, so that the model has to be
+    /// solved point by point.
+    pub(super) fn functions<'b>(
+        &'b self,
+        counted: &[CountedConstant],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Functions<'a, 'b>>, Problem> {
+        let open: Vec<&str> = counted.iter().map(|one| one.name.as_str()).collect();
+        let none = Constants::new();
+        // A guard or an initial value may depend on a constant: then there is no such function.
+        let Ok(model) = prism_lang::resolve_open(&self.tree, &none, &none, &open) else {
+            return Ok(None);
+        };
+        let place = |name: &str| open.iter().position(|other| *other == name);
+        let places: Option<Vec<usize>> = (model.parameters.iter())
+            .map(|parameter| place(&parameter.name))
+            .collect();
+        let space = explore::<RationalFunction>(&self.source, &model, MAX_STATES, cancel);
+        let (Some(places), Ok(space)) = (places, space) else {
+            return match cancel() {
+                true => Err(Problem::interrupted()),
+                false => Ok(None),
+            };
+        };
+        let texts = self.texts().into_iter();
+        let properties: Vec<_> = texts
+            .map(|text| self.property(&model, text))
+            .collect::<Result<_, _>>()?;
+        let options = Options {
+            cancel: Some(cancel),
+            ..Options::default()
+        };
+        let found = checker::parametric::Functions::of(&space, &properties, places.len(), &options);
+        match found {
+            Err(CheckError::Cancelled) => Err(Problem::interrupted()),
+            Err(_) => Ok(None),
+            Ok(functions) => Ok(functions.map(|functions| Functions {
+                of: self,
+                functions,
+                places,
+            })),
+        }
+    }
+}
+
+impl Functions<'_, '_> {
+    /// Whether points like this one cost nearly nothing.
+    pub fn is_quick_at(&self, point: &[f64]) -> bool {
+        let open: Vec<f64> = self.places.iter().map(|place| point[*place]).collect();
+        self.functions.is_quick_at(&open)
+    }
+
+    /// The rate that each question asks for at one point of the counted constants; `None` where the functions do not
+    /// say it.
+    pub fn at(&self, point: &[f64]) -> Option<Vec<Option<f64>>> {
+        let open: Vec<f64> = self.places.iter().map(|place| point[*place]).collect();
+        let values = self.functions.at(&open)?;
+        let texts = self.of.texts().into_iter().map(|text| text.text.as_str());
+        Some(self.of.rates(&texts.zip(values).collect()))
+    }
+}
