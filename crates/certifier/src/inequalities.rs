@@ -25,7 +25,7 @@ use prism_lang::{Rational, rational_to_f64};
 
 use crate::failure::Failure;
 use crate::question::Question;
-use crate::reading::{Choice, Reading};
+use crate::reading::{Choice, LOOK, Reading};
 
 /// Bounds in the order of a reading's states.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,18 +49,25 @@ struct Checker<'a> {
     reading: &'a Reading,
     question: &'a Question,
     bounds: &'a Bounds,
+    go_on: &'a dyn Fn() -> bool,
     count: u64,
 }
 
 /// Checks all inequalities; says how many.
 ///
 /// # Errors
-/// The first that does not hold.
-pub fn check(reading: &Reading, question: &Question, bounds: &Bounds) -> Result<u64, Failure> {
+/// The first that does not hold; [`Failure::Cancelled`] if `go_on`, which is asked now and then, says no.
+pub fn check(
+    reading: &Reading,
+    question: &Question,
+    bounds: &Bounds,
+    go_on: &dyn Fn() -> bool,
+) -> Result<u64, Failure> {
     let mut checker = Checker {
         reading,
         question,
         bounds,
+        go_on,
         count: 0,
     };
     checker.ends()?;
@@ -123,6 +130,9 @@ impl Checker<'_> {
         let for_all = self.question.maximise == (side == Side::Upper);
         let mut all = Vec::with_capacity(self.reading.states.len());
         for (state, choices) in self.reading.choices.iter().enumerate() {
+            if state.is_multiple_of(LOOK) && !(self.go_on)() {
+                return Err(Failure::Cancelled);
+            }
             if !self.is_open(state) {
                 all.push(Vec::new());
                 continue;

@@ -50,6 +50,9 @@ pub struct Reading {
     pub failed: Vec<bool>,
 }
 
+/// States between two looks at whether to go on.
+pub(crate) const LOOK: usize = 256;
+
 /// What happens at once: the commands taken, with the action if there is one.
 struct Event<'m> {
     action: Option<usize>,
@@ -63,8 +66,13 @@ impl Reading {
     /// Reads the states of a model that can be reached.
     ///
     /// # Errors
-    /// If the model is none, or has a construct that is not read here.
-    pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
+    /// If the model is none, or has a construct that is not read here; [`Failure::Cancelled`] if `go_on`, which is asked
+    /// now and then, says no.
+    pub fn new(
+        model: &Model,
+        question: &Question,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Self, Failure> {
         if model.composition.is_some() {
             return Err(unsupported("a model with `system ... endsystem`"));
         }
@@ -82,6 +90,9 @@ impl Reading {
         numbers.insert(initial.clone(), 0);
         while reading.choices.len() < reading.states.len() {
             let number = reading.choices.len();
+            if number.is_multiple_of(LOOK) && !go_on() {
+                return Err(Failure::Cancelled);
+            }
             let state = reading.states[number].clone();
             let read = choices(model, &state, question)?;
             let mut number_of = |target: Vec<i64>| {

@@ -4,6 +4,7 @@
 //! * [`symmetry`] finds symmetries of a model, up to which it is enough to explore;
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
+//! * [`Stop`] ends a check early with the bounds reached so far;
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
 //!   transition, and what happens in each step;
@@ -79,6 +80,7 @@ mod shape;
 mod sound;
 pub mod state_space;
 mod steps;
+mod stop;
 pub mod symmetry;
 #[cfg(test)]
 mod test_models;
@@ -92,4 +94,5 @@ pub use method::{Method, Termination};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;
+pub use stop::Stop;
 pub use witness::{Witness, witness};

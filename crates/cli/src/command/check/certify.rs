@@ -1,11 +1,11 @@
 //! `check --certify`: each answer checked again by code that shares nothing with the solver (crate `certifier`).
 
+use super::ending::Ending;
 use super::properties::Asked;
 use super::{CheckReport, PropertyReport};
 use crate::args::Check;
-use crate::command::Setting;
 use crate::problem::{Problem, Source};
-use certifier::{Certificate, Certified, Failure, certify};
+use certifier::{Certificate, Certified, Failure, certify_while};
 use checker::explore::ExploreOptions;
 use checker::state_space::StateSpace;
 use checker::{CheckError, Options};
@@ -17,7 +17,7 @@ use serde::Serialize;
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct CertificateReport {
     /// `certified`: the bounds below are shown, and the answer agrees with them; `refuted`: they are shown, and it
-    /// does not; `not certified`: nothing was shown.
+    /// does not; `not certified`: nothing was shown; `not finished`: the command had to end before.
     pub status: String,
     /// What the value is at least.
     pub low: Option<f64>,
@@ -36,7 +36,15 @@ impl CertificateReport {
     pub fn is_good(&self) -> bool {
         self.status == "certified"
     }
+
+    /// Whether the command had to end before.
+    pub fn is_unfinished(&self) -> bool {
+        self.status == NOT_FINISHED
+    }
 }
+
+/// The status of what the command had to end before.
+const NOT_FINISHED: &str = "not finished";
 
 /// How many times more than the residual bounds are widened by, one after the other.
 const SLACKS: [f64; 4] = [2.0, 32.0, 1024.0, 1_048_576.0];
@@ -48,14 +56,17 @@ pub(super) fn all(
     source: &Source,
     model: &resolved::Model,
     asked: &[Asked],
-    setting: &Setting,
+    ending: &Ending,
 ) -> Result<(), Problem> {
     let limits = ExploreOptions {
         max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
         ..ExploreOptions::default()
     };
-    let space = super::explore::<f64>(source, model, &limits, setting)?;
-    let cancel = || setting.interrupt.is_set();
+    let space = match super::explore::<f64>(source, model, &limits, ending) {
+        Err(_) if ending.is_due() => None,
+        space => Some(space?),
+    };
+    let cancel = || ending.is_due();
     let options = Options {
         precision: arguments.precision,
         fair: arguments.fair,
@@ -67,27 +78,37 @@ pub(super) fn all(
             continue;
         };
         if property.error.is_none() {
-            let found = one(property, named, &space, model, &options)?;
-            property.certificate = Some(found);
+            let found = match &space {
+                Some(space) if !ending.is_due() => one(property, named, space, model, &options),
+                _ => None,
+            };
+            // The answer stays.
+            let ended = || CertificateReport {
+                status: NOT_FINISHED.into(),
+                ..nothing(format!("the command was {}", ending.reason()))
+            };
+            property.certificate = Some(found.unwrap_or_else(ended));
         }
     }
     Ok(())
 }
 
+/// What became of an answer; nothing if the work had to end.
 fn one(
     report: &PropertyReport,
     named: &NamedProperty,
     space: &StateSpace<f64>,
     model: &resolved::Model,
     options: &Options<'_>,
-) -> Result<CertificateReport, Problem> {
+) -> Option<CertificateReport> {
+    let go_on = || !options.cancel.is_some_and(|cancel| cancel());
     let states: Vec<Vec<i64>> = (0..space.num_states()).map(|s| space.state(s)).collect();
     let mut why = String::new();
     for slack in SLACKS {
         let bounds = match checker::bounds_of_states(space, &named.property, options, slack) {
             Ok(bounds) => bounds,
-            Err(CheckError::Cancelled) => return Err(Problem::interrupted()),
-            Err(error) => return Ok(nothing(error.to_string())),
+            Err(CheckError::Cancelled) => return None,
+            Err(error) => return Some(nothing(error.to_string())),
         };
         let certificate = Certificate {
             states: states.clone(),
@@ -95,14 +116,15 @@ fn one(
             upper: bounds.upper,
             scheduler: bounds.scheduler,
         };
-        match certify(model, &named.property, &certificate) {
-            Ok(certified) => return Ok(judged(report, named, &certified)),
+        match certify_while(model, &named.property, &certificate, &go_on) {
+            Ok(certified) => return Some(judged(report, named, &certified)),
+            Err(Failure::Cancelled) => return None,
             // Wider bounds may pass.
             Err(failure @ Failure::Broken { .. }) => why = failure.to_string(),
-            Err(failure) => return Ok(nothing(failure.to_string())),
+            Err(failure) => return Some(nothing(failure.to_string())),
         }
     }
-    Ok(nothing(why))
+    Some(nothing(why))
 }
 
 fn nothing(why: String) -> CertificateReport {
