@@ -40,6 +40,11 @@ pub trait Oracle {
     /// Bounds for a problem, one of each kind for every state; wider ones each time it is asked again about the same
     /// problem (`attempt` counts from 0). Nothing if there are no (more) bounds.
     fn bounds(&mut self, problem: &Problem<'_>, attempt: u32) -> Option<Bounds>;
+
+    /// Whether to go on, which is asked now and then.
+    fn go_on(&self) -> bool {
+        true
+    }
 }
 
 /// How often an oracle is asked about the same problem.
@@ -118,7 +123,7 @@ impl<'a> Evaluator<'a> {
         if let Some((_, known)) = self.readings.iter().find(|(of, _)| *of == structure) {
             return Ok(known.clone());
         }
-        let reading = Rc::new(Reading::of(self.model, structure)?);
+        let reading = Rc::new(Reading::of(self.model, structure, &|| self.oracle.go_on())?);
         self.readings.push((structure, reading.clone()));
         Ok(reading)
     }

@@ -22,6 +22,8 @@ pub enum Failure {
     Model(String),
     /// The model has no initial state.
     NoInitialState,
+    /// The caller asked to stop.
+    Cancelled,
 }
 
 impl From<EvalError> for Failure {
@@ -36,6 +38,7 @@ impl fmt::Display for Failure {
             Self::Unsupported(what) => write!(f, "{what} cannot be certified yet"),
             Self::Incomplete(what) | Self::Model(what) => write!(f, "{what}"),
             Self::Broken { state, what } => write!(f, "in the state {state:?} {what}"),
+            Self::Cancelled => write!(f, "checking the certificate was stopped"),
             Self::NoInitialState => write!(f, "the model has no initial state"),
         }
     }

@@ -54,6 +54,9 @@ pub struct Reading {
     pub failed: Vec<bool>,
 }
 
+/// States between two looks at whether to go on.
+pub(crate) const LOOK: usize = 256;
+
 /// What happens at once: the commands taken, with the action if there is one.
 struct Event<'m> {
     action: Option<usize>,
@@ -67,9 +70,14 @@ impl Reading {
     /// Reads the states of a model that can be reached, and where a question's target is.
     ///
     /// # Errors
-    /// If the model is none, or has a construct that is not read here.
-    pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
-        let mut reading = Self::of(model, question.reward)?;
+    /// If the model is none, or has a construct that is not read here; [`Failure::Cancelled`] if `go_on`, which is asked
+    /// now and then, says no.
+    pub fn new(
+        model: &Model,
+        question: &Question,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Self, Failure> {
+        let mut reading = Self::of(model, question.reward, go_on)?;
         for (number, state) in reading.states.iter().enumerate() {
             let is_deadlock = reading.deadlock[number];
             let is = |formula| holds(formula, model, state, number == 0, is_deadlock);
@@ -84,8 +92,12 @@ impl Reading {
     /// Reads the states of a model that can be reached, with what each step earns of a reward structure.
     ///
     /// # Errors
-    /// If the model is none, or has a construct that is not read here.
-    pub fn of(model: &Model, structure: Option<usize>) -> Result<Self, Failure> {
+    /// As [`Reading::new`].
+    pub fn of(
+        model: &Model,
+        structure: Option<usize>,
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Self, Failure> {
         if model.composition.is_some() {
             return Err(unsupported("a model with `system ... endsystem`"));
         }
@@ -105,6 +117,9 @@ impl Reading {
         numbers.insert(initial.clone(), 0);
         while reading.choices.len() < reading.states.len() {
             let number = reading.choices.len();
+            if number.is_multiple_of(LOOK) && !go_on() {
+                return Err(Failure::Cancelled);
+            }
             let state = reading.states[number].clone();
             let (read, rate) = choices(model, &state, structure)?;
             let mut number_of = |target: Vec<i64>| {

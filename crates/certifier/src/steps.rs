@@ -43,7 +43,7 @@ impl Rows {
         }
     }
 
-    /// Values so many steps earlier; states that are not active keep theirs.
+    /// Values so many steps earlier; states that are not active keep theirs. Before each step `go_on` is asked.
     pub fn back(
         &self,
         mut values: Vec<Interval>,
@@ -51,8 +51,12 @@ impl Rows {
         maximise: bool,
         active: &dyn Fn(usize) -> bool,
         with_rewards: bool,
+        go_on: &dyn Fn() -> bool,
     ) -> Result<Vec<Interval>, Failure> {
         for step in 0..steps {
+            if !go_on() {
+                return Err(Failure::Cancelled);
+            }
             if step.saturating_mul(self.entries) > MOST_WORK {
                 return Err(unsupported("so many steps of so large a model"));
             }

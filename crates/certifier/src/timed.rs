@@ -80,7 +80,9 @@ impl Evaluator<'_> {
                     }
                 };
                 let x = right.iter().map(number).collect();
-                after(&reading, &|s| left[s] && !right[s], x, None, &time)?
+                after(&reading, &|s| left[s] && !right[s], x, None, &time, &|| {
+                    self.oracle.go_on()
+                })?
             }
         };
         if !start.is_zero() {
@@ -89,7 +91,9 @@ impl Evaluator<'_> {
                     *value = Interval::ZERO;
                 }
             }
-            values = after(&reading, &|s| left[s], values, None, &start)?;
+            values = after(&reading, &|s| left[s], values, None, &start, &|| {
+                self.oracle.go_on()
+            })?;
         }
         let probability = |value: &Interval| {
             let value = value.at_least(0.0).at_most(1.0);
@@ -105,7 +109,9 @@ impl Evaluator<'_> {
         start: Vec<Interval>,
         time: &Number,
     ) -> Result<Vec<Interval>, Failure> {
-        after(reading, &|_| true, start, None, &exact(time)?)
+        after(reading, &|_| true, start, None, &exact(time)?, &|| {
+            self.oracle.go_on()
+        })
     }
 
     /// What is earned within a time.
@@ -118,7 +124,14 @@ impl Evaluator<'_> {
             .map(|(choices, rate)| Interval::of(&(&choices[0].reward * rate)))
             .collect();
         let start = vec![Interval::ZERO; reading.states.len()];
-        after(reading, &|_| true, start, Some(rates), &exact(time)?)
+        after(
+            reading,
+            &|_| true,
+            start,
+            Some(rates),
+            &exact(time)?,
+            &|| self.oracle.go_on(),
+        )
     }
 }
 
@@ -135,6 +148,7 @@ fn after(
     mut x: Vec<Interval>,
     rates: Option<Vec<Interval>>,
     time: &Rational,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<Vec<Interval>, Failure> {
     if *time <= Rational::zero() {
         return Ok(x);
@@ -165,7 +179,7 @@ fn after(
     let piece = Interval::of(&(&fastest * time / number));
     let fastest = Interval::of(&fastest);
     for _ in 0..pieces as u64 {
-        x = one_piece(&rows, &x, rates.as_deref(), &piece, &fastest)?;
+        x = one_piece(&rows, &x, rates.as_deref(), &piece, &fastest, go_on)?;
     }
     Ok(x)
 }
@@ -200,9 +214,10 @@ fn one_piece(
     rates: Option<&[Interval]>,
     piece: &Interval,
     fastest: &Interval,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<Vec<Interval>, Failure> {
     let most = |of: &[Interval]| of.iter().map(|x| x.high).fold(0.0, f64::max);
-    let back = |x: Vec<Interval>| rows.back(x, 1, true, &|_| true, false);
+    let back = |x: Vec<Interval>| rows.back(x, 1, true, &|_| true, false, go_on);
     let mut weight = vanishing_exponential(piece);
     let mut sum = weight;
     let (mut x, most_x) = (x.to_vec(), most(x));

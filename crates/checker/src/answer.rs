@@ -8,6 +8,7 @@ use temporal::automaton::AutomatonError;
 use crate::method::{Method, Termination};
 use crate::rounding::Bounds;
 use crate::state_space::StateError;
+use crate::stop::Stop;
 
 /// How to check.
 #[derive(Clone, Copy)]
@@ -31,6 +32,8 @@ pub struct Options<'a> {
     pub exact_limit: usize,
     /// Asked now and then; the check ends with [`CheckError::Cancelled`] when it returns true.
     pub cancel: Option<&'a (dyn Fn() -> bool + Sync)>,
+    /// Asked now and then; the check ends with [`CheckError::Stopped`] and the bounds reached so far when it is to stop.
+    pub stop: Option<&'a Stop<'a>>,
 }
 
 impl Default for Options<'_> {
@@ -45,6 +48,7 @@ impl Default for Options<'_> {
             fair: false,
             exact_limit: 1_000_000,
             cancel: None,
+            stop: None,
         }
     }
 }
@@ -59,10 +63,21 @@ impl Options<'_> {
     }
 
     pub(crate) fn check_cancelled(&self) -> Result<(), CheckError> {
-        match self.cancel {
-            Some(cancel) if cancel() => Err(CheckError::Cancelled),
-            _ => Ok(()),
+        match self.is_cancelled() {
+            true => Err(CheckError::Cancelled),
+            false => Ok(()),
         }
+    }
+
+    /// Whether to end what is under way: for good, or to stop.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|cancel| cancel()) || self.stop.is_some_and(Stop::is_asked)
+    }
+
+    /// Whether to stop and go on with the bounds reached so far; asked by methods with bounds before what they would leave
+    /// out, and before [`Self::check_cancelled`].
+    pub(crate) fn must_stop(&self) -> bool {
+        !self.method.is_estimate() && self.stop.is_some_and(Stop::cuts)
     }
 }
 
@@ -191,6 +206,12 @@ pub struct Answer {
 pub enum CheckError {
     /// The caller asked to stop.
     Cancelled,
+    /// The caller asked to stop, by [`Options::stop`].
+    Stopped {
+        /// Bounds of the property's value (in all initial states) that hold but are wider than asked for; of a
+        /// comparison, of the value that is compared. `None` if there were none yet.
+        reached: Option<Bounds>,
+    },
     /// The property or model asks for something that is not implemented.
     Unsupported(String),
     /// An option makes no sense.
@@ -225,6 +246,8 @@ pub enum CheckError {
         comparison: String,
         /// What is known of the probability.
         bounds: Bounds,
+        /// Whether it is the property's own comparison, not one within it.
+        is_whole: bool,
     },
     /// Which choice is best is not the same at all points of a region of parameters, or not known to be.
     OpenChoice,
@@ -240,6 +263,15 @@ impl fmt::Display for CheckError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cancelled => formatter.write_str("the check was stopped before it had an answer"),
+            Self::Stopped { reached: None } => {
+                formatter.write_str("the check was stopped before it had bounds")
+            }
+            Self::Stopped {
+                reached: Some(Bounds { low, high }),
+            } => write!(
+                formatter,
+                "the check was stopped when the value was known to lie between {low} and {high}"
+            ),
             Self::Unsupported(what)
             | Self::InvalidOption(what)
             | Self::Filter(what)
@@ -264,12 +296,12 @@ impl fmt::Display for CheckError {
                 "the probability of leaving state {state} is too small for this method, which takes it \
                  for 0 and divides by it; use the sound or the exact method"
             ),
-            Self::Undecided { comparison, bounds } if bounds.low.is_nan() => write!(
+            Self::Undecided { comparison, bounds, .. } if bounds.low.is_nan() => write!(
                 formatter,
                 "whether the value is {comparison} is not the same for all values of the open constants, or \
                  not known to be: give them narrower ranges"
             ),
-            Self::Undecided { comparison, bounds } => write!(
+            Self::Undecided { comparison, bounds, .. } => write!(
                 formatter,
                 "whether the value is {comparison} cannot be told: it lies between {} and {}; \
                  use the exact method",

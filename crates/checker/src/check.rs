@@ -70,8 +70,14 @@ pub fn check_or_exact(
         return check_exact(&exact()?, property, options);
     }
     let is_multi = matches!(property, Property::Objectives(_));
-    if is_multi && options.method == Method::Sound && space.num_states() <= options.exact_limit {
-        return check_exact(&exact()?, property, options).map(in_floats);
+    if is_multi && space.num_states() <= options.exact_limit {
+        let mut answer = in_floats(check_exact(&exact()?, property, options)?);
+        if options.method != Method::Sound {
+            let note =
+                "several objectives are computed in rational arithmetic, whatever method is named";
+            answer.notes.push(note.to_owned());
+        }
+        return Ok(answer);
     }
     let tighter = Options {
         precision: (options.precision * TIGHTER)
@@ -80,8 +86,12 @@ pub fn check_or_exact(
         ..*options
     };
     let answer = match check_space(space, property, options) {
-        Err(CheckError::Undecided { .. }) if tighter.precision < options.precision => {
-            check_space(space, property, &tighter).map(|mut answer| {
+        Err(CheckError::Undecided {
+            bounds, is_whole, ..
+        }) if tighter.precision < options.precision => {
+            let known = is_whole.then_some(bounds);
+            let answer = check_space(space, property, &tighter);
+            answer.map_err(|error| with_known(error, known)).map(|mut answer| {
                 let precision = tighter.precision;
                 let note = format!(
                     "the bounds were tightened to a relative distance of {precision:e} to decide"
@@ -93,10 +103,14 @@ pub fn check_or_exact(
         answer => answer,
     };
     match answer {
-        Err(CheckError::Undecided { comparison, .. })
-            if space.num_states() <= options.exact_limit =>
-        {
-            let mut answer = check_exact(&exact()?, property, options)?;
+        Err(CheckError::Undecided {
+            comparison,
+            bounds,
+            is_whole,
+        }) if space.num_states() <= options.exact_limit => {
+            let known = is_whole.then_some(bounds);
+            let answer = exact().and_then(|space| check_exact(&space, property, options));
+            let mut answer = answer.map_err(|error| with_known(error, known))?;
             answer.notes.push(format!(
                 "floating-point bounds left open whether a probability is {comparison}, so \
                  rational arithmetic was used"
@@ -104,6 +118,27 @@ pub fn check_or_exact(
             Ok(answer)
         }
         other => other,
+    }
+}
+
+/// What ended a second try, with the bounds that the first one left if it was ended from outside.
+fn with_known(error: CheckError, known: Option<Bounds>) -> CheckError {
+    match (error, known) {
+        (CheckError::Cancelled | CheckError::Stopped { reached: None }, Some(_)) => {
+            CheckError::Stopped { reached: known }
+        }
+        (
+            CheckError::Stopped {
+                reached: Some(bounds),
+            },
+            Some(known),
+        ) => CheckError::Stopped {
+            reached: Some(Bounds {
+                low: bounds.low.max(known.low),
+                high: bounds.high.min(known.high),
+            }),
+        },
+        (error, _) => error,
     }
 }
 
@@ -122,7 +157,7 @@ fn in_floats(mut answer: Answer) -> Answer {
 
 /// The state space with rational probabilities.
 fn exact_space(model: &Model, options: &Options<'_>) -> Result<StateSpace<Rational>, CheckError> {
-    let go_on = |_| !options.cancel.is_some_and(|cancel| cancel());
+    let go_on = |_| !options.is_cancelled();
     explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| match error {
         ExploreError::Cancelled => CheckError::Cancelled,
         error => CheckError::ExactModel(error.to_string()),

@@ -37,6 +37,7 @@ use crate::property::{meets, validate};
 use crate::rounding::UNIT;
 use crate::shape::negation;
 use crate::state_space::{Csr, StateSpace};
+use crate::stop::{Stop, after_a_cut};
 
 /// Evaluation of one property.
 pub(crate) struct Evaluator<'a, E: Numbers> {
@@ -50,6 +51,8 @@ pub(crate) struct Evaluator<'a, E: Numbers> {
     scheduler: Option<Vec<usize>>,
     /// What filters print.
     printed: Vec<(usize, AnswerValue)>,
+    /// How many comparisons with a bound are around what is being evaluated.
+    depth: usize,
 }
 
 impl<'a, E: Numbers> Evaluator<'a, E> {
@@ -90,11 +93,24 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
             product_states: None,
             scheduler: None,
             printed: Vec::new(),
+            depth: 0,
         })
     }
 
     /// The answer to a property in the initial states.
-    pub fn answer(mut self, property: &Property) -> Result<Answer, CheckError> {
+    ///
+    /// # Errors
+    /// See [`CheckError`]; [`CheckError::Stopped`] with the bounds reached if the options' `stop` left out work.
+    pub fn answer(self, property: &Property) -> Result<Answer, CheckError> {
+        let options = self.context.options;
+        let found = self.found(property);
+        match options.stop.is_some_and(Stop::is_cut) {
+            true => after_a_cut(found, options.precision),
+            false => found,
+        }
+    }
+
+    fn found(mut self, property: &Property) -> Result<Answer, CheckError> {
         let initial = self.space.initial_states().to_vec();
         match property {
             Property::Probability { bound: None, path } => {
@@ -108,11 +124,22 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 let maximise = worst(*comparison);
                 let values = self.probability(path, maximise, &initial)?;
                 let meets = |value| meets::<E>(value, *comparison, bound);
-                let holds = values.iter().map(meets).collect::<Result<Vec<_>, _>>()?;
+                let holds = values.iter().map(meets).collect::<Result<Vec<_>, _>>();
+                let holds = holds.map_err(of_whole)?;
                 Ok(self.of_truths(&holds, property))
             }
             Property::State(formula) => {
-                let holds = self.truths(formula, &initial)?;
+                let is_comparison = matches!(
+                    formula,
+                    StateFormula::Probability { .. }
+                        | StateFormula::Reward { .. }
+                        | StateFormula::LongRun { .. }
+                );
+                let holds = self.truths(formula, &initial);
+                let holds = holds.map_err(|error| match is_comparison && self.depth == 0 {
+                    true => of_whole(error),
+                    false => error,
+                })?;
                 Ok(self.of_truths(&holds, property))
             }
             Property::Number(quantity) => self.of_quantity(quantity, &initial),
@@ -206,7 +233,9 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 bound: (comparison, bound),
                 path,
             } => {
+                self.depth += 1;
                 let values = self.probability(path, maximise(*comparison), from)?;
+                self.depth -= 1;
                 values
                     .iter()
                     .map(|value| meets::<E>(value, *comparison, bound))
@@ -216,7 +245,9 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 bound: (comparison, bound),
                 reward,
             } => {
+                self.depth += 1;
                 let values = self.reward(reward, maximise(*comparison), from)?;
+                self.depth -= 1;
                 values
                     .iter()
                     .map(|value| amount_meets(value, *comparison, bound))
@@ -226,7 +257,9 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 bound: (comparison, bound),
                 states,
             } => {
+                self.depth += 1;
                 let values = self.long_run(states, from)?;
+                self.depth -= 1;
                 values
                     .iter()
                     .map(|value| amount_meets(value, *comparison, bound))
@@ -236,6 +269,20 @@ impl<'a, E: Numbers> Evaluator<'a, E> {
                 "a strategy can be asked for one operator with a bound only".to_owned(),
             )),
         }
+    }
+}
+
+/// An undecided comparison that is the whole property.
+fn of_whole(error: CheckError) -> CheckError {
+    match error {
+        CheckError::Undecided {
+            comparison, bounds, ..
+        } => CheckError::Undecided {
+            comparison,
+            bounds,
+            is_whole: true,
+        },
+        other => other,
     }
 }
 
@@ -276,6 +323,7 @@ fn amount_meets<A: Amount>(
     known.ok_or_else(|| CheckError::Undecided {
         comparison: format!("{} {bound}", comparison.symbol()),
         bounds: value.bounds(),
+        is_whole: false,
     })
 }
 

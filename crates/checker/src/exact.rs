@@ -37,7 +37,7 @@ pub(crate) fn reachability(
     let open = |(surely, never): (&bool, &bool)| !surely && !never;
     let open: Vec<bool> = sets.surely.iter().zip(&sets.never).map(open).collect();
     let mut local = vec![u32::MAX; x.len()];
-    let cancelled = || options.cancel.is_some_and(|cancel| cancel());
+    let cancelled = || options.is_cancelled();
     for component in Components::new(matrix, &open).iter() {
         options.check_cancelled()?;
         let system = system(matrix, component, &x, &mut local);

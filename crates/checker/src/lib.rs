@@ -5,6 +5,7 @@
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`scheduler()`] gives the scheduler that attains the value, with the memory it needs, and the chain it induces;
+//! * [`Stop`] ends a check early with the bounds reached so far;
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
 //!   transition, and what happens in each step;
@@ -81,6 +82,7 @@ mod shape;
 mod sound;
 pub mod state_space;
 mod steps;
+mod stop;
 pub mod symmetry;
 #[cfg(test)]
 mod test_models;
@@ -95,4 +97,5 @@ pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::sample_path;
 pub use scheduler::{Scheduler, scheduler, scheduler_exact};
+pub use stop::Stop;
 pub use witness::{Witness, witness};

@@ -41,6 +41,7 @@ use crate::quotient::{Optimal, Quotient};
 use crate::rewards::Part;
 use crate::rounding::{Bounds, UNIT};
 use crate::sound::not_eliminated;
+use crate::stop::Stop;
 
 mod iteration;
 mod krylov;
@@ -80,7 +81,9 @@ pub(crate) fn average<'m, E: Numbers>(
     let mut iterations = 0;
     let idle = idle(embedded, part, maximise);
     for component in &components {
-        context.options.check_cancelled()?;
+        if !stops::<E>(context) {
+            context.options.check_cancelled()?;
+        }
         let (gain, rounds) = match component.states.iter().any(|s| idle[*s as usize]) {
             true => (E::Amount::zero(), 0),
             false => gain::<E>(rates, part, component, maximise, &mut local, context)?,
@@ -150,6 +153,9 @@ fn gain<E: Numbers>(
     if component.rows.iter().all(|row| part.is_free(*row)) {
         return Ok((E::Amount::zero(), 0));
     }
+    if stops::<E>(context) {
+        return Ok((between_rewards::<E>(part, component, None), 0));
+    }
     for (place, state) in component.states.iter().enumerate() {
         local[*state as usize] = place as u32;
     }
@@ -200,7 +206,53 @@ fn gain<E: Numbers>(
         .states
         .iter()
         .for_each(|state| local[*state as usize] = u32::MAX);
-    found
+    match found {
+        Err(CheckError::Cancelled) if stops::<E>(context) => {
+            Ok((between_rewards::<E>(part, component, None), 0))
+        }
+        Ok((gain, rounds)) if is_cut::<E>(context) => {
+            Ok((between_rewards::<E>(part, component, Some(&gain)), rounds))
+        }
+        found => found,
+    }
+}
+
+/// Whether the method has bounds, so that they are there when a check is stopped.
+fn has_bounds<E: Numbers>(context: &Context<'_>) -> bool {
+    let method = E::method(context.options.method);
+    !method.is_estimate() && method != Method::Exact
+}
+
+/// Whether to stop and take the bounds that there are.
+fn stops<E: Numbers>(context: &Context<'_>) -> bool {
+    has_bounds::<E>(context) && context.options.must_stop()
+}
+
+/// Whether what was found may have been cut short.
+fn is_cut<E: Numbers>(context: &Context<'_>) -> bool {
+    has_bounds::<E>(context) && context.options.stop.is_some_and(Stop::is_cut)
+}
+
+/// The gain is a mean of what the component's choices earn; and within what is known besides.
+fn between_rewards<E: Numbers>(
+    part: &Part<E::Amount>,
+    component: &EndComponent,
+    known: Option<&E::Amount>,
+) -> E::Amount {
+    let none = Bounds {
+        low: f64::INFINITY,
+        high: 0.0,
+    };
+    let rewards = component.rows.iter().map(|row| part.row[*row].bounds());
+    let of_all = rewards.fold(none, |all, reward| Bounds {
+        low: all.low.min(reward.low),
+        high: all.high.max(reward.high),
+    });
+    let known = known.map(Amount::bounds);
+    E::from_bounds(Bounds {
+        low: known.map_or(of_all.low, |known| known.low.max(of_all.low)),
+        high: known.map_or(of_all.high, |known| known.high.min(of_all.high)),
+    })
 }
 
 /// The gain by a classical iteration.
@@ -287,7 +339,7 @@ fn round_trip<E: Numbers>(
             }
         }
     }
-    let cancelled = || context.options.cancel.is_some_and(|cancel| cancel());
+    let cancelled = || context.options.is_cancelled();
     let budget = if <E::Entry as Arithmetic>::EXACT {
         u64::MAX
     } else {

@@ -290,6 +290,7 @@ pub(crate) fn meets<E: Engine>(
     E::meets(value, comparison, bound).ok_or_else(|| CheckError::Undecided {
         comparison: format!("{} {bound}", comparison.symbol()),
         bounds: E::bounds(value),
+        is_whole: false,
     })
 }
 

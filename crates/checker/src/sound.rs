@@ -45,6 +45,8 @@ struct Effort {
     last_rounds: u64,
 }
 
+/// Transitions that are looked at for better bounds once a check is stopped.
+const LAST_WORK: u64 = 20_000_000;
 /// Components of fewer states than this, or fewer transitions for each state, are eliminated first.
 const EASY: usize = 1_000;
 const SPARSE: usize = 4;
@@ -188,14 +190,15 @@ fn reachability_with(
         local: vec![u32::MAX; matrix.num_rows()],
         result,
         iterations: 0,
+        last_work: LAST_WORK,
     };
     for (index, component) in Components::new(matrix, &open).iter().enumerate() {
-        if index % 4096 == 0 {
+        if index % 4096 == 0 && !context.options.must_stop() {
             context.options.check_cancelled()?;
         }
         match component {
             [state] => solver.substitute(*state as usize),
-            _ => solver.solve(component)?,
+            _ => solver.solve_or_enclose(component)?,
         }
     }
     Ok((solver.result, solver.iterations))
@@ -209,6 +212,8 @@ struct Solver<'a> {
     local: Vec<u32>,
     result: Vec<Probability>,
     iterations: u64,
+    /// Transitions that may still be looked at once the check is stopped.
+    last_work: u64,
 }
 
 impl Solver<'_> {
@@ -238,16 +243,58 @@ impl Solver<'_> {
         self.result[state] = Probability::widened(value, complement, error);
     }
 
+    /// Solves a component; if that is stopped before it has bounds, by some rounds from the values right outside.
+    fn solve_or_enclose(&mut self, component: &[u32]) -> Result<(), CheckError> {
+        let options = self.context.options;
+        if !options.must_stop() {
+            match self.solve(component) {
+                Err(CheckError::Cancelled) if options.must_stop() => {}
+                other => return other,
+            }
+        }
+        let system = self.system(component);
+        let (outside, longest) = self.exits(component);
+        let each = (system.rows.iter().map(Vec::len).sum::<usize>() + component.len()) as u64;
+        let rounds = self.last_work / each;
+        let mut iteration = Iteration::new(&system, outside);
+        iteration.run(options.precision, rounds, &|| false);
+        self.last_work = self.last_work.saturating_sub(iteration.rounds * each);
+        self.keep(
+            component,
+            iteration,
+            self.input_error(component.len(), longest),
+        );
+        Ok(())
+    }
+
+    /// Of the entries of the model, and of the sums over transitions that leave.
+    fn input_error(&self, states: usize, longest: usize) -> f64 {
+        2.0 * states as f64 * (self.context.entry_error + (longest + 2) as f64 * UNIT)
+    }
+
+    /// Keeps the bounds of an iteration.
+    fn keep(&mut self, component: &[u32], iteration: Iteration, input_error: f64) {
+        self.iterations += iteration.rounds;
+        for (state, [low, high, contrary_low, contrary_high]) in
+            component.iter().zip(iteration.bounds)
+        {
+            let value = Bounds { low, high };
+            let complement = Bounds {
+                low: contrary_low,
+                high: contrary_high,
+            };
+            self.store(*state as usize, value, complement, input_error);
+        }
+    }
+
     fn solve(&mut self, component: &[u32]) -> Result<(), CheckError> {
         let system = self.system(component);
         let options = self.context.options;
-        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
+        let cancelled = || options.is_cancelled();
         let width = |row: &Vec<_>| row.len();
         let longest = system.rows.iter().map(width).max().unwrap_or(0);
         let exits = self.exits(component);
-        // Entries of the model, and the sums over transitions that leave.
-        let inputs = self.context.entry_error + (exits.1 + 2) as f64 * UNIT;
-        let input_error = 2.0 * component.len() as f64 * inputs;
+        let input_error = self.input_error(component.len(), exits.1);
         let entries: usize = system.rows.iter().map(Vec::len).sum();
         let is_direct = self.effort.first_budget == u64::MAX;
         let is_easy = is_direct || component.len() < EASY || entries < SPARSE * component.len();
@@ -265,31 +312,23 @@ impl Solver<'_> {
             return Ok(());
         }
         let mut iteration = Iteration::new(&system, exits.0);
-        if !iteration.run(tolerance, self.effort.first_rounds, &cancelled) {
-            self.context.options.check_cancelled()?;
-            if self.eliminate(
-                component,
-                system,
-                self.effort.second_budget,
-                input_error,
-                &cancelled,
-            )? {
-                return Ok(());
+        let is_done = iteration.run(tolerance, self.effort.first_rounds, &cancelled);
+        if !is_done && !options.must_stop() {
+            options.check_cancelled()?;
+            let budget = self.effort.second_budget;
+            match self.eliminate(component, system, budget, input_error, &cancelled) {
+                Ok(true) => return Ok(()),
+                Err(CheckError::Cancelled) if options.must_stop() => {}
+                other => {
+                    other?;
+                    iteration.run(tolerance, self.effort.last_rounds, &cancelled);
+                }
             }
-            iteration.run(tolerance, self.effort.last_rounds, &cancelled);
-            self.context.options.check_cancelled()?;
+            if !options.must_stop() {
+                options.check_cancelled()?;
+            }
         }
-        self.iterations += iteration.rounds;
-        for (state, [low, high, contrary_low, contrary_high]) in
-            component.iter().zip(iteration.bounds)
-        {
-            let value = Bounds { low, high };
-            let complement = Bounds {
-                low: contrary_low,
-                high: contrary_high,
-            };
-            self.store(*state as usize, value, complement, input_error);
-        }
+        self.keep(component, iteration, input_error);
         Ok(())
     }
 
@@ -448,101 +487,4 @@ fn accumulate(sum: &mut Bounds, probability: f64, value: Bounds) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::answer::Options;
-    use crate::graph::qualitative;
-    use proptest::prelude::*;
-
-    const NEVER_ELIMINATE: Effort = Effort {
-        first_budget: 0,
-        equations: false,
-        first_rounds: 100_000,
-        second_budget: 0,
-        last_rounds: 1_000_000,
-    };
-
-    /// Haddad and Monmege's chain: from the middle, up with probability `p` and back to the middle at each
-    /// step with 1/2, down likewise; the probability of the upper end is `p`.
-    fn haddad_monmege(n: usize, p: f64) -> Csr<f64> {
-        let (upper, lower, states) = (|k: usize| k, |k: usize| n + k, 2 * n + 1);
-        let mut rows = vec![Vec::new(); states];
-        rows[0] = vec![(upper(1) as u32, p), (lower(1) as u32, 1.0 - p)];
-        for k in 1..n {
-            rows[upper(k)] = vec![(0, 0.5), (upper(k + 1) as u32, 0.5)];
-            rows[lower(k)] = vec![(0, 0.5), (lower(k + 1) as u32, 0.5)];
-        }
-        rows[upper(n)] = vec![(upper(n) as u32, 1.0)];
-        rows[lower(n)] = vec![(lower(n) as u32, 1.0)];
-        Csr::from_rows(rows)
-    }
-
-    #[test]
-    fn a_chain_that_defeats_iteration_is_solved_at_once() {
-        let options = Options::default();
-        let context = Context::new(&options, 0.0);
-        for n in [20, 300] {
-            let matrix = haddad_monmege(n, 0.7);
-            let target: Vec<bool> = (0..2 * n + 1).map(|state| state == n).collect();
-            let sets = qualitative(&matrix, &vec![true; 2 * n + 1], &target);
-            let (values, rounds) = reachability(&matrix, &sets, &context).unwrap();
-            assert!(values[0].value.contains(0.7), "{:?}", values[0]);
-            assert!(values[0].complement.contains(0.3), "{:?}", values[0]);
-            assert!(values[0].value.relative_width() < 1e-6, "{:?}", values[0]);
-            assert_eq!(rounds, 0);
-        }
-    }
-
-    #[test]
-    fn tiny_probabilities_keep_their_digits() {
-        let options = Options::default();
-        let context = Context::new(&options, 0.0);
-        // Forty times one in a thousand, each state waiting almost surely.
-        let mut rows: Vec<Vec<(u32, f64)>> = (0..40)
-            .map(|k| vec![(k, 0.5), (k + 1, 0.0005), (41, 0.4995)])
-            .collect();
-        rows.extend([vec![(40, 1.0)], vec![(41, 1.0)]]);
-        let matrix = Csr::from_rows(rows);
-        let target: Vec<bool> = (0..42).map(|state| state == 40).collect();
-        let sets = qualitative(&matrix, &[true; 42], &target);
-        let (values, _) = reachability(&matrix, &sets, &context).unwrap();
-        assert!(
-            (values[0].value.middle() / 1e-120 - 1.0).abs() < 1e-11,
-            "{:?}",
-            values[0]
-        );
-        assert!(values[0].value.relative_width() < 1e-11);
-        assert!(values[0].complement.contains(1.0));
-    }
-
-    proptest! {
-        #[test]
-        fn iteration_and_elimination_have_bounds_in_common(
-            weights in prop::collection::vec(prop::collection::vec(0u32..5, 8), 8),
-            right in prop::collection::vec(prop::bool::weighted(0.2), 8),
-        ) {
-            let row = |(state, weights): (usize, &Vec<u32>)| {
-                let total: u32 = weights.iter().sum();
-                let entry = |(target, weight): (usize, &u32)| {
-                    (target as u32, f64::from(*weight) / f64::from(total))
-                };
-                match total {
-                    0 => vec![(state as u32, 1.0)],
-                    _ => weights.iter().enumerate().filter(|(_, w)| **w > 0).map(entry).collect(),
-                }
-            };
-            let matrix = Csr::from_rows(weights.iter().enumerate().map(row).collect());
-            let sets = qualitative(&matrix, &[true; 8], &right);
-            let options = Options::default();
-            let context = Context::new(&options, 0.0);
-            let (direct, _) = reachability(&matrix, &sets, &context).unwrap();
-            let (iterated, _) = reachability_with(&matrix, &sets, &context, NEVER_ELIMINATE).unwrap();
-            for (a, b) in direct.iter().zip(&iterated) {
-                for (a, b) in [(a.value, b.value), (a.complement, b.complement)] {
-                    prop_assert!(b.low <= a.middle() && a.middle() <= b.high, "{:?} {:?}", a, b);
-                    prop_assert!(b.relative_width() <= 1e-6, "{:?}", b);
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -245,6 +245,9 @@ impl Transient<'_> {
                 return Ok(None);
             }
             if k % 16 == 0 {
+                if self.context.options.must_stop() {
+                    break;
+                }
                 self.context.options.check_cancelled()?;
             }
             still = still || !walk.advance();

@@ -16,10 +16,15 @@ mod support;
 
 use checker::explore::explore;
 use checker::state_space::StateSpace;
-use checker::{CheckError, Method, Options, Termination, check_exact, check_space};
+use checker::{Bounds, CheckError, Method, Options, Stop, Termination, check_exact, check_space};
 use prism_lang::Rational;
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering};
 use support::corpus::{Case, for_all, models, noted, resolved};
-use support::judge::{PRECISION, estimate_is_close, exactly, near, near_absolutely, sound};
+use support::judge::{
+    PRECISION, estimate_is_close, exactly, is_above, is_below, near, near_absolutely, sound,
+};
+use support::value::Expected;
 
 /// Relative error up to which the method of PRISM's default settings counts as right.
 const CLOSE: f64 = 1e-4;
@@ -170,6 +175,57 @@ fn policy_iteration_and_linear_equations_enclose_the_value_narrowly() {
         }
         Ok(())
     });
+}
+
+/// Whatever moment a check is stopped at, the bounds that it has reached contain the value.
+#[test]
+fn bounds_reached_when_stopped_contain_the_value() {
+    let reached = Cell::new(0);
+    for_all::<f64>(|space, case| {
+        for asked in [0, 2] {
+            let count = AtomicU64::new(0);
+            let is_asked = || count.fetch_add(1, Ordering::Relaxed) >= asked;
+            let stop = Stop::new(&is_asked);
+            let options = Options {
+                stop: Some(&stop),
+                ..Options::default()
+            };
+            match check_space(space, &case.property.property, &options) {
+                Ok(answer) => sound(&answer, &case.property.property, &case.expected)?,
+                Err(CheckError::Stopped {
+                    reached: Some(bounds),
+                }) => {
+                    reached.set(reached.get() + 1);
+                    holds_when_stopped(bounds, &case.expected)?;
+                }
+                Err(
+                    CheckError::Stopped { reached: None }
+                    | CheckError::Cancelled
+                    | CheckError::Undecided { .. },
+                ) => {}
+                Err(error) => return Err(error.to_string()),
+            }
+        }
+        Ok(())
+    });
+    let reached = reached.get();
+    assert!(
+        reached > 20,
+        "only {reached} checks were stopped with bounds"
+    );
+}
+
+fn holds_when_stopped(Bounds { low, high }: Bounds, expected: &Expected) -> Result<(), String> {
+    let holds = match expected {
+        Expected::Number(exact) => is_below(low, exact) && is_above(high, exact),
+        Expected::Range(least, greatest) => is_below(low, least) && is_above(high, greatest),
+        // Of what is compared, the truth alone is known here.
+        Expected::Truth(_) => low <= high,
+    };
+    match holds {
+        true => Ok(()),
+        false => Err(format!("stopped between {low:e} and {high:e}")),
+    }
 }
 
 #[test]

@@ -87,9 +87,22 @@ impl Problem {
         }
     }
 
+    /// The same, with how far the work came.
+    pub fn interrupted_while(doing: &str) -> Self {
+        Self {
+            message: format!("interrupted while {doing}"),
+            ..Self::interrupted()
+        }
+    }
+
     /// Whether the user interrupted the work.
     pub fn is_interruption(&self) -> bool {
         self.kind == Kind::Interrupted
+    }
+
+    /// What is wrong, without its place.
+    pub fn message(&self) -> &str {
+        &self.message
     }
 
     /// What is wrong, in one line, with its place.

@@ -32,7 +32,8 @@ impl Evaluator<'_> {
             Formula::Next(of) => {
                 if let Some(of) = set(of) {
                     let rows = Rows::new(&reading.choices);
-                    return rows.back(indicator(of), 1, maximise, &|_| true, false);
+                    let go_on = || self.oracle.go_on();
+                    return rows.back(indicator(of), 1, maximise, &|_| true, false, &go_on);
                 }
             }
             Formula::Until(left, right, first, last) => {
@@ -73,13 +74,15 @@ impl Evaluator<'_> {
             Some(last) => {
                 let start = right.iter().map(number).collect();
                 let open = |state: usize| left[state] && !right[state];
-                rows.back(start, last - first, maximise, &open, false)?
+                let go_on = || self.oracle.go_on();
+                rows.back(start, last - first, maximise, &open, false, &go_on)?
             }
         };
         if first > 0 {
             // At the step before, `left` must hold, whether `right` does or not.
             for _ in 0..first {
-                values = rows.back(values, 1, maximise, &|state| left[state], false)?;
+                let go_on = || self.oracle.go_on();
+                values = rows.back(values, 1, maximise, &|state| left[state], false, &go_on)?;
                 for (value, left) in values.iter_mut().zip(left) {
                     if !left {
                         *value = Interval::ZERO;

@@ -195,11 +195,13 @@ impl Evaluator<'_> {
             }
             RewardObjective::Cumulative(Horizon::Steps(steps)) => {
                 let start = vec![Interval::ZERO; reading.states.len()];
-                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, true)
+                let go_on = || self.oracle.go_on();
+                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, true, &go_on)
             }
             RewardObjective::Instantaneous(Horizon::Steps(steps)) => {
                 let start = self.state_rewards(structure)?;
-                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, false)
+                let go_on = || self.oracle.go_on();
+                Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, false, &go_on)
             }
             RewardObjective::Cumulative(Horizon::Time(time)) => self.earned_within(&reading, time),
             RewardObjective::Instantaneous(Horizon::Time(time)) => {

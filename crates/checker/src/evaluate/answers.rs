@@ -9,6 +9,7 @@ use crate::engine::Numbers;
 use crate::method::Method;
 use crate::property::{guarantee_of_truths, joint_guarantee, range};
 use crate::rounding::Bounds;
+use crate::stop::Stop;
 
 impl<E: Numbers> Evaluator<'_, E> {
     /// Probabilities in the initial states.
@@ -46,7 +47,16 @@ impl<E: Numbers> Evaluator<'_, E> {
             initial
         };
         let values = self.numbers(quantity, asked)?;
+        let is_cut = self.context.options.stop.is_some_and(Stop::is_cut);
         for bounds in values.iter().map(Amount::bounds) {
+            if is_cut && bounds.low.is_finite() != bounds.high.is_finite() {
+                let hull = |a: Bounds, b: Bounds| Bounds {
+                    low: a.low.min(b.low),
+                    high: a.high.max(b.high),
+                };
+                let reached = values.iter().map(Amount::bounds).reduce(hull);
+                return Err(CheckError::Stopped { reached });
+            }
             // Something in the middle of these would be no answer.
             if bounds.low.is_finite() != bounds.high.is_finite() {
                 return Err(CheckError::Unsupported(format!(

@@ -179,6 +179,7 @@ fn compare<A: Amount>(operator: BinaryOp, a: &A, b: &A) -> Result<bool, CheckErr
                 y.high
             ),
             bounds: x,
+            is_whole: false,
         }),
     }
 }
@@ -216,6 +217,7 @@ fn call<A: Amount>(function: Function, arguments: Vec<A>) -> Result<A, CheckErro
         value.floor().ok_or_else(|| CheckError::Undecided {
             comparison: "below or above the next integer".to_owned(),
             bounds: value.bounds(),
+            is_whole: false,
         })
     };
     let mut given = arguments.into_iter();

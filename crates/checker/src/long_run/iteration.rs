@@ -107,6 +107,9 @@ impl<'a> Iteration<'a> {
         let mut closest = f64::INFINITY;
         let mut solutions = 0;
         loop {
+            if context.options.must_stop() {
+                return Ok(Some((best, rounds)));
+            }
             context.options.check_cancelled()?;
             let now = self.bounds(&x, &mut drift, true, context.entry_error);
             if !(now.low.is_finite() && now.high.is_finite()) {
@@ -182,6 +185,9 @@ impl<'a> Iteration<'a> {
         let mut in_place = self.row_start.len() == self.choice_start.len();
         let mut round = 0;
         loop {
+            if context.options.must_stop() {
+                return Ok((best, round));
+            }
             context.options.check_cancelled()?;
             let now = self.bounds(&x, &mut drift, maximise, context.entry_error);
             if !(now.low.is_finite() && now.high.is_finite()) {

@@ -104,7 +104,7 @@ impl Solver<'_> {
             system.rows.push(entries);
             system.rhs.push([exit, value]);
         }
-        let cancelled = || self.options.cancel.is_some_and(|cancel| cancel());
+        let cancelled = || self.options.is_cancelled();
         let solution = system
             .solve(u64::MAX, &cancelled)
             .map_err(|reason| match reason {

@@ -61,6 +61,30 @@ impl<'a> Search<'a> {
         false
     }
 
+    /// Iterates when a check is stopped, for so many multiplications; the work done.
+    pub fn last_rounds(&mut self, work: u64) -> u64 {
+        let each = (self.local.entries() + self.local.len()).max(1) as u64;
+        let rounds = work / each;
+        let mut low = std::mem::take(&mut self.low);
+        for round in 0..rounds {
+            self.rounds += 1;
+            if self.round(&mut low, Side::Low) == 0.0 {
+                self.low = low;
+                return (round + 1) * each;
+            }
+        }
+        self.low = low;
+        rounds * each
+    }
+
+    /// The bounds that the values reached from below give when a check is stopped.
+    pub fn bounds_reached(&mut self) {
+        for (high, low) in self.high.iter_mut().zip(&self.low) {
+            *high = high.max(*low);
+        }
+        self.guess(self.tolerance.max(1e-3));
+    }
+
     /// Whether one side's approximations are near enough to the other's.
     fn is_one_sided(&self) -> bool {
         self.local.is_one_sided(self.tolerance / 1000.0)
@@ -121,7 +145,11 @@ impl<'a> Search<'a> {
             tolerance: self.tolerance,
             options,
         };
-        let confirmed = slack.search(self.low.clone())?;
+        let confirmed = match slack.search(self.low.clone()) {
+            // What iteration has reached gives bounds.
+            Err(CheckError::Cancelled) if options.must_stop() => return Ok(false),
+            confirmed => confirmed?,
+        };
         if let Some(lower) = &confirmed.lower {
             (self.found.iter_mut().zip(lower)).for_each(|(f, x)| f.0 = f.0.max(*x));
         }

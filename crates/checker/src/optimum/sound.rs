@@ -24,6 +24,8 @@
 //!
 //! Cost: rounds times entries; direct where components are small.
 
+mod stopped;
+
 use super::local::{Local, OUTSIDE, Side};
 use super::policy::leaving;
 use super::search::Search;
@@ -35,6 +37,7 @@ use crate::engine::Context;
 use crate::graph::{Components, NO_ROW};
 use crate::rounding::{Bounds, SMALLEST_VALUE, UNIT};
 use crate::sound::not_eliminated;
+use stopped::LAST_WORK;
 
 /// How much work is spent on a component by one way before the next is tried: multiplications.
 #[derive(Debug, Clone, Copy)]
@@ -134,14 +137,15 @@ pub(crate) fn solve_with(
         position: vec![OUTSIDE; states],
         choice: vec![NO_ROW; states],
         iterations: 0,
+        last_work: LAST_WORK,
     };
     for (index, component) in components.iter().enumerate() {
-        if index % 4096 == 0 {
+        if index % 4096 == 0 && !context.options.must_stop() {
             context.options.check_cancelled()?;
         }
         match component {
             [state] => solver.substitute(*state as usize)?,
-            _ => solver.component(component)?,
+            _ => solver.component_or_enclose(component)?,
         }
     }
     Ok(Solution {
@@ -161,6 +165,8 @@ struct Solver<'a> {
     position: Vec<u32>,
     choice: Vec<usize>,
     iterations: u64,
+    /// Multiplications that may still be done once the check is stopped.
+    last_work: u64,
 }
 
 impl Solver<'_> {
@@ -219,10 +225,15 @@ impl Solver<'_> {
         self.choice[state] = row;
     }
 
+    /// Of the entries of the model, and of the sums over transitions that leave.
+    fn input_error(&self, local: &Local) -> f64 {
+        let inputs = self.entry_error() + (local.longest_exit + 3) as f64 * UNIT;
+        2.0 * local.len() as f64 * inputs
+    }
+
     fn component(&mut self, component: &[u32]) -> Result<(), CheckError> {
         let local = Local::new(&self.equations, component, &mut self.position);
-        let inputs = self.entry_error() + (local.longest_exit + 3) as f64 * UNIT;
-        let input_error = 2.0 * component.len() as f64 * inputs;
+        let input_error = self.input_error(&local);
         let is_direct = self.effort.direct == u64::MAX;
         if local.is_chain() {
             let policy: Vec<usize> = (0..local.len()).collect();
@@ -243,7 +254,7 @@ impl Solver<'_> {
         let floor = 4.0 * local.error;
         let tolerance = (self.context.options.precision * share / 4.0).max(floor);
         let options = self.context.options;
-        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
+        let cancelled = || options.is_cancelled();
         let mut search = Search::new(
             &local,
             self.equations.maximise,
@@ -301,13 +312,24 @@ impl Solver<'_> {
         input_error: f64,
     ) -> Result<(), CheckError> {
         let options = self.context.options;
-        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
-        options.check_cancelled()?;
+        let cancelled = || options.is_cancelled();
+        if !solved && options.must_stop() {
+            return self.keep_reached(component, search, input_error);
+        }
         if !solved {
-            solved = self.improve_policies(search)?.is_some();
+            options.check_cancelled()?;
+            solved = match self.improve_policies(search) {
+                Err(CheckError::Cancelled) if options.must_stop() => {
+                    return self.keep_reached(component, search, input_error);
+                }
+                schedulers => schedulers?.is_some(),
+            };
         }
         if !solved {
             search.iterate(self.effort.last, &cancelled);
+            if options.must_stop() {
+                return self.keep_reached(component, search, input_error);
+            }
             options.check_cancelled()?;
         }
         self.keep_found(component, search, input_error)
@@ -358,7 +380,7 @@ impl Solver<'_> {
             return Ok(None);
         }
         let options = self.context.options;
-        let cancelled = || options.cancel.is_some_and(|cancel| cancel());
+        let cancelled = || options.is_cancelled();
         match local.system(policy).solve(budget, &cancelled) {
             Ok(solution) => {
                 let value = |[_, low, high]: &[f64; 3]| Bounds {

@@ -211,7 +211,7 @@ impl<'a> Solver<'a> {
             system.rows.push(entries);
             system.rhs.push(rhs);
         }
-        let cancelled = || self.context.options.cancel.is_some_and(|cancel| cancel());
+        let cancelled = || self.context.options.is_cancelled();
         let solution = system
             .solve(u64::MAX, &cancelled)
             .map_err(|why| match why {

@@ -107,7 +107,17 @@ pub fn complement_encloses(answer: &Answer, exact: &Rational) -> Result<(), Stri
 }
 
 pub fn contains(low: f64, high: f64, exact: &Rational) -> bool {
-    exact_of(low) <= *exact && *exact <= exact_of(high)
+    is_below(low, exact) && is_above(high, exact)
+}
+
+/// Whether a lower bound holds.
+pub fn is_below(low: f64, exact: &Rational) -> bool {
+    low == f64::NEG_INFINITY || exact_of(low) <= *exact
+}
+
+/// Whether an upper bound holds.
+pub fn is_above(high: f64, exact: &Rational) -> bool {
+    high == f64::INFINITY || *exact <= exact_of(high)
 }
 
 /// The relative width is as asked, rounding to neighbouring doubles allowed; of values below the least that floating

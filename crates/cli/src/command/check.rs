@@ -2,6 +2,7 @@
 //! lines.
 
 mod certify;
+mod ending;
 mod explicit;
 mod export;
 mod form;
@@ -18,14 +19,14 @@ use crate::args::{Check, CheckFormat, Termination};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
-use crate::technique::model_checking::warning_line;
+use crate::technique::model_checking::{explore_within, warning_line};
 use checker::explore::ExploreOptions;
 use checker::formats::Written;
 use checker::state_space::StateSpace;
 use checker::symmetry::Symmetry;
-use checker::{Answer, Options};
+use checker::{Answer, Options, Stop};
+use ending::Ending;
 use form::{Built, CheckReport, PropertyReport, empty, wrong_report};
-use memory::Memory;
 use prism_lang::ast::ModelType;
 use prism_lang::{Arithmetic, Constants, Experiment, NamedProperty, Rational, resolved};
 use properties::{Asked, Text};
@@ -45,7 +46,7 @@ struct Work<'a> {
     /// The model's files, if it is not in the PRISM language.
     explicit: Option<explicit::Files>,
     texts: &'a [Text],
-    memory: Memory,
+    ending: Ending,
 }
 
 /// Checks properties of a model, for each valuation of its constants.
@@ -68,7 +69,12 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
         setting.talk.say(&problem.render(false));
     }
     if let Some(file) = &arguments.export_results {
-        results::write(file, &report)?;
+        match report.is_finished() {
+            true => results::write(file, &report)?,
+            false => (setting.talk).say(&format!(
+                "note: {file} is not written, since not all answers are there"
+            )),
+        }
     }
     let output = match arguments.format {
         CheckFormat::Json => json(&report)?,
@@ -132,7 +138,7 @@ impl<'a> Work<'a> {
             warnings: parsed.diagnostics,
             explicit,
             texts,
-            memory: Memory::new(arguments.memory_limit),
+            ending: Ending::new(arguments, &setting.interrupt),
         })
     }
 
@@ -143,14 +149,26 @@ impl<'a> Work<'a> {
         let mut first_problem = None;
         for (valuation, given) in ranges.valuations().into_iter().enumerate() {
             let values = ranges.values(&given, None);
-            let found = self.one(&given, &mut ranges);
-            let mut found = match found.map_err(|problem| self.memory.instead_of(problem)) {
+            if valuation > 0 && self.ending.is_due() {
+                let mut rest = self.ending.none_begun(self.texts, self.arguments);
+                rest.retain(|property| ranges.is_new(property.prop_idx, &given));
+                for property in &mut rest {
+                    property.valuation = valuation;
+                    property.constants = ranges.values(&given, Some(property.prop_idx));
+                }
+                report.properties.append(&mut rest);
+                continue;
+            }
+            let mut found = match self.one(&given, &mut ranges) {
                 Ok((mut built, found)) => {
                     (built.constants, built.valuation) = (values, valuation);
                     report.push(built);
                     found
                 }
-                Err(problem) if problem.is_interruption() => return Err(problem),
+                Err(problem) if problem.is_interruption() => {
+                    report.interrupted = Some(problem.message().to_owned());
+                    self.ending.none_begun(self.texts, self.arguments)
+                }
                 Err(problem) => {
                     let failed = properties::failed(self.texts, self.arguments.method, &problem);
                     first_problem.get_or_insert(problem);
@@ -162,6 +180,17 @@ impl<'a> Work<'a> {
                 property.constants = ranges.values(&given, Some(property.prop_idx));
             }
             report.properties.append(&mut found);
+        }
+        if !report.is_finished() {
+            match self.setting.interrupt.is_set() {
+                true => {
+                    let interrupted = || "interrupted".to_owned();
+                    report.interrupted.get_or_insert_with(interrupted);
+                }
+                false => {
+                    first_problem.get_or_insert_with(|| self.ending.problem());
+                }
+            }
         }
         Ok((report, first_problem))
     }
@@ -177,9 +206,15 @@ impl<'a> Work<'a> {
         }
         let own = self.constants_of_model(given)?;
         if !self.arguments.open.is_empty() {
-            let (arguments, setting) = (self.arguments, self.setting);
-            let report =
-                parametric::check(arguments, &self.source, &self.tree, &own, given, setting)?;
+            let arguments = self.arguments;
+            let report = parametric::check(
+                arguments,
+                &self.source,
+                &self.tree,
+                &own,
+                given,
+                &self.ending,
+            )?;
             let mut found = report.properties;
             found.retain(|property| ranges.is_new(property.prop_idx, given));
             return Ok((report.built, found));
@@ -220,7 +255,7 @@ impl<'a> Work<'a> {
         }?;
         let mut report = CheckReport::new(self.arguments, found);
         if self.arguments.certify {
-            certify::all(&mut report, self.arguments, &model, &asked, self.setting)?;
+            certify::all(&mut report, self.arguments, &model, &asked, &self.ending)?;
         }
         Ok((built, report.properties))
     }
@@ -311,13 +346,7 @@ impl<'a> Work<'a> {
         answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
     ) -> Result<(Built, Vec<PropertyReport>), Problem> {
         let began = Instant::now();
-        let setting = self.setting;
-        let space: StateSpace<N> = crate::technique::model_checking::explore_within(
-            &self.source,
-            model,
-            limits.clone(),
-            &|| setting.interrupt.is_set() || self.memory.is_passed(),
-        )?;
+        let space: StateSpace<N> = explore(&self.source, model, limits, &self.ending)?;
         self.on_space(&space, model, began, chosen, answer)
     }
 
@@ -330,10 +359,9 @@ impl<'a> Work<'a> {
         chosen: &[(usize, &Asked)],
         answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
     ) -> Result<(Built, Vec<PropertyReport>), Problem> {
-        let (setting, arguments) = (self.setting, self.arguments);
+        let arguments = self.arguments;
         let built = Built::new(space, began.elapsed().as_secs_f64());
         export::model(arguments, model, space)?;
-        let cancel = || setting.interrupt.is_set() || self.memory.is_passed();
         let mut options = Options::with_method(arguments.method.of_checker());
         options.precision = arguments.precision;
         options.fair = arguments.fair;
@@ -343,16 +371,29 @@ impl<'a> Work<'a> {
             Termination::Absolute => checker::Termination::Absolute,
         };
         options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
-        options.cancel = Some(&cancel);
-        let answer = |property: &NamedProperty| answer(space, property, &options);
         let mut reports = Vec::new();
         for (place, asked) in chosen {
+            let answer = |property: &NamedProperty| {
+                let is_due = || self.ending.is_due();
+                let stop = Stop::new(&is_due);
+                let options = Options {
+                    stop: Some(&stop),
+                    ..options
+                };
+                answer(space, property, &options)
+            };
             reports.push(self.answered(*place, asked, space, answer)?);
-            let answered = reports.last().is_some_and(|report| report.error.is_none());
+            let answered = !self.ending.is_due()
+                && reports.last().is_some_and(|report| report.error.is_none());
             if let (Some(file), Asked::Property(named), true) =
                 (&arguments.export_strategy, asked, answered)
             {
-                let (property, talk) = (&named.property, &setting.talk);
+                let cancel = || self.ending.is_due();
+                let options = Options {
+                    cancel: Some(&cancel),
+                    ..options
+                };
+                let (property, talk) = (&named.property, &self.setting.talk);
                 strategy::write_strategy(file, model, space, property, &options, talk)?;
             }
         }
@@ -372,11 +413,15 @@ impl<'a> Work<'a> {
             Asked::Property(property) => property.as_ref(),
             Asked::Wrong(wrong) => return Ok(wrong_report(place, wrong, method)),
         };
-        let answered = answer(property);
-        if matches!(answered, Err(checker::CheckError::Cancelled)) {
-            return Err(Problem::interrupted());
+        let named = || (place, property.name.clone(), property.text.clone());
+        if self.ending.is_due() {
+            return Ok(self.ending.not_begun(named(), method));
         }
+        let answered = answer(property);
         let check_secs = began.elapsed().as_secs_f64();
+        if let Some(reached) = answered.as_ref().err().and_then(Ending::of_error) {
+            return Ok(self.ending.stopped(named(), method, reached, check_secs));
+        }
         let witness = match &answered {
             Ok(answer) if self.arguments.witness => witness(space, property, answer),
             _ => None,
@@ -390,16 +435,14 @@ impl<'a> Work<'a> {
     }
 }
 
-/// The state space of a model, whatever memory it takes.
+/// The state space of a model.
 fn explore<N: Arithmetic>(
     source: &Source,
     model: &resolved::Model,
     limits: &ExploreOptions,
-    setting: &Setting,
+    ending: &Ending,
 ) -> Result<StateSpace<N>, Problem> {
-    crate::technique::model_checking::explore_within(source, model, limits.clone(), &|| {
-        setting.interrupt.is_set()
-    })
+    ending.exploring(|go_on| explore_within(source, model, limits.clone(), go_on))
 }
 
 /// The most probable path that shows why an answer is as it is.
@@ -459,7 +502,9 @@ fn selected<'a>(arguments: &Check, asked: &'a [Asked]) -> Result<Vec<(usize, &'a
 
 fn outcome(report: &CheckReport) -> Outcome {
     let any = |test: &dyn Fn(&PropertyReport) -> bool| report.properties.iter().any(test);
-    if any(&|p| p.result.as_deref() == Some("false")) {
+    if report.interrupted.is_some() {
+        Outcome::Interrupted
+    } else if any(&|p| p.result.as_deref() == Some("false")) {
         Outcome::Violated
     } else if any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good())) {
         Outcome::Inconclusive

@@ -1,12 +1,12 @@
 //! `check --certify`: each answer checked again by code that shares nothing with the solver (crate `certifier`).
 
+use super::ending::Ending;
 use super::properties::Asked;
 use super::{CheckReport, PropertyReport};
 use crate::args::Check;
-use crate::command::Setting;
 use crate::problem::Problem;
 use certifier::inequalities::{self, Bounds};
-use certifier::{Certified, Oracle, certify_by};
+use certifier::{Certified, Failure, Oracle, certify_by};
 use checker::state_space::{Csr, Rewards, StateSpace, TransitionRewards};
 use checker::{CheckError, Options};
 use prism_lang::ast::Optimum;
@@ -20,7 +20,7 @@ use serde::Serialize;
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct CertificateReport {
     /// `certified`: the bounds below are shown, and the answer agrees with them; `refuted`: they are shown, and it
-    /// does not; `not certified`: nothing was shown.
+    /// does not; `not certified`: nothing was shown; `not finished`: the command had to end before.
     pub status: String,
     /// What the value is at least.
     pub low: Option<f64>,
@@ -39,7 +39,15 @@ impl CertificateReport {
     pub fn is_good(&self) -> bool {
         self.status == "certified"
     }
+
+    /// Whether the command had to end before.
+    pub fn is_unfinished(&self) -> bool {
+        self.status == NOT_FINISHED
+    }
 }
+
+/// The status of what the command had to end before.
+const NOT_FINISHED: &str = "not finished";
 
 /// How many times more than the residual bounds are widened by, one after the other.
 const SLACKS: [f64; 5] = [2.0, 32.0, 1024.0, 1_048_576.0, 1_073_741_824.0];
@@ -53,9 +61,9 @@ pub(super) fn all(
     arguments: &Check,
     model: &resolved::Model,
     asked: &[Asked],
-    setting: &Setting,
+    ending: &Ending,
 ) -> Result<(), Problem> {
-    let cancel = || setting.interrupt.is_set();
+    let cancel = || ending.is_due();
     let options = Options {
         precision: arguments.precision,
         cancel: Some(&cancel),
@@ -69,33 +77,45 @@ pub(super) fn all(
             continue;
         }
         let is_fair = arguments.fair && model.model_type == resolved::ModelType::Mdp;
-        property.certificate = Some(match is_fair {
-            true => nothing("values over fair schedulers cannot be certified yet".into()),
-            false => one(property, named, model, &options)?,
-        });
+        let found = match is_fair {
+            _ if ending.is_due() => None,
+            true => Some(nothing(
+                "values over fair schedulers cannot be certified yet".into(),
+            )),
+            false => one(property, named, model, &options),
+        };
+        // The answer stays.
+        let ended = || CertificateReport {
+            status: NOT_FINISHED.into(),
+            ..nothing(format!("the command was {}", ending.reason()))
+        };
+        property.certificate = Some(found.unwrap_or_else(ended));
     }
     Ok(())
 }
 
+/// What became of an answer; nothing if the work had to end.
 fn one(
     report: &PropertyReport,
     named: &NamedProperty,
     model: &resolved::Model,
     options: &Options<'_>,
-) -> Result<CertificateReport, Problem> {
+) -> Option<CertificateReport> {
     let mut solver = Solver {
         options,
         is_cancelled: false,
         why: None,
     };
     let found = certify_by(model, &named.property, &mut solver);
-    if solver.is_cancelled {
-        return Err(Problem::interrupted());
+    match found {
+        Err(Failure::Cancelled) => None,
+        Err(_) if solver.is_cancelled => None,
+        Ok(certified) => Some(judged(report, &certified)),
+        Err(failure) => {
+            let why = solver.why.unwrap_or_else(|| failure.to_string());
+            Some(nothing(why))
+        }
     }
-    Ok(match found {
-        Ok(certified) => judged(report, &certified),
-        Err(failure) => nothing(solver.why.unwrap_or_else(|| failure.to_string())),
-    })
 }
 
 /// The solver as the certifier's oracle: it is asked about explicit problems, and trusted in nothing.
@@ -107,6 +127,10 @@ struct Solver<'a> {
 }
 
 impl Oracle for Solver<'_> {
+    fn go_on(&self) -> bool {
+        !self.options.cancel.is_some_and(|cancel| cancel())
+    }
+
     fn bounds(&mut self, problem: &inequalities::Problem<'_>, attempt: u32) -> Option<Bounds> {
         let slack = *SLACKS.get(attempt as usize)?;
         let (space, property) = asked_of_the_solver(problem);

@@ -24,6 +24,8 @@ pub struct CheckReport {
     pub built: Built,
     /// The state spaces of further valuations, in their order.
     pub further: Vec<Built>,
+    /// If the command was interrupted: how far it had come.
+    pub interrupted: Option<String>,
     /// One for each property, in the order asked, for each valuation.
     pub properties: Vec<PropertyReport>,
     /// Whether any state space was built.
@@ -40,8 +42,18 @@ impl CheckReport {
             built: Built::default(),
             is_built: false,
             further: Vec::new(),
+            interrupted: None,
             properties,
         }
+    }
+
+    /// Whether no property was left because the command had to end.
+    pub(super) fn is_finished(&self) -> bool {
+        let is_finished = |property: &PropertyReport| {
+            let certificate = property.certificate.as_ref();
+            property.unfinished.is_none() && !certificate.is_some_and(|c| c.is_unfinished())
+        };
+        self.interrupted.is_none() && self.properties.iter().all(is_finished)
     }
 
     /// Adds a state space.
@@ -143,6 +155,9 @@ pub struct PropertyReport {
     pub error: Option<String>,
     /// Whether that is because it is not supported.
     pub unsupported: bool,
+    /// If the command had to end before there was an answer (interrupted, or by its limit of memory): `stopped` while the
+    /// property was checked, with the bounds reached so far if there are some, or `not begun`.
+    pub unfinished: Option<String>,
     /// Seconds for the answer.
     pub check_secs: f64,
     /// Which valuation of constants it belongs to.
@@ -236,6 +251,7 @@ pub(super) fn empty(
         witness: None,
         error: None,
         unsupported: false,
+        unfinished: None,
         check_secs: 0.0,
         valuation: 0,
     }

@@ -4,20 +4,29 @@
 //! The last step before a look may go beyond the limit by what it needs.
 
 use crate::problem::Problem;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
 
 /// The limit, and whether it was passed.
 #[derive(Debug)]
 pub(super) struct Memory {
     limit_gigabytes: Option<f64>,
     is_passed: AtomicBool,
+    /// When to look again, in milliseconds since the start.
+    next_look: AtomicU64,
+    start: Instant,
 }
+
+/// Milliseconds between two looks: some work asks after every few operations.
+const BETWEEN_LOOKS: u64 = 5;
 
 impl Memory {
     pub fn new(limit_gigabytes: Option<f64>) -> Self {
         Self {
             limit_gigabytes,
             is_passed: AtomicBool::new(false),
+            next_look: AtomicU64::new(0),
+            start: Instant::now(),
         }
     }
 
@@ -26,19 +35,28 @@ impl Memory {
         let Some(limit) = self.limit_gigabytes else {
             return false;
         };
-        if resident_gigabytes().is_some_and(|held| held > limit) {
-            self.is_passed.store(true, Ordering::Relaxed);
+        let now = self.start.elapsed().as_millis() as u64;
+        if now >= self.next_look.load(Ordering::Relaxed) {
+            self.next_look.store(now + BETWEEN_LOOKS, Ordering::Relaxed);
+            if resident_gigabytes().is_some_and(|held| held > limit) {
+                self.is_passed.store(true, Ordering::Relaxed);
+            }
         }
         self.is_passed.load(Ordering::Relaxed)
     }
 
     /// What ended the work: the limit, if it was passed, in place of an interruption.
+    ///
+    /// What the interruption says of how far the work came is kept.
     pub fn instead_of(&self, problem: Problem) -> Problem {
         if !(problem.is_interruption() && self.is_passed.load(Ordering::Relaxed)) {
             return problem;
         }
         let limit = self.limit_gigabytes.unwrap_or_default();
-        let message = format!("the work needs more than the {limit} GB of memory that it may take");
+        let doing = problem.message().split_once(" while ");
+        let doing = doing.map_or(String::new(), |(_, doing)| format!(" while {doing}"));
+        let message =
+            format!("the work needs more than the {limit} GB of memory that it may take{doing}");
         Problem::new("memory-limit", message)
             .remedy("raise --memory-limit, or make the model smaller, for example by its constants")
     }

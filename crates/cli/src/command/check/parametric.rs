@@ -1,9 +1,9 @@
 //! `check --param`: answers as rational functions of constants that stay open.
 
+use super::ending::Ending;
 use super::properties::{self, Asked};
 use super::{Built, CheckReport, PropertyReport, empty, selected, wrong_report};
 use crate::args::Check;
-use crate::command::Setting;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
 use checker::explore::ExploreOptions;
@@ -91,7 +91,7 @@ pub(super) fn check(
     tree: &prism_lang::ast::Model,
     own: &Constants,
     given: &Constants,
-    setting: &Setting,
+    ending: &Ending,
 ) -> Result<CheckReport, Problem> {
     let text = open_constants(arguments);
     let names = Region::names(&text);
@@ -111,9 +111,9 @@ pub(super) fn check(
         ..ExploreOptions::for_properties(meaningful)
     };
     let began = Instant::now();
-    let space = super::explore::<RationalFunction>(source, &model, &limits, setting)?;
+    let space = super::explore::<RationalFunction>(source, &model, &limits, ending)?;
     let built = Built::new(&space, began.elapsed().as_secs_f64());
-    let cancel = || setting.interrupt.is_set();
+    let cancel = || ending.is_due();
     let mut options = Options::with_method(Method::Exact.of_checker());
     options.cancel = Some(&cancel);
     options.fair = arguments.fair;
@@ -121,7 +121,12 @@ pub(super) fn check(
     for (place, property) in selected(arguments, &asked)? {
         properties.push(match property {
             Asked::Property(property) => {
-                answer(place, property, &space, &model, &region, &options)?
+                if ending.is_due() {
+                    let named = (place, property.name.clone(), property.text.clone());
+                    ending.not_begun(named, Method::Exact)
+                } else {
+                    answer(place, property, &space, &model, &region, &options, ending)
+                }
             }
             Asked::Wrong(wrong) => wrong_report(place, wrong, Method::Exact),
         });
@@ -139,7 +144,8 @@ fn answer(
     model: &resolved::Model,
     region: &Region,
     options: &Options<'_>,
-) -> Result<PropertyReport, Problem> {
+    ending: &Ending,
+) -> PropertyReport {
     let began = Instant::now();
     let answered = solve(space, &property.property, region, options);
     let (name, text) = (property.name.clone(), property.text.clone());
@@ -147,14 +153,17 @@ fn answer(
     report.method = "parametric".into();
     report.check_secs = began.elapsed().as_secs_f64();
     match answered {
-        Err(CheckError::Cancelled) => return Err(Problem::interrupted()),
+        Err(CheckError::Cancelled) => {
+            let named = (place, report.name, report.property);
+            return ending.stopped(named, Method::Exact, None, report.check_secs);
+        }
         Err(error) => {
             report.unsupported = matches!(error, CheckError::Unsupported(_));
             report.error = Some(error.to_string());
         }
         Ok(answer) => fill(&mut report, &answer, model),
     }
-    Ok(report)
+    report
 }
 
 fn bad_region(error: RegionError) -> Problem {

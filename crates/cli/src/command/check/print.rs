@@ -76,7 +76,10 @@ pub(super) fn lines(report: &CheckReport) -> Result<String, Problem> {
 
 /// The report for reading.
 pub(super) fn text(report: &CheckReport) -> String {
-    let mut output = built(&report.model, &report.built);
+    let mut output = match &report.interrupted {
+        Some(how) if !report.is_built => format!("{}: {how}\n", report.model),
+        _ => built(&report.model, &report.built),
+    };
     let mut further = report.further.iter().peekable();
     for property in &report.properties {
         // The properties of one valuation follow each other.
@@ -105,6 +108,16 @@ pub(super) fn text(report: &CheckReport) -> String {
             }
             (Some(result), _) => {
                 output.push_str(&format!("Result: {result}{}\n", in_brackets(property)));
+            }
+            (None, Some(why)) if property.unfinished.is_some() => {
+                let bounds = match (property.low, property.high) {
+                    (Some(low), Some(high)) => {
+                        format!("between {} and {}, ", number(low), number(high))
+                    }
+                    _ => String::new(),
+                };
+                let capital = if bounds.is_empty() { "" } else { "Stopped: " };
+                output.push_str(&format!("{capital}{bounds}{why}\n"));
             }
             (None, error) => {
                 output.push_str(&format!(

@@ -19,18 +19,17 @@ pub fn explore<N: prism_lang::Arithmetic>(
         max_states,
         ..ExploreOptions::default()
     };
-    explore_within(source, model, limits, cancel)
+    explore_within(source, model, limits, &|_| !cancel())
 }
 
-/// The same with all limits, and a choice of reward structures.
+/// The same with all limits, and a choice of reward structures; `go_on` is told how many states there are so far.
 pub fn explore_within<N: prism_lang::Arithmetic>(
     source: &Source,
     model: &resolved::Model,
     limits: ExploreOptions,
-    cancel: &dyn Fn() -> bool,
+    go_on: &dyn Fn(usize) -> bool,
 ) -> Result<StateSpace<N>, Problem> {
-    let go_on = |_states: usize| !cancel();
-    explore_with(model, limits, &go_on).map_err(|error| {
+    explore_with(model, limits, go_on).map_err(|error| {
         if error == ExploreError::Cancelled {
             return Problem::interrupted();
         }
