@@ -29,7 +29,7 @@
 //! weight's form; E. B. Wilson (1927) for the score; L. Kish (1965) for `D` at `q = 1`.
 //!
 //! # Deviation
-//! `rho` runs over [`STEPS`] values, between which nothing is sought. Where no column tells, `rho` may be 1: one
+//! `rho` runs over 61 values, between which nothing is sought. Where no column tells, `rho` may be 1: one
 //! trial for each cluster.
 //!
 //! # Guarantee

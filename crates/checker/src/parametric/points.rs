@@ -1,7 +1,7 @@
 //! Properties of a chain at many points of its open constants, by their rational functions.
 //!
 //! # Definition
-//! Each property is solved once, with the constants open ([`solve`](super::solve)); its function is then evaluated at a
+//! Each property is solved once, with the constants open ([`super::solve`]); its function is then evaluated at a
 //! point in floating point with bounds of the rounding ([`Compiled`]), or, where these are too wide (coefficients of
 //! hundreds of digits that cancel), in rational arithmetic, which takes about a thousand times as long.
 //!
