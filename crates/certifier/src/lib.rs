@@ -95,21 +95,8 @@ pub fn certify(
     property: &Property,
     certificate: &Certificate,
 ) -> Result<Certified, Failure> {
-    certify_while(model, property, certificate, &|| true)
-}
-
-/// Like [`certify`], while `go_on` says so; it is asked now and then.
-///
-/// # Errors
-/// As there, and [`Failure::Cancelled`].
-pub fn certify_while(
-    model: &Model,
-    property: &Property,
-    certificate: &Certificate,
-    go_on: &dyn Fn() -> bool,
-) -> Result<Certified, Failure> {
     let question = Question::new(model, property)?;
-    let reading = Reading::new(model, &question, go_on)?;
+    let reading = Reading::new(model, &question)?;
     let bounds = ordered(&reading, certificate)?;
     let inequalities = inequalities::check(&reading, &question, &bounds)?;
     let initial = 0..reading.num_initial;

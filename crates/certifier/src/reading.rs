@@ -55,7 +55,7 @@ pub struct Reading {
 }
 
 /// States between two looks at whether to go on.
-pub(crate) const LOOK: usize = 256;
+const LOOK: usize = 256;
 
 /// What happens at once: the commands taken, with the action if there is one.
 struct Event<'m> {
@@ -70,14 +70,9 @@ impl Reading {
     /// Reads the states of a model that can be reached, and where a question's target is.
     ///
     /// # Errors
-    /// If the model is none, or has a construct that is not read here; [`Failure::Cancelled`] if `go_on`, which is asked
-    /// now and then, says no.
-    pub fn new(
-        model: &Model,
-        question: &Question,
-        go_on: &dyn Fn() -> bool,
-    ) -> Result<Self, Failure> {
-        let mut reading = Self::of(model, question.reward, go_on)?;
+    /// If the model is none, or has a construct that is not read here.
+    pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
+        let mut reading = Self::of(model, question.reward, &|| true)?;
         for (number, state) in reading.states.iter().enumerate() {
             let is_deadlock = reading.deadlock[number];
             let is = |formula| holds(formula, model, state, number == 0, is_deadlock);
@@ -92,7 +87,7 @@ impl Reading {
     /// Reads the states of a model that can be reached, with what each step earns of a reward structure.
     ///
     /// # Errors
-    /// As [`Reading::new`].
+    /// As [`Reading::new`], and [`Failure::Cancelled`] if `go_on`, which is asked now and then, says no.
     pub fn of(
         model: &Model,
         structure: Option<usize>,
