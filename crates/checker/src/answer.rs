@@ -74,6 +74,18 @@ impl Options<'_> {
         self.cancel.is_some_and(|cancel| cancel()) || self.stop.is_some_and(Stop::is_asked)
     }
 
+    /// Whether to stop with the bounds that a loop has reached: an error if it is cancelled, or would stop and has none.
+    pub(crate) fn stops(&self) -> Result<bool, CheckError> {
+        if self.method.is_estimate() {
+            return self.check_cancelled().map(|()| false);
+        }
+        match self.cancel.is_some_and(|cancel| cancel()) {
+            true => Err(CheckError::Cancelled),
+            // Asked once: what is asked again may have another answer.
+            false => Ok(self.must_stop()),
+        }
+    }
+
     /// Whether to stop and go on with the bounds reached so far; asked by methods with bounds before what they would leave
     /// out, and before [`Self::check_cancelled`].
     pub(crate) fn must_stop(&self) -> bool {

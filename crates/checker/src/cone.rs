@@ -260,6 +260,23 @@ impl<const W: usize> Walk<W> {
         }
     }
 
+    /// The present values on which those that are asked for will depend, after the steps that are left.
+    pub fn mattering(&self) -> impl Iterator<Item = &[f64; W]> {
+        let count = (self.cone).within(self.steps.saturating_sub(self.step));
+        let kept = self.cone.states.len();
+        self.now[..count].iter().chain(&self.now[kept..])
+    }
+
+    /// Whether some of the values on which those that are asked for depend are kept.
+    pub fn keeps_some(&self) -> bool {
+        self.now.len() > self.cone.states.len()
+    }
+
+    /// What the rows earn at each step; nothing if none does.
+    pub fn earned(&self) -> &[[f64; W]] {
+        &self.reward
+    }
+
     /// The greatest number of entries of a row.
     pub fn longest(&self) -> usize {
         let lengths = self.row_start.windows(2).map(|ends| ends[1] - ends[0]);

@@ -12,6 +12,12 @@
 //!
 //! Source: the matrix-vector iteration of Hansson and Jonsson 1994; error bound as in [`crate::rounding`].
 //!
+//! *Stopped* after `j` of `k` steps ([`crate::stop`]), `x_k` is `x_j` carried back over the `k - j` steps left, each of which
+//! takes means and earns at least `r-` and at most `r+`: it is between the least and the greatest `x_j` of the states that still
+//! matter, plus `k - j` times `r-` (0, where states keep their values) or `r+`. Where the active states began with the least of
+//! all values (with 0; the contrary with 1, the greatest), values only grow with the steps (fall), so that the state's own
+//! `x_j` bounds them, too.
+//!
 //! Cost: steps times transitions of the states within the cone. Ends early when nothing changes.
 
 use crate::answer::CheckError;
@@ -70,7 +76,7 @@ impl Back<'_, f64> {
         };
         let low = |state: usize| [values[state].value.low, values[state].complement.low];
         let high = |state: usize| [values[state].value.high, values[state].complement.high];
-        let Some(lows) = self.run(walk(&low), context)? else {
+        let Some(walked) = self.run(walk(&low), context)? else {
             return Ok(None);
         };
         let is_exact = |v: &Probability| v.value.is_exact() && v.complement.is_exact();
@@ -81,7 +87,17 @@ impl Back<'_, f64> {
                 None => return Ok(None),
             },
         };
-        let error = self.error(&lows, context);
+        let error = self.error(&walked.walk, context);
+        let none_yet = |lane: fn(&Probability) -> Bounds, end: f64| {
+            let mut active = values
+                .iter()
+                .zip(self.active)
+                .filter(|(_, active)| **active);
+            active.all(|(value, _)| lane(value) == Bounds::exactly(end))
+        };
+        let grows = none_yet(|v| v.value, 0.0);
+        let falls = none_yet(|v| v.complement, 1.0);
+        let (least, greatest) = (walked.least(), highs.as_ref().unwrap_or(&walked).greatest());
         let unknown = Probability::from_value(Bounds {
             low: 0.0,
             high: 1.0,
@@ -90,15 +106,24 @@ impl Back<'_, f64> {
             .map(|(value, active)| if *active { unknown } else { *value })
             .collect();
         for state in from {
-            let lows = lows.value(state).unwrap_or_else(|| low(state));
+            let lows = walked.walk.value(state).unwrap_or_else(|| low(state));
             let highs = match &highs {
-                Some(highs) => highs.value(state).unwrap_or_else(|| high(state)),
+                Some(highs) => highs.walk.value(state).unwrap_or_else(|| high(state)),
                 None => lows,
             };
-            let [value, complement] = [0, 1].map(|lane| Bounds {
+            let [mut value, mut complement] = [0, 1].map(|lane| Bounds {
                 low: lows[lane],
                 high: highs[lane],
             });
+            let is_open = walked.walk.value(state).is_some();
+            if let (true, Some(least)) = (is_open, least) {
+                value.low = if grows { value.low } else { least[0] };
+                complement.low = least[1];
+            }
+            if let (true, Some(greatest)) = (is_open, greatest) {
+                value.high = greatest[0];
+                complement.high = if falls { complement.high } else { greatest[1] };
+            }
             result[state] = match self.active[state] {
                 true => Probability::from_sums(value, complement, error),
                 false => values[state],
@@ -145,7 +170,7 @@ impl Back<'_, f64> {
             };
             self.run(walk, context)
         };
-        let Some(lows) = run(|b| b.low)? else {
+        let Some(walked) = run(|b| b.low)? else {
             return Ok(None);
         };
         let highs = match is_close {
@@ -155,7 +180,10 @@ impl Back<'_, f64> {
                 None => return Ok(None),
             },
         };
-        let error = self.error(&lows, context) + if is_close { spread } else { 0.0 };
+        let error = self.error(&walked.walk, context) + if is_close { spread } else { 0.0 };
+        let grows = (values.iter().zip(self.active))
+            .all(|(value, active)| !active || *value == Bounds::ZERO);
+        let (least, greatest) = (walked.least(), highs.as_ref().unwrap_or(&walked).greatest());
         let unknown = Bounds {
             low: 0.0,
             high: f64::INFINITY,
@@ -164,11 +192,22 @@ impl Back<'_, f64> {
             .map(|(value, active)| if *active { unknown } else { *value })
             .collect();
         for state in from {
-            let low = lows.value(state).map_or(values[state].low, |[low]| low);
-            let high = match &highs {
-                Some(highs) => highs.value(state).map_or(values[state].high, |[high]| high),
+            let low = walked.walk.value(state);
+            let mut low = low.map_or(values[state].low, |[low]| low);
+            let mut high = match &highs {
+                Some(highs) => highs
+                    .walk
+                    .value(state)
+                    .map_or(values[state].high, |[high]| high),
                 None => low,
             };
+            let is_open = walked.walk.value(state).is_some();
+            if let (true, Some([least])) = (is_open, least) {
+                low = if grows { low } else { least };
+            }
+            if let (true, Some([greatest])) = (is_open, greatest) {
+                high = greatest;
+            }
             if self.active[state] {
                 result[state] = widened(Bounds { low, high }, error, f64::INFINITY);
             }
@@ -185,10 +224,12 @@ impl Back<'_, f64> {
         &self,
         mut walk: Walk<W>,
         context: &Context<'_>,
-    ) -> Result<Option<Walk<W>>, CheckError> {
-        for step in 0..self.steps {
-            if step % 16 == 0 {
-                context.options.check_cancelled()?;
+    ) -> Result<Option<Walked<W>>, CheckError> {
+        let (steps, mut left) = (self.steps(), 0);
+        for step in 0..steps {
+            if step % 16 == 0 && context.options.stops()? {
+                left = steps - step;
+                break;
             }
             let progress = walk.advance();
             if progress.underflow {
@@ -198,7 +239,50 @@ impl Back<'_, f64> {
                 break;
             }
         }
-        Ok(Some(walk))
+        Ok(Some(Walked { walk, left }))
+    }
+}
+
+/// How far a walk came.
+struct Walked<const W: usize> {
+    walk: Walk<W>,
+    /// Steps that were not taken, since the check is to stop.
+    left: usize,
+}
+
+impl<const W: usize> Walked<W> {
+    /// Lower bounds of what the steps left make of the values; nothing if there are none left.
+    fn least(&self) -> Option<[f64; W]> {
+        // What keeps its value earns nothing.
+        let earned = if self.walk.keeps_some() {
+            0.0
+        } else {
+            f64::INFINITY
+        };
+        self.after([f64::INFINITY, earned], f64::min)
+    }
+
+    /// Upper bounds.
+    fn greatest(&self) -> Option<[f64; W]> {
+        self.after([0.0; 2], f64::max)
+    }
+
+    /// The ends of the values and of what is earned, which begin with these.
+    fn after(&self, start: [f64; 2], end: fn(f64, f64) -> f64) -> Option<[f64; W]> {
+        if self.left == 0 {
+            return None;
+        }
+        let earned = self.walk.earned();
+        let mut ends = [0.0; W];
+        for (lane, found) in ends.iter_mut().enumerate() {
+            let values = self.walk.mattering().map(|values| values[lane]);
+            *found = values.fold(start[0], end);
+            if !earned.is_empty() {
+                let each = earned.iter().map(|earned| earned[lane]);
+                *found += self.left as f64 * each.fold(start[1], end);
+            }
+        }
+        Some(ends)
     }
 }
 
@@ -258,14 +342,7 @@ mod tests {
 
     #[test]
     fn the_cone_leaves_out_nothing_that_matters() {
-        // A walk on a circle of 40 places with two directions to choose from, and a target opposite.
-        let place = |place: usize, by: usize| ((place + by) % 40) as u32;
-        let rows = (0..40).flat_map(|at| {
-            let towards = |by: usize| vec![(place(at, by), 0.75), (place(at, 40 - by), 0.25)];
-            [towards(1), towards(39), towards(3)]
-        });
-        let matrix = Csr::from_rows(rows.collect());
-        let choice_start: Vec<usize> = (0..=40).map(|at| 3 * at).collect();
+        let (matrix, choice_start) = circle();
         let active: Vec<bool> = (0..40).map(|at| at != 20).collect();
         let values: Vec<Bounds> = (0..40).map(|at| Bounds::indicator(at == 20)).collect();
         let rewards: Vec<Bounds> = (0..120)
@@ -289,6 +366,83 @@ mod tests {
                 for from in 0..40 {
                     let one = found(Some(&[from]));
                     assert_eq!(one[from], all[from], "{steps} {maximise} {from}");
+                }
+            }
+        }
+    }
+
+    /// A walk on a circle of 40 places with two directions to choose from.
+    fn circle() -> (Csr<f64>, Vec<usize>) {
+        let place = |place: usize, by: usize| ((place + by) % 40) as u32;
+        let rows = (0..40).flat_map(|at| {
+            let towards = |by: usize| vec![(place(at, by), 0.75), (place(at, 40 - by), 0.25)];
+            [towards(1), towards(39), towards(3)]
+        });
+        let matrix = Csr::from_rows(rows.collect());
+        (matrix, (0..=40).map(|at| 3 * at).collect())
+    }
+
+    #[test]
+    fn bounds_when_stopped_contain_what_more_steps_find() {
+        let (matrix, choice_start) = circle();
+        let rewards: Vec<Bounds> = (0..120)
+            .map(|row| Bounds::exactly(f64::from(row % 4) + 0.5))
+            .collect();
+        let stays = |at: usize| at == 20 || at == 30;
+        let active: Vec<bool> = (0..40).map(|at| !stays(at)).collect();
+        // What grows from nothing, what begins anywhere, and what is only known roughly.
+        let starts: [fn(usize) -> Bounds; 3] = [
+            |at| Bounds::indicator(at == 20),
+            |at| Bounds::exactly((at % 7) as f64 / 8.0),
+            |at| Bounds {
+                low: (at % 7) as f64 / 8.0,
+                high: (at % 7 + 1) as f64 / 8.0,
+            },
+        ];
+        let whole = Options::default();
+        for (start, steps, maximise) in
+            (0..3).flat_map(|start| [(start, 60, true), (start, 60, false), (start, 20, true)])
+        {
+            let values: Vec<Bounds> = (0..40).map(starts[start]).collect();
+            let probabilities: Vec<Probability> =
+                values.iter().map(|v| Probability::from_value(*v)).collect();
+            for from in [None, Some(&[3][..]), Some(&[11, 19, 20][..])] {
+                let back = Back {
+                    choices: Choices::new(&matrix, &choice_start),
+                    active: &active,
+                    steps,
+                    from,
+                    maximise,
+                };
+                let found = |options: &Options<'_>| {
+                    let context = Context::new(options, 0.0);
+                    let earned = |rewards| back.amounts(rewards, &values, &context).unwrap();
+                    let plain = back
+                        .probabilities(&probabilities, &context)
+                        .unwrap()
+                        .unwrap();
+                    let all = [earned(None).unwrap(), earned(Some(&rewards)).unwrap()];
+                    let lanes = plain.iter().map(|p| [p.value, p.complement]);
+                    (lanes.flatten().collect::<Vec<_>>(), all)
+                };
+                let (expected, sums) = found(&whole);
+                for asked in 0..8 {
+                    let count = std::sync::atomic::AtomicUsize::new(0);
+                    let is_asked =
+                        || count.fetch_add(1, std::sync::atomic::Ordering::Relaxed) >= asked;
+                    let stop = crate::Stop::new(&is_asked);
+                    let (reached, reached_sums) = found(&Options {
+                        stop: Some(&stop),
+                        ..whole
+                    });
+                    let pairs = reached.iter().zip(&expected);
+                    let sums = reached_sums.iter().flatten().zip(sums.iter().flatten());
+                    for (at, (reached, whole)) in pairs.chain(sums).enumerate() {
+                        assert!(
+                            reached.low <= whole.low && whole.high <= reached.high,
+                            "{start} {steps} {maximise} {asked} {at}: {reached:?} {whole:?}"
+                        );
+                    }
                 }
             }
         }

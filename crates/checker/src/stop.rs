@@ -9,9 +9,10 @@
 //! | equations of a component ([`crate::sound`], [`crate::optimum::sound`]) | those of the iteration; else, of a probability, the least and greatest value next to the component |
 //! | gain of a component ([`crate::long_run`]) | those of the iteration, within the least and greatest reward |
 //! | sums over jumps ([`crate::transient`]) | the sum so far, and what the weights left may add |
+//! | a number of steps ([`crate::steps`]) | the steps so far, and what the steps left may make of the values |
 //!
-//! Elsewhere (products with automata, numbers of steps, rational arithmetic, and methods whose answers are estimates) there
-//! are no bounds to give, and the check is cancelled.
+//! Elsewhere (products with automata, rational arithmetic, and methods whose answers are estimates) there are no bounds to
+//! give, and the check is cancelled.
 //!
 //! [`Options::stop`]: crate::Options::stop
 //! [`CheckError::Stopped`]: crate::CheckError::Stopped

@@ -244,11 +244,8 @@ impl Transient<'_> {
             if k == steps {
                 return Ok(None);
             }
-            if k % 16 == 0 {
-                if self.context.options.must_stop() {
-                    break;
-                }
-                self.context.options.check_cancelled()?;
+            if k % 16 == 0 && self.context.options.stops()? {
+                break;
             }
             still = still || !walk.advance();
             k += 1;

@@ -263,6 +263,39 @@ proptest! {
                 prop_assert_eq!(answer.value, expected);
             }
         }
+        let quantified = |formula: fn(Box<Path>) -> StateFormula| {
+            let property = Property::State(formula(Box::new(path.clone())));
+            let answer = check_space(&chain.rounded(), &property, &Options::default()).unwrap();
+            answer.value == AnswerValue::Truth(true)
+        };
+        let (some, all) = (quantified(StateFormula::Exists), quantified(StateFormula::ForAll));
+        let (possible, sure) = (exact > Rational::from_integer(0.into()), exact == Rational::from_integer(1.into()));
+        prop_assert!(some || !possible);
+        prop_assert!(sure || !all);
+        // What the first steps decide is possible where some path shows it, and sure where all do.
+        if is_finite(&path) {
+            prop_assert_eq!((some, all), (possible, sure));
+        }
+    }
+}
+
+/// Whether finitely many steps decide a formula.
+fn is_finite(path: &Path) -> bool {
+    match path {
+        Path::State(_) => true,
+        Path::Not(a) | Path::Next(a) => is_finite(a),
+        Path::And(a, b) | Path::Or(a, b) | Path::Implies(a, b) | Path::Iff(a, b) => {
+            is_finite(a) && is_finite(b)
+        }
+        Path::Finally { operand, bound } | Path::Globally { operand, bound } => {
+            bound.upper.is_some() && is_finite(operand)
+        }
+        Path::Until { left, right, bound }
+        | Path::WeakUntil { left, right, bound }
+        | Path::Release { left, right, bound } => {
+            bound.upper.is_some() && is_finite(left) && is_finite(right)
+        }
+        Path::Timed { .. } => false,
     }
 }
 

@@ -5,8 +5,18 @@
 //! iff the scheduler can avoid it; other formulas by the product with an automaton ([`crate::product`]), where a
 //! path to an accepting component is what is asked for. No fairness is assumed; deadlocks have a self-loop.
 //!
-//! Source: Emerson and Clarke 1982 (CTL), Emerson and Halpern 1986 (CTL*); Baier and Katoen 2008, chapter 6.
-//! Cost: linear in transitions (of the product). Guarantee: exact.
+//! *Within the steps `first..=last`*, from the end, with `pre` the states with some successor in a set:
+//!
+//! ```text
+//! some path satisfies     S_0 = right         S_(k+1) = right | left & pre(S_k)       then  S = left & pre(S)
+//! some path violates      V_0 = !right        V_(k+1) = !right & (!left | pre(V_k))   then  V = !left | pre(V)
+//! ```
+//!
+//! `last - first` times the one (for ever without `last`, which is what is computed above), then `first` times the other.
+//!
+//! Source: Emerson and Clarke 1982 (CTL), Emerson and Halpern 1986 (CTL*); Emerson, Mok, Sistla and Srinivasan 1992 (steps);
+//! Baier and Katoen 2008, chapter 6. Cost: linear in transitions (of the product), for each step until the set is the same
+//! again. Guarantee: exact.
 
 use prism_lang::Arithmetic;
 use prism_lang::property::Path;
@@ -60,18 +70,57 @@ impl<E: Numbers> Evaluator<'_, E> {
             Some(Shape::Until {
                 left,
                 right,
+                steps: (first, last),
                 contrary,
-                ..
-            }) => match contrary {
-                false => {
-                    Backward::new(choices)
-                        .reaching(&right, |s| left[s], |_| true)
-                        .0
-                }
-                true => qualitative_optimum(choices, &left, &right, false).never,
-            },
+            }) => {
+                let window = match (last, contrary) {
+                    (Some(last), _) => {
+                        let start = right.iter().map(|right| *right != contrary).collect();
+                        let steps = last.saturating_sub(first);
+                        self.steps_earlier(start, steps, |state, leads| match contrary {
+                            false => right[state] || left[state] && leads,
+                            true => !right[state] && (!left[state] || leads),
+                        })?
+                    }
+                    (None, false) => {
+                        let backward = Backward::new(choices);
+                        backward.reaching(&right, |s| left[s], |_| true).0
+                    }
+                    (None, true) => qualitative_optimum(choices, &left, &right, false).never,
+                };
+                self.steps_earlier(window, first, |state, leads| match contrary {
+                    false => left[state] && leads,
+                    true => !left[state] || leads,
+                })?
+            }
         };
         Ok(from.iter().map(|state| holds[*state]).collect())
+    }
+
+    /// A set of states some steps earlier: `holds` is told whether a state leads to the set one step later.
+    fn steps_earlier(
+        &self,
+        mut set: Vec<bool>,
+        steps: u64,
+        holds: impl Fn(usize, bool) -> bool,
+    ) -> Result<Vec<bool>, CheckError> {
+        let choices = self.choices();
+        for step in 0..steps {
+            if step % 16 == 0 {
+                self.context.options.check_cancelled()?;
+            }
+            let leads = |state: usize| {
+                let targets = &choices.matrix.column[choices.all_entries(state)];
+                targets.iter().any(|target| set[*target as usize])
+            };
+            let earlier = (0..set.len()).map(|state| holds(state, leads(state)));
+            let earlier: Vec<bool> = earlier.collect();
+            if earlier == set {
+                break;
+            }
+            set = earlier;
+        }
+        Ok(set)
     }
 
     fn some_path_of_product(

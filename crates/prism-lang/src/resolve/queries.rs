@@ -313,9 +313,9 @@ impl<'a> PropertyResolver<'a> {
         span: Span,
     ) -> Option<Formula> {
         let path = Box::new(self.path(path)?);
-        if has_bound(&path) {
+        if has_time(&path) {
             let letter = quantifier.symbol();
-            let message = format!("bounds in steps or time within `{letter}` are not supported.");
+            let message = format!("bounds in time within `{letter}` are not supported.");
             let error = Diagnostic::error("unsupported", span, message);
             let remedy = "Write `P>=1 [ ... ]` for almost all paths, `P>0 [ ... ]` for some.";
             self.scope.report(error.remedy(remedy));
@@ -356,22 +356,18 @@ fn is_co_safe(path: &Path, positive: bool) -> bool {
     }
 }
 
-/// Whether some temporal operator outside of nested operators has a bound.
-fn has_bound(path: &Path) -> bool {
+/// Whether some temporal operator outside of nested operators has a bound in continuous time.
+fn has_time(path: &Path) -> bool {
     match path {
         Path::State(_) => false,
-        Path::Not(a) | Path::Next(a) => has_bound(a),
+        Path::Not(a) | Path::Next(a) => has_time(a),
+        Path::Finally { operand, .. } | Path::Globally { operand, .. } => has_time(operand),
         Path::And(a, b) | Path::Or(a, b) | Path::Implies(a, b) | Path::Iff(a, b) => {
-            has_bound(a) || has_bound(b)
+            has_time(a) || has_time(b)
         }
-        Path::Finally { operand, bound } | Path::Globally { operand, bound } => {
-            !bound.is_unbounded() || has_bound(operand)
-        }
-        Path::Until { left, right, bound }
-        | Path::WeakUntil { left, right, bound }
-        | Path::Release { left, right, bound } => {
-            !bound.is_unbounded() || has_bound(left) || has_bound(right)
-        }
+        Path::Until { left, right, .. }
+        | Path::WeakUntil { left, right, .. }
+        | Path::Release { left, right, .. } => has_time(left) || has_time(right),
         Path::Timed { .. } => true,
     }
 }
