@@ -4,7 +4,8 @@
 //! ([`steps`]); what happens within a time, by uniformisation in intervals ([`timed`]); what is reached, or earned before,
 //! is asked of an [`Oracle`], which need not be trusted: its bounds count only if all inequalities hold ([`inequalities`]).
 //! Linear temporal logic becomes reachability in a product with machines ([`product`](super::product)); averages are bounded by gain and bias,
-//! totals by inequalities ([`average`], [`total`]). Truth values of nested operators follow from the bounds; where these
+//! totals by inequalities ([`average`], [`total`]); conditions are restarts ([`conditional`](crate::conditional)), and of all
+//! or some paths sets of states are the fixpoints of their definitions ([`quantifiers`](crate::quantifiers)). Truth values of nested operators follow from the bounds; where these
 //! leave one open, nothing is certified.
 //!
 //! Guarantee: exact where inequalities are checked, containment where intervals are computed. Nothing is shared with the
@@ -29,8 +30,9 @@ use crate::failure::Failure;
 use crate::inequalities::{Bounds, Problem};
 use crate::interval::Interval;
 use crate::question::{holds, unsupported};
-use crate::reading::{Choice, Reading};
+use crate::reading::{Choice, Part, Reading};
 
+mod filters;
 mod paths;
 mod quantities;
 pub(crate) use paths::as_set;
@@ -54,15 +56,12 @@ const ATTEMPTS: u32 = 6;
 pub(crate) struct Evaluator<'a> {
     pub(crate) model: &'a Model,
     pub(crate) oracle: &'a mut dyn Oracle,
-    readings: Vec<(Option<usize>, Rc<Reading>)>,
+    readings: Vec<((Option<usize>, Part), Rc<Reading>)>,
     pub(crate) inequalities: u64,
 }
 
 impl<'a> Evaluator<'a> {
     pub fn new(model: &'a Model, oracle: &'a mut dyn Oracle) -> Result<Self, Failure> {
-        if model.model_type == ModelType::Lts {
-            return Err(unsupported("a model without probabilities"));
-        }
         Ok(Self {
             model,
             oracle,
@@ -71,9 +70,17 @@ impl<'a> Evaluator<'a> {
         })
     }
 
+    /// Without probabilities only sets of states are asked for.
+    pub fn needs_probabilities(&self) -> Result<(), Failure> {
+        match self.model.model_type {
+            ModelType::Lts => Err(unsupported("a number in a model without probabilities")),
+            _ => Ok(()),
+        }
+    }
+
     /// What is shown of a property in the initial states.
     pub fn certified(mut self, property: &Property) -> Result<Certified, Failure> {
-        let reading = self.reading(None)?;
+        let reading = self.reading()?;
         let initial = 0..reading.num_initial;
         let (values, truth) = match property {
             Property::Probability { bound, path } => {
@@ -92,44 +99,61 @@ impl<'a> Evaluator<'a> {
             Property::State(formula) => {
                 let truths = self.truths(formula)?;
                 let truth = truths[initial.clone()].iter().all(|holds| *holds);
-                let unknown = Interval {
-                    low: f64::NEG_INFINITY,
-                    high: f64::INFINITY,
-                };
-                (vec![unknown; truths.len()], Some(truth))
+                (vec![Interval::ANY; truths.len()], Some(truth))
             }
             Property::Number(quantity) => (self.numbers(quantity)?, None),
-            Property::Range(filter) => (self.filtered(filter, true)?, None),
+            Property::Range(filter) => {
+                let [least, greatest] = self.range(filter)?;
+                return Ok(Certified {
+                    low: least.low,
+                    high: greatest.high,
+                    ends: [least, greatest],
+                    truth: None,
+                    states: reading.states.len(),
+                    inequalities: self.inequalities,
+                });
+            }
             Property::Objectives(_) => return Err(unsupported("an answer for several objectives")),
         };
-        let ends = initial.map(|state| values[state]);
-        let joined = ends
-            .reduce(|a, b| Interval {
-                low: a.low.min(b.low),
-                high: a.high.max(b.high),
-            })
-            .ok_or(Failure::NoInitialState)?;
+        let end = |maximise: bool| {
+            let values = initial.clone().map(|state| values[state]);
+            let best = values.reduce(|a, b| a.best(&b, maximise));
+            best.ok_or(Failure::NoInitialState)
+        };
+        let ends = [end(false)?, end(true)?];
         Ok(Certified {
-            low: joined.low,
-            high: joined.high,
+            low: ends[0].low,
+            high: ends[1].high,
+            ends,
             truth,
             states: reading.states.len(),
             inequalities: self.inequalities,
         })
     }
 
+    /// The model without rewards.
+    pub fn reading(&mut self) -> Result<Rc<Reading>, Failure> {
+        self.earning(None, Part::All)
+    }
+
     /// The model with what its steps earn.
-    pub fn reading(&mut self, structure: Option<usize>) -> Result<Rc<Reading>, Failure> {
-        if let Some((_, known)) = self.readings.iter().find(|(of, _)| *of == structure) {
+    pub fn earning(
+        &mut self,
+        structure: Option<usize>,
+        part: Part,
+    ) -> Result<Rc<Reading>, Failure> {
+        let wanted = (structure, part);
+        if let Some((_, known)) = self.readings.iter().find(|(of, _)| *of == wanted) {
             return Ok(known.clone());
         }
-        let reading = Rc::new(Reading::of(self.model, structure, &|| self.oracle.go_on())?);
-        self.readings.push((structure, reading.clone()));
+        let go_on = || self.oracle.go_on();
+        let reading = Rc::new(Reading::of(self.model, structure, part, &go_on)?);
+        self.readings.push((wanted, reading.clone()));
         Ok(reading)
     }
 
     pub fn is_chain(&self) -> bool {
-        self.model.model_type != ModelType::Mdp
+        matches!(self.model.model_type, ModelType::Dtmc | ModelType::Ctmc)
     }
 
     /// The states in which a formula holds.
@@ -143,7 +167,7 @@ impl<'a> Evaluator<'a> {
         };
         match formula {
             StateFormula::Expr(_) | StateFormula::Label(_) => {
-                let reading = self.reading(None)?;
+                let reading = self.reading()?;
                 (reading.states.iter().enumerate())
                     .map(|(number, state)| {
                         let (first, stuck) =
@@ -182,8 +206,10 @@ impl<'a> Evaluator<'a> {
                     .collect()
             }
             StateFormula::Filter(filter) => self.filter_truths(filter),
-            StateFormula::ForAll(_) | StateFormula::Exists(_) => {
-                Err(unsupported("the path quantifiers `A` and `E`"))
+            StateFormula::Exists(path) => self.some_path(path, false),
+            StateFormula::ForAll(path) => {
+                let violated = self.some_path(path, true)?;
+                Ok(violated.into_iter().map(|violated| !violated).collect())
             }
         }
     }

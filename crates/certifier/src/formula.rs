@@ -7,7 +7,7 @@
 //! those begun since the last time that happened wait in a second formula (breakpoints).
 //!
 //! Formulas that are combinations of `f`, `G f` and their contraries with co-safe `f` are read as an acceptance condition
-//! over such machines; others are refused.
+//! over such machines; others by guesses of what recurs and what persists ([`stable`]).
 //!
 //! Source: Esparza, Křetínský and Sickert 2016, "From LTL to deterministic automata", section 3 (progression, co-safety);
 //! Miyano and Hayashi 1984 (breakpoints). Cost: exponential in the formula. Guarantee: exact. This is another
@@ -19,6 +19,8 @@ use rustc_hash::FxHashMap;
 
 use crate::failure::Failure;
 use crate::question::unsupported;
+
+mod stable;
 
 /// Most clauses of what remains, and most states of a machine.
 const MOST_CLAUSES: usize = 512;
@@ -176,6 +178,16 @@ fn after(remains: &Remains, letter: u64) -> Result<Remains, Failure> {
     })
 }
 
+/// What remains, with each clause's formulas made safe.
+fn made_safe(remains: &Remains, recurring: &BTreeSet<Formula>) -> Result<Remains, Failure> {
+    remains.iter().try_fold(Remains::new(), |all, clause| {
+        let clause = clause
+            .iter()
+            .try_fold(proved(), |all, f| both(&all, &f.safe(recurring).remains()?))?;
+        either(&all, &clause)
+    })
+}
+
 fn either(a: &Remains, b: &Remains) -> Result<Remains, Failure> {
     shortest(a.iter().chain(b).cloned().collect())
 }
@@ -214,6 +226,8 @@ enum Watched {
     Once(Formula),
     /// `G` of a co-safe formula.
     Always(Formula),
+    /// What remains of a formula, made safe by which untils recur; marked where that has failed.
+    Rest(Formula, BTreeSet<Formula>),
 }
 
 /// A deterministic machine: what remains to be shown now, what was begun meanwhile, and whether it is marked.
@@ -227,9 +241,14 @@ pub(crate) struct Machine {
 
 impl Machine {
     fn new(watched: Watched) -> Result<Self, Failure> {
-        let start = match &watched {
-            Watched::Once(formula) => formula.remains()?,
-            Watched::Always(_) => proved(),
+        let (start, beside) = match &watched {
+            Watched::Once(formula) => (formula.remains()?, proved()),
+            Watched::Always(_) => (proved(), proved()),
+            Watched::Rest(formula, recurring) => {
+                let start = formula.remains()?;
+                let safe = made_safe(&start, recurring)?;
+                (start, safe)
+            }
         };
         let mut machine = Self {
             watched,
@@ -237,7 +256,7 @@ impl Machine {
             index: FxHashMap::default(),
             steps: FxHashMap::default(),
         };
-        machine.enter((start, proved(), false))?;
+        machine.enter((start, beside, false))?;
         Ok(machine)
     }
 
@@ -247,6 +266,15 @@ impl Machine {
             true => Self::new(Watched::Once(formula.clone())).map(Some),
             false => Ok(None),
         }
+    }
+
+    /// The place of the machine that watches this, new if there is none.
+    fn among(machines: &mut Vec<Self>, watched: Watched) -> Result<usize, Failure> {
+        if let Some(known) = machines.iter().position(|m| m.watched == watched) {
+            return Ok(known);
+        }
+        machines.push(Self::new(watched)?);
+        Ok(machines.len() - 1)
     }
 
     fn enter(&mut self, state: (Remains, Remains, bool)) -> Result<usize, Failure> {
@@ -284,6 +312,17 @@ impl Machine {
                     (now, begun, false)
                 }
             }
+            Watched::Rest(_, recurring) => {
+                let now = after(&now, letter)?;
+                let safe = after(&begun, letter)?;
+                match safe.is_empty() {
+                    true => {
+                        let anew = made_safe(&now, recurring)?;
+                        (now, anew, true)
+                    }
+                    false => (now, safe, false),
+                }
+            }
         };
         let next = self.enter(next)?;
         self.steps.insert((state, letter), next);
@@ -316,14 +355,7 @@ impl Condition {
     /// Reads a formula, if it is of the form.
     pub fn read(formula: &Formula, machines: &mut Vec<Machine>) -> Result<Self, Failure> {
         let mut add = |watched: Watched, marked: bool| {
-            let known = machines.iter().position(|m| m.watched == watched);
-            let place = match known {
-                Some(place) => place,
-                None => {
-                    machines.push(Machine::new(watched)?);
-                    machines.len() - 1
-                }
-            };
+            let place = Machine::among(machines, watched)?;
             Ok(match marked {
                 true => Self::Again(place),
                 false => Self::NotAgain(place),
@@ -387,10 +419,10 @@ impl Condition {
                     (_, _, Some(of)) => {
                         Self::read(&unbounded(Formula::True, &next(of), true), machines)
                     }
-                    _ => Err(not_of_this_form()),
+                    _ => stable::condition(formula, machines),
                 }
             }
-            _ => Err(not_of_this_form()),
+            _ => stable::condition(formula, machines),
         }
     }
 
@@ -416,72 +448,5 @@ impl Condition {
     }
 }
 
-fn not_of_this_form() -> Failure {
-    unsupported(
-        "a formula that does not combine co-safe ones, `G` of them and their contraries (such as `a U (G b)`)",
-    )
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn set(number: usize) -> Formula {
-        Formula::Set(number, true)
-    }
-
-    fn eventually(of: Formula) -> Formula {
-        Formula::Until(Box::new(Formula::True), Box::new(of), 0, None)
-    }
-
-    fn always(of: Formula) -> Formula {
-        Formula::Release(Box::new(Formula::False), Box::new(of), 0, None)
-    }
-
-    /// Whether the word of a prefix and a cycle for ever is accepted.
-    fn accepts(formula: &Formula, prefix: &[u64], cycle: &[u64]) -> bool {
-        let mut machines = Vec::new();
-        let condition = Condition::read(formula, &mut machines).unwrap();
-        let mut place = vec![0; machines.len()];
-        let mut marked = vec![false; machines.len()];
-        let rounds = std::iter::repeat_n(cycle, 40).flatten();
-        for (at, letter) in prefix.iter().chain(rounds).enumerate() {
-            for (machine, place) in machines.iter_mut().zip(&mut place) {
-                *place = machine.step(*place, *letter).unwrap();
-            }
-            for (machine, marked) in marked.iter_mut().enumerate() {
-                // What happens in the last half happens again and again.
-                *marked |= at > prefix.len() + 20 * cycle.len()
-                    && machines[machine].is_marked(place[machine]);
-            }
-        }
-        let holds = |clause: &Clause| {
-            clause.again.iter().all(|m| marked[*m]) && !clause.not_again.iter().any(|m| marked[*m])
-        };
-        condition.clauses().iter().any(holds)
-    }
-
-    #[test]
-    fn words_are_accepted_as_the_formulas_mean() {
-        let answered = always(Formula::Or(vec![
-            Formula::Set(0, false),
-            eventually(set(1)),
-        ]));
-        assert!(accepts(&answered, &[1, 1], &[1, 0, 2]));
-        assert!(!accepts(&answered, &[2, 1], &[0]));
-        assert!(accepts(&answered, &[3], &[0]));
-        let within = always(Formula::Or(vec![
-            Formula::Set(0, false),
-            Formula::Until(Box::new(Formula::True), Box::new(set(1)), 1, Some(2)),
-        ]));
-        assert!(accepts(&within, &[], &[1, 0, 2]));
-        assert!(!accepts(&within, &[], &[1, 0, 0, 2]));
-        assert!(!accepts(&within, &[], &[3, 0, 0]));
-        let persists = eventually(always(set(0)));
-        assert!(accepts(&persists, &[0, 0], &[1]) && !accepts(&persists, &[], &[1, 1, 0]));
-        let both = Formula::And(vec![always(eventually(set(0))), persists.negated()]);
-        assert!(accepts(&both, &[], &[0, 1]) && !accepts(&both, &[], &[1]));
-        let strange = Formula::Until(Box::new(set(0)), Box::new(always(set(1))), 0, None);
-        assert!(Condition::read(&strange, &mut Vec::new()).is_err());
-    }
-}
+mod tests;

@@ -13,8 +13,9 @@
 //! value. A lower bound also has to make progress: where it is positive, the target must be reachable (by the choices
 //! that meet the inequality; for the least value by every choice), else every number would do in a cycle. Rewards: here
 //! lower bounds need no progress, since a path that misses the target for ever counts as infinite; finite upper bounds
-//! do: then the target is reached with probability 1, all states being finite on the way. A value is infinite where a
-//! state is entered, with positive probability, that cannot reach the target (for the least value: whatever is chosen).
+//! do: then the target is reached with probability 1, all states being finite on the way. A greatest value is infinite where
+//! a state is entered, with positive probability, from which some choices avoid the target for ever; a least one where no
+//! scheduler reaches the target almost surely.
 //! A scheduler, if there is one, takes the place of "some `c`".
 //!
 //! Cost: one sum for each choice and side, first in floating point with a bound of its error, in rationals where that
@@ -257,9 +258,13 @@ impl Checker<'_> {
         if self.bounds.lower.iter().all(|value| value.is_finite()) {
             return Ok(());
         }
-        let possible = self.reached(self.problem.target, false, |_, _| true);
-        let never: Vec<bool> = possible.iter().map(|possible| !possible).collect();
-        let misses = self.reached(&never, !self.problem.maximise, |_, _| true);
+        let misses = match self.problem.maximise {
+            true => {
+                let avoids = self.avoiding();
+                self.reached(&avoids, false, |_, _| true)
+            }
+            false => (self.almost_sure().iter().map(|sure| !sure)).collect(),
+        };
         for (state, misses) in misses.iter().enumerate() {
             let value = self.bounds.lower[state];
             if value.is_infinite() && (value < 0.0 || !self.problem.is_reward || !misses) {
@@ -267,6 +272,42 @@ impl Checker<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// The graph of choices.
+impl Checker<'_> {
+    /// The states from which some choices avoid the target for ever: the greatest set that can be stayed in.
+    fn avoiding(&self) -> Vec<bool> {
+        let mut stays: Vec<bool> = self.problem.target.iter().map(|target| !target).collect();
+        loop {
+            let leaves = |state: &usize| {
+                let mut choices = self.problem.choices[*state].iter();
+                stays[*state] && !choices.any(|c| c.outcomes.iter().all(|(to, _)| stays[*to]))
+            };
+            let leaving: Vec<usize> = (0..stays.len()).filter(leaves).collect();
+            if leaving.is_empty() {
+                return stays;
+            }
+            leaving.into_iter().for_each(|state| stays[state] = false);
+        }
+    }
+
+    /// The states from which some choices reach the target almost surely: the greatest set in which it can be reached by
+    /// choices that do not leave the set.
+    fn almost_sure(&self) -> Vec<bool> {
+        let mut sure = vec![true; self.problem.target.len()];
+        loop {
+            let stays = |state: usize, choice: usize| {
+                let outcomes = &self.problem.choices[state][choice].outcomes;
+                outcomes.iter().all(|(to, _)| sure[*to])
+            };
+            let next = self.reached(self.problem.target, false, stays);
+            if next == sure {
+                return sure;
+            }
+            sure = next;
+        }
     }
 }
 

@@ -15,6 +15,11 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// Where nothing is known, as of what is divided by 0.
+    pub(crate) const ANY: Self = Self {
+        low: f64::NEG_INFINITY,
+        high: f64::INFINITY,
+    };
     pub(crate) const ZERO: Self = Self::exactly(0.0);
     pub(crate) const ONE: Self = Self::exactly(1.0);
 

@@ -31,13 +31,16 @@
 //! ```
 
 mod average;
+mod conditional;
 mod evaluate;
 mod explicit;
 mod failure;
 mod formula;
 pub mod inequalities;
 mod interval;
+mod process;
 mod product;
+mod quantifiers;
 mod question;
 mod reading;
 mod steps;
@@ -46,6 +49,7 @@ mod total;
 
 pub use evaluate::Oracle;
 pub use failure::Failure;
+pub use interval::Interval;
 pub use question::Question;
 pub use reading::{Choice, Reading};
 
@@ -78,6 +82,8 @@ pub struct Certified {
     pub low: f64,
     /// The value is at most this in the initial states (the greatest of them).
     pub high: f64,
+    /// The least value in the initial states (of a range: in its states), and the greatest: each lies in its interval.
+    pub ends: [Interval; 2],
     /// Whether the property holds in all initial states, if it is true or false.
     pub truth: Option<bool>,
     /// How many states were read.
@@ -105,13 +111,20 @@ pub fn certify(
     };
     let low = fold(&bounds.lower, f64::min).ok_or(Failure::NoInitialState)?;
     let high = fold(&bounds.upper, f64::max).ok_or(Failure::NoInitialState)?;
-    let (low, high) = match question.contrary {
-        true => ((1.0 - high).next_down(), (1.0 - low).next_up()),
-        false => (low, high),
+    let upto = |bounds: &[f64]| bounds[initial.clone()].iter().copied().reduce(f64::max);
+    let low_of_greatest = upto(&bounds.lower).ok_or(Failure::NoInitialState)?;
+    let least = initial.clone().map(|state| bounds.upper[state]);
+    let high_of_least = least.reduce(f64::min).ok_or(Failure::NoInitialState)?;
+    let ends = [(low, high_of_least), (low_of_greatest, high)];
+    let ends = ends.map(|(low, high)| Interval { low, high });
+    let ends = match question.contrary {
+        true => [ends[1].contrary(), ends[0].contrary()],
+        false => ends,
     };
     Ok(Certified {
-        low,
-        high,
+        low: ends[0].low,
+        high: ends[1].high,
+        ends,
         truth: None,
         states: reading.states.len(),
         inequalities,

@@ -23,17 +23,17 @@ use crate::reading::{Choice, Reading};
 const MOST_STATES: usize = 5_000_000;
 
 /// What is reachable of a product from all states of the model.
-struct Product {
+pub(crate) struct Product {
     /// The state of each machine, in each state.
     machines: Vec<Vec<usize>>,
-    choices: Vec<Vec<Choice>>,
+    pub choices: Vec<Vec<Choice>>,
     /// Where each state of the model starts.
-    start: Vec<usize>,
+    pub start: Vec<usize>,
 }
 
 impl Product {
-    fn new(
-        reading: &Reading,
+    pub fn new(
+        model: &[Vec<Choice>],
         machines: &mut [Machine],
         sets: &[Vec<bool>],
     ) -> Result<Self, Failure> {
@@ -70,14 +70,14 @@ impl Product {
             Ok(number)
         };
         let before = vec![0; machines.len()];
-        let start = (0..reading.states.len())
+        let start = (0..model.len())
             .map(|state| enter(state, &before, machines, &mut states))
             .collect::<Result<Vec<_>, _>>()?;
         let mut choices = Vec::new();
         while choices.len() < states.len() {
             let (state, before) = states[choices.len()].clone();
             let mut own = Vec::new();
-            for choice in &reading.choices[state] {
+            for choice in &model[state] {
                 let mut outcomes = Vec::with_capacity(choice.outcomes.len());
                 for (target, p) in &choice.outcomes {
                     let target = enter(*target, &before, machines, &mut states)?;
@@ -99,7 +99,7 @@ impl Product {
     }
 
     /// Where almost all paths, by some scheduler that stays, meet the condition.
-    fn accepting(&self, condition: &Condition, machines: &[Machine]) -> Vec<bool> {
+    pub fn accepting(&self, condition: &Condition, machines: &[Machine]) -> Vec<bool> {
         let marked = |state: usize, machine: &usize| {
             machines[*machine].is_marked(self.machines[state][*machine])
         };
@@ -133,8 +133,8 @@ impl Evaluator<'_> {
             true => Condition::read(&formula.negated(), &mut machines)?,
             false => Condition::read(formula, &mut machines)?,
         };
-        let reading = self.reading(None)?;
-        let product = Product::new(&reading, &mut machines, sets)?;
+        let reading = self.reading()?;
+        let product = Product::new(&reading.choices, &mut machines, sets)?;
         let accepting = product.accepting(&condition, &machines);
         let everywhere = vec![true; accepting.len()];
         let values = self.reached(&product.choices, &everywhere, &accepting, true)?;
@@ -157,7 +157,7 @@ impl Evaluator<'_> {
             return Err(unsupported("a reward before a formula that is not co-safe"));
         };
         let mut machines = [machine];
-        let product = Product::new(reading, &mut machines, sets)?;
+        let product = Product::new(&reading.choices, &mut machines, sets)?;
         let holds = |place: &Vec<usize>| machines[0].is_marked(place[0]);
         let target: Vec<bool> = product.machines.iter().map(holds).collect();
         let values = self.solved(Problem {

@@ -1,18 +1,19 @@
 //! A model read anew: its reachable states, by evaluating every command in every state.
 //!
-//! Definition: the choices of a state are its enabled commands without action and, for each action, every way to take one
-//! enabled command of each module that has commands with it. In a `dtmc` they are equally likely, in a `ctmc` they race
-//! (probabilities are rates over their sum), in an `mdp` each is a choice. A state without choices stays. Rewards
-//! of a step: the state's (in a `ctmc` over the rate of leaving) and the taken transitions'. Source: the semantics of the
-//! PRISM language. Cost: commands times states, with rationals throughout. Guarantee: exact; there is no table, no packing
-//! and no compilation here on purpose.
+//! Definition: the choices of a state are the events of its modules ([`process`](crate::process)). In a `dtmc` they are
+//! equally likely, in a `ctmc` they race (probabilities are rates over their sum), in an `mdp` each is a choice. A state
+//! without choices stays. Rewards of a step: the state's (in a `ctmc` over the rate of leaving) and the taken transitions'.
+//! It starts in the state of the declarations, or in all valuations that satisfy `init ... endinit`. Source: the semantics
+//! of the PRISM language. Cost: commands times states, with rationals throughout. Guarantee: exact; there is no table, no
+//! packing and no compilation here on purpose.
 
 use num_traits::{One, Signed, Zero};
-use prism_lang::resolved::{Command, Init, Model, ModelType};
+use prism_lang::resolved::{Init, Model, ModelType};
 use prism_lang::{Rational, rational_to_f64};
 use rustc_hash::FxHashMap;
 
 use crate::failure::Failure;
+use crate::process::{Event, Process};
 use crate::question::{Question, holds, unsupported};
 
 /// One way to go on, or a chain's only one.
@@ -35,6 +36,27 @@ impl Choice {
     }
 }
 
+/// Which rewards are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// What is earned, less what is lost.
+    All,
+    /// What states and transitions earn.
+    Gain,
+    /// What they lose, as numbers that are not negative.
+    Loss,
+}
+
+impl Part {
+    fn of(self, value: Rational) -> Rational {
+        match (self, value.is_negative()) {
+            (Self::All, _) | (Self::Gain, false) => value,
+            (Self::Loss, true) => -value,
+            _ => Rational::zero(),
+        }
+    }
+}
+
 /// The states and their choices.
 #[derive(Clone, Debug)]
 pub struct Reading {
@@ -52,16 +74,14 @@ pub struct Reading {
     pub target: Vec<bool>,
     /// Where it can no longer be: neither it nor what must hold before holds.
     pub failed: Vec<bool>,
+    /// Whether some state or transition earns less than nothing.
+    pub loses: bool,
 }
 
+/// Most valuations that `init ... endinit` is tried on.
+const MOST_CANDIDATES: f64 = 1e7;
 /// States between two looks at whether to go on.
 const LOOK: usize = 256;
-
-/// What happens at once: the commands taken, with the action if there is one.
-struct Event<'m> {
-    action: Option<usize>,
-    commands: Vec<&'m Command>,
-}
 
 /// Targets with probabilities or rates.
 type Outcomes = Vec<(Vec<i64>, Rational)>;
@@ -72,10 +92,14 @@ impl Reading {
     /// # Errors
     /// If the model is none, or has a construct that is not read here.
     pub fn new(model: &Model, question: &Question) -> Result<Self, Failure> {
-        let mut reading = Self::of(model, question.reward, &|| true)?;
+        let mut reading = Self::of(model, question.reward, Part::All, &|| true)?;
+        if reading.loses {
+            return Err(unsupported("a negative reward"));
+        }
         for (number, state) in reading.states.iter().enumerate() {
             let is_deadlock = reading.deadlock[number];
-            let is = |formula| holds(formula, model, state, number == 0, is_deadlock);
+            let is_initial = number < reading.num_initial;
+            let is = |formula| holds(formula, model, state, is_initial, is_deadlock);
             let target = is(&question.right)?;
             let waits = question.left.as_ref().map_or(Ok(true), is)?;
             reading.target.push(target);
@@ -91,32 +115,38 @@ impl Reading {
     pub fn of(
         model: &Model,
         structure: Option<usize>,
+        part: Part,
         go_on: &dyn Fn() -> bool,
     ) -> Result<Self, Failure> {
-        if model.composition.is_some() {
-            return Err(unsupported("a model with `system ... endsystem`"));
+        let initial = initial_states(model, go_on)?;
+        let process = Process::new(model);
+        let mut numbers: FxHashMap<Vec<i64>, usize> = FxHashMap::default();
+        for (number, state) in initial.iter().enumerate() {
+            numbers.insert(state.clone(), number);
         }
-        let Init::Single(initial) = &model.init else {
-            return Err(unsupported("a model with `init ... endinit`"));
-        };
         let mut reading = Self {
-            states: vec![initial.clone()],
-            num_initial: 1,
+            num_initial: initial.len(),
+            states: initial,
             choices: Vec::new(),
             deadlock: Vec::new(),
             rate: Vec::new(),
             target: Vec::new(),
             failed: Vec::new(),
+            loses: false,
         };
-        let mut numbers: FxHashMap<Vec<i64>, usize> = FxHashMap::default();
-        numbers.insert(initial.clone(), 0);
+        let mut earned = Earned {
+            model,
+            structure,
+            part,
+            loses: false,
+        };
         while reading.choices.len() < reading.states.len() {
             let number = reading.choices.len();
             if number.is_multiple_of(LOOK) && !go_on() {
                 return Err(Failure::Cancelled);
             }
             let state = reading.states[number].clone();
-            let (read, rate) = choices(model, &state, structure)?;
+            let (read, rate) = choices(model, &process, &state, &mut earned)?;
             let mut number_of = |target: Vec<i64>| {
                 let next = reading.states.len();
                 *numbers.entry(target).or_insert_with_key(|target| {
@@ -136,14 +166,52 @@ impl Reading {
             let is_deadlock = numbered.is_empty();
             if is_deadlock {
                 let outcomes = vec![(number, Rational::one())];
-                let reward = state_reward(model, &state, structure)?;
+                let reward = earned.of(&state, None)?;
                 numbered.push(Choice { outcomes, reward });
             }
             reading.choices.push(numbered);
             reading.deadlock.push(is_deadlock);
             reading.rate.push(rate);
         }
+        reading.loses = earned.loses;
         Ok(reading)
+    }
+}
+
+/// Where a model starts; those of a predicate in the order of the variables' values.
+fn initial_states(model: &Model, go_on: &dyn Fn() -> bool) -> Result<Vec<Vec<i64>>, Failure> {
+    let predicate = match &model.init {
+        Init::Single(state) => return Ok(vec![state.clone()]),
+        Init::Predicate(predicate) => predicate,
+    };
+    let bounds = model.variables.iter().map(|v| v.kind.bounds());
+    let bounds: Vec<(i64, i64)> = bounds.collect();
+    let size = |(low, high): &(i64, i64)| (*high as f64) - (*low as f64) + 1.0;
+    if bounds.iter().map(size).product::<f64>() > MOST_CANDIDATES {
+        return Err(unsupported(
+            "`init ... endinit` over more than ten million valuations",
+        ));
+    }
+    let mut found = Vec::new();
+    let mut state: Vec<i64> = bounds.iter().map(|(low, _)| *low).collect();
+    for candidate in 0usize.. {
+        if candidate.is_multiple_of(LOOK) && !go_on() {
+            return Err(Failure::Cancelled);
+        }
+        if predicate.eval_bool(&state)? {
+            found.push(state.clone());
+        }
+        // The last variable counts up first.
+        let next = (0..state.len()).rfind(|v| state[*v] < bounds[*v].1);
+        let Some(next) = next else { break };
+        state[next] += 1;
+        for (value, (low, _)) in state.iter_mut().zip(&bounds).skip(next + 1) {
+            *value = *low;
+        }
+    }
+    match found.is_empty() {
+        true => Err(Failure::NoInitialState),
+        false => Ok(found),
     }
 }
 
@@ -163,18 +231,18 @@ fn merged<T: Ord>(mut outcomes: Vec<(T, Rational)>) -> Vec<(T, Rational)> {
 /// The choices of a state, with what each step earns; none in a deadlock.
 fn choices(
     model: &Model,
+    process: &Process<'_>,
     state: &[i64],
-    structure: Option<usize>,
+    earned: &mut Earned<'_>,
 ) -> Result<(Vec<(Outcomes, Rational)>, Rational), Failure> {
     let mut found = Vec::new();
-    for event in events(model, state)? {
+    for event in process.events(state)? {
         let outcomes = outcomes(model, state, &event)?;
-        let earned = reward(model, state, structure, Some(event.action))?;
         if outcomes.iter().any(|(_, p)| !p.is_zero()) {
-            found.push((outcomes, earned));
+            found.push((outcomes, earned.of(state, Some(event.action))?));
         }
     }
-    let own = state_reward(model, state, structure)?;
+    let own = earned.of(state, None)?;
     match model.model_type {
         _ if found.is_empty() => Ok((found, Rational::one())),
         ModelType::Mdp | ModelType::Lts => {
@@ -210,50 +278,6 @@ fn choices(
             Ok((vec![(all, sum)], rate))
         }
     }
-}
-
-/// What can happen in a state.
-fn events<'m>(model: &'m Model, state: &[i64]) -> Result<Vec<Event<'m>>, Failure> {
-    let mut events = Vec::new();
-    for command in model.modules.iter().flat_map(|m| &m.commands) {
-        if command.action.is_none() && command.guard.eval_bool(state)? {
-            events.push(Event {
-                action: None,
-                commands: vec![command],
-            });
-        }
-    }
-    for action in 0..model.actions.len() {
-        let mut ways: Vec<Vec<&Command>> = vec![Vec::new()];
-        let mut taking_part = 0;
-        for module in &model.modules {
-            let own = |c: &&'m Command| c.action == Some(action);
-            let commands: Vec<&Command> = module.commands.iter().filter(own).collect();
-            if commands.is_empty() {
-                continue;
-            }
-            taking_part += 1;
-            let mut longer = Vec::new();
-            for command in commands {
-                if command.guard.eval_bool(state)? {
-                    for way in &ways {
-                        let mut way = way.clone();
-                        way.push(command);
-                        longer.push(way);
-                    }
-                }
-            }
-            ways = longer;
-        }
-        if taking_part > 0 {
-            let event = |commands| Event {
-                action: Some(action),
-                commands,
-            };
-            events.extend(ways.into_iter().map(event));
-        }
-    }
-    Ok(events)
 }
 
 /// The products of the updates of an event's commands.
@@ -300,28 +324,40 @@ fn outcomes(model: &Model, state: &[i64], event: &Event<'_>) -> Result<Outcomes,
 pub(crate) fn state_reward(
     model: &Model,
     state: &[i64],
-    structure: Option<usize>,
+    structure: usize,
+    part: Part,
 ) -> Result<Rational, Failure> {
-    reward(model, state, structure, None)
+    let mut earned = Earned {
+        model,
+        structure: Some(structure),
+        part,
+        loses: false,
+    };
+    earned.of(state, None)
 }
 
-/// What the state earns (`None`), or a transition with this action.
-fn reward(
-    model: &Model,
-    state: &[i64],
+/// What is read of a reward structure.
+struct Earned<'m> {
+    model: &'m Model,
     structure: Option<usize>,
-    of: Option<Option<usize>>,
-) -> Result<Rational, Failure> {
-    let mut sum = Rational::zero();
-    let items = structure.and_then(|index| model.rewards.get(index));
-    for item in items.iter().flat_map(|structure| &structure.items) {
-        if item.transition == of && item.guard.eval_bool(state)? {
-            let value: Rational = item.value.eval_number(state)?;
-            if value.is_negative() {
-                return Err(unsupported("a negative reward"));
+    part: Part,
+    loses: bool,
+}
+
+impl Earned<'_> {
+    /// What the state earns (`None`), or a transition with this action.
+    fn of(&mut self, state: &[i64], of: Option<Option<usize>>) -> Result<Rational, Failure> {
+        let mut sum = Rational::zero();
+        let items = self
+            .structure
+            .and_then(|index| self.model.rewards.get(index));
+        for item in items.iter().flat_map(|structure| &structure.items) {
+            if item.transition == of && item.guard.eval_bool(state)? {
+                let value: Rational = item.value.eval_number(state)?;
+                sum += value;
             }
-            sum += value;
         }
+        self.loses |= sum.is_negative();
+        Ok(self.part.of(sum))
     }
-    Ok(sum)
 }

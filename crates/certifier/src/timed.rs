@@ -38,7 +38,7 @@ impl Evaluator<'_> {
         else {
             return Err(unsupported("a formula without a bound in time"));
         };
-        let reading = self.reading(None)?;
+        let reading = self.reading()?;
         let mut sets = Vec::new();
         let states = reading.states.len();
         let several =

@@ -14,12 +14,13 @@ use crate::steps::Rows;
 impl Evaluator<'_> {
     /// The probability of a path formula in each state.
     pub fn path(&mut self, path: &Path, maximise: bool) -> Result<Vec<Interval>, Failure> {
+        self.needs_probabilities()?;
         if let Path::Timed { .. } = path {
             return self.timed_path(path);
         }
         let mut sets = Vec::new();
         let formula = self.formula(path, &mut sets)?;
-        let reading = self.reading(None)?;
+        let reading = self.reading()?;
         let indicator = |set: Vec<bool>| {
             let number = |holds| if holds { Interval::ONE } else { Interval::ZERO };
             set.into_iter().map(number).collect()
@@ -59,7 +60,7 @@ impl Evaluator<'_> {
         (first, last): (u64, Option<u64>),
         maximise: bool,
     ) -> Result<Vec<Interval>, Failure> {
-        let reading = self.reading(None)?;
+        let reading = self.reading()?;
         let number = |holds: &bool| {
             if *holds {
                 Interval::ONE
@@ -137,7 +138,7 @@ impl Evaluator<'_> {
                 Err(found) => why = found,
             }
         }
-        let state = self.reading(None)?.states.get(why.0).cloned();
+        let state = self.reading()?.states.get(why.0).cloned();
         Err(Failure::Broken {
             state: state.unwrap_or_default(),
             what: why.1,

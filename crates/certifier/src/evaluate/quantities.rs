@@ -1,10 +1,7 @@
-//! Numbers in all states: rewards, shares, arithmetic and filters.
+//! Numbers in all states: rewards, shares and arithmetic.
 
 use prism_lang::ast::{BinaryOp, Optimum};
-use prism_lang::property::{
-    Filter, FilterOperand, FilterOperator, Horizon, Path, Quantity, RewardObjective, RewardQuery,
-    StateFormula,
-};
+use prism_lang::property::{Horizon, Path, Quantity, RewardObjective, RewardQuery, StateFormula};
 use prism_lang::{Function, Number};
 
 use super::Evaluator;
@@ -12,7 +9,7 @@ use crate::failure::Failure;
 use crate::inequalities::Problem;
 use crate::interval::Interval;
 use crate::question::unsupported;
-use crate::reading::state_reward;
+use crate::reading::{Part, state_reward};
 use crate::steps::Rows;
 
 impl Evaluator<'_> {
@@ -21,7 +18,7 @@ impl Evaluator<'_> {
         let is_max = |optimum: &Option<Optimum>| *optimum != Some(Optimum::Min);
         match quantity {
             Quantity::Expr(expr) => {
-                let reading = self.reading(None)?;
+                let reading = self.reading()?;
                 let value = |state: &Vec<i64>| {
                     let number: Number = expr.eval_number(state)?;
                     Ok(Interval::of_number(&number))
@@ -30,10 +27,12 @@ impl Evaluator<'_> {
             }
             Quantity::Probability { optimum, path } => self.path(path, is_max(optimum)),
             Quantity::Conditional {
-                path, condition, ..
+                optimum,
+                path,
+                condition,
             } => {
                 if !self.is_chain() {
-                    return Err(unsupported("a conditional probability over schedulers"));
+                    return self.conditional(path, condition, is_max(optimum));
                 }
                 let both = Path::And(path.clone(), condition.clone());
                 let (both, given) = (self.path(&both, true)?, self.path(condition, true)?);
@@ -63,8 +62,8 @@ impl Evaluator<'_> {
                         BinaryOp::Plus => Ok(a.add(b)),
                         BinaryOp::Minus => Ok(a.sub(b)),
                         BinaryOp::Times => Ok(a.mul(b)),
-                        BinaryOp::Divide => a.div(b).ok_or_else(|| unsupported("a division by 0")),
-                        _ => Err(unsupported("this arithmetic over properties")),
+                        BinaryOp::Divide => Ok(a.div(b).unwrap_or(Interval::ANY)),
+                        _ => power(a, b),
                     })
                     .collect()
             }
@@ -87,77 +86,19 @@ impl Evaluator<'_> {
                 };
                 Ok((0..all.first().map_or(0, Vec::len)).map(best).collect())
             }
+            Quantity::Call(Function::Pow, arguments) if arguments.len() == 2 => {
+                let (a, b) = (self.numbers(&arguments[0])?, self.numbers(&arguments[1])?);
+                a.iter().zip(&b).map(|(a, b)| power(a, b)).collect()
+            }
+            Quantity::Call(Function::Floor, arguments) if arguments.len() == 1 => {
+                Ok(rounded(&self.numbers(&arguments[0])?, f64::floor))
+            }
+            Quantity::Call(Function::Ceil, arguments) if arguments.len() == 1 => {
+                Ok(rounded(&self.numbers(&arguments[0])?, f64::ceil))
+            }
             Quantity::Call(..) => Err(unsupported("this function of a property")),
-            Quantity::Filter(filter) => self.filtered(filter, false),
+            Quantity::Filter(filter) => self.filtered(filter),
         }
-    }
-
-    /// The value of a filter over numbers, in all states; of a range, from the least to the greatest.
-    pub(super) fn filtered(
-        &mut self,
-        filter: &Filter,
-        is_range: bool,
-    ) -> Result<Vec<Interval>, Failure> {
-        let selected = self.selected(filter)?;
-        let (values, count) = match &filter.operand {
-            FilterOperand::Number(quantity) => (self.numbers(quantity)?, None),
-            FilterOperand::Truth(formula) => {
-                let truths = self.truths(formula)?;
-                let count = selected.iter().filter(|state| truths[**state]).count();
-                (vec![Interval::ZERO; truths.len()], Some(count as f64))
-            }
-        };
-        let all = || selected.iter().map(|state| values[*state]);
-        let sum = || all().fold(Interval::ZERO, |sum, value| sum.add(&value));
-        let none = || unsupported("a filter over no state");
-        let value = match (filter.operator, count) {
-            (FilterOperator::Count, Some(count)) => Interval::exactly(count),
-            (_, Some(_)) => return Err(unsupported("this filter")),
-            (FilterOperator::Min, _) => all().reduce(|a, b| a.best(&b, false)).ok_or_else(none)?,
-            (FilterOperator::Max, _) => all().reduce(|a, b| a.best(&b, true)).ok_or_else(none)?,
-            (FilterOperator::Sum, _) => sum(),
-            (FilterOperator::Average, _) => {
-                let states = Interval::exactly(selected.len() as f64);
-                sum().div(&states).ok_or_else(none)?
-            }
-            (FilterOperator::State, _) if selected.len() == 1 => values[selected[0]],
-            (FilterOperator::Range, _) if is_range => {
-                let least = all().reduce(|a, b| a.best(&b, false)).ok_or_else(none)?;
-                let most = all().reduce(|a, b| a.best(&b, true)).ok_or_else(none)?;
-                Interval {
-                    low: least.low,
-                    high: most.high,
-                }
-            }
-            (FilterOperator::Print | FilterOperator::PrintAll, _) => return Ok(values),
-            _ => return Err(unsupported("this filter")),
-        };
-        Ok(vec![value; values.len()])
-    }
-
-    pub(super) fn filter_truths(&mut self, filter: &Filter) -> Result<Vec<bool>, Failure> {
-        let FilterOperand::Truth(operand) = &filter.operand else {
-            return Err(unsupported("this filter"));
-        };
-        let truths = self.truths(operand)?;
-        let selected = self.selected(filter)?;
-        let mut inside = selected.iter().map(|state| truths[*state]);
-        let holds = match filter.operator {
-            FilterOperator::ForAll => inside.all(|holds| holds),
-            FilterOperator::Exists => inside.any(|holds| holds),
-            FilterOperator::First | FilterOperator::State => inside.next().unwrap_or(false),
-            _ => return Err(unsupported("this filter")),
-        };
-        Ok(vec![holds; truths.len()])
-    }
-
-    fn selected(&mut self, filter: &Filter) -> Result<Vec<usize>, Failure> {
-        let states = self.reading(None)?.states.len();
-        let inside = match &filter.states {
-            None => vec![true; states],
-            Some(states) => self.truths(states)?,
-        };
-        Ok((0..states).filter(|state| inside[*state]).collect())
     }
 
     pub(super) fn reward(
@@ -170,9 +111,10 @@ impl Evaluator<'_> {
             return Ok(values);
         };
         let divisors = self.reward_of(query, divisor, maximise)?;
-        (values.iter().zip(&divisors))
-            .map(|(a, b)| a.div(b).ok_or_else(|| unsupported("a division by 0")))
-            .collect()
+        let pairs = values.iter().zip(&divisors);
+        Ok(pairs
+            .map(|(a, b)| a.div(b).unwrap_or(Interval::ANY))
+            .collect())
     }
 
     fn reward_of(
@@ -181,7 +123,32 @@ impl Evaluator<'_> {
         structure: usize,
         maximise: bool,
     ) -> Result<Vec<Interval>, Failure> {
-        let reading = self.reading(Some(structure))?;
+        self.needs_probabilities()?;
+        let within_steps = matches!(
+            query.objective,
+            RewardObjective::Cumulative(Horizon::Steps(_))
+                | RewardObjective::Instantaneous(Horizon::Steps(_))
+        );
+        if within_steps || !self.earning(Some(structure), Part::All)?.loses {
+            return self.part_of(query, (structure, Part::All), maximise);
+        }
+        if !self.is_chain() {
+            return Err(unsupported("a negative reward over schedulers without end"));
+        }
+        // Without alternatives expectations add up, each part's own being well defined.
+        let gains = self.part_of(query, (structure, Part::Gain), maximise)?;
+        let losses = self.part_of(query, (structure, Part::Loss), maximise)?;
+        let pairs = gains.iter().zip(&losses);
+        Ok(pairs.map(|(gain, loss)| gain.sub(loss)).collect())
+    }
+
+    fn part_of(
+        &mut self,
+        query: &RewardQuery,
+        (structure, part): (usize, Part),
+        maximise: bool,
+    ) -> Result<Vec<Interval>, Failure> {
+        let reading = self.earning(Some(structure), part)?;
         match &query.objective {
             RewardObjective::Reach(target) => {
                 let target = self.truths(target)?;
@@ -199,13 +166,13 @@ impl Evaluator<'_> {
                 Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, true, &go_on)
             }
             RewardObjective::Instantaneous(Horizon::Steps(steps)) => {
-                let start = self.state_rewards(structure)?;
+                let start = self.state_rewards(structure, part)?;
                 let go_on = || self.oracle.go_on();
                 Rows::new(&reading.choices).back(start, *steps, maximise, &|_| true, false, &go_on)
             }
             RewardObjective::Cumulative(Horizon::Time(time)) => self.earned_within(&reading, time),
             RewardObjective::Instantaneous(Horizon::Time(time)) => {
-                let start = self.state_rewards(structure)?;
+                let start = self.state_rewards(structure, part)?;
                 self.expected_at(&reading, start, time)
             }
             RewardObjective::Total => self.total(&reading, maximise),
@@ -227,23 +194,21 @@ impl Evaluator<'_> {
         }
     }
 
-    fn state_rewards(&mut self, structure: usize) -> Result<Vec<Interval>, Failure> {
-        let reading = self.reading(None)?;
+    fn state_rewards(&mut self, structure: usize, part: Part) -> Result<Vec<Interval>, Failure> {
+        let reading = self.reading()?;
         (reading.states.iter())
             .map(|state| {
-                Ok(Interval::of(&state_reward(
-                    self.model,
-                    state,
-                    Some(structure),
-                )?))
+                let earned = state_reward(self.model, state, structure, part)?;
+                Ok(Interval::of(&earned))
             })
             .collect()
     }
 
     /// The share of time that is spent in states.
     pub(super) fn share(&mut self, states: &StateFormula) -> Result<Vec<Interval>, Failure> {
+        self.needs_probabilities()?;
         let inside = self.truths(states)?;
-        let reading = self.reading(None)?;
+        let reading = self.reading()?;
         let gain: Vec<Vec<Interval>> = (inside.iter().zip(&reading.choices))
             .map(|(inside, choices)| {
                 let number = if *inside {
@@ -260,4 +225,29 @@ impl Evaluator<'_> {
             .map(|v| v.at_least(0.0).at_most(1.0))
             .collect())
     }
+}
+
+/// The greatest exponent of a power.
+const MOST_FACTORS: f64 = 64.0;
+
+/// A power with an integer for exponent, as a product.
+fn power(base: &Interval, exponent: &Interval) -> Result<Interval, Failure> {
+    let times = exponent.low;
+    if exponent.high != times || times.fract() != 0.0 || times.abs() > MOST_FACTORS {
+        return Err(unsupported("a power whose exponent is no small integer"));
+    }
+    let product = (0..times.abs() as u32).fold(Interval::ONE, |product, _| product.mul(base));
+    Ok(match times < 0.0 {
+        true => Interval::ONE.div(&product).unwrap_or(Interval::ANY),
+        false => product,
+    })
+}
+
+/// The integers to which the ends are rounded.
+fn rounded(values: &[Interval], round: fn(f64) -> f64) -> Vec<Interval> {
+    let integers = |value: &Interval| Interval {
+        low: round(value.low),
+        high: round(value.high),
+    };
+    values.iter().map(integers).collect()
 }

@@ -232,14 +232,14 @@ fn nothing(why: String) -> CertificateReport {
 /// Whether an answer agrees with what was shown.
 fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
     let (low, high) = (certified.low, certified.high);
-    let is_coarse = high - low > COARSE * low.abs().max(high.abs());
     let why = match (report.result.as_deref(), certified.truth) {
         (Some(answer @ ("true" | "false")), Some(truth)) => Some((answer == "true") == truth),
         (Some("Infinity"), _) if low == f64::INFINITY => Some(true),
         (Some("Infinity"), _) => (high < f64::INFINITY).then_some(false),
+        (Some(text), _) if text.starts_with('[') => several(report, text, certified),
         _ => match (report.low.or(report.value), report.high.or(report.value)) {
             (Some(from), Some(to)) if from > high || to < low => Some(false),
-            (Some(_), Some(_)) if !is_coarse => Some(true),
+            (Some(_), Some(_)) if !is_coarse(low, high) => Some(true),
             _ => None,
         },
     };
@@ -263,6 +263,47 @@ fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
         inequalities: certified.inequalities,
         why,
     }
+}
+
+/// Whether the least and the greatest value agree with what was shown of each: `[low,high]`, as the answer is printed.
+///
+/// The answer's bounds are those of both together: its least value is as far from their lower end as its own are wide.
+fn several(report: &PropertyReport, text: &str, certified: &Certified) -> Option<bool> {
+    let (low, high) = text.strip_prefix('[')?.strip_suffix(']')?.split_once(',')?;
+    let (low, high) = (number(low)?, number(high)?);
+    let own = |end: f64, bound: Option<f64>| {
+        let width = bound.map_or(0.0, |bound| (end - bound).abs());
+        match width.is_finite() {
+            true => [end - width, end + width],
+            false => [end, end],
+        }
+    };
+    let ends = [own(low, report.low), own(high, report.high)];
+    let mut narrow = true;
+    for ([from, to], shown) in ends.iter().zip(&certified.ends) {
+        if *from > shown.high || *to < shown.low {
+            return Some(false);
+        }
+        narrow &= !is_coarse(shown.low, shown.high);
+    }
+    narrow.then_some(true)
+}
+
+/// A number as answers print it.
+fn number(text: &str) -> Option<f64> {
+    match text {
+        "Infinity" => Some(f64::INFINITY),
+        "-Infinity" => Some(f64::NEG_INFINITY),
+        _ => match text.contains('/') {
+            true => text.parse().ok().map(|exact| rational_to_f64(&exact)),
+            false => text.parse().ok(),
+        },
+    }
+}
+
+/// Whether bounds are too far apart to confirm a number.
+fn is_coarse(low: f64, high: f64) -> bool {
+    low < high && high - low > COARSE * low.abs().max(high.abs())
 }
 
 /// The lines of a certificate, for reading.
