@@ -40,7 +40,7 @@ pub fn binomial_test_above(sample: impl Into<EffectiveSample>, threshold: f64) -
     beta_cdf(sample.successes, sample.failures() + 1.0, threshold)
 }
 
-/// The two-sided exact p-value of the proportion being `threshold`.
+/// The two-sided exact p-value of the proportion being `threshold`; 1 where that is no number.
 #[must_use]
 pub fn binomial_test_two_sided(sample: Sample, threshold: f64) -> f64 {
     if !sample.is_informative() {
@@ -177,6 +177,12 @@ mod tests {
         assert_eq!(binomial_test_below(all, 0.5), 1.0);
         close(binomial_test_two_sided(all, 0.5), 0.0625);
         assert_eq!(binomial_test_two_sided(all, 1.0), 1.0);
+        // A rate of nothing in nothing is no number, and rejects nothing.
+        let some = Sample {
+            successes: 3,
+            trials: 9,
+        };
+        assert_eq!(binomial_test_two_sided(some, f64::NAN), 1.0);
         assert_eq!(
             binomial_test_below(
                 Sample {

@@ -78,8 +78,9 @@ pub(super) fn deviance_from(x: f64, m: f64, difference: f64) -> f64 {
         power *= square;
         order += 2.0;
         let next = sum + power / order;
-        if next == sum {
-            return sum;
+        // What is no number never settles.
+        if next == sum || next.is_nan() {
+            return next;
         }
         sum = next;
     }
