@@ -14,7 +14,8 @@
 //! ```
 //!
 //! Rewards of both signs: without alternatives the positive and the negative part are solved on their own and
-//! subtracted; with alternatives only for bounded numbers of steps, else they are refused.
+//! subtracted (`F target` is infinite where the target may be missed, whatever is lost before); with alternatives only for
+//! bounded numbers of steps, else they are refused.
 //!
 //! Source: Forejt, Kwiatkowska, Norman and Parker 2011, "Automated Verification Techniques for Probabilistic
 //! Systems", section 5; Baier, Klein, Leuschner, Parker and Wunderlich 2017. Guarantee: that of the engine.
@@ -38,9 +39,16 @@ pub(crate) fn reach<E: Numbers>(
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
-    by_sign(choices, rewards, |part| {
-        reach_part::<E>(choices, part, target, maximise, context)
-    })
+    // Where the target may be missed both parts are infinite, and so is the reward, whatever is lost.
+    by_sign(
+        choices,
+        rewards,
+        |part| reach_part::<E>(choices, part, target, maximise, context),
+        |gain, loss| match gain.bounds().low == f64::INFINITY {
+            true => gain.clone(),
+            false => gain.sub(loss),
+        },
+    )
 }
 
 /// The reward in total, in all states.
@@ -50,9 +58,8 @@ pub(crate) fn total<E: Numbers>(
     maximise: bool,
     context: &Context<'_>,
 ) -> Result<Optimal<E::Amount>, CheckError> {
-    by_sign(choices, rewards, |part| {
-        total_part::<E>(choices, part, maximise, context)
-    })
+    let solve = |part: &Part<E::Amount>| total_part::<E>(choices, part, maximise, context);
+    by_sign(choices, rewards, solve, Amount::sub)
 }
 
 /// Solves for each sign and subtracts.
@@ -60,6 +67,7 @@ pub(crate) fn by_sign<A: Amount>(
     choices: Choices<'_, A::Entry>,
     rewards: &RewardModel<A>,
     solve: impl Fn(&Part<A>) -> Result<Optimal<A>, CheckError>,
+    subtract: impl Fn(&A, &A) -> A,
 ) -> Result<Optimal<A>, CheckError> {
     let mut gains = solve(&rewards.gain)?;
     let Some(loss) = &rewards.loss else {
@@ -74,7 +82,7 @@ pub(crate) fn by_sign<A: Amount>(
     }
     let losses = solve(loss)?;
     for (gain, loss) in gains.values.iter_mut().zip(&losses.values) {
-        *gain = gain.sub(loss);
+        *gain = subtract(gain, loss);
     }
     gains.iterations += losses.iterations;
     Ok(gains)

@@ -123,6 +123,20 @@ fn bounds_split_the_region_where_they_change() {
 }
 
 #[test]
+fn the_state_with_the_greatest_value_is_not_guessed() {
+    let text = "dtmc const double p; const double q; module m s:[0..2];
+        [] s=0 -> p:(s'=2) + 1-p:(s'=1); [] s=1 -> q:(s'=2) + 1-q:(s'=0); [] s=2 -> true; endmodule";
+    let asked = "filter(argmax, P=? [ X s=2 ], s<2)";
+    let known = value(text, "p,q", "filter(argmin, P=? [ F s=2 ], s<2)");
+    assert_eq!(known, ParametricValue::Truth(true));
+    let open = answers(text, "p,q", asked);
+    assert!(
+        matches!(open, Err(CheckError::Undecided { .. })),
+        "{open:?}"
+    );
+}
+
+#[test]
 fn what_a_solution_rests_on_is_told() {
     let text =
         "dtmc const double p; module m s : [0..2]; [] s=0 -> 2*p:(s'=1) + 1-2*p:(s'=2); endmodule";

@@ -102,9 +102,10 @@ impl Amount for Bounds {
     }
 
     fn sub(&self, other: &Self) -> Self {
+        // Not `-x`: the opposite of 0 would be printed with a sign.
         self.add(&Self {
-            low: -other.high,
-            high: -other.low,
+            low: 0.0 - other.high,
+            high: 0.0 - other.low,
         })
     }
 

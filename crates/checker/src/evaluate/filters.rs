@@ -1,8 +1,11 @@
 //! Filters: values over a set of states, joined.
 //!
-//! A filter's value is the same in all states, except for `argmin` and `argmax` (true where the value may be the
-//! least or greatest, as far as its bounds tell) and those that print (the operand's own value). A filter over no
-//! state is an error.
+//! A filter's value is the same in all states, except for `argmin` and `argmax` (true where the value is the least or
+//! greatest; they list all states where it may be, as far as its bounds tell) and those that print (the operand's own value). `first` is the value in
+//! the state that comes first when the variables' values are compared in the order of the text, as PRISM numbers states;
+//! without variables, in that of the least number. A filter over no state is an error.
+
+use std::cmp::Ordering;
 
 use prism_lang::property::{Filter, FilterOperand, FilterOperator};
 
@@ -32,6 +35,12 @@ impl<E: Numbers> Evaluator<'_, E> {
                 "the filter's condition must hold in exactly one state, but holds in {count}; choose how to \
                  join their values, for example with `filter(max, ...)`"
             )));
+        }
+        if filter.operator == FilterOperator::First {
+            let first = found
+                .into_iter()
+                .min_by_key(|state| self.space.state(*state));
+            return Ok(first.into_iter().collect());
         }
         Ok(found)
     }
@@ -96,7 +105,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         let truth = match &filter.operand {
             FilterOperand::Number(quantity) => {
                 let values = self.numbers(quantity, &states)?;
-                return Ok(self.extreme(filter.operator, &states, &values, from));
+                return self.extreme(filter.operator, &states, &values, from);
             }
             FilterOperand::Truth(truth) => truth,
         };
@@ -119,31 +128,66 @@ impl<E: Numbers> Evaluator<'_, E> {
         Ok(vec![joined; from.len()])
     }
 
-    /// Where the value may be the least or greatest of those of `states`.
+    /// Where the value is the least or greatest of those of `states`.
     fn extreme(
         &mut self,
         operator: FilterOperator,
         states: &[usize],
         values: &[E::Amount],
         from: &[usize],
-    ) -> Vec<bool> {
-        let maximise = operator == FilterOperator::ArgMax;
-        let best = values.iter().cloned().reduce(|a, b| a.best(&b, maximise));
-        let mut holds = vec![false; self.space.num_states()];
-        if let Some(best) = best {
-            for (state, value) in states.iter().zip(values) {
-                let worse = if maximise {
-                    value.compare(&best)
-                } else {
-                    best.compare(value)
-                };
-                holds[*state] = worse != Some(std::cmp::Ordering::Less);
-            }
+    ) -> Result<Vec<bool>, CheckError> {
+        if values.iter().any(Amount::is_undefined) {
+            return Err(CheckError::Filter(
+                "the filter compares values of which some are not defined: leave their states out"
+                    .to_owned(),
+            ));
         }
-        let found = states.iter().filter(|state| holds[**state]);
+        let maximise = operator == FilterOperator::ArgMax;
+        // Whether a value is worse than the other one, if that is known.
+        let is_worse = |value: &E::Amount, other: &E::Amount| {
+            let (less, more) = if maximise {
+                (value, other)
+            } else {
+                (other, value)
+            };
+            let (x, y) = (less.bounds(), more.bounds());
+            match less.compare(more) {
+                Some(order) => Some(order == Ordering::Less),
+                None if x.low >= y.high => Some(false),
+                None => None,
+            }
+        };
+        let best = values.iter().cloned().reduce(|a, b| a.best(&b, maximise));
+        let may_be = |value: &E::Amount| {
+            best.as_ref()
+                .is_none_or(|best| is_worse(value, best) != Some(true))
+        };
+        let found = states.iter().zip(values).filter(|(_, value)| may_be(value));
         self.printed
-            .extend(found.map(|state| (*state, AnswerValue::Truth(true))));
-        from.iter().map(|state| holds[*state]).collect()
+            .extend(found.map(|(state, _)| (*state, AnswerValue::Truth(true))));
+        let holds = |state: &usize| {
+            let Some(own) = states.iter().position(|other| other == state) else {
+                return Ok(false);
+            };
+            let others = values.iter().enumerate().filter(|(place, _)| *place != own);
+            let mut attains = Some(true);
+            for (_, other) in others {
+                match is_worse(&values[own], other) {
+                    Some(true) => return Ok(false),
+                    Some(false) => {}
+                    None => attains = None,
+                }
+            }
+            attains.ok_or_else(|| CheckError::Undecided {
+                comparison: match maximise {
+                    true => "the greatest of the filter's states".to_owned(),
+                    false => "the least of the filter's states".to_owned(),
+                },
+                bounds: values[own].bounds(),
+                is_whole: false,
+            })
+        };
+        from.iter().map(holds).collect()
     }
 
     /// The least and the greatest value.

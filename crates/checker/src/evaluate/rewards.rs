@@ -67,9 +67,10 @@ impl<E: Numbers> Evaluator<'_, E> {
                 let model = self.per_step(&by_time);
                 rewards::total::<E>(self.choices(), &model, maximise, &self.context)?
             }
-            RewardObjective::LongRun => by_sign(self.own_choices(), &by_time, |part| {
-                self.long_run_of(part, maximise)
-            })?,
+            RewardObjective::LongRun => {
+                let solve = |part: &Part<E::Amount>| self.long_run_of(part, maximise);
+                by_sign(self.own_choices(), &by_time, solve, Amount::sub)?
+            }
             RewardObjective::CoSafe(path) => {
                 return self.co_safe(path, &by_time, maximise, from);
             }
@@ -197,7 +198,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         sum: Sum,
         from: &[usize],
     ) -> Result<Optimal<E::Amount>, CheckError> {
-        by_sign(self.own_choices(), model, |part| {
+        let solve = |part: &Part<E::Amount>| {
             let rates = E::floats(&self.space.matrix).ok_or_else(transient_failed)?;
             let x: Vec<Bounds> = of(part).iter().map(Amount::bounds).collect();
             let transient = Transient {
@@ -209,7 +210,8 @@ impl<E: Numbers> Evaluator<'_, E> {
             };
             let values = transient.solve(&x, &Bounds::literal(time), sum)?;
             Ok(plain(values.into_iter().map(E::from_bounds).collect()))
-        })
+        };
+        by_sign(self.own_choices(), model, solve, Amount::sub)
     }
 
     fn long_run_of(
