@@ -6,7 +6,9 @@ use crate::fault::Fault;
 use crate::random::Random;
 use crate::repair::{Repair, repair};
 use crate::score::{Score, score};
-use crate::study::Synthetic;
+use crate::study::{LEVEL, Synthetic};
+use crate::trials::Told;
+use evidence::Outcome;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -17,6 +19,8 @@ pub struct Plan {
     pub studies: u64,
     /// Studies without one.
     pub sound: u64,
+    /// Studies with people whose attempts are alike, where there is no fault to be found, only false alarms.
+    pub clustered: u64,
     /// Studies of the handover with each fault; its model has 15,623 states.
     pub handover: u64,
     /// Studies of the corridor with each fault.
@@ -32,8 +36,9 @@ impl Plan {
     pub const FULL: Plan = Plan {
         studies: 60,
         sound: 400,
-        handover: 4,
-        corridor: 6,
+        clustered: 400,
+        handover: 12,
+        corridor: 12,
         seed: 5,
         only: None,
     };
@@ -42,6 +47,7 @@ impl Plan {
     pub const SMALL: Plan = Plan {
         studies: 8,
         sound: 40,
+        clustered: 8,
         handover: 0,
         corridor: 0,
         seed: 5,
@@ -56,14 +62,17 @@ pub struct Line {
     pub family: Family,
     /// Whether the formal model's constants were counted.
     pub counted_constants: bool,
-    /// Whether the tables say whose attempts are whose.
-    pub by_subject: bool,
+    /// What the tables say of who did what.
+    pub told: Told,
     /// Its score.
     pub score: Score,
     /// What came of the first proposal, where something was planted.
     pub repair: Repair,
     /// Its intervals, where nothing was planted.
     pub intervals: Vec<(Kind, bool)>,
+    /// One of its comparisons at random: whether "no difference" is rejected at the level of a single comparison, and
+    /// whether the program calls it a conflict.
+    pub comparison: Option<(bool, bool)>,
 }
 
 /// Runs the plan; the same lines at any number of threads. `said` is told after each study how many are done, of how
@@ -99,6 +108,8 @@ fn jobs(plan: &Plan) -> Vec<(Family, Fault)> {
     for fault in Fault::ALL {
         let studies = if fault == Fault::None {
             plan.sound
+        } else if fault == Fault::ClusteredSubjects {
+            plan.clustered
         } else {
             plan.studies
         };
@@ -114,8 +125,9 @@ fn jobs(plan: &Plan) -> Vec<(Family, Fault)> {
         };
         add(Family::Toy, toys);
         add(Family::Serial, studies - toys);
-        add(Family::Handover, plan.handover);
-        add(Family::Corridor, plan.corridor);
+        let times = if fault.is_conflict() { 1 } else { 3 };
+        add(Family::Handover, times * plan.handover);
+        add(Family::Corridor, times * plan.corridor);
     }
     jobs
 }
@@ -126,13 +138,22 @@ fn one(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Line, Str
     Ok(Line {
         family,
         counted_constants: study.setup.rig.is_some(),
-        by_subject: study.setup.cohort.by_subject,
+        told: study.setup.cohort.told,
         score: score(&study),
         repair: repair(&study)?,
-        intervals: if fault == Fault::None {
-            coverage(&study, &mut random)
-        } else {
-            Vec::new()
+        comparison: one_comparison(&study, &mut Random::new(seed ^ 0xa1a, number)),
+        intervals: match fault {
+            Fault::None => coverage(&study, &mut random)?,
+            _ => Vec::new(),
         },
     })
+}
+
+fn one_comparison(study: &Synthetic, random: &mut Random) -> Option<(bool, bool)> {
+    let tested = study.comparisons.iter();
+    let tested: Vec<(f64, bool)> = tested
+        .filter_map(|c| Some((c.p_difference?, c.outcome == Outcome::Conflicts)))
+        .collect();
+    let (p, conflicts) = *tested.get(random.below(tested.len()))?;
+    Some((p <= 1.0 - LEVEL, conflicts))
 }

@@ -3,7 +3,7 @@
 use crate::journey;
 use crate::random::Random;
 use crate::task::{Course, Stage, Task};
-use crate::trials::Cohort;
+use crate::trials::{Cohort, Told};
 use stats::Sample;
 
 /// A family of studies.
@@ -121,15 +121,8 @@ impl Setup {
             Course::Stages => (truth.mean_steps() * random.between(1.2, 1.8)).ceil() as u32,
             Course::Journey => random.one_of(&[27, 28, 29]),
         };
-        // The case studies' constants are known: their thousands of states are not solved 250 times.
-        let has_rig = !family.is_case_study() && random.chance(0.2);
-        let rig = has_rig.then(|| {
-            truth
-                .stages
-                .iter()
-                .map(|stage| rig(stage.fails, random))
-                .collect()
-        });
+        let has_rig = random.chance(0.2);
+        let rig = has_rig.then(|| tests_of_stages(&truth, random));
         Self {
             family,
             limit_steps: limit_steps.max(3),
@@ -138,11 +131,30 @@ impl Setup {
                 subjects: random.one_of(&[5, 10, 20, 40]),
                 attempts: 10,
                 correlation: random.one_of(&[0.0, 0.05, 0.1]),
-                by_subject: true,
+                told: Told::Everything,
             },
             recorded: if random.chance(0.5) { 300 } else { 0 },
             rig,
             truth,
+        }
+    }
+
+    /// Has each stage tested alone.
+    pub fn count_constants(&mut self, random: &mut Random) {
+        self.rig = Some(tests_of_stages(&self.truth, random));
+    }
+
+    /// The formal model's constant for a stage, and whether it says how often the stage is passed instead of how often
+    /// it fails.
+    #[must_use]
+    pub fn constant(&self, place: usize) -> (String, bool) {
+        match self.family {
+            Family::Handover => (HANDOVER[place].constant.to_owned(), false),
+            Family::Corridor => (journey::CONSTANTS[place].to_owned(), false),
+            Family::Toy | Family::Serial => {
+                let name = Task::constant(place, &self.truth.stages[place].mode);
+                (name, Task::says_what_passes(place))
+            }
         }
     }
 
@@ -155,6 +167,11 @@ impl Setup {
             .map(|stage| stage.mode.clone())
             .collect()
     }
+}
+
+fn tests_of_stages(truth: &Task, random: &mut Random) -> Vec<Sample> {
+    let stages = truth.stages.iter();
+    stages.map(|stage| rig(stage.fails, random)).collect()
 }
 
 /// Tests of one stage alone.

@@ -5,6 +5,7 @@ use crate::random::Random;
 use crate::requirements::{Forms, id, in_time, requirements};
 use crate::study::MARGIN;
 use crate::task::{Course, SPEED_LIMIT, Task};
+use crate::trials::Told;
 use crate::words::Words;
 use checker::Method;
 use evidence::Subject;
@@ -95,12 +96,26 @@ impl Fault {
     /// Whether a family has what this fault needs.
     #[must_use]
     pub fn fits(self, family: Family) -> bool {
-        match self {
-            Fault::MislabelledColumns => family != Family::Toy,
-            Fault::WrongProperty | Fault::SolverStopped => !family.is_case_study(),
-            // On the corridor every journey arrives.
-            Fault::WrongMonitor | Fault::SensorForTruth => family != Family::Corridor,
-            _ => true,
+        self.missing_in(family).is_none()
+    }
+
+    /// What a family lacks that this fault needs.
+    #[must_use]
+    pub fn missing_in(self, family: Family) -> Option<&'static str> {
+        match (self, family) {
+            (Fault::MislabelledColumns, Family::Toy) => {
+                Some("none: one column has nothing to be exchanged with")
+            }
+            (Fault::WrongProperty | Fault::WrongMonitor, Family::Corridor) => {
+                Some("none: every journey arrives, so to end is to be done")
+            }
+            (Fault::SensorForTruth, Family::Corridor) => {
+                Some("none: every journey arrives, whatever is sensed")
+            }
+            (Fault::SolverStopped, Family::Handover | Family::Corridor) => {
+                Some("none: the iteration on its model does not stop early")
+            }
+            _ => None,
         }
     }
 }
@@ -285,7 +300,7 @@ pub fn plant(fault: Fault, setup: &mut Setup, random: &mut Random) -> (Assets, P
         }
         Fault::ClusteredSubjects => {
             setup.cohort.correlation = 0.3;
-            setup.cohort.by_subject = random.chance(0.5);
+            setup.cohort.told = random.one_of(&Told::ALL);
         }
         Fault::CalibratedOnSame => assets.calibrated = Some(place),
         Fault::MislabelledColumns => of_columns(setup, &mut assets, &mut planted),

@@ -1,20 +1,15 @@
 //! Formal evidence: the study's questions, answered on a model in the PRISM language.
 
+use crate::carried::Open;
 use crate::requirements::Forms;
 use crate::words::Words;
 use checker::explore::explore;
 use checker::state_space::StateSpace;
 use checker::{AnswerValue, Method, Options, check_space};
-use evidence::{CredibleInterval, Finding, Guarantee, Measure, MethodAnswer, Subject};
+use evidence::{Finding, Guarantee, Measure, MethodAnswer, Subject};
 use prism_lang::{Constants, Number, Property, Value, parse_model, parse_properties};
-use stats::{BetaPosterior, Confidence, EffectiveSample};
+use stats::{Confidence, EffectiveSample};
 use std::collections::BTreeMap;
-
-/// How often a model is solved to carry the uncertainty of its constants. The product solves 1000 times.
-pub const SOLVES: usize = 250;
-
-/// The same for the models of the case studies, which have thousands of states.
-pub const FEW_SOLVES: usize = 40;
 
 /// One subject's question.
 #[derive(Clone, Debug)]
@@ -39,8 +34,6 @@ pub struct Formal {
     pub questions: Vec<Question>,
     /// The methods by which each is answered; the first is the answer that counts.
     pub methods: Vec<Method>,
-    /// How often it is solved to carry the uncertainty of its constants.
-    pub solves: usize,
 }
 
 impl Formal {
@@ -60,7 +53,6 @@ impl Formal {
             counted: Vec::new(),
             questions: Vec::new(),
             methods: vec![Method::Sound],
-            solves: SOLVES,
         };
         for form in forms {
             let property = match words.expresses(form) {
@@ -110,9 +102,10 @@ impl Formal {
             .into_result()
             .map_err(|e| format!("{e:?}"))?;
         let solved = self.solve(&tree, &[], &self.methods)?;
-        let mut measures: Vec<Measure> = solved.into_iter().map(measure).collect();
+        let asked = self.questions.iter().zip(solved);
+        let mut measures: Vec<Measure> = asked.map(|(it, answers)| measure(it, answers)).collect();
         if !self.counted.is_empty() {
-            self.carry_uncertainty(&tree, level, seed, &mut measures)?;
+            Open::new(self)?.carry(level, seed, &mut measures)?;
         }
         let findings = self.questions.iter().zip(measures);
         Ok(findings
@@ -126,44 +119,9 @@ impl Formal {
             .collect())
     }
 
-    fn carry_uncertainty(
-        &self,
-        tree: &prism_lang::ast::Model,
-        level: Confidence,
-        seed: u64,
-        measures: &mut [Measure],
-    ) -> Result<(), String> {
-        let counted = self.counted.iter();
-        let posteriors: Vec<_> = counted.map(|(_, s)| BetaPosterior::jeffreys(*s)).collect();
-        let points = stats::posterior_design(&posteriors, self.solves, seed);
-        let mut rows = Vec::with_capacity(points.len());
-        for point in &points {
-            let named = self.counted.iter().zip(point);
-            let constants = named.map(|((name, _), value)| (name.clone(), *value));
-            let constants: Vec<(String, f64)> = constants.collect();
-            rows.push(self.solve(tree, &constants, &[Method::Sound])?);
-        }
-        let names: Vec<&str> = self.counted.iter().map(|(name, _)| name.as_str()).collect();
-        for (place, measure) in measures.iter_mut().enumerate() {
-            let values: Option<Vec<f64>> = rows
-                .iter()
-                .map(|row| {
-                    row[place]
-                        .as_ref()
-                        .and_then(|all| all.first())
-                        .map(|a| a.value)
-                })
-                .collect();
-            if let (Some(values), Measure::Probability { credible, .. }) = (values, measure) {
-                let carried = CredibleInterval::of_solves(&names, &points, &values, level);
-                *credible = Some(carried.map_err(|error| error.to_string())?);
-            }
-        }
-        Ok(())
-    }
-
-    /// For each question the answers of each method; `None` where the model has no answer.
-    fn solve(
+    /// For each question the answers of each method; `None` where the model has no answer, as for a rate whose
+    /// opportunity never comes.
+    pub(crate) fn solve(
         &self,
         tree: &prism_lang::ast::Model,
         constants: &[(String, f64)],
@@ -192,6 +150,9 @@ impl Formal {
                 return Some(occurs.clone());
             };
             let opportunities = known.get(opportunity.as_str())?;
+            if opportunities.iter().any(|one| one.value <= 0.0) {
+                return None;
+            }
             let pairs = occurs.iter().zip(opportunities);
             Some(pairs.map(|(one, other)| one.quotient(other)).collect())
         });
@@ -199,7 +160,7 @@ impl Formal {
     }
 
     /// The texts of all properties, each once.
-    fn texts(&self) -> Vec<&str> {
+    pub(crate) fn texts(&self) -> Vec<&str> {
         let mut texts: Vec<&str> = Vec::new();
         for (text, opportunity) in self.questions.iter().filter_map(|q| q.property.as_ref()) {
             texts.push(text);
@@ -210,7 +171,7 @@ impl Formal {
         texts
     }
 
-    fn property(
+    pub(crate) fn property(
         &self,
         model: &prism_lang::resolved::Model,
         text: &str,
@@ -228,13 +189,16 @@ impl Formal {
     }
 }
 
-fn measure(answers: Option<Vec<MethodAnswer>>) -> Measure {
+fn measure(question: &Question, answers: Option<Vec<MethodAnswer>>) -> Measure {
     let mut answers = answers.unwrap_or_default().into_iter();
     match answers.next() {
         Some(answer) => Measure::Probability {
             answer,
             others: answers.collect(),
             credible: None,
+        },
+        None if question.property.is_some() => Measure::NotCovered {
+            reason: "In the model, the opportunity has probability 0.".into(),
         },
         None => Measure::NotExpressible {
             reason: "The model does not express it.".into(),

@@ -13,7 +13,7 @@ use prism_lang::edit;
 const MODEL: &str = include_str!("../../../case-studies/corridor/models/corridor.prism");
 
 /// The model's constants of the two stages.
-const CONSTANTS: [&str; 2] = ["pStray", "pDistracted"];
+pub const CONSTANTS: [&str; 2] = ["pStray", "pDistracted"];
 
 /// The failure modes: what each means over the model's variables, and its opportunity.
 pub const MODES: [(&str, &str, &str); 2] = [

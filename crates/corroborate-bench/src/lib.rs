@@ -8,13 +8,14 @@
 //! * [`fault`]: the catalogue, and how each fault is planted in one asset;
 //! * [`formal`], [`judges`], [`trials`]: evidence from the model checker, from monitors on traces, and from
 //!   people whose attempts are alike;
+//! * [`carried`]: what counted constants leave open of a formal model's answers;
 //! * [`study`]: one study, compared and diagnosed by the code of the product ([`evidence::compare`],
 //!   [`evidence::rank`]);
 //! * [`matrix`]: requirement models on traces of each system model;
 //! * [`words`], [`texts`]: what the formal model's propositions mean, and the assets as texts;
 //! * [`repair`]: the first proposal applied, and the study run again;
 //! * [`theory`]: the power of the test that matches a fault, the bound to be measured against;
-//! * [`score`], [`coverage`], [`mod@bench`], [`table`]: the figures.
+//! * [`score`], [`coverage`], [`mod@bench`], [`table`], [`targets`]: the figures.
 //!
 //! ```
 //! use corroborate_bench::family::Family;
@@ -31,6 +32,7 @@
 //! ```
 
 pub mod bench;
+pub mod carried;
 pub mod coverage;
 pub mod family;
 pub mod fault;
@@ -44,6 +46,7 @@ pub mod requirements;
 pub mod score;
 pub mod study;
 pub mod table;
+pub mod targets;
 pub mod task;
 pub mod texts;
 pub mod theory;

@@ -19,8 +19,9 @@
 use crate::fault::{Assets, Fault, SetTo, Site};
 use crate::formal::Formal;
 use crate::random::Random;
+use crate::requirements::{failure_modes, stated};
 use crate::score::is_open;
-use crate::study::{LEVEL, Synthetic, failure_modes, formal_text, ids, requirements};
+use crate::study::{LEVEL, Synthetic, formal_text, ids};
 use crate::texts;
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Observed};
 use checker::Method;
@@ -106,7 +107,10 @@ impl Solver for Texts<'_> {
 /// # Errors
 /// What is wrong with the formal model.
 pub fn first_offer(study: &Synthetic) -> Result<Option<Offer>, String> {
-    let (requirements, failure_modes) = (requirements(&study.assets), failure_modes(&study.assets));
+    let (requirements, failure_modes) = (
+        stated(&study.assets.forms),
+        failure_modes(&study.assets.modes),
+    );
     let ground = Ground {
         evidence: &study.evidence,
         requirements: &requirements,

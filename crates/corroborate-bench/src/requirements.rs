@@ -3,7 +3,9 @@
 //! The sentence is the source. The property and the monitor are made from it by `requirement-lang`, unless a
 //! fault gives one of them a sentence of its own: then that form means something else.
 
+use crate::study::MARGIN;
 use crate::task::STEPS_PER_SEC;
+use evidence::{FailureMode, Requirement};
 use requirement_lang::compile::monitor::{Monitor, monitor};
 use requirement_lang::compile::property::{Model, label_of_name, property};
 use requirement_lang::{Context, parse};
@@ -111,4 +113,36 @@ pub fn requirements(limit_steps: u32) -> Vec<Forms> {
             false,
         ),
     ]
+}
+
+/// The requirements as a study states them.
+#[must_use]
+pub fn stated(forms: &[Forms]) -> Vec<Requirement> {
+    forms
+        .iter()
+        .map(|form| Requirement {
+            id: form.id.to_owned(),
+            text: form.sentence.clone(),
+            threshold: None,
+            sentence: Some(form.sentence.clone()),
+            property: form.property.clone(),
+            monitor: form.monitor.clone(),
+            margin: MARGIN,
+            same_quantity_as: None,
+        })
+        .collect()
+}
+
+/// The failure modes as a study states them.
+#[must_use]
+pub fn failure_modes(modes: &[String]) -> Vec<FailureMode> {
+    modes
+        .iter()
+        .map(|mode| FailureMode {
+            id: mode.clone(),
+            name: mode.clone(),
+            meaning: "Counted against the runs that reach its stage.".into(),
+            margin: MARGIN,
+        })
+        .collect()
 }

@@ -4,7 +4,7 @@
 use crate::fault::{Fault, Site};
 use crate::matrix::site;
 use crate::study::{LEVEL, MARGIN, Synthetic, ids, rate};
-use crate::theory::{Side, power, seen};
+use crate::theory::{Side, joined_degrees, power, seen};
 use evidence::{
     Comparison, CredibleInterval, Evidence, Measure, Outcome, Subject, Suspect, Symptom,
 };
@@ -14,10 +14,8 @@ use evidence::{
 pub struct Score {
     /// What was planted.
     pub fault: Fault,
-    /// Power of the matching test at the declared level.
-    pub theory: f64,
-    /// A bound of the power of the procedure that allows for all of the study's comparisons.
-    pub theory_corrected: f64,
+    /// Power of the tests that match the fault.
+    pub theory: Powers,
     /// A disagreement on a subject that the fault touches, with the evidence that rests on it; where
     /// nothing was planted, any disagreement.
     pub found: bool,
@@ -33,6 +31,17 @@ pub struct Score {
     pub false_independence: bool,
 }
 
+/// What theory allows of a study.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Powers {
+    /// Of the matching test at the declared level, if it were known how alike the attempts of one person are.
+    pub known: f64,
+    /// The same where that is learned from the people.
+    pub learned: f64,
+    /// Of the tests that decide when all of the study's comparisons are allowed for, likewise.
+    pub of_all: f64,
+}
+
 /// Scores a study.
 #[must_use]
 pub fn score(study: &Synthetic) -> Score {
@@ -43,11 +52,9 @@ pub fn score(study: &Synthetic) -> Score {
         .iter()
         .filter(|c| touches(study, c))
         .collect();
-    let (theory, theory_corrected) = theory(study);
     Score {
         fault: study.planted.fault,
-        theory,
-        theory_corrected,
+        theory: theory(study),
         found: touched.iter().any(|c| c.outcome == Outcome::Conflicts) || otherwise_found(study),
         by_points: touched.iter().any(|c| differ_by_points(c)),
         by_overlap: touched.iter().any(|c| lie_apart(study, c)),
@@ -139,24 +146,36 @@ fn false_independence(study: &Synthetic) -> bool {
     })
 }
 
-/// Power of the matching test at the declared level, and of the tests that decide when all of a study's comparisons are
-/// allowed for.
-fn theory(study: &Synthetic) -> (f64, f64) {
+/// What is known of how alike the attempts of one person are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Likeness {
+    Known,
+    Learned,
+}
+
+fn theory(study: &Synthetic) -> Powers {
     let planted = &study.planted;
+    let same = |power: f64| Powers {
+        known: power,
+        learned: power,
+        of_all: power,
+    };
     if let Some(each) = planted.seen_in_a_run {
-        let runs = study.setup.simulated + study.setup.recorded;
-        let power = seen(each, runs);
-        return (power, power);
+        return same(seen(each, study.setup.simulated + study.setup.recorded));
     }
+    let most = |power: &dyn Fn(&Subject) -> f64| {
+        let subjects = planted.subjects.iter();
+        subjects.map(power).fold(0.0, f64::max)
+    };
+    let alpha = 1.0 - LEVEL;
     match planted.site {
-        None => (0.0, 0.0),
-        Some(Site::Solver) => (1.0, 1.0),
-        Some(_) => {
-            let subjects = planted.subjects.iter();
-            let single = subjects.clone().map(|s| best_pair(study, s, 1.0 - LEVEL));
-            let all = subjects.map(|subject| simultaneous(study, subject));
-            (single.fold(0.0, f64::max), all.fold(0.0, f64::max))
-        }
+        None => same(0.0),
+        Some(Site::Solver) => same(1.0),
+        Some(_) => Powers {
+            known: most(&|subject| best_pair(study, subject, alpha, Likeness::Known)),
+            learned: most(&|subject| best_pair(study, subject, alpha, Likeness::Learned)),
+            of_all: most(&|subject| simultaneous(study, subject)),
+        },
     }
 }
 
@@ -176,14 +195,14 @@ fn simultaneous(study: &Synthetic, subject: &Subject) -> f64 {
     ids.sort_unstable();
     ids.dedup();
     let alpha = (1.0 - LEVEL) / subjects.len().max(1) as f64;
-    let pair = best_pair(study, subject, alpha);
+    let pair = best_pair(study, subject, alpha, Likeness::Learned);
     if ids.len() < 3 {
         return pair;
     }
     let sides = |wanted: bool| {
         let faulty = study.faulty();
         let own = ids.iter().filter(move |id| faulty.contains(*id) == wanted);
-        own.filter_map(|id| side(study, study.piece(id)?, subject))
+        own.filter_map(|id| side(study, study.piece(id)?, subject, Likeness::Learned))
     };
     let others: Vec<Side> = sides(false).collect();
     let level = alpha / ids.len() as f64;
@@ -198,24 +217,29 @@ fn together(sides: &[Side]) -> Side {
     }
     let trials: f64 = sides.iter().map(|side| side.trials).sum();
     let successes: f64 = sides.iter().map(|side| side.trials * side.rate).sum();
+    let variances = sides.iter().map(|side| {
+        let variance = side.trials * side.rate * (1.0 - side.rate);
+        (variance, side.degrees)
+    });
     Side {
         rate: successes / trials.max(1.0),
         trials,
+        degrees: joined_degrees(variances),
     }
 }
 
 /// The best of the tests that compare evidence on the faulty asset with other evidence.
-fn best_pair(study: &Synthetic, subject: &Subject, alpha: f64) -> f64 {
+fn best_pair(study: &Synthetic, subject: &Subject, alpha: f64, likeness: Likeness) -> f64 {
     let faulty = study.faulty();
     let mut best = 0.0_f64;
     for id in &faulty {
         let piece = study.piece(id);
-        let Some(one) = piece.and_then(|piece| side(study, piece, subject)) else {
+        let Some(one) = piece.and_then(|piece| side(study, piece, subject, likeness)) else {
             continue;
         };
         let others = study.evidence.iter();
         for other in others.filter(|p| !p.intermediate && !faulty.contains(&p.id.as_str())) {
-            if let Some(other) = side(study, other, subject) {
+            if let Some(other) = side(study, other, subject, likeness) {
                 best = best.max(power(one, other, alpha));
             }
         }
@@ -224,7 +248,12 @@ fn best_pair(study: &Synthetic, subject: &Subject, alpha: f64) -> f64 {
 }
 
 /// The true rate behind a piece of evidence, and how many independent trials it is worth.
-fn side(study: &Synthetic, piece: &Evidence, subject: &Subject) -> Option<Side> {
+fn side(
+    study: &Synthetic,
+    piece: &Evidence,
+    subject: &Subject,
+    likeness: Likeness,
+) -> Option<Side> {
     let limit = study.setup.limit_steps;
     let measure = &piece.finding(subject)?.measure;
     let truth = &study.setup.truth;
@@ -235,45 +264,47 @@ fn side(study: &Synthetic, piece: &Evidence, subject: &Subject) -> Option<Side> 
         _ => truth,
     };
     match measure {
-        Measure::Counts { trials, .. } => {
+        Measure::Counts { trials, .. } if piece.id == ids::EXPERIMENT => {
             let mut rate = rate(task, limit, subject)?;
-            let mut trials = *trials as f64;
-            if piece.id == ids::EXPERIMENT {
-                let cohort = study.setup.cohort;
-                trials = cohort.effective(trials / (cohort.subjects * cohort.attempts) as f64);
-                if let Subject::FailureMode(mode) = subject {
-                    let column = study.assets.modes.iter().position(|m| m == mode)?;
-                    rate = truth.stages[study.assets.columns[column]].fails;
-                }
-                trials = trials.min(told(cohort.by_subject, cohort.subjects, rate));
+            if let Subject::FailureMode(mode) = subject {
+                let column = study.assets.modes.iter().position(|m| m == mode)?;
+                rate = truth.stages[study.assets.columns[column]].fails;
             }
-            Some(Side { rate, trials })
+            Some(of_people(study, rate, *trials as f64, likeness))
         }
+        Measure::Counts { trials, .. } => Some(Side::independent(
+            rate(task, limit, subject)?,
+            *trials as f64,
+        )),
         Measure::Probability {
             answer, credible, ..
         } => Some(match credible {
-            Some(credible) => Side {
-                rate: rate(task, limit, subject).unwrap_or(answer.value),
-                trials: worth(credible),
-            },
-            None => Side {
-                rate: answer.value,
-                trials: f64::INFINITY,
-            },
+            Some(credible) => {
+                let rate = rate(task, limit, subject).unwrap_or(answer.value);
+                Side::independent(rate, worth(credible))
+            }
+            None => Side::computed(answer.value),
         }),
         _ => None,
     }
 }
 
-/// The most independent trials that a test may take people's attempts for. Where nobody ever fails (or everybody does), the
-/// counts say nothing of how alike the attempts of one person are. If they are all alike, a rate `p` has this outcome
-/// with probability `(1 - p)^people`: no test that holds its level there rejects `p` sooner.
-fn told(by_subject: bool, people: usize, rate: f64) -> f64 {
+/// Attempts of the study's people. Where nobody ever fails (or everybody does), a column says nothing of how alike the
+/// attempts of one person are; if they are all alike, a rate `p` has this outcome with probability `(1 - p)^people`.
+/// So no test that has to learn it from that column, and holds its level there, rejects `p` sooner.
+fn of_people(study: &Synthetic, rate: f64, trials: f64, likeness: Likeness) -> Side {
+    let cohort = study.setup.cohort;
+    let people = cohort.subjects as f64;
+    let worth = cohort.effective(trials / (people * cohort.attempts as f64));
     let is_certain = rate <= 0.0 || rate >= 1.0;
-    if by_subject && is_certain {
-        people as f64
-    } else {
-        f64::INFINITY
+    match (likeness, is_certain) {
+        (Likeness::Known, _) => Side::independent(rate, worth),
+        (Likeness::Learned, true) => Side::independent(rate, worth.min(people)),
+        (Likeness::Learned, false) => Side {
+            rate,
+            trials: worth,
+            degrees: people - 1.0,
+        },
     }
 }
 

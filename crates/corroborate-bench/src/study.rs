@@ -2,17 +2,18 @@
 
 use crate::family::{Family, HANDOVER, Setup};
 use crate::fault::{Assets, Fault, Planted, SetTo, Site, plant};
-use crate::formal::{FEW_SOLVES, Formal};
+use crate::formal::Formal;
 use crate::journey;
 use crate::judges::Judges;
 use crate::matrix::{self, half_step, of_paths};
 use crate::random::Random;
-use crate::requirements::id;
+use crate::requirements::{failure_modes, id, stated};
 use crate::task::{Run, SPEED_LIMIT, Task};
 use crate::trials;
 use evidence::{
-    Asset, AssetRole, Calibration, Cell, Comparison, Evidence, FailureMode, Finding, Influences,
-    Levels, Matter, Measure, Requirement, Study, Subject, Suspect, Technique, Tool, compare, rank,
+    Asset, AssetRole, Calibration, Cell, Combined, Comparison, Evidence, Finding, Influences,
+    Levels, Matter, Measure, Study, Subject, Suspect, Technique, Tool, Weights, combine, compare,
+    rank,
 };
 use prism_lang::{edit, parse_model};
 use stats::{Confidence, EffectiveSample, Sample};
@@ -87,8 +88,8 @@ impl Synthetic {
         seed: (u64, u64),
     ) -> Result<Self, String> {
         let (evidence, cells) = ledger(&setup, &mut assets, seed)?;
-        let requirements = requirements(&assets);
-        let failure_modes = failure_modes(&assets);
+        let requirements = stated(&assets.forms);
+        let failure_modes = failure_modes(&assets.modes);
         let influences = Influences::learn(&evidence);
         let study = Study {
             requirements: &requirements,
@@ -119,6 +120,26 @@ impl Synthetic {
             comparisons,
             suspects,
         })
+    }
+
+    /// What the independent evidence on each requirement supports together.
+    ///
+    /// # Errors
+    /// None is known.
+    pub fn combined(&self) -> Result<Vec<Combined>, String> {
+        let (requirements, failure_modes) = (
+            stated(&self.assets.forms),
+            failure_modes(&self.assets.modes),
+        );
+        let influences = Influences::learn(&self.evidence);
+        let study = Study {
+            requirements: &requirements,
+            failure_modes: &failure_modes,
+            evidence: &self.evidence,
+            influences: &influences,
+            levels: levels()?,
+        };
+        Ok(combine(&study, &self.comparisons, &Weights::default()))
     }
 
     /// The piece of evidence with this identifier.
@@ -247,7 +268,7 @@ fn experiments(
         &people,
         setup.limit_steps,
         &columns,
-        setup.cohort.by_subject,
+        setup.cohort.told,
         level,
     )
 }
@@ -314,9 +335,10 @@ pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), 
         let stage = &mut task.stages[place];
         if sample.trials > 0 && stage.can_fail {
             stage.fails = sample.successes as f64 / sample.trials as f64;
+            let (parameter, is_complement) = setup.constant(place);
             let set_to = SetTo {
-                parameter: Task::constant(place, &stage.mode),
-                is_complement: Task::says_what_passes(place),
+                parameter,
+                is_complement,
                 mode: stage.mode.clone(),
                 from: ids::RIG.to_owned(),
             };
@@ -335,6 +357,18 @@ pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), 
 
 /// Constants that were set to counts, with what those are worth in independent trials.
 pub type Counted = Vec<(SetTo, EffectiveSample)>;
+
+/// The formal model with the constants that were set to tests of stages alone.
+///
+/// # Errors
+/// What is wrong with the model's text.
+pub fn counted_model(setup: &Setup, assets: &Assets) -> Result<Formal, String> {
+    let (text, counted) = formal_text(setup, assets)?;
+    let mut formal = Formal::new(text, &assets.vocabulary, &assets.forms)?;
+    let counted = counted.into_iter();
+    formal.counted = counted.map(|(it, worth)| (it.parameter, worth)).collect();
+    Ok(formal)
+}
 
 /// The handover's model with the rates of `task`.
 fn handover(task: &Task) -> Result<String, String> {
@@ -371,9 +405,6 @@ fn formal_evidence(
         .map(|(it, sample)| (it.parameter.clone(), *sample))
         .collect();
     formal.methods.clone_from(&assets.methods);
-    if setup.family.is_case_study() {
-        formal.solves = FEW_SOLVES;
-    }
     let mut piece = piece(
         ids::MODEL,
         Technique::ModelChecking,
@@ -383,7 +414,6 @@ fn formal_evidence(
     Ok(piece)
 }
 
-/// What counts are worth in independent trials.
 /// What a constant that was set to them is the probability of.
 fn of_constant(set_to: &SetTo, counts: Sample) -> Result<Sample, stats::StatsError> {
     match set_to.is_complement {
@@ -392,6 +422,7 @@ fn of_constant(set_to: &SetTo, counts: Sample) -> Result<Sample, stats::StatsErr
     }
 }
 
+/// What counts are worth in independent trials.
 fn worth(measure: &Measure, set_to: &SetTo) -> Option<EffectiveSample> {
     let Measure::Counts {
         count,
@@ -443,32 +474,4 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         clusters: None,
         inputs: String::new(),
     }
-}
-
-pub(crate) fn requirements(assets: &Assets) -> Vec<Requirement> {
-    let forms = assets.forms.iter();
-    forms
-        .map(|form| Requirement {
-            id: form.id.to_owned(),
-            text: form.sentence.clone(),
-            threshold: None,
-            sentence: Some(form.sentence.clone()),
-            property: form.property.clone(),
-            monitor: form.monitor.clone(),
-            margin: MARGIN,
-            same_quantity_as: None,
-        })
-        .collect()
-}
-
-pub(crate) fn failure_modes(assets: &Assets) -> Vec<FailureMode> {
-    let modes = assets.modes.iter();
-    modes
-        .map(|mode| FailureMode {
-            id: mode.clone(),
-            name: mode.clone(),
-            meaning: "Counted against the runs that reach its stage.".into(),
-            margin: MARGIN,
-        })
-        .collect()
 }

@@ -6,6 +6,8 @@ use crate::family::Family;
 use crate::fault::Fault;
 use crate::repair::{Flaw, Repair};
 use crate::score::Score;
+use crate::targets::targets;
+use crate::trials::Told;
 use stats::{Confidence, Sample};
 use std::fmt::Write as _;
 
@@ -34,7 +36,10 @@ pub enum Cell {
 }
 
 impl Cell {
-    fn of<'a>(lines: impl Iterator<Item = &'a Score>, holds: impl Fn(&Score) -> bool) -> Self {
+    pub(crate) fn of<'a>(
+        lines: impl Iterator<Item = &'a Score>,
+        holds: impl Fn(&Score) -> bool,
+    ) -> Self {
         let (mut count, mut all) = (0, 0);
         for line in lines {
             all += 1;
@@ -43,7 +48,7 @@ impl Cell {
         Cell::Rate(count, all)
     }
 
-    /// As words: a rate in percent with its 95 % interval (Wilson).
+    /// As words: a rate in percent with its 95 % interval (Wilson), and of how many.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -53,7 +58,7 @@ impl Cell {
             Cell::Rate(count, all) => {
                 let (rate, low, high) = rate(*count, *all);
                 format!(
-                    "{:.1} % [{:.1}, {:.1}]",
+                    "{:.1} % [{:.1}, {:.1}] of {all}",
                     100.0 * rate,
                     100.0 * low,
                     100.0 * high
@@ -71,7 +76,7 @@ impl Cell {
     }
 }
 
-fn rate(count: u64, all: u64) -> (f64, f64, f64) {
+pub(crate) fn rate(count: u64, all: u64) -> (f64, f64, f64) {
     let sample = Sample {
         successes: count,
         trials: all,
@@ -113,6 +118,7 @@ impl Table {
 #[must_use]
 pub fn tables(lines: &[Line]) -> Vec<Table> {
     vec![
+        targets(lines),
         power(lines),
         power_by_theory(lines),
         false_alarms(lines),
@@ -120,6 +126,7 @@ pub fn tables(lines: &[Line]) -> Vec<Table> {
         coverage(lines),
         calibration(lines),
         repairs(lines),
+        catalogue(lines),
     ]
 }
 
@@ -144,16 +151,23 @@ fn mean(values: impl Iterator<Item = f64>) -> Cell {
 
 const WAYS: [fn(&Score) -> bool; 3] = [|s| s.found, |s| s.by_points, |s| s.by_overlap];
 
+/// The theories of power, by name.
+pub(crate) const THEORIES: [fn(&Score) -> f64; 3] = [
+    |s| s.theory.known,
+    |s| s.theory.learned,
+    |s| s.theory.of_all,
+];
+
 fn power(lines: &[Line]) -> Table {
     let faults = Fault::ALL.into_iter().filter(|fault| fault.is_conflict());
     let rows = faults.map(|fault| {
-        let strong = || of_fault(lines, fault).filter(|score| score.theory >= 0.95);
-        let mut row = vec![
-            text(fault.name()),
-            mean(of_fault(lines, fault).map(|s| s.theory)),
-        ];
+        let mut row = vec![text(fault.name())];
+        row.extend(THEORIES.map(|theory| mean(of_fault(lines, fault).map(theory))));
         row.extend(WAYS.map(|way| Cell::of(of_fault(lines, fault), way)));
-        row.push(Cell::of(strong(), |s| s.found));
+        row.extend(THEORIES.map(|theory| {
+            let strong = of_fault(lines, fault).filter(move |score| theory(score) >= 0.95);
+            Cell::of(strong, |s| s.found)
+        }));
         row
     });
     Table {
@@ -161,11 +175,15 @@ fn power(lines: &[Line]) -> Table {
         title: "How often a planted fault is found.".into(),
         headings: vec![
             "fault",
-            "power in theory",
+            "power in theory: one test, likeness of attempts known",
+            "one test, likeness learned",
+            "all comparisons allowed for, likeness learned",
             "found",
             "point estimates within 5 points",
             "overlap of intervals",
-            "found where theory has 95 % or more",
+            "found where the first theory has 95 % or more",
+            "where the second has",
+            "where the third has",
         ],
         rows: rows.collect(),
     }
@@ -182,36 +200,40 @@ const CLASSES: [(f64, f64); 6] = [
 ];
 
 fn power_by_theory(lines: &[Line]) -> Table {
-    let rows = CLASSES.map(|(low, high)| {
-        let within = || {
-            let scores = lines.iter().map(|line| &line.score);
-            scores.filter(move |s| s.fault.is_conflict() && low <= s.theory && s.theory < high)
-        };
-        let name = if high > 1.0 {
-            format!("{} % and more", 100.0 * low)
-        } else {
-            format!("{} to {} %", 100.0 * low, 100.0 * high)
-        };
-        let mut row = vec![
-            Cell::Text(name),
-            mean(within().map(|s| s.theory)),
-            mean(within().map(|s| s.theory_corrected)),
-        ];
-        row.extend(WAYS.map(|way| Cell::of(within(), way)));
-        row
-    });
+    let theories = [
+        "one test, likeness known",
+        "one test, likeness learned",
+        "all comparisons",
+    ];
+    let mut rows = Vec::new();
+    for (theory, words) in THEORIES.into_iter().zip(theories) {
+        for (low, high) in CLASSES {
+            let within = || {
+                let scores = lines.iter().map(|line| &line.score);
+                scores
+                    .filter(move |s| s.fault.is_conflict() && low <= theory(s) && theory(s) < high)
+            };
+            let class = match high > 1.0 {
+                true => format!("{} % and more", 100.0 * low),
+                false => format!("{} to {} %", 100.0 * low, 100.0 * high),
+            };
+            let mut row = vec![text(words), Cell::Text(class), mean(within().map(theory))];
+            row.extend(WAYS.map(|way| Cell::of(within(), way)));
+            rows.push(row);
+        }
+    }
     Table {
         name: "power_by_theory",
         title: "How near that is to what theory allows, over all faults.".into(),
         headings: vec![
+            "theory",
             "power in theory",
             "mean of it",
-            "mean of the bound that allows for all comparisons",
             "found",
             "point estimates within 5 points",
             "overlap of intervals",
         ],
-        rows: rows.into(),
+        rows,
     }
 }
 
@@ -227,6 +249,13 @@ fn false_alarms(lines: &[Line]) -> Table {
         let mut row = vec![Cell::Text(name)];
         row.extend(WAYS.map(|way| Cell::of(chosen(), way)));
         row.push(Cell::of(chosen(), |s| s.suspects > 0));
+        let one = lines.iter().filter(|line| wanted(line));
+        let one: Vec<(bool, bool)> = one.filter_map(|line| line.comparison).collect();
+        let share = |holds: &dyn Fn(&(bool, bool)) -> bool| {
+            let count = one.iter().filter(|it| holds(it)).count();
+            Cell::Rate(count as u64, one.len() as u64)
+        };
+        row.extend([share(&|(_, conflict)| *conflict), share(&|(raw, _)| *raw)]);
         rows.push(row);
     };
     let sound = |line: &Line| line.score.fault == Fault::None;
@@ -243,23 +272,22 @@ fn false_alarms(lines: &[Line]) -> Table {
         sound(line) && line.counted_constants
     });
     let clustered = |line: &Line| line.score.fault == Fault::ClusteredSubjects;
-    add(
-        "planted: clustered subjects; the table has them".into(),
-        &|line| clustered(line) && line.by_subject,
-    );
-    add(
-        "planted: clustered subjects; the table has totals only".into(),
-        &|line| clustered(line) && !line.by_subject,
-    );
+    for told in Told::ALL {
+        add(format!("clustered subjects: {}", told.name()), &|line| {
+            clustered(line) && line.told == told
+        });
+    }
     Table {
         name: "false_alarms",
-        title: "How often a study without a fault is said to have a conflict anywhere.".into(),
+        title: "How often a study without a fault is said to have a conflict: anywhere, and in one comparison.".into(),
         headings: vec![
             "studies",
             "a conflict",
             "point estimates within 5 points",
             "overlap of intervals",
             "a suspect",
+            "one comparison of each study: a conflict",
+            "the same by its own p-value",
         ],
         rows,
     }
@@ -276,7 +304,7 @@ fn localisation(lines: &[Line]) -> Table {
                 .map(|line| &line.score)
                 .filter(|s| s.fault.is_conflict() && wanted(s))
         };
-        let strong = || chosen().filter(|s| s.theory >= 0.95 && s.found);
+        let strong = || chosen().filter(|s| s.theory.known >= 0.95 && s.found);
         rows.push(vec![
             text(name),
             Cell::of(chosen().filter(|s| s.found), first),
@@ -314,9 +342,7 @@ fn coverage(lines: &[Line]) -> Table {
         let covered = chosen().filter(|(_, covered)| *covered).count() as u64;
         vec![text(name), Cell::Rate(covered, chosen().count() as u64)]
     };
-    let mut rows = vec![row("all of single pieces", &|kind| {
-        kind != Kind::Difference
-    })];
+    let mut rows = vec![row("all of single pieces", &Kind::is_of_a_piece)];
     rows.extend(Kind::ALL.map(|kind| row(kind.name(), &|other| other == kind)));
     Table {
         name: "coverage",
@@ -402,5 +428,28 @@ fn repairs(lines: &[Line]) -> Table {
             "not the truth",
         ],
         rows,
+    }
+}
+
+/// Every pair of fault and family: so many studies, or why there are none.
+fn catalogue(lines: &[Line]) -> Table {
+    let rows = Fault::ALL.map(|fault| {
+        let mut row = vec![text(fault.name())];
+        row.extend(Family::ALL.map(|family| {
+            let own = |line: &&Line| line.family == family && line.score.fault == fault;
+            match fault.missing_in(family) {
+                Some(reason) => text(reason),
+                None => Cell::Text(lines.iter().filter(own).count().to_string()),
+            }
+        }));
+        row
+    });
+    let mut headings = vec!["fault"];
+    headings.extend(Family::ALL.map(Family::name));
+    Table {
+        name: "catalogue",
+        title: "Studies of each fault in each family.".into(),
+        headings,
+        rows: rows.into(),
     }
 }

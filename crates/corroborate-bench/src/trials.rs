@@ -1,11 +1,48 @@
-//! Trials with people: counts by subject, whose rates are each person's own.
+//! Trials with people, whose rates are each person's own: counts by subject, or totals of all beside what the table
+//! says of each.
 
 use crate::judges::finding;
 use crate::random::Random;
 use crate::requirements::id;
 use crate::task::{Run, SPEED_LIMIT, Task};
 use evidence::{Finding, Measure, Subject};
-use stats::{Confidence, Sample};
+use stats::{CommonCorrelation, Confidence, Sample};
+
+/// What an experiment's tables say of who did what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Told {
+    /// Everything that was counted, by person.
+    Everything,
+    /// Success by person, all else as totals.
+    Success,
+    /// How many attempts each person made; all counts as totals.
+    Attempts,
+    /// Totals; not that people made them.
+    Nothing,
+}
+
+impl Told {
+    /// All of them.
+    pub const ALL: [Told; 4] = [
+        Told::Everything,
+        Told::Success,
+        Told::Attempts,
+        Told::Nothing,
+    ];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Told::Everything => "everything by person",
+            Told::Success => "success by person, all else as totals",
+            Told::Attempts => "attempts of each person, all counts as totals",
+            Told::Nothing => {
+                "totals, and not that people made them: each attempt is taken for a trial of its own, as declared"
+            }
+        }
+    }
+}
 
 /// How many people, how many attempts each, and how alike the attempts of one are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +53,8 @@ pub struct Cohort {
     pub attempts: usize,
     /// Intraclass correlation of each rate.
     pub correlation: f64,
-    /// Whether the tables say who did which attempt.
-    pub by_subject: bool,
+    /// What the tables say of who did what.
+    pub told: Told,
 }
 
 impl Cohort {
@@ -49,32 +86,67 @@ pub fn findings(
     runs: &[Vec<Run>],
     limit_steps: u32,
     modes: &[(String, Option<usize>)],
-    by_subject: bool,
+    told: Told,
     level: Confidence,
 ) -> Result<Vec<Finding>, String> {
-    let mut findings = Vec::new();
+    let mut counted: Vec<(Subject, Vec<Sample>)> = Vec::new();
     let mut add = |subject: Subject, what: &dyn Fn(&Run) -> Option<bool>| {
-        let counted: Vec<Sample> = runs.iter().map(|person| count(person, what)).collect();
-        findings.push(clustered(subject, &counted, by_subject, level)?);
-        Ok::<(), String>(())
+        let column = runs.iter().map(|person| count(person, what)).collect();
+        counted.push((subject, column));
     };
     let requirement = |id: &str| Subject::Requirement(id.to_owned());
-    add(requirement(id::DONE), &|run| Some(run.is_done()))?;
+    add(requirement(id::DONE), &|run| Some(run.is_done()));
     add(requirement(id::IN_TIME), &|run| {
         Some(run.is_done_by(limit_steps))
-    })?;
-    add(requirement(id::READY), &|run| Some(run.is_done()))?;
+    });
+    add(requirement(id::READY), &|run| Some(run.is_done()));
     add(requirement(id::SLOW), &|run| {
         run.is_done().then_some(run.speed < SPEED_LIMIT)
-    })?;
+    });
     for (mode, place) in modes {
         add(Subject::FailureMode(mode.clone()), &|run| match place {
             Some(place) => run.reached(*place).then(|| run.failed_at(*place)),
             // A mode that nobody has ever seen: every attempt was an opportunity.
             None => Some(false),
-        })?;
+        });
     }
-    Ok(findings)
+    let attempts: Vec<u64> = runs.iter().map(|person| person.len() as u64).collect();
+    let by_person = match told {
+        Told::Everything => counted.len(),
+        Told::Success => 1,
+        Told::Attempts | Told::Nothing => 0,
+    };
+    let has_trials = |column: &&Vec<Sample>| column.iter().any(|person| person.trials > 0);
+    let columns = counted[..by_person].iter().map(|(_, column)| column);
+    let columns: Vec<&Vec<Sample>> = columns.filter(has_trials).collect();
+    let common = CommonCorrelation::of(&columns).map_err(|error| error.to_string())?;
+    let found = counted
+        .iter()
+        .enumerate()
+        .map(|(place, (subject, column))| {
+            let total = in_all(column);
+            let mut found = finding(subject.clone(), total, 0, level)?;
+            if total.trials > 0 && told != Told::Nothing {
+                let measure = match place < by_person {
+                    true => Measure::of_clusters_among(&common, column, level),
+                    false => Measure::of_total_among(&common, total, &attempts, level),
+                };
+                found.measure = measure.map_err(|error| error.to_string())?;
+            }
+            Ok(found)
+        });
+    found.collect()
+}
+
+fn in_all(column: &[Sample]) -> Sample {
+    let none = Sample {
+        successes: 0,
+        trials: 0,
+    };
+    column.iter().fold(none, |sum, person| Sample {
+        successes: sum.successes + person.successes,
+        trials: sum.trials + person.trials,
+    })
 }
 
 fn count(runs: &[Run], what: &dyn Fn(&Run) -> Option<bool>) -> Sample {
@@ -89,23 +161,34 @@ fn count(runs: &[Run], what: &dyn Fn(&Run) -> Option<bool>) -> Sample {
     sample
 }
 
-fn clustered(
-    subject: Subject,
-    counted: &[Sample],
-    by_subject: bool,
-    level: Confidence,
-) -> Result<Finding, String> {
-    let mut total = Sample {
-        successes: 0,
-        trials: 0,
-    };
-    for of_person in counted {
-        total.successes += of_person.successes;
-        total.trials += of_person.trials;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::family::{Family, Setup};
+
+    /// The less a table says of who did what, the less its counts are worth; but if it does not say that people
+    /// made them, each attempt is taken for a trial of its own.
+    #[test]
+    fn what_is_not_told_is_not_known() {
+        let mut random = Random::new(2, 1);
+        let setup = Setup::draw(Family::Serial, &mut random);
+        let cohort = Cohort {
+            subjects: 20,
+            correlation: 0.3,
+            ..setup.cohort
+        };
+        let runs = cohort.runs(&setup.truth, &mut random);
+        let widths = Told::ALL.map(|told| {
+            let found = findings(&runs, setup.limit_steps, &[], told, Confidence::P95).unwrap();
+            // The second is not success.
+            found[1]
+                .measure
+                .interval()
+                .map(|it| it.high - it.low)
+                .unwrap()
+        });
+        let [everything, success, attempts, nothing] = widths;
+        assert!(success < attempts && everything < attempts, "{widths:?}");
+        assert!(nothing < everything && nothing < success, "{widths:?}");
     }
-    let mut found = finding(subject, total, 0, level)?;
-    if by_subject && total.trials > 0 {
-        found.measure = Measure::of_clusters(counted, level).map_err(|error| error.to_string())?;
-    }
-    Ok(found)
 }

@@ -4,7 +4,6 @@ use crate::family::{Family, HANDOVER};
 use crate::journey;
 use crate::requirements::{Forms, id};
 use refinement::Asked;
-use std::fmt::Write as _;
 
 /// The propositions of a study, as its formal models know them.
 #[derive(Clone, Debug)]
@@ -12,7 +11,9 @@ pub struct Words {
     /// The states in which a run is done.
     done: &'static str,
     /// Those in which it is at its end.
-    finished: Option<&'static str>,
+    finished: &'static str,
+    /// Whether the model's steps are the task's.
+    has_steps: bool,
     /// What each failure mode means.
     pub asked: Vec<Asked>,
 }
@@ -29,7 +30,9 @@ impl Words {
             });
             return Self {
                 done: "robotState=handoverSuccessful",
-                finished: None,
+                finished: "robotState=handoverSuccessful | robotState=handoverUnsuccessful | robotState=motionError \
+                           | robotState=interactionDone | robotState=timedOut",
+                has_steps: false,
                 asked: asked.collect(),
             };
         }
@@ -41,7 +44,8 @@ impl Words {
             });
             return Self {
                 done: journey::DONE,
-                finished: Some(journey::DONE),
+                finished: journey::DONE,
+                has_steps: true,
                 asked: asked.collect(),
             };
         }
@@ -52,7 +56,8 @@ impl Words {
         });
         Self {
             done: "s=done",
-            finished: Some("s>=done"),
+            finished: "s>=done",
+            has_steps: true,
             asked: asked.collect(),
         }
     }
@@ -60,17 +65,16 @@ impl Words {
     /// Whether the model's language has a requirement: time is steps only in the chains.
     #[must_use]
     pub fn expresses(&self, form: &Forms) -> bool {
-        form.is_formal && (self.finished.is_some() || form.id == id::DONE)
+        form.is_formal && (self.has_steps || form.id == id::DONE)
     }
 
     /// Labels for the properties of requirements.
     #[must_use]
     pub fn labels(&self) -> String {
-        let mut text = format!("label \"ready\" = true;\nlabel \"done\" = {};\n", self.done);
-        if let Some(finished) = self.finished {
-            let _ = writeln!(text, "label \"finished\" = {finished};");
-        }
-        text
+        format!(
+            "label \"ready\" = true;\nlabel \"done\" = {};\nlabel \"finished\" = {};\n",
+            self.done, self.finished
+        )
     }
 
     /// The two questions of a failure mode's rate: how often it occurs, and how often it could.

@@ -17,7 +17,7 @@ fn share(lines: &[Line], wanted: impl Fn(&Line) -> bool, holds: impl Fn(&Line) -
 fn faults_are_found_and_located_and_nothing_is_taken_for_one() {
     let lines = run(&Plan::SMALL, &|_, _| ()).expect("all studies can be produced");
     let is_conflict = |line: &Line| line.score.fault.is_conflict();
-    let strong = |line: &Line| is_conflict(line) && line.score.theory >= 0.95;
+    let strong = |line: &Line| is_conflict(line) && line.score.theory.known >= 0.95;
     let found = share(&lines, strong, |line| line.score.found);
     assert!(found >= 0.95, "found {found}");
     let located = |line: &Line| is_conflict(line) && line.score.found;
