@@ -24,7 +24,7 @@ mod weighing;
 
 pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
-pub use ledger::{Calibrated, CommandText, Entry, Keep, Method, UntilText, Work};
+pub use ledger::{Calibrated, CommandText, Entry, Keep, Method, OnFailure, UntilText, Work};
 pub use parameters::StudyParameters;
 pub use requirements::{FormText, Forms, ReadingForm, SubjectForm, quoted_names};
 pub use sentence_form::SentenceForm;

@@ -12,6 +12,7 @@ pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod recording;
+pub mod rows;
 pub mod simulation;
 pub mod watched;
 

@@ -56,7 +56,12 @@ fn simulate(library: &Path, evidence: &str, episodes: &str, form: &str, out: &Pa
         &out,
     ];
     let said = simulating(library, &root(), &arguments);
-    assert_eq!(said.code, 0, "{said:?}");
+    // Bags are not judged; a few episodes decide nothing of 95 in 100, or deny it.
+    let codes: &[i32] = match form {
+        "ros2" => &[0],
+        _ => &[1, 3],
+    };
+    assert!(codes.contains(&said.code), "{said:?}");
     said
 }
 

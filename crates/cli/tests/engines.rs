@@ -110,7 +110,8 @@ fn a_scene_is_simulated_in_the_second_engine_alone() {
         "simulate", ".", "S1", "--engine", "rapier", "-n", "1", "--out", "out",
     ];
     let said = driven(&library, folder.path(), &arguments);
-    assert_eq!(said.code, 0, "{said:?}");
+    // One journey decides nothing of nine in ten.
+    assert_eq!(said.code, 3, "{said:?}");
     assert!(
         said.out.contains("arrival") || said.talk.contains("arrival"),
         "{said:?}"

@@ -194,6 +194,11 @@ fn a_scene_gives_the_exact_probabilities_and_the_same_again() {
         "other",
     ];
     assert_eq!(simulating(&library, folder.path(), &other).out, said.out);
+    let table = |folder_of: &str| {
+        let path = folder.path().join(folder_of).join("episodes.parquet");
+        std::fs::read(path).expect("a table")
+    };
+    assert!(table("other") == table("results/rare") && table("other").starts_with(b"PAR1"));
     assert_eq!(
         simulating(&library, folder.path(), &arguments).out,
         said.out

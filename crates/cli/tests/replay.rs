@@ -281,7 +281,8 @@ fn an_episode_of_an_evidence_is_the_one_that_was_recorded() {
         "--out",
         "results/episodes/E4",
     ]);
-    assert_eq!(said.code, 0, "{said:?}");
+    // One episode decides nothing of 95 in 100, unless it is a failure.
+    assert!([1, 3].contains(&said.code), "{said:?}");
     let said = run(&["replay", ".", "E4:3"]);
     assert_eq!(said.code, 0, "{said:?}");
     assert!(said.out.contains("bit for bit"), "{said:?}");

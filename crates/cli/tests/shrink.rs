@@ -164,7 +164,10 @@ fn an_episode_of_an_evidence_is_shrunk_by_its_number() {
             "json",
         ],
     );
-    let first = json(&simulated)["recordings"][0]["file"]
+    // What eight episodes show of one in twenty is no matter here.
+    assert!([1, 3].contains(&simulated.code), "{simulated:?}");
+    let found: Value = serde_json::from_str(&simulated.out).expect("JSON");
+    let first = found["recordings"][0]["file"]
         .as_str()
         .expect("one is kept")
         .to_owned();

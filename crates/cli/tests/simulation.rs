@@ -201,7 +201,8 @@ fn a_recording_cut_short_is_refused_unless_a_part_is_asked_for() {
     };
     let folder = study();
     let arguments = ["simulate", ".", "E4", "-n", "1", "--out", "one"];
-    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
+    let said = simulating(&library, folder.path(), &arguments);
+    assert!([1, 3].contains(&said.code), "{said:?}");
     let file = folder.path().join("one/episode-00001.mcap");
     let whole = std::fs::read(&file).expect("a recording");
     std::fs::write(&file, &whole[..whole.len() * 2 / 3]).expect("cut short");

@@ -29,6 +29,7 @@
 //! A verdict *violated* or *satisfied* that rests on counts is wrong with probability at most
 //! `alpha`, over the sampling of the independent pieces. It speaks of the stated conditions.
 
+pub(crate) mod alone;
 pub(crate) mod combined;
 pub(crate) mod coverage;
 mod stand;

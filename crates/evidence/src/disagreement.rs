@@ -4,7 +4,7 @@
 //! regions where its first episodes suggest a difference between what a model predicts and what a simulation shows, and
 //! decides each region by fresh episodes; how it does so is the searcher's business (`campaign::disagreement`).
 
-use crate::{Asset, Interval};
+use crate::{Asset, EpisodeFailures, Interval};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -54,6 +54,10 @@ pub struct DisagreementMap {
     /// What the first episodes suggest, over the first two parameters; the
     /// others are at their nominal values. Estimates, not evidence.
     pub map: Vec<MapPlace>,
+    /// Episodes that the robot's program or the simulator ended by failing; where that left the requirement
+    /// undecided, they count in no region.
+    #[serde(default)]
+    pub failures: Vec<EpisodeFailures>,
 }
 
 /// Why a search ended.

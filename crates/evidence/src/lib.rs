@@ -34,6 +34,7 @@ pub use compare::{
     DecisionPlan, Influences, Levels, PlannedTrials, Programme, Spreading, Study, Together,
     TrialCosts, Undecided, compare, compare_together, programme, undecided,
 };
+pub use conclude::alone::{Alone, alone};
 pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
 pub use conclude::coverage::coverage_gaps;
 pub use conclude::threshold::Deciding;

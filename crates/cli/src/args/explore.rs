@@ -12,6 +12,7 @@ Examples:
   corroborate explore case-studies/handover exploration.toml --out /tmp/explored
   corroborate explore my-study exploration.toml --source random --source mutation
   corroborate explore my-study exploration.toml --episodes 500 --format json
+  corroborate explore my-study exploration.toml --causes 200
   corroborate explore my-study exploration.toml --plain      by way of comparison
   corroborate explore my-study exploration.toml --disagreement
 
@@ -52,6 +53,10 @@ pub struct Explore {
     /// exploring: a map of regions, each decided by fresh episodes.
     #[arg(long, conflicts_with_all = ["plain", "source"])]
     pub disagreement: bool,
+    /// Shrink the episodes of each finding, in at most N episodes, and group
+    /// them by cause: the settings and actions that are left.
+    #[arg(long, value_name = "N", conflicts_with = "disagreement", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub causes: Option<u64>,
     /// Where results go instead of STUDY/results/exploration.
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,

@@ -1,8 +1,7 @@
 //! The arguments of `simulate`, and what its recordings hold.
 
 use super::{EngineChoice, Format};
-use crate::study::Keep;
-use crate::technique::campaign::OnFailure;
+use crate::study::{Keep, OnFailure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -17,7 +16,9 @@ Examples:
       --until 'requirement 1a is decided at 99 %' --out many
 
 Each episode becomes one MCAP file, which Foxglove opens and `corroborate
-monitor` judges. The same study and seed give the same bytes.")]
+monitor` judges. The same study and seed give the same bytes. Each requirement
+with a threshold is judged as `corroborate run` judges one piece of evidence:
+exits 0 if all hold, 1 if one is violated, 3 if one is undecided.")]
 pub struct Simulate {
     /// The study's folder.
     pub study: PathBuf,
@@ -35,9 +36,9 @@ pub struct Simulate {
     #[arg(long, value_enum, value_name = "WHICH")]
     pub keep: Option<Keep>,
     /// What is done when the robot's program or the simulator fails in an
-    /// episode.
-    #[arg(long, value_enum, default_value_t, value_name = "WHAT")]
-    pub on_failure: OnFailure,
+    /// episode; as the ledger says, or counted, if left out.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub on_failure: Option<OnFailure>,
     /// Number of the first episode.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub first: u64,

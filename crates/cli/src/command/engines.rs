@@ -9,14 +9,17 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Entry, Study, Work};
-use crate::technique::judging::{Judgement, Judges, verdict_name};
+use crate::technique::campaign::{Ended, FailureCounts, ended, failures_in_words};
+use crate::technique::confidence;
+use crate::technique::judging::{Judges, verdict_name};
 use crate::technique::simulation::{Campaign, Seeds};
 use determinism::Repeated;
-use evidence::Subject;
+use evidence::{EpisodeFailures, FailureKind, Subject};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
+use temporal::monitor::Verdict;
 use testbench::{Difference, Unwatched, differences};
 use trace::Trace;
 
@@ -35,8 +38,20 @@ pub struct EnginesReport {
     pub signals: Vec<SignalReport>,
     /// The verdicts in both.
     pub verdicts: Vec<VerdictReport>,
+    /// Episodes that the robot's program or the physics ended by failing, in each engine; those are
+    /// compared up to there.
+    pub failures: Vec<EngineFailures>,
     /// Hashes of repeated and continued episodes, with `--determinism`.
     pub repeated: Vec<Repeated>,
+}
+
+/// What failed in one engine.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EngineFailures {
+    /// The engine with its version.
+    pub engine: String,
+    /// Each kind, with its share of the episodes.
+    pub failures: Vec<EpisodeFailures>,
 }
 
 /// How far a signal lies apart over all episodes.
@@ -102,23 +117,26 @@ pub fn engines(arguments: &Engines, setting: &Setting) -> Result<Done, Problem> 
         setting,
     };
     let mut report = EnginesReport {
-        format: "1.0".into(),
+        format: "1.1".into(),
         evidence: entry.id.clone(),
         engines: campaigns.iter().map(name_of).collect(),
         episodes: arguments.episodes,
         signals: Vec::new(),
         verdicts: Vec::new(),
+        failures: Vec::new(),
         repeated: Vec::new(),
     };
+    let mut fail_alike = true;
     if arguments.determinism {
         report.repeated = called.repeat()?;
     } else {
-        called.compare(&mut report)?;
+        fail_alike = called.compare(&mut report)?;
     }
-    let is_same = report
-        .verdicts
-        .iter()
-        .all(|verdict| verdict.differ.is_empty())
+    let is_same = fail_alike
+        && report
+            .verdicts
+            .iter()
+            .all(|verdict| verdict.differ.is_empty())
         && report.repeated.iter().all(|repeated| repeated.same);
     Ok(Done {
         output: match arguments.format {
@@ -191,15 +209,18 @@ struct Called<'a> {
 }
 
 /// What one episode shows.
-struct Compared<'a> {
+struct Compared {
     differences: Vec<Difference>,
-    judged: [Vec<Judgement<'a>>; 2],
+    /// By engine, in the order of the monitors.
+    verdicts: [Vec<Verdict>; 2],
+    failed: [Option<FailureKind>; 2],
 }
 
 impl Called<'_> {
-    fn compare(&self, report: &mut EnginesReport) -> Result<(), Problem> {
+    /// Whether in each episode the same failed, or nothing.
+    fn compare(&self, report: &mut EnginesReport) -> Result<bool, Problem> {
         let [first, second] = self.campaigns else {
-            return Ok(());
+            return Ok(true);
         };
         let judges = Judges::new(self.study, |_| true)?;
         let stage = self
@@ -207,47 +228,69 @@ impl Called<'_> {
             .talk
             .begin("episodes in both engines", self.numbers.len() as u64);
         let numbers = self.numbers.par_iter();
-        let compared: Vec<Compared<'_>> = numbers
+        let compared: Vec<Compared> = numbers
             .map(|number| {
-                let traces = [first, second].map(|campaign| self.run(campaign, *number));
-                let [a, b] = traces;
-                let (a, b) = (a?, b?);
-                let judged = [judges.judge(&a)?, judges.judge(&b)?];
+                let a = self.run(first, *number)?;
+                let b = self.run(second, *number)?;
+                let verdicts = [
+                    judges.verdicts_of(a.trace())?,
+                    judges.verdicts_of(b.trace())?,
+                ];
                 stage.advance();
                 Ok(Compared {
-                    differences: differences(&a, &b),
-                    judged,
+                    differences: match (a.trace(), b.trace()) {
+                        (Some(a), Some(b)) => differences(a, b),
+                        _ => Vec::new(),
+                    },
+                    verdicts,
+                    failed: [a.failed, b.failed],
                 })
             })
             .collect::<Result<_, Problem>>()?;
         drop(stage);
         report.signals = signals(&compared);
-        report.verdicts = self.verdicts(&compared);
-        Ok(())
+        report.verdicts = self.verdicts(&judges, &compared);
+        report.failures = self.failures(&compared)?;
+        Ok(compared.iter().all(|it| it.failed[0] == it.failed[1]))
     }
 
-    fn run(&self, campaign: &Campaign, number: u64) -> Result<Trace, Problem> {
+    fn run(&self, campaign: &Campaign, number: u64) -> Result<Ended, Problem> {
         let seed = self.seeds.of(number);
-        let run = campaign.run(seed, &mut Unwatched, &self.setting.interrupt)?;
-        Ok(run.trace)
+        let run = campaign.attempt(seed, &mut Unwatched, &self.setting.interrupt);
+        ended(run, seed, self.numbers.first() == Some(&number))
     }
 
-    fn verdicts(&self, compared: &[Compared<'_>]) -> Vec<VerdictReport> {
-        let Some(pattern) = compared.first() else {
-            return Vec::new();
-        };
-        let monitors = pattern.judged[0].iter().enumerate();
-        monitors
-            .map(|(index, judgement)| {
+    /// What failed in each engine, if anything did.
+    fn failures(&self, compared: &[Compared]) -> Result<Vec<EngineFailures>, Problem> {
+        let level = confidence(self.study.about.confidence)?;
+        let mut all = Vec::new();
+        for (engine, campaign) in self.campaigns.iter().enumerate() {
+            let numbered = self.numbers.iter().zip(compared);
+            let counts =
+                FailureCounts::of(numbered.map(|(number, it)| (*number, it.failed[engine])));
+            if !counts.is_empty() {
+                all.push(EngineFailures {
+                    engine: name_of(campaign),
+                    failures: counts.shares(level)?,
+                });
+            }
+        }
+        Ok(all)
+    }
+
+    fn verdicts(&self, judges: &Judges<'_>, compared: &[Compared]) -> Vec<VerdictReport> {
+        judges
+            .monitors()
+            .enumerate()
+            .map(|(index, (subject, reading))| {
                 let mut report = VerdictReport {
-                    subject: judgement.subject.clone(),
-                    reading: judgement.reading.map(str::to_owned),
+                    subject: subject.clone(),
+                    reading: reading.map(str::to_owned),
                     violated: [0; 2],
                     differ: Vec::new(),
                 };
                 for (episode, number) in compared.iter().zip(&self.numbers) {
-                    let names = [0, 1]
-                        .map(|engine| verdict_name(episode.judged[engine][index].findings.verdict));
+                    let names = [0, 1].map(|engine| verdict_name(episode.verdicts[engine][index]));
                     for (count, name) in report.violated.iter_mut().zip(names) {
                         *count += u64::from(name == "violated");
                     }
@@ -267,7 +310,7 @@ impl Called<'_> {
 }
 
 /// All episodes' differences together, in the order of the recordings.
-fn signals(compared: &[Compared<'_>]) -> Vec<SignalReport> {
+fn signals(compared: &[Compared]) -> Vec<SignalReport> {
     let mut sums: Vec<Difference> = Vec::new();
     for episode in compared {
         for difference in &episode.differences {
@@ -349,6 +392,11 @@ fn text(report: &EnginesReport) -> String {
                 "    episode {} (seed {}): {} and {}",
                 pair.episode, pair.seed, pair.first, pair.second
             );
+        }
+    }
+    for engine in &report.failures {
+        for failures in &engine.failures {
+            let _ = writeln!(out, "{}: {}", engine.engine, failures_in_words(failures));
         }
     }
     determinism::text(&report.repeated, &mut out);

@@ -1,6 +1,7 @@
 //! `corroborate explore`: episodes that are meant to show what nobody has
 //! thought of.
 
+mod causes;
 mod disagreement;
 
 pub use disagreement::{kept_map, map_again, map_file};
@@ -17,6 +18,7 @@ use crate::technique::exploration::{
     Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, tests_of_model,
 };
 use crate::technique::judging::{Judges, SpaceTime, inputs_of};
+use crate::technique::rows;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -56,7 +58,33 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         return search.done(arguments.format, setting);
     }
     let mut explored = exploration(&study, &plan, &bench, arguments, &folder, setting)?;
-    keep(&study, &bench, &mut explored, &folder, setting)?;
+    keep(&study, &bench, &mut explored, &folder)?;
+    if let Some(budget) = arguments.causes {
+        let findings = explored.findings.len() as u64;
+        let stage = setting
+            .talk
+            .begin("shrinking findings: episodes", budget * findings);
+        let causes = causes::Causes {
+            study: &study,
+            plan: &plan,
+            bench: &bench,
+            budget,
+            folder: &folder,
+            setting,
+            stage: &stage,
+        };
+        causes.find(
+            &explored.findings,
+            &explored.met,
+            &mut explored.report.findings,
+        )?;
+    }
+    let about = [
+        ("study", study.about.title.as_str()),
+        ("evidence", &bench.files.evidence),
+    ];
+    explored.rows.write(&folder.join(rows::FILE), &about)?;
+    write(&explored, &folder, setting)?;
     let wall_secs = began.elapsed().as_secs_f64();
     setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
     let report = &explored.report;
@@ -210,7 +238,6 @@ fn keep(
     bench: &OpenBench,
     explored: &mut Explored,
     folder: &Path,
-    setting: &Setting,
 ) -> Result<(), Problem> {
     let findings = explored
         .findings
@@ -238,6 +265,11 @@ fn keep(
             return Err(Problem::data_lost("cannot-write", message));
         }
     }
+    Ok(())
+}
+
+/// Writes the result.
+fn write(explored: &Explored, folder: &Path, setting: &Setting) -> Result<(), Problem> {
     let path = folder.join("exploration.json");
     write_whole(&path, json(&explored.report)?.as_bytes())?;
     setting.talk.say(&format!("{} is written", path.display()));

@@ -13,8 +13,10 @@ use crate::problem::{Problem, Source};
 use crate::store::{Inputs, Store};
 use crate::study::Study;
 use crate::technique::bench::check_units;
+use crate::technique::campaign::{FailureCounts, never_worked};
 use crate::technique::confidence;
 use crate::technique::judging::inputs_of;
+use crate::technique::rows::{self, Rows, Value};
 use crate::technique::simulation::Seeds;
 use bench::{World, stimulus_at};
 use campaign::splitting::{
@@ -22,11 +24,12 @@ use campaign::splitting::{
 };
 use file::{EventText, RareText, quoted};
 use rayon::prelude::*;
-use report::{CONTRADICTION, EventReport, PlainReport, RareReport, text_of};
-use runs::Runs;
+use report::{CONTRADICTION, EventReport, PlainReport, RareReport, RunFailures, text_of};
+use runs::{EpisodeOfInputs, Runs, RunsEnded};
 use score::Score;
 use stats::special::normal_sf;
 use stats::{Confidence, Sample, clopper_pearson};
+use std::sync::Mutex;
 use stimulus::{Space, Stimulus};
 use testbench::{Savable, SimError};
 
@@ -59,7 +62,7 @@ pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
         World::Scene(scene, _) => asked.reports(scene.bench(), scene.stimulus())?,
     };
     let report = RareReport {
-        format: "1.0".into(),
+        format: "1.1".into(),
         engine: world.engine().to_owned(),
         confidence: level.level(),
         events,
@@ -103,6 +106,7 @@ impl Asked<'_> {
                     score,
                     event,
                     setting: self.setting,
+                    ended: Mutex::default(),
                 },
                 store: &self.store,
                 inputs: self.inputs(event)?,
@@ -115,7 +119,17 @@ impl Asked<'_> {
             work.accepts(self.source)?;
             works.push(work);
         }
-        works.iter().map(|work| work.report(self.level)).collect()
+        let mut rows = Rows::default();
+        let reports: Vec<EventReport> = (works.iter())
+            .map(|work| work.report(self.level, &mut rows))
+            .collect::<Result<_, Problem>>()?;
+        let path = self.store.folder().join(rows::FILE);
+        let about = [
+            ("study", self.study.about.title.as_str()),
+            ("events", &self.source.name),
+        ];
+        rows.write(&path, &about)?;
+        Ok(reports)
     }
 
     fn inputs(&self, event: &EventText) -> Result<Inputs, Problem> {
@@ -159,6 +173,10 @@ impl<B: Savable> Work<'_, B> {
     fn accepts(&self, source: &Source) -> Result<(), Problem> {
         check_units(&self.space, source, file::CODE)?;
         let middle = vec![0.5; self.space.dimensions()];
+        let stimulus = stimulus_at(self.runs.test, &self.space, &middle)?;
+        if let Err(SimError::Controller(error)) = self.runs.bench.start(&stimulus, 0) {
+            return Err(never_worked(&error.to_string(), 0));
+        }
         for (place, parameter) in self.space.parameters.iter().enumerate() {
             for end in bench::tried(&parameter.distribution) {
                 let mut unit = middle.clone();
@@ -177,23 +195,32 @@ impl<B: Savable> Work<'_, B> {
         Ok(())
     }
 
-    fn report(&self, level: Confidence) -> Result<EventReport, Problem> {
+    fn report(&self, level: Confidence, rows: &mut Rows) -> Result<EventReport, Problem> {
         let event = self.runs.event;
         let stage = self
             .runs
             .setting
             .talk
             .begin(&event.name, event.replications);
-        let mut descents = Vec::new();
+        let (mut descents, mut ended) = (Vec::new(), RunsEnded::default());
         for replication in 0..event.replications {
-            descents.push(self.kept("replication", replication, |seed| self.descent(seed))?);
+            let (descent, of_runs): (Descent, RunsEnded) =
+                self.kept("replication", replication, |seed| {
+                    let descent = self.descent(seed)?;
+                    Ok((descent, self.runs.take_ended()))
+                })?;
+            descents.push(descent);
+            for episode in &of_runs.episodes {
+                self.row(rows, &format!("replication {}", replication + 1), episode);
+            }
+            ended.add(&of_runs);
             stage.advance();
         }
         drop(stage);
         let estimate = combine(&descents, level).map_err(problem)?;
         let plain = match event.plain {
             0 => None,
-            episodes => Some(self.plain(episodes, &estimate, level)?),
+            episodes => Some(self.plain(episodes, &estimate, level, rows)?),
         };
         Ok(EventReport {
             name: event.name.clone(),
@@ -207,6 +234,13 @@ impl<B: Savable> Work<'_, B> {
             replications: estimate.replications,
             episode_equivalents: estimate.episode_equivalents,
             plain_episodes_for_the_same_error: estimate.plain_equivalent,
+            failures: (ended.failed.iter())
+                .map(|(kind, count)| RunFailures {
+                    kind: *kind,
+                    count: *count,
+                    runs: ended.runs,
+                })
+                .collect(),
             plain,
         })
     }
@@ -275,23 +309,34 @@ impl<B: Savable> Work<'_, B> {
         episodes: u64,
         estimate: &RareEstimate,
         level: Confidence,
+        rows: &mut Rows,
     ) -> Result<PlainReport, Problem> {
         let chunks = episodes.div_ceil(CHUNK);
         let title = format!("{}: plain episodes", self.runs.event.name);
         let stage = self.runs.setting.talk.begin(&title, chunks);
-        let mut count = 0;
+        let (mut count, mut failed) = (0, Vec::new());
         for chunk in 0..chunks {
             let numbers = chunk * CHUNK..((chunk + 1) * CHUNK).min(episodes);
             let (low, high) = (numbers.start, numbers.end);
             let part = (low << 32) | high;
-            count += self.kept("plain", part, |_| {
+            let (hits, of_chunk): (u64, Vec<EpisodeOfInputs>) = self.kept("plain", part, |_| {
                 let hit = |number: u64| self.is_hit(1_000_000 + number);
-                let hits: Vec<bool> = (low..high)
+                let hits: Vec<(bool, EpisodeOfInputs)> = (low..high)
                     .into_par_iter()
                     .map(hit)
                     .collect::<Result<_, _>>()?;
-                Ok(hits.into_iter().filter(|hit| *hit).count() as u64)
+                let count = hits.iter().filter(|(hit, _)| *hit).count() as u64;
+                Ok((
+                    count,
+                    hits.into_iter().map(|(_, episode)| episode).collect(),
+                ))
             })?;
+            count += hits;
+            for episode in &of_chunk {
+                self.row(rows, "plain", episode);
+            }
+            let kinds = of_chunk.into_iter().map(|it| it.failed);
+            failed.extend((low + 1..).zip(kinds));
             stage.advance();
         }
         let counted = Sample::new(count, episodes).map_err(problem)?;
@@ -302,17 +347,65 @@ impl<B: Savable> Work<'_, B> {
             low: interval.low,
             high: interval.high,
             p_value: difference_p_value(estimate, counted),
+            failures: FailureCounts::of(failed).shares(level)?,
         })
     }
 
-    fn is_hit(&self, number: u64) -> Result<bool, Problem> {
+    /// A whole episode's row of the table.
+    fn row(&self, rows: &mut Rows, part: &str, episode: &EpisodeOfInputs) {
+        let event = self.runs.event;
+        rows.begin();
+        rows.plain("event", "its name", Value::Text(event.name.clone()));
+        rows.plain(
+            "part",
+            "of which part of the estimate it is",
+            Value::Text(part.into()),
+        );
+        rows.plain(
+            "seed",
+            "from which everything random is drawn",
+            Value::U64(episode.seed),
+        );
+        let score = episode.score.unwrap_or(f64::NEG_INFINITY);
+        rows.plain("score", "how near it came", Value::Double(score));
+        let happened = self.runs.score.rung(score) >= self.runs.top();
+        rows.plain(
+            "happened",
+            "whether the event happened",
+            Value::Bool(happened),
+        );
+        if let Some(kind) = episode.failed {
+            rows.plain(
+                "failed",
+                "what ended it by failing",
+                Value::Text(kind.name().into()),
+            );
+        }
+        for (parameter, value) in self
+            .space
+            .parameters
+            .iter()
+            .zip(&self.space.at(&episode.unit).0)
+        {
+            rows.parameter(parameter, *value);
+        }
+    }
+
+    /// Whether the event happened, and the episode.
+    fn is_hit(&self, number: u64) -> Result<(bool, EpisodeOfInputs), Problem> {
         let seed = self.seeds.of(number);
         let mut random = campaign::Random::new(seed, "inputs");
         let unit: Vec<f64> = (0..self.space.dimensions())
             .map(|_| random.open_unit())
             .collect();
-        let score = self.runs.episode(&self.space, &unit, seed)?;
-        Ok(self.runs.score.rung(score) >= self.runs.top())
+        let (score, failed) = self.runs.episode(&self.space, &unit, seed)?;
+        let episode = EpisodeOfInputs {
+            seed,
+            unit,
+            score: Some(score).filter(|score| score.is_finite()),
+            failed,
+        };
+        Ok((self.runs.score.rung(score) >= self.runs.top(), episode))
     }
 }
 

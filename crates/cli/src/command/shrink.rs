@@ -25,7 +25,8 @@ use campaign::ShrinkOptions;
 use report::ShrinkReport;
 use std::path::PathBuf;
 use subject::Subject;
-use trials::{Shrunken, Trials};
+use trials::Shrunken;
+pub use trials::Trials;
 
 /// Shrinks.
 pub fn shrink(arguments: &Shrink, setting: &Setting) -> Result<Done, Problem> {
@@ -40,7 +41,7 @@ pub fn shrink(arguments: &Shrink, setting: &Setting) -> Result<Done, Problem> {
         bench,
         &judge,
         Episode::of_named(finding.clone(), &subject.name),
-        arguments,
+        (arguments.budget, arguments.seeds),
         (&setting.interrupt, &stage),
     );
     let shrunk = trials.shrink(finding, &mut options)?;

@@ -1,6 +1,7 @@
 //! `corroborate simulate`: episodes of a study's simulation, recorded, judged
 //! and counted.
 
+mod report;
 pub mod ros2_table;
 
 use super::{Done, Setting, json, use_threads};
@@ -14,84 +15,10 @@ use crate::technique::campaign::{
     Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until, words_of,
 };
 use crate::technique::simulation::{Campaign, Seeds, record_with};
-use evidence::{DescriptionGap, FailureKind, Subject};
+use evidence::{Alone, Verdict};
+use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 use ros2_table::Ros2Table;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-/// What `simulate --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct SimulateReport {
-    /// Version of this form.
-    pub format: String,
-    /// The ledger's entry that was simulated.
-    pub evidence: String,
-    /// The simulator with its version.
-    pub engine: String,
-    /// How many episodes there are, those of earlier calls included.
-    pub episodes: u64,
-    /// The recordings that are kept, with the seed of each.
-    pub recordings: Vec<RecordingReport>,
-    /// What the episodes show of each requirement and failure mode. Absent for
-    /// recordings in another form, which are not judged.
-    pub estimates: Vec<EstimateReport>,
-    /// Episodes that the robot's program or the simulator ended by failing; those are judged up to
-    /// there.
-    pub failures: Vec<FailureReport>,
-    /// What of robots' and things' descriptions is not simulated as it is described.
-    pub description_gaps: Vec<DescriptionGap>,
-    /// What came of the stopping rule, if there was one.
-    pub until: Option<String>,
-    /// The table of all episodes, in Parquet.
-    pub table: Option<String>,
-}
-
-/// One recorded episode.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct RecordingReport {
-    /// The file.
-    pub file: String,
-    /// The episode's seed.
-    pub seed: u64,
-}
-
-/// The rate at which a requirement was kept, or a failure mode occurred.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct EstimateReport {
-    /// Which requirement or failure mode.
-    pub subject: Subject,
-    /// Episodes in which it was kept, or occurred.
-    pub count: u64,
-    /// Episodes that decide it.
-    pub trials: u64,
-    /// The lower end of the interval at the study's level. It is of a
-    /// confidence sequence, which holds however often one looks.
-    pub low: f64,
-    /// The upper end.
-    pub high: f64,
-}
-
-/// How often one kind of failure ended an episode.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct FailureReport {
-    /// What failed.
-    pub kind: FailureKind,
-    /// Episodes that it ended.
-    pub count: u64,
-    /// All episodes.
-    pub trials: u64,
-    /// The lower end of the interval, as of estimates.
-    pub low: f64,
-    /// The upper end.
-    pub high: f64,
-    /// The number of the first of them.
-    pub first_episode: u64,
-    /// That episode's seed, as a text: readers round numbers beyond 2^53.
-    pub seed: String,
-    /// The file with what the program said in it.
-    pub said: String,
-}
 
 /// What is simulated.
 enum Simulator {
@@ -198,7 +125,10 @@ impl Called<'_> {
             Some(text) => Some(parse_until(text)?),
             None => sampling.until.clone(),
         };
-        let until = rule.map(|rule| Until::new(self.study, &rule)).transpose()?;
+        let until = rule
+            .as_ref()
+            .map(|rule| Until::new(self.study, rule))
+            .transpose()?;
         let program = program_hash()?;
         let mut inputs = self.inputs(source, &program);
         if sampling.early_end {
@@ -214,7 +144,7 @@ impl Called<'_> {
             numbers: arguments.first..arguments.first + self.count,
             keep: arguments.keep.unwrap_or(sampling.keep),
             early_end: sampling.early_end,
-            on_failure: arguments.on_failure,
+            on_failure: arguments.on_failure.unwrap_or(sampling.on_failure),
             until: until.as_ref(),
             folder: &arguments.out,
             judged_by: judged_by(self.study, source, &program),
@@ -226,7 +156,30 @@ impl Called<'_> {
         let met = until
             .as_ref()
             .map(|it| it.is_met(finished.tally.sample(it.subject())));
+        let verdicts = self.verdicts(&finished)?;
+        // The stopping rule's own test stands in place of the other where both ask the same.
+        let is_of_rule = |it: &Alone| {
+            rule.as_ref().is_some_and(|rule| {
+                let same = rule
+                    .threshold
+                    .is_none_or(|value| value == it.threshold.value);
+                same && rule.requirement == it.requirement
+            })
+        };
+        let own = verdicts.iter().filter(|it| !is_of_rule(it));
+        let outcomes = own.map(|it| match it.verdict {
+            Verdict::Satisfied => Outcome::Holds,
+            Verdict::Violated | Verdict::Conflicting => Outcome::Violated,
+            Verdict::Undecided | Verdict::NotCovered => Outcome::Inconclusive,
+        });
+        let outcome = outcomes.chain([match met {
+            None | Some(Some(true)) => Outcome::Holds,
+            Some(Some(false)) => Outcome::Violated,
+            Some(None) => Outcome::Inconclusive,
+        }]);
+        let outcome = outcome.max().unwrap_or(Outcome::Holds);
         let report = SimulateReport {
+            verdicts,
             until: finished.stopped.clone(),
             table: Some(finished.table.display().to_string()),
             estimates: self.estimates(&finished)?,
@@ -237,16 +190,9 @@ impl Called<'_> {
         };
         let output = match arguments.format {
             Format::Json => json(&report)?,
-            Format::Text => self.text(&report, &finished),
+            Format::Text => report.text(&finished) + &self.next_of(&report),
         };
-        Ok(Done {
-            output,
-            outcome: match met {
-                None | Some(Some(true)) => Outcome::Holds,
-                Some(Some(false)) => Outcome::Violated,
-                Some(None) => Outcome::Inconclusive,
-            },
-        })
+        Ok(Done { output, outcome })
     }
 
     /// Records episodes as ROS 2 bags, which are not judged.
@@ -338,7 +284,7 @@ impl Called<'_> {
         let kept = numbers.map(|number| (number, place(number)));
         let kept = kept.filter(|(_, path)| path.exists());
         SimulateReport {
-            format: "1.3".into(),
+            format: "1.4".into(),
             evidence: self.entry.id.clone(),
             engine: format!("{} {}", tool.name, tool.version)
                 .trim_end()
@@ -351,6 +297,7 @@ impl Called<'_> {
                 })
                 .collect(),
             estimates: Vec::new(),
+            verdicts: Vec::new(),
             failures: Vec::new(),
             description_gaps: source.gaps().to_vec(),
             until: None,
@@ -377,6 +324,19 @@ impl Called<'_> {
             .collect())
     }
 
+    /// What the episodes show of requirements with a threshold.
+    fn verdicts(&self, finished: &Finished) -> Result<Vec<Alone>, Problem> {
+        let level = technique::confidence(self.study.about.confidence)?;
+        let findings = finished.tally.findings(self.study, finished.intervals)?;
+        let requirements = &self.study.requirements;
+        Ok(evidence::alone(
+            &self.entry.id,
+            requirements,
+            &findings,
+            level,
+        ))
+    }
+
     fn failures(&self, finished: &Finished) -> Result<Vec<FailureReport>, Problem> {
         let level = technique::confidence(self.study.about.confidence)?;
         let failed = finished.tally.failed();
@@ -399,55 +359,11 @@ impl Called<'_> {
             .collect())
     }
 
-    fn text(&self, report: &SimulateReport, finished: &Finished) -> String {
-        let mut text = String::new();
-        for estimate in &report.estimates {
-            let share = 100.0 * estimate.count as f64 / estimate.trials as f64;
-            text.push_str(&format!(
-                "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1})\n",
-                estimate.subject.id(),
-                estimate.count,
-                estimate.trials,
-                100.0 * estimate.low,
-                100.0 * estimate.high
-            ));
-        }
-        for failure in &report.failures {
-            let share = 100.0 * failure.count as f64 / failure.trials as f64;
-            text.push_str(&format!(
-                "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1}): {}, first in episode {}; what it said: {}\n",
-                failure.kind.name(),
-                failure.count,
-                failure.trials,
-                100.0 * failure.low,
-                100.0 * failure.high,
-                failure.kind,
-                failure.first_episode,
-                failure.said
-            ));
-        }
-        if !report.description_gaps.is_empty() {
-            text.push_str("Not simulated as it is described:\n");
-        }
-        for gap in &report.description_gaps {
-            text.push_str(&format!("  {gap}\n"));
-        }
-        if let Some(until) = &report.until {
-            text.push_str(&format!("{until}\n"));
-        }
-        let cost = &finished.cost;
-        let speed = cost
-            .real_time_factor
-            .map(|factor| format!(", {factor:.0} times real time on a core"));
-        text.push_str(&format!(
-            "Table: {} ({:.1} s{})\n",
-            finished.table.display(),
-            cost.wall_secs,
-            speed.unwrap_or_default()
-        ));
+    /// What to do next, where recordings are kept.
+    fn next_of(&self, report: &SimulateReport) -> String {
         match report.recordings.is_empty() {
-            true => text,
-            false => text + &self.next(report.episodes),
+            true => String::new(),
+            false => self.next(report.episodes),
         }
     }
 

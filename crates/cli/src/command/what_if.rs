@@ -9,7 +9,9 @@ use crate::technique::confidence;
 use crate::technique::model_checking::Compiled;
 use crate::what_if::file::{ChangeText, Read, subject_of, variants};
 use crate::what_if::formal::Base;
-use crate::what_if::report::{ChangeReport, Gain, Row, VariantReport, WhatIfReport, parted};
+use crate::what_if::report::{
+    ChangeReport, Gain, Row, VariantFailures, VariantReport, WhatIfReport, parted,
+};
 use crate::what_if::simulated::{Episodes, Verdicts, gain};
 use evidence::{StudyResult, Subject};
 use std::collections::BTreeMap;
@@ -106,10 +108,10 @@ impl<'a> Trial<'a> {
         let wanted: Vec<Subject> = wanted
             .map(|id| subject_of(self.study, &read.source, id))
             .collect::<Result<_, _>>()?;
-        let mut rows = Vec::new();
+        let (mut rows, mut failures) = (Vec::new(), Vec::new());
         for change in &read.variant.changes {
             let entry = self.study.entry(change.evidence.get_ref())?;
-            for (subject, gain) in self.gains(read, change, entry, &wanted, bases)? {
+            for (subject, gain) in self.gains(read, change, entry, &wanted, bases, &mut failures)? {
                 rows.push(Row {
                     subject,
                     evidence: entry.id.clone(),
@@ -126,6 +128,7 @@ impl<'a> Trial<'a> {
             changes: read.variant.changes.iter().map(change_report).collect(),
             parted: parted(&rows),
             rows,
+            failures,
         })
     }
 
@@ -136,10 +139,13 @@ impl<'a> Trial<'a> {
         entry: &'a Entry,
         wanted: &[Subject],
         bases: &mut Bases<'a>,
+        failures: &mut Vec<VariantFailures>,
     ) -> Result<Vec<(Subject, Gain)>, Problem> {
         match (&entry.work, &change.cannot) {
             (Work::Check { .. }, None) => self.formal(read, change, entry, wanted, bases),
-            (Work::Simulate { .. }, None) => self.simulated(read, change, entry, wanted, bases),
+            (Work::Simulate { .. }, None) => {
+                self.simulated(read, change, entry, wanted, bases, failures)
+            }
             (_, reason) => {
                 let reason = reason
                     .clone()
@@ -195,6 +201,7 @@ impl<'a> Trial<'a> {
         entry: &'a Entry,
         wanted: &[Subject],
         bases: &mut Bases<'a>,
+        failures: &mut Vec<VariantFailures>,
     ) -> Result<Vec<(Subject, Gain)>, Problem> {
         let episodes = Episodes {
             study: self.study,
@@ -215,9 +222,19 @@ impl<'a> Trial<'a> {
         let stage = begin(&read.variant.name);
         let after = episodes.varied(read, change, &self.subjects, &stage)?;
         let before = bases.simulated.get(&entry.id);
+        for (with_variant, verdicts) in [(false, before), (true, Some(&after))] {
+            let shares = verdicts.map(|it| it.failures.shares(self.level));
+            let shares = shares.transpose()?.unwrap_or_default();
+            failures.extend(shares.into_iter().map(|failures| VariantFailures {
+                evidence: entry.id.clone(),
+                with_variant,
+                failures,
+            }));
+        }
         let gains = wanted.iter().filter_map(|subject| {
             let place = self.subjects.iter().position(|other| other == subject)?;
-            let gain = gain(subject, before?.get(place)?, after.get(place)?, self.level);
+            let (before, after) = (before?.of.get(place)?, after.of.get(place)?);
+            let gain = gain(subject, before, after, self.level);
             Some((subject.clone(), gain))
         });
         Ok(gains.collect())

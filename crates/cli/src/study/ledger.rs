@@ -48,6 +48,8 @@ pub struct Sampling {
     pub keep: Keep,
     /// Whether an episode ends once all verdicts are determined.
     pub early_end: bool,
+    /// What is done when an episode is ended by a failure.
+    pub on_failure: OnFailure,
 }
 
 impl Sampling {
@@ -57,6 +59,10 @@ impl Sampling {
             .add_json("until", &self.until)
             .add_json("keep", &self.keep)
             .add_json("early_end", &self.early_end);
+        // Results that counted failures are none where these are to end the campaign.
+        if self.on_failure == OnFailure::Stop {
+            inputs.add_json("on_failure", &self.on_failure);
+        }
     }
 }
 
@@ -70,6 +76,17 @@ pub struct UntilText {
     pub confidence: f64,
     /// The rate against which it is decided, if not the requirement's own.
     pub threshold: Option<f64>,
+}
+
+/// What is done when the robot's program or the simulator ends an episode by failing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum OnFailure {
+    /// It counts as what it is, and the campaign goes on.
+    #[default]
+    Count,
+    /// The campaign ends there, with what the program said.
+    Stop,
 }
 
 /// Which recordings of episodes are kept.

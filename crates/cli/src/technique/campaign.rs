@@ -7,6 +7,7 @@
 //! campaign goes on where it stopped.
 
 mod driver;
+mod ended;
 mod estimates;
 mod failing;
 mod one;
@@ -20,8 +21,11 @@ mod tally;
 mod until;
 
 pub use driver::{Campaigning, Finished, Source};
+pub use ended::{
+    Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked,
+};
 pub use estimates::estimates;
-pub use failing::{OnFailure, kind_of, words_of};
+pub use failing::{kind_of, words_of};
 pub use online::OnLine;
 pub use outside::OutsideCommand;
 pub use recount::{form_verdicts, recount};

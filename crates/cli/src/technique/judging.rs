@@ -206,6 +206,15 @@ impl<'a> Judges<'a> {
         self.judge_and_watch(trace, &mut |_, _| Ok(()))
     }
 
+    /// The verdicts alone, in the order of the monitors; of an episode that left nothing, none is reached.
+    pub fn verdicts_of(&self, trace: Option<&Trace>) -> Result<Vec<Verdict>, Problem> {
+        let Some(trace) = trace else {
+            return Ok(vec![Verdict::Inconclusive; self.judges.len()]);
+        };
+        let judged = self.judge(trace)?;
+        Ok(judged.iter().map(|it| it.findings.verdict).collect())
+    }
+
     /// Judges one trace; `watch` is shown the session after each instant,
     /// with its time in seconds.
     pub fn judge_and_watch(

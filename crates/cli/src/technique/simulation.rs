@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use stimulus::Stimulus;
 use testbench::{
-    Bench as _, Engine, HandoverBench, Parameters, Recorded, Savable, Scenario, ScenarioError,
-    SimError, Unwatched, Watch, World,
+    Bench as _, Drawn, Engine, HandoverBench, Parameters, Recorded, Savable, Scenario,
+    ScenarioError, SimError, Unwatched, Watch, World,
 };
 use trace::Trace;
 
@@ -197,6 +197,15 @@ impl Campaign {
             Bench::Handover(handover) => &handover.stimulus,
             Bench::Scene(scene) => scene.stimulus(),
         })
+    }
+
+    /// The numbers that an episode draws once from its seed.
+    pub fn drawn(&self, seed: u64) -> Result<Vec<Drawn>, Problem> {
+        match &self.bench {
+            Bench::Handover(handover) => handover.bench.drawn(&handover.stimulus, seed),
+            Bench::Scene(scene) => scene.bench().drawn(scene.stimulus(), seed),
+        }
+        .map_err(|error| problem_at(seed, &error))
     }
 
     /// Runs one episode, which `watch` may end. One whose controller fails is cut short; one whose

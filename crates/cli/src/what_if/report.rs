@@ -1,6 +1,7 @@
 //! What `what-if` prints.
 
-use evidence::{Interval, Subject, Technique};
+use crate::technique::campaign::failures_in_words;
+use evidence::{EpisodeFailures, Interval, Subject, Technique};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -27,6 +28,19 @@ pub struct VariantReport {
     pub rows: Vec<Row>,
     /// Where techniques predict gains that exclude each other.
     pub parted: Vec<String>,
+    /// Episodes that the robot's program or the physics ended by failing; those are judged up to there.
+    pub failures: Vec<VariantFailures>,
+}
+
+/// How often one kind of failure ended episodes of one piece of evidence.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct VariantFailures {
+    /// The evidence.
+    pub evidence: String,
+    /// Whether the variant was in it.
+    pub with_variant: bool,
+    /// How often.
+    pub failures: EpisodeFailures,
 }
 
 /// What a variant means to one piece of evidence.
@@ -132,6 +146,14 @@ impl WhatIfReport {
             writeln!(text)?;
             for row in &variant.rows {
                 writeln!(text, "    {}", row_words(row, self.confidence))?;
+            }
+            for of in &variant.failures {
+                let which = match of.with_variant {
+                    true => "with the variant",
+                    false => "as it is",
+                };
+                let words = failures_in_words(&of.failures);
+                writeln!(text, "  {}, {which}: {words}", of.evidence)?;
             }
             for parted in &variant.parted {
                 writeln!(text, "  {parted}")?;

@@ -11,17 +11,22 @@ use super::report::Gain;
 use crate::problem::{Problem, Source, write_whole};
 use crate::study::{Entry, Study, Work};
 use crate::talk::{Interrupt, Stage};
-use crate::technique::campaign::OnLine;
+use crate::technique::campaign::{FailureCounts, OnLine, ended};
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
-use evidence::{Interval, Subject};
+use evidence::{FailureKind, Interval, Subject};
 use rayon::prelude::*;
 use stats::paired::Pairs;
 use std::path::{Path, PathBuf};
 use temporal::monitor::Verdict;
 
-/// For each subject of the judges, each episode's verdict.
-pub type Verdicts = Vec<Vec<Verdict>>;
+/// What episodes showed.
+pub struct Verdicts {
+    /// For each subject of the judges, each episode's verdict.
+    pub of: Vec<Vec<Verdict>>,
+    /// What ended episodes that did not end by themselves; those are judged up to there.
+    pub failures: FailureCounts,
+}
 
 /// Episodes of one entry of the ledger.
 pub struct Episodes<'a> {
@@ -109,16 +114,22 @@ impl Episodes<'_> {
         let judges = Judges::new(self.study, |subject| subjects.contains(subject))?;
         let layout = campaign.layout()?;
         let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
-        let rows: Vec<Vec<Verdict>> = (1..=self.count)
+        let rows: Vec<(Vec<Verdict>, Option<FailureKind>)> = (1..=self.count)
             .into_par_iter()
             .map(|number| {
                 if self.interrupt.is_set() {
                     return Err(Problem::interrupted());
                 }
                 let mut on_line = OnLine::new(&[&judges], &layout, false)?;
-                let run = campaign.run(seeds.of(number), &mut on_line, self.interrupt)?;
-                let judged = on_line.finish(run.trace.complete)?;
+                let seed = seeds.of(number);
+                let run = campaign.attempt(seed, &mut on_line, self.interrupt);
+                let run = ended(run, seed, number == 1)?;
                 stage.advance();
+                let Some(recorded) = run.recorded else {
+                    let unknown = vec![Verdict::Inconclusive; subjects.len()];
+                    return Ok((unknown, run.failed));
+                };
+                let judged = on_line.finish(recorded.trace.complete)?;
                 let judged: Vec<_> = judged.into_iter().flatten().collect();
                 let of = |subject: &Subject| {
                     let main = judged
@@ -126,11 +137,14 @@ impl Episodes<'_> {
                         .find(|it| it.subject == subject && it.reading.is_none());
                     main.map_or(Verdict::NotCovered, |it| it.findings.verdict)
                 };
-                Ok(subjects.iter().map(of).collect())
+                Ok((subjects.iter().map(of).collect(), run.failed))
             })
             .collect::<Result<_, _>>()?;
-        let column = |place: usize| rows.iter().map(|row| row[place]).collect();
-        Ok((0..subjects.len()).map(column).collect())
+        let column = |place: usize| rows.iter().map(|(row, _)| row[place]).collect();
+        Ok(Verdicts {
+            of: (0..subjects.len()).map(column).collect(),
+            failures: FailureCounts::of((1..).zip(rows.iter().map(|(_, failed)| *failed))),
+        })
     }
 }
 

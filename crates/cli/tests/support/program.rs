@@ -39,6 +39,20 @@ pub fn corroborate(folder: &Path, arguments: &[&str]) -> Said {
     }
 }
 
+/// The exit code that a report of `simulate` asks for by its verdicts.
+pub fn code_of_verdicts(report: &serde_json::Value) -> i32 {
+    let verdicts = report["verdicts"].as_array().expect("verdicts");
+    let has = |names: &[&str]| {
+        let mut all = verdicts.iter();
+        all.any(|it| names.contains(&it["verdict"].as_str().expect("a verdict")))
+    };
+    match (has(&["violated"]), has(&["undecided", "not-covered"])) {
+        (true, _) => 1,
+        (_, true) => 3,
+        _ => 0,
+    }
+}
+
 /// A fresh study `study` in a folder of its own: a formal model and a table of experiments.
 pub struct Study {
     folder: TempDir,

@@ -11,6 +11,7 @@ use crate::problem::{Problem, Source};
 use crate::store::{Inputs, Store};
 use crate::talk::Stage;
 use crate::technique::judging::Judges;
+use crate::technique::rows::{self, Rows, Value};
 use crate::technique::simulation::Seeds;
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
 use rayon::prelude::*;
@@ -53,7 +54,8 @@ pub struct Work<'a> {
 impl Work<'_> {
     /// Does it.
     pub fn report(&self, base: &Source, level: Confidence) -> Result<CalibrationReport, Problem> {
-        let calibration = self.rounds()?;
+        let mut rows = Rows::default();
+        let calibration = self.rounds(&mut rows)?;
         let posterior = calibration.posterior();
         let unit = self.text.point.of(&posterior);
         let fitted = self.space.at(&unit);
@@ -63,6 +65,12 @@ impl Work<'_> {
             .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
         let units = vec![unit; self.text.check_episodes as usize];
         let check = self.episodes("fitted set", CHECK_FROM, &units)?;
+        self.rows(&mut rows, "check", CHECK_FROM, (&units, &check));
+        let about = [
+            ("calibration", self.text.name.as_str()),
+            ("evidence", &self.text.evidence),
+        ];
+        rows.write(&self.store.folder().join(rows::FILE), &about)?;
         let (reality, agreement) = (&self.reality, self.agreement);
         let modes = mode_reports(reality, &calibration, &posterior, &check, agreement)?;
         let held_out_runs = held_out_runs(reality, &calibration)?;
@@ -138,7 +146,41 @@ impl Work<'_> {
         parameters.map(report).collect()
     }
 
-    fn rounds(&self) -> Result<Calibration, Problem> {
+    /// The rows of episodes at points of the unit cube, numbered from `first`.
+    fn rows(
+        &self,
+        rows: &mut Rows,
+        part: &str,
+        first: u64,
+        (units, outcomes): (&[Vec<f64>], &Outcomes),
+    ) {
+        for (number, (unit, outcomes)) in (first..).zip(units.iter().zip(outcomes)) {
+            rows.begin();
+            rows.plain(
+                "part",
+                "round, or check of the fitted set",
+                Value::Text(part.into()),
+            );
+            rows.plain("episode", "its number", Value::U64(number));
+            let seed = self.seeds.of(number);
+            rows.plain(
+                "seed",
+                "from which everything random is drawn",
+                Value::U64(seed),
+            );
+            for (parameter, value) in self.space.parameters.iter().zip(&self.space.at(unit).0) {
+                rows.parameter(parameter, *value);
+            }
+            for (observed, outcome) in self.reality.observed.iter().zip(outcomes) {
+                let meaning = "violated or occurred; missing without opportunity";
+                if let Some(outcome) = outcome {
+                    rows.plain(&observed.mode, meaning, Value::Bool(*outcome));
+                }
+            }
+        }
+    }
+
+    fn rounds(&self, rows: &mut Rows) -> Result<Calibration, Problem> {
         let options = CalibrationOptions {
             dimensions: self.space.dimensions(),
             points: self.text.points,
@@ -150,7 +192,14 @@ impl Work<'_> {
         for round in 0..self.text.rounds {
             let units = calibration.ask(count as usize);
             let title = format!("round {} of {}", round + 1, self.text.rounds);
-            let outcomes = self.episodes(&title, 1 + round * count, &units)?;
+            let first = 1 + round * count;
+            let outcomes = self.episodes(&title, first, &units)?;
+            self.rows(
+                rows,
+                &format!("round {}", round + 1),
+                first,
+                (&units, &outcomes),
+            );
             for (unit, outcomes) in units.into_iter().zip(outcomes) {
                 let told = calibration.tell(Episode { unit, outcomes });
                 told.map_err(bad_calibration)?;

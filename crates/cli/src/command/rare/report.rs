@@ -1,5 +1,7 @@
 //! What is found of rare events, as JSON and as text.
 
+use crate::technique::campaign::failures_in_words;
+use evidence::{EpisodeFailures, FailureKind};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -45,8 +47,23 @@ pub struct EventReport {
     pub episode_equivalents: f64,
     /// Plain episodes that would give the same relative error.
     pub plain_episodes_for_the_same_error: Option<f64>,
+    /// Runs, continuations among them, that the robot's program or the physics ended by failing. An
+    /// event that such a run had not come to has not happened in it.
+    pub failures: Vec<RunFailures>,
     /// Plain episodes counted beside it.
     pub plain: Option<PlainReport>,
+}
+
+/// How many runs one kind of failure ended. Runs that came near the event are continued many times, so
+/// this is no rate of episodes; plain episodes give that.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RunFailures {
+    /// What failed.
+    pub kind: FailureKind,
+    /// Runs that it ended.
+    pub count: u64,
+    /// All runs.
+    pub runs: u64,
 }
 
 /// Plain episodes, for comparison.
@@ -63,6 +80,8 @@ pub struct PlainReport {
     /// Probability of a difference as great as that between counting and
     /// splitting if both are right.
     pub p_value: f64,
+    /// Episodes among them that did not end by themselves, which count up to there.
+    pub failures: Vec<EpisodeFailures>,
 }
 
 /// For people.
@@ -93,6 +112,13 @@ fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
         None if event.probability <= 0.0 => writeln!(text, "; the event was never reached")?,
         None => writeln!(text)?,
     }
+    for failures in &event.failures {
+        let (kind, count, runs) = (failures.kind, failures.count, failures.runs);
+        writeln!(
+            text,
+            "  failures     {kind} in {count} of {runs} runs, which count up to there"
+        )?;
+    }
     if let Some(plain) = &event.plain {
         writeln!(
             text,
@@ -107,6 +133,9 @@ fn write_event(text: &mut String, event: &EventReport) -> std::fmt::Result {
             },
             plain.p_value
         )?;
+        for failures in &plain.failures {
+            writeln!(text, "               {}", failures_in_words(failures))?;
+        }
     }
     Ok(())
 }

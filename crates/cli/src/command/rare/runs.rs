@@ -5,8 +5,13 @@ use super::file::EventText;
 use super::score::{Follower, Following, Score};
 use crate::command::Setting;
 use crate::problem::Problem;
+use crate::technique::campaign::{ended, failure_of};
 use campaign::splitting::{Branch, Candidate, Crossing, Job};
+use evidence::FailureKind;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use stimulus::{Space, Stimulus};
 use testbench::{Savable, SimError, Status};
 
@@ -21,6 +26,39 @@ pub struct Runs<'a, B> {
     pub score: &'a Score<'a>,
     pub event: &'a EventText,
     pub setting: &'a Setting,
+    /// What ended runs, since it was last taken.
+    pub ended: Mutex<RunsEnded>,
+}
+
+/// Runs, continuations among them, and those of them that a failure ended. Such a run counts up to there: an event that
+/// it had not come to has not happened in it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RunsEnded {
+    pub runs: u64,
+    pub failed: BTreeMap<FailureKind, u64>,
+    /// Whole episodes, in the order in which they were asked for; not runs that are split.
+    pub episodes: Vec<EpisodeOfInputs>,
+}
+
+/// A whole episode.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EpisodeOfInputs {
+    pub seed: u64,
+    /// Its inputs, in the unit cube.
+    pub unit: Vec<f64>,
+    /// `None` of an episode without a score: minus infinity is no number of JSON.
+    pub score: Option<f64>,
+    pub failed: Option<FailureKind>,
+}
+
+impl RunsEnded {
+    /// Adds others.
+    pub fn add(&mut self, other: &Self) {
+        self.runs += other.runs;
+        for (kind, count) in &other.failed {
+            *self.failed.entry(*kind).or_default() += count;
+        }
+    }
 }
 
 /// A run at a moment at which it had come nearer to the event.
@@ -60,7 +98,14 @@ impl<'a, B: Savable> Runs<'a, B> {
         }
         let (mut run, mut follower) = match &job.from {
             None => {
-                let run = bench.start(self.test, job.seed).map_err(fail)?;
+                let run = match bench.start(self.test, job.seed) {
+                    Err(error) if !self.setting.interrupt.is_set() => {
+                        let failure = failure_of(&error).ok_or_else(|| fail(error))?;
+                        self.count(Some(failure.kind));
+                        return Ok(branch);
+                    }
+                    run => run.map_err(fail)?,
+                };
                 (run, self.score.start()?)
             }
             Some(from) => {
@@ -69,21 +114,23 @@ impl<'a, B: Savable> Runs<'a, B> {
             }
         };
         let begun_secs = bench.now_secs(&run);
+        let mut failed = None;
         loop {
             self.setting.go_on()?;
             let next_secs = (bench.now_secs(&run) + LOOK_SECS).min(self.event.until_secs);
             let mut watch = self.following(&mut follower);
-            let status = bench
-                .advance(
-                    &mut run,
-                    next_secs,
-                    &mut watch,
-                    self.setting.interrupt.cancel(),
-                )
-                .map_err(fail)?;
+            let cancel = self.setting.interrupt.cancel();
+            let status = bench.advance(&mut run, next_secs, &mut watch, cancel);
+            if let Err(error) = &status {
+                failed = failure_of(error).map(|failure| failure.kind);
+            }
             if let Some(problem) = watch.problem {
                 return Err(problem);
             }
+            let status = match status {
+                Err(_) if failed.is_some() && !self.setting.interrupt.is_set() => break,
+                status => status.map_err(fail)?,
+            };
             let reached = self.score.rung(follower.highest);
             if reached > rung {
                 rung = reached;
@@ -98,8 +145,22 @@ impl<'a, B: Savable> Runs<'a, B> {
                 break;
             }
         }
+        self.count(failed);
         branch.cost = (bench.now_secs(&run) - begun_secs) / self.event.until_secs;
         Ok(branch)
+    }
+
+    fn count(&self, failed: Option<FailureKind>) {
+        let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        ended.runs += 1;
+        if let Some(kind) = failed {
+            *ended.failed.entry(kind).or_default() += 1;
+        }
+    }
+
+    /// What ended runs since this was last asked.
+    pub fn take_ended(&self) -> RunsEnded {
+        std::mem::take(&mut self.ended.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn problem(&self, error: SimError, seed: u64) -> Problem {
@@ -121,23 +182,49 @@ impl<'a, B: Savable> Runs<'a, B> {
 
     /// The scores of inputs, in parallel and in order.
     pub fn scores(&self, space: &Space, inputs: Vec<Candidate>) -> Result<Vec<f64>, Problem> {
-        let one = |input: Candidate| self.episode(space, &input.unit, input.seed);
-        inputs.into_par_iter().map(one).collect()
+        let one = |input: Candidate| {
+            let (score, failed) = self.episode(space, &input.unit, input.seed)?;
+            self.count(failed);
+            let episode = EpisodeOfInputs {
+                seed: input.seed,
+                unit: input.unit,
+                score: Some(score).filter(|score| score.is_finite()),
+                failed,
+            };
+            Ok((score, episode))
+        };
+        let scored: Vec<(f64, EpisodeOfInputs)> = inputs
+            .into_par_iter()
+            .map(one)
+            .collect::<Result<_, Problem>>()?;
+        let (scores, episodes): (Vec<f64>, Vec<EpisodeOfInputs>) = scored.into_iter().unzip();
+        let mut ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        ended.episodes.extend(episodes);
+        Ok(scores)
     }
 
-    /// The score of one plain episode, exact up to the limit.
-    pub fn episode(&self, space: &Space, unit: &[f64], seed: u64) -> Result<f64, Problem> {
+    /// The score of one plain episode, exact up to the limit, and what ended it if it did not end by itself.
+    pub fn episode(
+        &self,
+        space: &Space,
+        unit: &[f64],
+        seed: u64,
+    ) -> Result<(f64, Option<FailureKind>), Problem> {
         self.setting.go_on()?;
         let stimulus = stimulus_at(self.test, space, unit)?;
         let mut follower = self.score.start()?;
         let mut watch = self.following(&mut follower);
         let cancel = self.setting.interrupt.cancel();
-        self.bench
-            .run(&stimulus, seed, &mut watch, cancel)
-            .map_err(|error| self.problem(error, seed))?;
-        match watch.problem {
-            Some(problem) => Err(problem),
-            None => Ok(follower.highest),
+        let run = self.bench.run(&stimulus, seed, &mut watch, cancel);
+        if let Some(problem) = watch.problem {
+            return Err(problem);
         }
+        let failed = match run {
+            Err(error @ (SimError::Cancelled | SimError::Stimulus { .. })) => {
+                return Err(self.problem(error, seed));
+            }
+            run => ended(run, seed, false)?.failed,
+        };
+        Ok((follower.highest, failed))
     }
 }

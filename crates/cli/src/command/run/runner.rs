@@ -145,7 +145,7 @@ impl Runner<'_> {
             numbers: 1..episodes + 1,
             keep: entry.sampling.keep,
             early_end: entry.sampling.early_end,
-            on_failure: campaign::OnFailure::Count,
+            on_failure: entry.sampling.on_failure,
             until: self.untils.get(entry.id.as_str()),
             folder: &folder,
             judged_by: campaign::judged_by(self.study, source, &self.program),

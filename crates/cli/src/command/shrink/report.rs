@@ -3,10 +3,10 @@
 use super::trials::Shrunken;
 use crate::args::Shrink;
 use crate::study::Finding;
+use crate::technique::exploration::CauseReport;
 use campaign::{ShrinkOptions, Size};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt;
 use std::path::Path;
 use stimulus::{Distribution, Stimulus};
 
@@ -36,27 +36,6 @@ pub struct ShrinkReport {
     pub before: ExtentReport,
     /// The regression.
     pub after: ExtentReport,
-}
-
-/// A setting that is not nominal.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct CauseReport {
-    /// Its key.
-    pub key: String,
-    /// Its value, as text.
-    pub value: String,
-    /// The nominal value, if there is one.
-    pub nominal: Option<String>,
-}
-
-impl fmt::Display for CauseReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {}", self.key, self.value)?;
-        match &self.nominal {
-            Some(nominal) => write!(f, " (nominal {nominal})"),
-            None => Ok(()),
-        }
-    }
 }
 
 /// How much there is to a scenario.

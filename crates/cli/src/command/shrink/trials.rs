@@ -1,7 +1,6 @@
 //! Episodes that are run to see what can be left out.
 
 use super::pins::Pins;
-use crate::args::Shrink;
 use crate::command::replay::episode::{Episode, failed, hash_of_trace};
 use crate::problem::Problem;
 use crate::study::Finding;
@@ -54,20 +53,20 @@ pub struct Shrunken {
 }
 
 impl<'a> Trials<'a> {
-    /// None yet.
+    /// None yet: how many episodes may be run, and in how many of how many seeds it must show.
     pub fn new(
         bench: &'a OpenBench,
         judge: &'a ShowsJudge<'a>,
         episode: Episode,
-        arguments: &Shrink,
+        (budget, seeds): (u64, (u32, u32)),
         (interrupt, stage): (&'a Interrupt, &'a Stage),
     ) -> Self {
         Self {
             bench,
             judge,
             episode,
-            seeds: arguments.seeds,
-            budget: arguments.budget,
+            seeds,
+            budget,
             interrupt,
             stage,
             runs: AtomicU64::new(0),

@@ -1,6 +1,6 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
-use super::{Calibrated, Entry, Keep, Method, Published, UntilText};
+use super::{Calibrated, Entry, Keep, Method, OnFailure, Published, UntilText};
 use crate::problem::{Problem, Source};
 use crate::study::{About, Forms};
 use evidence::{Calibration, Subject};
@@ -47,6 +47,7 @@ pub(super) struct EntryText {
     pub(super) until: Option<Spanned<UntilText>>,
     pub(super) keep: Option<Spanned<Keep>>,
     pub(super) early_end: Option<Spanned<bool>>,
+    pub(super) on_failure: Option<Spanned<OnFailure>>,
     pub(super) tables: Option<Spanned<TablesText>>,
     pub(super) recordings: Option<Spanned<PathBuf>>,
 }

@@ -150,13 +150,14 @@ impl Reader<'_> {
             text.until.as_ref().map(Spanned::span),
             text.keep.as_ref().map(Spanned::span),
             text.early_end.as_ref().map(Spanned::span),
+            text.on_failure.as_ref().map(Spanned::span),
         ];
         if let (None, Some(span)) = (&text.episodes, spans.into_iter().flatten().next()) {
             return Err(self.problem(
                 "bad-ledger",
                 format!("`{}` runs no episodes", text.id.get_ref()),
                 span,
-                "`until`, `keep` and `early_end` belong to entries with `episodes`",
+                "`until`, `keep`, `early_end` and `on_failure` belong to entries with `episodes`",
             ));
         }
         if let (Some(_), Some(early)) = (&text.command, &text.early_end) {
@@ -175,6 +176,11 @@ impl Reader<'_> {
                 .map(|it| *it.get_ref())
                 .unwrap_or_default(),
             early_end: text.early_end.as_ref().is_some_and(|it| *it.get_ref()),
+            on_failure: text
+                .on_failure
+                .as_ref()
+                .map(|it| *it.get_ref())
+                .unwrap_or_default(),
         })
     }
 

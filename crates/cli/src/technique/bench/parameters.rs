@@ -112,7 +112,7 @@ pub fn check_keys(
 }
 
 /// The unit that a key's name ends in.
-fn unit_of(key: &str) -> Option<&'static str> {
+pub fn unit_of(key: &str) -> Option<&'static str> {
     // Behind the name stand places of arrays and parts of distributions.
     key.rsplit('.').find_map(|part| {
         let part = part.trim_matches(['"', '\'']);

@@ -1,6 +1,6 @@
 //! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
 
-use super::failing::{OnFailure, stopped_by};
+use super::failing::stopped_by;
 use super::one::{Bench, Effort};
 use super::ordered::in_order;
 use super::outside::OutsideCommand;
@@ -10,7 +10,7 @@ use super::until::Until;
 use super::{estimates, table};
 use crate::forms::differences::{DifferenceTally, forms_of, judges};
 use crate::problem::Problem;
-use crate::study::{Keep, Study};
+use crate::study::{Keep, OnFailure, Study};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};

@@ -13,16 +13,6 @@ use evidence::FailureKind;
 use std::path::{Path, PathBuf};
 use testbench::{Failure, SimError};
 
-/// What is done when an episode is ended by a failure.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum OnFailure {
-    /// It counts as what it is, and the campaign goes on.
-    #[default]
-    Count,
-    /// The campaign ends there, with what the program said.
-    Stop,
-}
-
 /// What ended an episode.
 #[derive(Clone, Debug)]
 pub struct EpisodeFailure {

@@ -1,14 +1,14 @@
 //! One episode of a campaign: run, judged, kept.
 
 use super::driver::{Campaigning, Source, hash_of_recording};
-use super::failing::{EpisodeFailure, OnFailure, words_of};
+use super::failing::{EpisodeFailure, words_of};
 use super::online::OnLine;
 use super::outside::{OutsideCommand, stimulus_in};
 use super::record::{EpisodeRecord, Judged};
 use super::tally::Monitored;
 use crate::problem::{Problem, write_whole};
 use crate::store::hash_of;
-use crate::study::Keep;
+use crate::study::{Keep, OnFailure};
 use crate::technique::bench::processor::used_secs;
 use crate::technique::judging::{Judgement, Judges};
 use crate::technique::operation::only_violations;

@@ -7,7 +7,9 @@ use super::record::{EpisodeRecord, Journal, Judged};
 use super::tally::Monitored;
 use crate::problem::Problem;
 use crate::technique::judging::verdict_name;
+use crate::technique::rows::column_of_key;
 use recording::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
@@ -36,8 +38,10 @@ pub fn write(
         ("study", plan.study.about.title.as_str()),
         ("evidence", plan.id),
     ];
-    let mut table =
-        ParquetWriter::new(file, columns(stimulus, monitors), &about).map_err(unwritten)?;
+    let drawn = drawn_in(plan, plan.numbers.start)?;
+    let drawn: Vec<String> = drawn.into_keys().collect();
+    let columns = columns(stimulus, &drawn, monitors);
+    let mut table = ParquetWriter::new(file, columns, &about).map_err(unwritten)?;
     for number in plan.numbers.start..plan.numbers.start + count {
         let Some(record) = journal.read(number)? else {
             return Err(Problem::data_lost(
@@ -52,13 +56,24 @@ pub fn write(
         let recording = record.recording.as_ref().map(|_| plan.recording(number));
         let name = recording.as_deref().and_then(Path::file_name);
         let name = name.map(|name| name.to_string_lossy().into_owned());
-        let row = row(&record, name.as_deref(), stimulus);
+        let values = drawn_in(plan, number)?;
+        let values: Vec<Option<f64>> = drawn.iter().map(|key| values.get(key).copied()).collect();
+        let row = row(&record, name.as_deref(), stimulus, &values);
         table.push(&row).map_err(unwritten)?;
     }
     let file = table.finish().map_err(unwritten)?;
     file.into_inner()
         .map_err(|error| fail(error.into_error()))?;
     std::fs::rename(&partial, path).map_err(fail)
+}
+
+/// What an episode drew once from its seed, by key; another simulator does not say.
+fn drawn_in(plan: &Campaigning<'_>, number: u64) -> Result<BTreeMap<String, f64>, Problem> {
+    let Source::Bench(campaign) = plan.source else {
+        return Ok(BTreeMap::new());
+    };
+    let drawn = campaign.drawn(plan.seeds.of(number))?.into_iter();
+    Ok(drawn.map(|it| (it.key, it.value)).collect())
 }
 
 fn stimulus_of<'a>(plan: &Campaigning<'a>) -> Option<&'a Stimulus> {
@@ -68,7 +83,11 @@ fn stimulus_of<'a>(plan: &Campaigning<'a>) -> Option<&'a Stimulus> {
     }
 }
 
-fn columns(stimulus: Option<&Stimulus>, monitors: &[Monitored]) -> Vec<ParquetColumn> {
+fn columns(
+    stimulus: Option<&Stimulus>,
+    drawn: &[String],
+    monitors: &[Monitored],
+) -> Vec<ParquetColumn> {
     use ParquetType::{Bool, Double, Text, U64};
     let mut columns = vec![
         ParquetColumn::new("episode", U64).meaning("the episode's number"),
@@ -91,8 +110,13 @@ fn columns(stimulus: Option<&Stimulus>, monitors: &[Monitored]) -> Vec<ParquetCo
             Setting::Number(_) => Double,
             Setting::Text(_) => Text,
         };
-        columns.push(ParquetColumn::new(format!("set.{key}"), kind));
+        columns.push(ParquetColumn {
+            kind,
+            ..column_of_key("set", key)
+        });
     }
+    let drawn = drawn.iter().map(|key| column_of_key("drawn", key));
+    columns.extend(drawn.map(|column| column.optional().meaning("drawn once in the episode")));
     for monitor in monitors {
         columns.extend(columns_of(monitor));
     }
@@ -127,6 +151,7 @@ fn row<'a>(
     record: &'a EpisodeRecord,
     recording: Option<&'a str>,
     stimulus: Option<&'a Stimulus>,
+    drawn: &[Option<f64>],
 ) -> Vec<Cell<'a>> {
     let text = |text: Option<&'a str>| text.map_or(Cell::Missing, Cell::Text);
     let double = |value: Option<f64>| value.map_or(Cell::Missing, Cell::Double);
@@ -145,6 +170,7 @@ fn row<'a>(
             Setting::Text(value) => Cell::Text(value),
         });
     }
+    row.extend(drawn.iter().map(|value| double(*value)));
     let cells = |judged: &'a Judged| -> [Cell<'a>; OF_MONITOR] {
         [
             Cell::Text(verdict_name(judged.verdict)),

@@ -254,7 +254,7 @@ impl Row {
     }
 }
 
-fn witness(witnesses: &mut Vec<String>, name: &str) {
+pub(super) fn witness(witnesses: &mut Vec<String>, name: &str) {
     if witnesses.len() < WITNESSES {
         witnesses.push(name.to_owned());
     }

@@ -12,13 +12,14 @@ use super::form::{
 };
 use super::journal::Journal;
 use super::plan::{Plan, SourceKind};
-use super::seen::Seen;
+use super::seen::{Met, Seen};
 use super::sources::{Material, Planned, Sources};
 use super::tests_of_model::ModelTests;
 use crate::problem::Problem;
 use crate::study::Finding;
 use crate::talk::{Interrupt, Stage, Talk};
 use crate::technique::confidence;
+use crate::technique::rows::Rows;
 use crate::technique::simulation::Seeds;
 use rayon::prelude::*;
 
@@ -28,6 +29,10 @@ pub struct Explored {
     pub report: ExplorationReport,
     /// The first episode of each finding, in the order of the result.
     pub findings: Vec<Finding>,
+    /// All episodes of each.
+    pub met: Vec<Vec<Met>>,
+    /// The table of all episodes.
+    pub rows: Rows,
 }
 
 /// An exploration.
@@ -69,7 +74,7 @@ impl Exploring<'_, '_> {
         let (episodes, stopped) = self.batches(&seeds, &mut sources, &mut seen)?;
         seen.read_code(study, self.plan)?;
         let report = ExplorationReport {
-            format: "1.0".into(),
+            format: "1.1".into(),
             statement: NO_EVIDENCE.into(),
             bench: bench.files.clone(),
             engine: bench.engine.clone(),
@@ -87,6 +92,8 @@ impl Exploring<'_, '_> {
         Ok(Explored {
             report,
             findings: seen.findings(bench),
+            met: seen.met(),
+            rows: seen.into_rows(),
         })
     }
 

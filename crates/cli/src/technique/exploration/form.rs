@@ -3,6 +3,7 @@
 use crate::study::{BenchFiles, Shows};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::fmt;
 
 /// Said with every result of an exploration.
 pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new. They are witnesses and coverage; \
@@ -106,6 +107,50 @@ pub struct FindingReport {
     pub episodes: u64,
     /// Whether it was shown again when that episode was run again.
     pub replayed: bool,
+    /// What brings it about, with `--causes`: the scenarios that are left when its episodes are shrunk.
+    pub causes: Vec<CauseFound>,
+    /// Episodes that met none of these; absent if none were looked for.
+    pub without_cause: Option<u64>,
+}
+
+/// A setting that is not nominal.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct CauseReport {
+    /// Its key.
+    pub key: String,
+    /// Its value, as text.
+    pub value: String,
+    /// The nominal value, if there is one.
+    pub nominal: Option<String>,
+}
+
+impl fmt::Display for CauseReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}", self.key, self.value)?;
+        match &self.nominal {
+            Some(nominal) => write!(f, " (nominal {nominal})"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What brought a finding about.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct CauseFound {
+    /// The settings that are not nominal.
+    pub settings: Vec<CauseReport>,
+    /// What is done, as far as it is needed.
+    pub test: String,
+    /// Of the episodes that showed the finding, those that met this cause: they did this, with each
+    /// number at least as far from nominal. Each is counted for one cause. It says how often this exploration came there, not
+    /// how often it happens.
+    pub episodes: u64,
+    /// The episode that was shrunk.
+    pub shrunk_episode: u64,
+    /// Whether nothing more can be left out of it.
+    pub is_minimal: bool,
+    /// The scenario, relative to the result; `replay` runs it, `shrink` keeps it as a regression.
+    pub file: String,
 }
 
 /// An episode that could not be run to its end.

@@ -11,9 +11,12 @@ use super::plan::Plan;
 use super::sources::Planned;
 use crate::problem::Problem;
 use crate::study::{Finding, Shows, Study, UnknownStep};
+use crate::technique::rows::{Rows, Value};
 use campaign::{Coverage, Saturation, SetCoverage};
+use recording::{ParquetColumn, ParquetType};
 use stats::Confidence;
 use std::collections::BTreeMap;
+use stimulus::Stimulus;
 
 /// Holes of a cross that are listed, at most.
 const HOLES: usize = 20;
@@ -23,7 +26,19 @@ struct Found {
     episode: u64,
     seed: u64,
     planned: Planned,
-    count: u64,
+    /// All episodes that showed it.
+    met: Vec<Met>,
+}
+
+/// An episode that showed something.
+#[derive(Clone, Debug)]
+pub struct Met {
+    /// Its number.
+    pub episode: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// What was done in it.
+    pub stimulus: Stimulus,
 }
 
 /// Everything that was seen so far.
@@ -44,6 +59,9 @@ pub struct Seen<'a> {
     abstraction: Option<&'a Abstraction>,
     /// The exploration's file.
     file: &'a str,
+    bench: &'a OpenBench,
+    judged: Vec<String>,
+    rows: Rows,
 }
 
 impl<'a> Seen<'a> {
@@ -51,11 +69,12 @@ impl<'a> Seen<'a> {
     pub fn new(study: &Study, plan: &'a Plan, watching: &Watching<'a>) -> Self {
         let abstraction = watching.abstraction;
         let judged = study.forms.subjects.iter().filter(|f| f.monitor.is_some());
+        let judged: Vec<String> = judged.map(|f| f.subject.id().to_owned()).collect();
         let states = abstraction.map(|a| a.states.clone()).unwrap_or_default();
         let transitions = abstraction.map(|a| a.transitions.clone());
         Self {
             coverage: Coverage::new(watching.situations.model.clone()),
-            triggers: SetCoverage::new(judged.map(|f| f.subject.id().to_owned())),
+            triggers: SetCoverage::new(judged.iter().cloned()),
             states: SetCoverage::new(states),
             transitions: SetCoverage::new(transitions.unwrap_or_default()),
             everything: SetCoverage::new([]),
@@ -65,6 +84,9 @@ impl<'a> Seen<'a> {
             code: Code::default(),
             abstraction,
             file: &plan.file,
+            bench: watching.bench,
+            judged,
+            rows: Rows::default(),
         }
     }
 
@@ -94,6 +116,7 @@ impl<'a> Seen<'a> {
         shown: &Shown,
     ) -> Result<usize, Problem> {
         self.simulated_secs += shown.simulated_secs;
+        self.row((episode, seed), planned, shown)?;
         if let Some(reason) = &shown.broken {
             self.broken.push(BrokenReport {
                 episode,
@@ -130,11 +153,98 @@ impl<'a> Seen<'a> {
                 episode,
                 seed,
                 planned: planned.clone(),
-                count: 0,
+                met: Vec::new(),
             });
-            found.count += 1;
+            found.met.push(Met {
+                episode,
+                seed,
+                stimulus: planned.stimulus.clone(),
+            });
         }
         Ok(self.everything.record(things).new.len())
+    }
+
+    /// An episode's row of the table.
+    fn row(
+        &mut self,
+        (episode, seed): (u64, u64),
+        planned: &Planned,
+        shown: &Shown,
+    ) -> Result<(), Problem> {
+        let stimulus = &planned.stimulus;
+        let drawn = self.bench.drawn(stimulus, seed)?;
+        let rows = &mut self.rows;
+        rows.begin();
+        rows.plain("episode", "its number", Value::U64(episode));
+        rows.plain(
+            "seed",
+            "from which everything random is drawn",
+            Value::U64(seed),
+        );
+        rows.plain(
+            "test",
+            "what is done",
+            Value::Text(stimulus.test.to_string()),
+        );
+        rows.plain(
+            "found_by",
+            "source and choice of values",
+            Value::Text(planned.found_by.clone()),
+        );
+        rows.set(
+            ParquetColumn::new("simulated_secs", ParquetType::Double).in_unit("s"),
+            Value::Double(shown.simulated_secs),
+        );
+        if let Some(id) = &planned.for_the_sake_of {
+            rows.plain(
+                "for_the_sake_of",
+                "until this is decided",
+                Value::Text(id.clone()),
+            );
+        }
+        if let Some(robustness) = shown.robustness {
+            let meaning = "space-time robustness of that requirement; below 0 it is violated";
+            rows.plain("robustness", meaning, Value::Double(robustness));
+        }
+        if let Some(kind) = shown.failed {
+            rows.plain(
+                "failed",
+                "what ended it by failing",
+                Value::Text(kind.name().into()),
+            );
+        }
+        if let Some(reason) = &shown.broken {
+            rows.plain("broken", "why it broke off", Value::Text(reason.clone()));
+        }
+        let unknown = shown.unknown.len() as u64;
+        rows.plain(
+            "unknown",
+            "steps that the model does not have",
+            Value::U64(unknown),
+        );
+        for (key, value) in &stimulus.settings {
+            rows.key("set", key, value.into());
+        }
+        for number in drawn.into_iter().flatten() {
+            rows.key("drawn", &number.key, Value::Double(number.value));
+        }
+        for id in &self.judged {
+            let violated = shown.violated.contains(id) || shown.failure_modes.contains(id);
+            let triggered = shown.triggered.contains(id);
+            let meaning = "violated, or of a failure mode: occurred";
+            rows.plain(&format!("{id}.violated"), meaning, Value::Bool(violated));
+            rows.plain(
+                &format!("{id}.triggered"),
+                "its precondition was met",
+                Value::Bool(triggered),
+            );
+        }
+        Ok(())
+    }
+
+    /// The table of all episodes.
+    pub fn into_rows(self) -> Rows {
+        self.rows
     }
 
     /// What an episode shows that is worth a finding, each once.
@@ -177,6 +287,12 @@ impl<'a> Seen<'a> {
         self.in_order().iter().map(finding).collect()
     }
 
+    /// All episodes of each.
+    pub fn met(&self) -> Vec<Vec<Met>> {
+        let met = self.in_order().into_iter();
+        met.map(|(_, found)| found.met.clone()).collect()
+    }
+
     /// The same as they are reported.
     pub fn finding_reports(&self) -> Vec<FindingReport> {
         let report = |(shows, found): &(&Shows, &Found)| FindingReport {
@@ -186,8 +302,10 @@ impl<'a> Seen<'a> {
             first_episode: found.episode,
             seed: found.seed.to_string(),
             found_by: found.planned.found_by.clone(),
-            episodes: found.count,
+            episodes: found.met.len() as u64,
             replayed: false,
+            causes: Vec::new(),
+            without_cause: None,
         };
         self.in_order().iter().map(report).collect()
     }

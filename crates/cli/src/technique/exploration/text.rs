@@ -1,6 +1,6 @@
 //! The result of an exploration for people.
 
-use super::form::{ExplorationReport, SetReport, Stopped};
+use super::form::{CauseFound, ExplorationReport, FindingReport, SetReport, Stopped};
 use std::fmt::Write;
 
 /// Members of a list that are written out, at most.
@@ -48,6 +48,7 @@ fn findings(text: &mut String, report: &ExplorationReport) {
             finding.found_by,
             finding.file
         );
+        causes(text, finding);
     }
     for broken in report.broken.iter().take(LISTED) {
         let _ = writeln!(
@@ -55,6 +56,36 @@ fn findings(text: &mut String, report: &ExplorationReport) {
             "  episode {} broke off: {}",
             broken.episode, broken.reason
         );
+    }
+}
+
+/// What brought a finding about, the most frequent first.
+fn causes(text: &mut String, finding: &FindingReport) {
+    let mut causes: Vec<&CauseFound> = finding.causes.iter().collect();
+    causes.sort_by_key(|cause| std::cmp::Reverse(cause.episodes));
+    for cause in causes {
+        let settings: Vec<String> = cause.settings.iter().map(ToString::to_string).collect();
+        let settings = match settings.is_empty() {
+            true => "all that is set or drawn once is nominal".to_owned(),
+            false => settings.join(", "),
+        };
+        let test = match cause.test.is_empty() {
+            true => "nothing is done",
+            false => cause.test.as_str(),
+        };
+        let early = if cause.is_minimal {
+            ""
+        } else {
+            " (perhaps not minimal)"
+        };
+        let _ = writeln!(
+            text,
+            "      cause, met in {} of {}: {settings}; {test}{early}\n          {}",
+            cause.episodes, finding.episodes, cause.file
+        );
+    }
+    if let Some(others) = finding.without_cause.filter(|others| *others > 0) {
+        let _ = writeln!(text, "      {others} episodes met none of these");
     }
 }
 

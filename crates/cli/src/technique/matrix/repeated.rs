@@ -8,20 +8,27 @@ use super::{Diagnosing, Gathered};
 use crate::corroboration::ANY_STUDY;
 use crate::problem::Problem;
 use crate::study::{Entry, Work};
+use crate::technique::campaign::{FailureCounts, ended, failures_in_words};
+use crate::technique::confidence;
 use crate::technique::exploration::OpenBench;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
 use evidence::{
-    Clue, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom, Witness, strength,
+    Clue, FailureKind, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom, Witness,
+    strength,
 };
 use rayon::prelude::*;
 use stimulus::Stimulus;
 use temporal::monitor::Verdict;
-use testbench::Unwatched;
-use trace::Trace;
+use testbench::{Recorded, SimError, Unwatched};
 
-/// Verdicts of one episode, before and after a change, in the order of the monitors.
-type Pair = [Vec<Verdict>; 2];
+/// One episode, before and after a change.
+struct Pair {
+    /// In the order of the monitors.
+    verdicts: [Vec<Verdict>; 2],
+    /// What ended it, if it did not end by itself; it is judged up to there.
+    failed: [Option<FailureKind>; 2],
+}
 
 impl Diagnosing<'_> {
     /// Runs episodes again as far as the effort says.
@@ -88,9 +95,7 @@ impl Diagnosing<'_> {
         half.settings.insert(key.into(), (step_secs / 2.0).into());
         let run = |changed: usize, seed: u64| {
             let stimulus = [&whole, &half][changed];
-            let run = bench.run(stimulus, seed, &self.setting.interrupt);
-            run.map(|run| run.trace)
-                .map_err(|error| Problem::new("simulation-failed", error.to_string()))
+            bench.run(stimulus, seed, &self.setting.interrupt)
         };
         let pairs = self.pairs(entry, episodes, "half the time step", &run)?;
         let asset = SuspectAsset {
@@ -122,8 +127,7 @@ impl Diagnosing<'_> {
             Campaign::of_scene_in_rapier(self.study, scene, test)?,
         ];
         let run = |changed: usize, seed: u64| {
-            let run = campaigns[changed].run(seed, &mut Unwatched, &self.setting.interrupt);
-            run.map(|run| run.trace)
+            campaigns[changed].attempt(seed, &mut Unwatched, &self.setting.interrupt)
         };
         let changed = "Rapier in place of MuJoCo";
         let pairs = self.pairs(entry, episodes, changed, &run)?;
@@ -142,7 +146,7 @@ impl Diagnosing<'_> {
         entry: &Entry,
         episodes: u64,
         title: &str,
-        run: &(dyn Fn(usize, u64) -> Result<Trace, Problem> + Sync),
+        run: &(dyn Fn(usize, u64) -> Result<Recorded, SimError> + Sync),
     ) -> Result<Vec<Pair>, Problem> {
         let judges = Judges::new(self.study, |_| true)?;
         let seeds = Seeds::new(self.study.about.seed, &entry.id);
@@ -152,13 +156,17 @@ impl Diagnosing<'_> {
         numbers
             .map(|number| {
                 self.setting.go_on()?;
-                let verdicts = |changed| {
-                    let judged = judges.judge(&run(changed, seeds.of(number))?)?;
-                    Ok(judged.iter().map(|j| j.findings.verdict).collect())
-                };
-                let pair = [verdicts(0)?, verdicts(1)?];
+                let seed = seeds.of(number);
+                let run = |changed| ended(run(changed, seed), seed, number == 1);
+                let (before, after) = (run(0)?, run(1)?);
                 stage.advance();
-                Ok(pair)
+                Ok(Pair {
+                    verdicts: [
+                        judges.verdicts_of(before.trace())?,
+                        judges.verdicts_of(after.trace())?,
+                    ],
+                    failed: [before.failed, after.failed],
+                })
             })
             .collect()
     }
@@ -195,11 +203,34 @@ impl Diagnosing<'_> {
                 gathered.clues.push(clue);
             }
         }
+        self.failed(entry, changed, pairs, gathered)?;
         gathered.in_order.push(format!(
             "{}, {changed}: of {} episodes, verdicts differ {differing} times; on {one_way} subjects they go one way",
             entry.id,
             pairs.len()
         ));
+        Ok(())
+    }
+
+    /// Says how often episodes did not end by themselves, as they are and changed.
+    fn failed(
+        &self,
+        entry: &Entry,
+        changed: &str,
+        pairs: &[Pair],
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let level = confidence(self.study.about.confidence)?;
+        for (which, how) in [(0, "as they are"), (1, changed)] {
+            let failed = pairs.iter().map(|pair| pair.failed[which]);
+            for failures in FailureCounts::of((1..).zip(failed)).shares(level)? {
+                let words = failures_in_words(&failures);
+                gathered.not_done.push(format!(
+                    "verdicts of {} episodes, {how}: {words}; what was not decided by then is not compared",
+                    entry.id
+                ));
+            }
+        }
         Ok(())
     }
 
@@ -258,7 +289,7 @@ impl Diagnosing<'_> {
 
 /// Whether a monitor is violated in an episode, before and after.
 fn violated(pair: &Pair, at: usize) -> [bool; 2] {
-    [0, 1].map(|which| pair[which].get(at) == Some(&Verdict::Violated))
+    [0, 1].map(|which| pair.verdicts[which].get(at) == Some(&Verdict::Violated))
 }
 
 fn file_of(entry: &Entry) -> Option<String> {

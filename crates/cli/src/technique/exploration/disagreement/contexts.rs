@@ -1,13 +1,14 @@
 //! Episodes in contexts: the bench's own test with the parameters of a context, judged for one
 //! requirement.
 
-use super::super::bench::{OpenBench, failed};
+use super::super::bench::OpenBench;
 use super::super::plan::{DisagreementData, Plan};
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::talk::Interrupt;
-use crate::technique::campaign::OnLine;
+use crate::technique::campaign::{OnLine, ended};
 use crate::technique::judging::Judges;
+use evidence::FailureKind;
 use serde::{Deserialize, Serialize};
 use stimulus::{Point, Space, Stimulus};
 use temporal::monitor::Verdict;
@@ -20,6 +21,9 @@ pub struct Outcome {
     pub held: Option<bool>,
     /// Simulated time.
     pub simulated_secs: f64,
+    /// What ended it, if it did not end by itself.
+    #[serde(default)]
+    pub failed: Option<FailureKind>,
 }
 
 /// What runs episodes in contexts.
@@ -76,11 +80,12 @@ impl<'a> Contexts<'a> {
         stimulus.map_err(|e| Problem::new("bad-exploration", e.to_string()))
     }
 
-    /// Runs an episode until the requirement is decided in it.
+    /// Runs an episode until the requirement is decided in it. A program that cannot be set up in the
+    /// first episode is an error.
     pub fn run(
         &self,
         stimulus: &Stimulus,
-        seed: u64,
+        (seed, is_first): (u64, bool),
         interrupt: &Interrupt,
     ) -> Result<Outcome, Problem> {
         if interrupt.is_set() {
@@ -92,7 +97,14 @@ impl<'a> Contexts<'a> {
             on_line = on_line.until_decided(&self.requirement);
         }
         let recorded = self.bench.watched(stimulus, seed, &mut on_line, interrupt);
-        let recorded = recorded.map_err(|error| failed(&error))?;
+        let run = ended(recorded, seed, is_first)?;
+        let Some(recorded) = run.recorded else {
+            return Ok(Outcome {
+                held: None,
+                simulated_secs: 0.0,
+                failed: run.failed,
+            });
+        };
         let judgements = on_line.finish(recorded.trace.complete)?;
         let mut judgements = judgements.iter().flatten();
         let main = judgements.find(|j| j.reading.is_none());
@@ -104,6 +116,7 @@ impl<'a> Contexts<'a> {
         Ok(Outcome {
             held,
             simulated_secs: recorded.sim_secs,
+            failed: run.failed,
         })
     }
 }

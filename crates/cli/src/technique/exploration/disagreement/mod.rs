@@ -23,7 +23,7 @@ use crate::talk::{Interrupt, Stage};
 use crate::technique::simulation::Seeds;
 use campaign::{DisagreementOptions, DisagreementSearch};
 use contexts::{Contexts, Outcome};
-use evidence::{Asset, DisagreementMap};
+use evidence::{Asset, DisagreementMap, FailureKind};
 use predictions::Predictions;
 use rayon::prelude::*;
 use stimulus::{Point, Stimulus};
@@ -71,9 +71,11 @@ impl Episodes<'_> {
 }
 
 /// What was run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Spent {
     episodes: u64,
+    /// What ended each episode, by number.
+    failed: Vec<(u64, Option<FailureKind>)>,
     simulated_secs: f64,
     is_interrupted: bool,
 }
@@ -139,7 +141,7 @@ impl<'a> Disagreement<'a> {
         let predict = |context: &Point| self.formal.at(&self.contexts.space, context);
         let map = search.map(0, 1, MAP_STEPS, &predict);
         self.formal.check()?;
-        Ok(report::report(self, &search, &map, spent))
+        report::report(self, &search, &map, &spent)
     }
 
     fn batches(
@@ -174,6 +176,8 @@ impl<'a> Disagreement<'a> {
                 spent.is_interrupted = true;
                 break;
             };
+            let failed = outcomes.iter().map(|it| it.failed);
+            spent.failed.extend((spent.episodes + 1..).zip(failed));
             spent.episodes += outcomes.len() as u64;
             spent.simulated_secs += outcomes.iter().map(|it| it.simulated_secs).sum::<f64>();
             let told = contexts.into_iter().zip(outcomes);
@@ -215,7 +219,7 @@ impl<'a> Disagreement<'a> {
                 return Ok(known);
             }
             let seed = seeds.of(*number);
-            let outcome = bench.run(stimulus, seed, interrupt)?;
+            let outcome = bench.run(stimulus, (seed, *number == 1), interrupt)?;
             if let Episodes::Journal(journal) = episodes {
                 journal.add(*number, seed, stimulus, &outcome)?;
             }

@@ -1,6 +1,9 @@
 //! What a search for disagreement gives: a map of contexts, as evidence.
 
 use super::{Disagreement, Spent};
+use crate::problem::Problem;
+use crate::technique::campaign::FailureCounts;
+use crate::technique::confidence;
 use campaign::{Agreement, DisagreementSearch, Finding, MapCell};
 use evidence::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, Interval, MapPlace,
@@ -19,13 +22,15 @@ pub(super) fn report(
     of: &Disagreement<'_>,
     search: &DisagreementSearch,
     map: &[MapCell],
-    spent: Spent,
-) -> DisagreementMap {
+    spent: &Spent,
+) -> Result<DisagreementMap, Problem> {
     let space = &of.contexts.space;
     let findings = search.findings();
     let regions: Vec<ContextRegion> = findings.iter().map(|f| region(f, space)).collect();
-    DisagreementMap {
-        format: "1.0".into(),
+    let level = confidence(of.options.confidence)?;
+    let failed = FailureCounts::of(spent.failed.iter().copied());
+    Ok(DisagreementMap {
+        format: "1.1".into(),
         statement: STATEMENT.into(),
         simulation: of.bench.files.evidence.clone(),
         assets: of.assets.clone(),
@@ -49,7 +54,8 @@ pub(super) fn report(
         shares: shares(&regions),
         regions,
         map: map.iter().map(|cell| place(cell, space)).collect(),
-    }
+        failures: failed.shares(level)?,
+    })
 }
 
 fn parameters(of: &Disagreement<'_>) -> Vec<ContextParameter> {

@@ -1,5 +1,6 @@
 //! Where model and bench part, for people.
 
+use crate::technique::campaign::failures_in_words;
 use evidence::{ContextRegion, DisagreementMap, RegionOutcome, SearchEnd};
 use std::fmt::{Result, Write};
 
@@ -31,6 +32,9 @@ fn write(map: &DisagreementMap, text: &mut String) -> Result {
         map.explored,
         map.episodes - map.explored
     )?;
+    for failures in &map.failures {
+        writeln!(text, "{}", failures_in_words(failures))?;
+    }
     if map.regions.is_empty() {
         writeln!(text, "\nNo region was drawn yet.")?;
     }
