@@ -127,7 +127,7 @@ pub(crate) fn read_path(
         Path::Timed { .. } => {
             return Err(CheckError::Unsupported(
                 "bounds in continuous time within a formula of several temporal operators cannot be \
-                 computed yet: split the formula"
+                 computed: ask for each such operator in a `P` of its own (one may stand alone in it, also negated)"
                     .to_owned(),
             ));
         }

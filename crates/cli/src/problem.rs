@@ -63,6 +63,7 @@ pub struct Problem {
 enum Kind {
     Input,
     DataLost,
+    Undecided,
     Interrupted,
 }
 
@@ -125,6 +126,14 @@ impl Problem {
     pub fn data_lost(code: &'static str, message: impl Into<String>) -> Self {
         Self {
             kind: Kind::DataLost,
+            ..Self::new(code, message)
+        }
+    }
+
+    /// The work could not be done with what may be used for it: exit code 3.
+    pub fn undecided(code: &'static str, message: impl Into<String>) -> Self {
+        Self {
+            kind: Kind::Undecided,
             ..Self::new(code, message)
         }
     }
@@ -232,7 +241,7 @@ impl Problem {
     pub fn exit_code(&self) -> u8 {
         match self.kind {
             Kind::Input => 2,
-            Kind::DataLost => 3,
+            Kind::DataLost | Kind::Undecided => 3,
             Kind::Interrupted => 130,
         }
     }

@@ -133,8 +133,6 @@ fn ctrl_c_while_exploring_says_how_far_it_came() {
         "walk.props",
         "-const",
         "N=2000000000",
-        "--max-states",
-        "3000000000",
     ];
     let said = interrupt_after(begin(folder.path(), &arguments), 20);
     assert_eq!(said.code, 130, "{said:?}");
@@ -163,7 +161,15 @@ fn a_limit_of_memory_ends_every_kind_of_work_with_a_message() {
         arguments.extend(["--memory-limit", "0.000001"]);
         arguments.extend(more);
         let said = corroborate(folder.path(), &arguments);
-        assert!([2, 3].contains(&said.code), "{said:?}");
-        assert!(said.talk.contains("GB of memory"), "{said:?}");
+        assert_eq!(said.code, 3, "{said:?}");
+        assert!(said.talk.contains("raise --memory-limit"), "{said:?}");
     }
+    // A limit of states is one for who asks for it.
+    let arguments = ["check", "coin.prism", "P=? [ F s=9 ]", "-const", "p=0.5"];
+    let said = corroborate(
+        folder.path(),
+        &[&arguments[..], &["--max-states", "9"]].concat(),
+    );
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(said.talk.contains("--max-states"), "{said:?}");
 }

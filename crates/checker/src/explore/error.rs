@@ -147,7 +147,7 @@ impl fmt::Display for ExploreError {
             Self::NoValue { error, state } => write!(f, "in state {state}, {error}"),
             Self::TooManyStates { limit } => write!(
                 f,
-                "the model has more than {limit} reachable states: make it smaller, or raise the limit"
+                "the model has more than {limit} reachable states, which is the limit"
             ),
             Self::TooMuchMemory { limit, states } => write!(
                 f,

@@ -54,9 +54,9 @@ pub struct Check {
     /// Which change that is.
     #[arg(long, value_enum, default_value_t, overrides_with = "termination")]
     pub termination: Termination,
-    /// How many states the model may have.
-    #[arg(long, value_name = "N", default_value_t = 20_000_000, value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
-    pub max_states: u64,
+    /// How many states the model may have; by default as many as fit into the memory.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
+    pub max_states: Option<u64>,
     /// How many iterations a method that has no bounds may take.
     #[arg(long = "maxiters", value_name = "N")]
     pub max_iterations: Option<u64>,
@@ -87,7 +87,7 @@ pub struct Check {
     /// Show the most probable path that satisfies (or violates) each path formula with one temporal operator.
     #[arg(long)]
     pub witness: bool,
-    /// End with a message when more than this many GB of memory are taken.
+    /// End with a message when more than this many GB of memory are taken; by default 90 % of what is free.
     #[arg(long, value_name = "GB", value_parser = gigabytes)]
     pub memory_limit: Option<f64>,
     /// Only fair schedulers: each choice of each state that is visited infinitely often is taken infinitely often.

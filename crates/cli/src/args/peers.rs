@@ -7,7 +7,7 @@
 use std::ffi::OsString;
 
 /// Flags with the same meaning, and ours.
-const SAME: [(&str, &[&str]); 31] = [
+const SAME: [(&str, &[&str]); 33] = [
     ("-const", &["--const"]),
     ("-param", &["--param"]),
     ("-pf", &["--pf"]),
@@ -33,6 +33,8 @@ const SAME: [(&str, &[&str]); 31] = [
     ("-exporttrans", &["--export-model"]),
     ("-exportstates", &["--export-model"]),
     ("-exportlabels", &["--export-labels"]),
+    ("-exportstaterewards", &["--export-model"]),
+    ("-exporttransrewards", &["--export-model"]),
     ("-exportdot", &["--export-model"]),
     ("-exporttransdot", &["--export-model"]),
     ("-exporttransdotstates", &["--export-model"]),
@@ -190,6 +192,14 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
             }
             continue;
         }
+        if text == "-exportrewards" {
+            for form in ["srew", "trew"] {
+                let file = given.next().map(|file| file.to_string_lossy());
+                rewritten.push(OsString::from("--export-model"));
+                rewritten.extend(file.map(|file| OsString::from(format!("{form}={file}"))));
+            }
+            continue;
+        }
         let method = METHODS.iter().find(|(theirs, _)| *theirs == text);
         if let Some((_, ours)) = method.filter(|_| may_estimate) {
             rewritten.push(OsString::from(format!("--method={ours}")));
@@ -216,6 +226,8 @@ fn kind_of_export(flag: &str) -> Option<&'static str> {
     match flag {
         "-exporttrans" => Some("tra"),
         "-exportstates" => Some("sta"),
+        "-exportstaterewards" => Some("srew"),
+        "-exporttransrewards" => Some("trew"),
         "-exportdot" | "-exporttransdotstates" => Some("dot"),
         "-exporttransdot" => Some("dot-plain"),
         _ => None,
@@ -263,6 +275,14 @@ mod tests {
         assert_eq!(found, ours);
         let found = rewritten(&["check", "m.pm", "-exporttrans", "a.txt"]);
         assert_eq!(found, ["check", "m.pm", "--export-model", "tra=a.txt"]);
+        let found = rewritten(&["check", "m.pm", "-exportrewards", "s", "t", "p.props"]);
+        let (own, each) = ("--export-model", ["srew=s", "trew=t"]);
+        assert_eq!(
+            found,
+            ["check", "m.pm", own, each[0], own, each[1], "p.props"]
+        );
+        let found = rewritten(&["check", "m.pm", "-exportstaterewards", "s"]);
+        assert_eq!(found, ["check", "m.pm", "--export-model", "srew=s"]);
     }
 
     #[test]

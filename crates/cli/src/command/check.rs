@@ -1,6 +1,7 @@
 //! `corroborate check`: properties of one model, like the peers' command
 //! lines.
 
+mod available;
 mod certify;
 mod ending;
 mod explicit;
@@ -234,7 +235,7 @@ impl<'a> Work<'a> {
             Asked::Wrong(_) => None,
         });
         let limits = ExploreOptions {
-            max_states: usize::try_from(self.arguments.max_states).unwrap_or(usize::MAX),
+            max_states: most_states(self.arguments),
             symmetry: match self.may_fold() {
                 true => Symmetry::of(&model, meaningful.clone()),
                 false => Symmetry::default(),
@@ -375,9 +376,11 @@ impl<'a> Work<'a> {
         for (place, asked) in chosen {
             let answer = |property: &NamedProperty| {
                 let is_due = || self.ending.is_due();
+                let is_urgent = || self.ending.is_urgent();
                 let stop = Stop::new(&is_due);
                 let options = Options {
                     stop: Some(&stop),
+                    cancel: Some(&is_urgent),
                     ..options
                 };
                 answer(space, property, &options)
@@ -433,6 +436,14 @@ impl<'a> Work<'a> {
         }
         Ok(report)
     }
+}
+
+/// How many states a model may have: without the option as many as can be numbered, since the memory is limited.
+fn most_states(arguments: &Check) -> usize {
+    let asked = arguments.max_states;
+    asked.map_or(usize::MAX, |most| {
+        usize::try_from(most).unwrap_or(usize::MAX)
+    })
 }
 
 /// The state space of a model.

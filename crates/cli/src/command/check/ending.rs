@@ -33,6 +33,11 @@ impl Ending {
         self.interrupt.is_set() || self.memory.is_passed()
     }
 
+    /// Whether to end without the bounds that were reached.
+    pub fn is_urgent(&self) -> bool {
+        self.memory.is_nearly_full()
+    }
+
     /// Why, if work ended early, in the words of a message.
     pub fn reason(&self) -> &'static str {
         match self.interrupt.is_set() {

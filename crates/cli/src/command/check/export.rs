@@ -5,6 +5,7 @@ use crate::problem::{Problem, write_whole};
 use checker::formats::{Explicit, Written};
 use checker::state_space::StateSpace;
 use prism_lang::{Arithmetic, resolved};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The forms of a model's files.
@@ -37,12 +38,17 @@ pub(super) fn model<N: Arithmetic + Written>(
     }
 }
 
-/// Writes a file whole; a device or a pipe, which must not be replaced, as it is.
+/// Writes a file whole; a device or a pipe, which must not be replaced, as it is; `stdout` is what the command prints to, as in
+/// PRISM.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    let cannot = |error| Problem::cannot_write(path, &error);
+    if ["stdout", "/dev/stdout"].map(Path::new).contains(&path) {
+        return std::io::stdout().write_all(bytes).map_err(cannot);
+    }
+    // What stands for an open file is none that could be replaced, either.
+    let is_device = path.starts_with("/dev") || path.starts_with("/proc");
     match std::fs::metadata(path) {
-        Ok(known) if !known.is_file() => {
-            std::fs::write(path, bytes).map_err(|error| Problem::cannot_write(path, &error))
-        }
+        Ok(known) if is_device || !known.is_file() => std::fs::write(path, bytes).map_err(cannot),
         _ => write_whole(path, bytes),
     }
 }

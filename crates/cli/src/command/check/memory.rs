@@ -1,65 +1,149 @@
-//! A limit of memory, so that a model that is too large ends with a message.
+//! A limit of memory, so that a model that is too large ends with a message and is not killed.
 //!
-//! What the process holds is looked at between steps of the work, as Linux tells it; elsewhere there is no limit.
-//! The last step before a look may go beyond the limit by what it needs.
+//! A thread looks every few milliseconds at what the process holds, as Linux tells it; elsewhere there is no limit. Of the limit
+//! [`TO_STOP`] may be taken before the work is asked to stop, the rest is for what it takes to give the bounds reached.
+//! Halfway through the rest it is asked to give up without bounds. Some steps of the work ask nobody, and may take more than is
+//! left: at the limit the thread itself says so and ends the process, since the other end is to be killed without a
+//! message. Files are written whole or not at all, so nothing is left half done.
 
+use super::available::available_bytes;
 use crate::problem::Problem;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use crate::talk::to_stderr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-/// The limit, and whether it was passed.
+/// The limit, and how near it is.
 #[derive(Debug)]
 pub(super) struct Memory {
-    limit_gigabytes: Option<f64>,
-    is_passed: AtomicBool,
-    /// When to look again, in milliseconds since the start.
-    next_look: AtomicU64,
-    start: Instant,
+    limit: Option<Limit>,
+    state: Arc<State>,
 }
 
-/// Milliseconds between two looks: some work asks after every few operations.
-const BETWEEN_LOOKS: u64 = 5;
+/// What the watching thread and the work tell each other.
+#[derive(Debug, Default)]
+struct State {
+    must_stop: AtomicBool,
+    must_give_up: AtomicBool,
+    is_over: AtomicBool,
+}
+
+/// A limit, in units of 10^9 bytes.
+#[derive(Clone, Copy, Debug)]
+struct Limit {
+    gigabytes: f64,
+    is_default: bool,
+}
+
+/// Time between two looks.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(5);
+/// The part of what is free that may be taken by default.
+const PART: f64 = 0.9;
+/// The part of the limit at which the work is asked to stop.
+const TO_STOP: f64 = 0.8;
+/// Gigabytes that there are at least between that and the end of the process.
+const LEAST_REST: f64 = 0.1;
 
 impl Memory {
-    pub fn new(limit_gigabytes: Option<f64>) -> Self {
-        Self {
-            limit_gigabytes,
-            is_passed: AtomicBool::new(false),
-            next_look: AtomicU64::new(0),
-            start: Instant::now(),
+    /// With a limit, in units of 10^9 bytes; by default what is held now and a part of what is free.
+    pub fn new(asked: Option<f64>) -> Self {
+        let by_default = || {
+            let free = available_bytes()? as f64 / 1e9;
+            Some(resident_gigabytes()? + PART * free)
+        };
+        let limit = asked.or_else(by_default).map(|gigabytes| Limit {
+            gigabytes,
+            is_default: asked.is_none(),
+        });
+        let state = Arc::<State>::default();
+        if let Some(limit) = limit {
+            look(limit, &state);
+            let state = state.clone();
+            // Without the thread the work could not be ended; it goes on without a limit, as elsewhere.
+            let _ = std::thread::Builder::new().spawn(move || watch(limit, &state));
         }
+        Self { limit, state }
     }
 
-    /// Whether the limit is passed now, or was before.
+    /// Whether the work must stop with what it has.
     pub fn is_passed(&self) -> bool {
-        let Some(limit) = self.limit_gigabytes else {
-            return false;
-        };
-        let now = self.start.elapsed().as_millis() as u64;
-        if now >= self.next_look.load(Ordering::Relaxed) {
-            self.next_look.store(now + BETWEEN_LOOKS, Ordering::Relaxed);
-            if resident_gigabytes().is_some_and(|held| held > limit) {
-                self.is_passed.store(true, Ordering::Relaxed);
-            }
-        }
-        self.is_passed.load(Ordering::Relaxed)
+        self.state.must_stop.load(Ordering::Relaxed)
+    }
+
+    /// Whether the work must end at once.
+    pub fn is_nearly_full(&self) -> bool {
+        self.state.must_give_up.load(Ordering::Relaxed)
     }
 
     /// What ended the work: the limit, if it was passed, in place of an interruption.
     ///
     /// What the interruption says of how far the work came is kept.
     pub fn instead_of(&self, problem: Problem) -> Problem {
-        if !(problem.is_interruption() && self.is_passed.load(Ordering::Relaxed)) {
-            return problem;
+        match self.limit {
+            Some(limit) if problem.is_interruption() && self.is_passed() => {
+                let doing = problem.message().split_once(" while ");
+                limit.problem(&doing.map_or(String::new(), |(_, doing)| format!(" while {doing}")))
+            }
+            _ => problem,
         }
-        let limit = self.limit_gigabytes.unwrap_or_default();
-        let doing = problem.message().split_once(" while ");
-        let doing = doing.map_or(String::new(), |(_, doing)| format!(" while {doing}"));
-        let message =
-            format!("the work needs more than the {limit} GB of memory that it may take{doing}");
-        Problem::new("memory-limit", message)
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Limit {
+    /// What may be held before the work is asked to stop.
+    fn stop(self) -> f64 {
+        TO_STOP * self.gigabytes
+    }
+
+    /// What may be held before the process is ended.
+    fn end(self) -> f64 {
+        self.gigabytes.max(self.stop() + LEAST_REST)
+    }
+
+    fn problem(self, doing: &str) -> Problem {
+        let gigabytes = self.gigabytes;
+        let limit = match self.is_default {
+            true => format!("{gigabytes:.1} GB of memory that were free"),
+            false => format!("{gigabytes} GB of memory that it may take"),
+        };
+        let message = format!("the work needs more than the {limit}{doing}");
+        Problem::undecided("memory-limit", message)
             .remedy("raise --memory-limit, or make the model smaller, for example by its constants")
     }
+}
+
+/// Looks at what is held until the command is over.
+fn watch(limit: Limit, state: &State) {
+    while !state.is_over.load(Ordering::Relaxed) {
+        let Some(held) = look(limit, state) else {
+            return;
+        };
+        if held > limit.end() {
+            let doing = " in a step that could not be stopped";
+            let problem = limit.problem(doing);
+            to_stderr(&problem.render(false));
+            std::process::exit(i32::from(problem.exit_code()));
+        }
+        std::thread::sleep(BETWEEN_LOOKS);
+    }
+}
+
+/// What is held, if that is told; the work is asked to stop if it is too much.
+fn look(limit: Limit, state: &State) -> Option<f64> {
+    let held = resident_gigabytes()?;
+    if held > limit.stop() {
+        state.must_stop.store(true, Ordering::Relaxed);
+    }
+    if held > 0.5 * (limit.stop() + limit.end()) {
+        state.must_give_up.store(true, Ordering::Relaxed);
+    }
+    Some(held)
 }
 
 /// What the process holds in memory, in units of 10^9 bytes.
@@ -73,19 +157,20 @@ fn resident_gigabytes() -> Option<f64> {
 }
 
 #[cfg(test)]
+#[cfg(target_os = "linux")]
 mod tests {
     use super::*;
 
     #[test]
     fn a_limit_that_is_passed_is_the_problem() {
-        assert!(!Memory::new(None).is_passed());
-        let memory = Memory::new(Some(1e-6));
-        assert!(memory.is_passed() || !cfg!(target_os = "linux"));
-        if cfg!(target_os = "linux") {
-            let problem = memory.instead_of(Problem::interrupted());
-            assert_eq!(problem.code, "memory-limit");
-        }
+        let memory = Memory::new(Some(1e6));
+        assert_eq!(memory.instead_of(Problem::interrupted()).exit_code(), 130);
+        memory.state.must_stop.store(true, Ordering::Relaxed);
+        let problem = memory.instead_of(Problem::interrupted());
+        assert_eq!((problem.code, problem.exit_code()), ("memory-limit", 3));
         let other = memory.instead_of(Problem::new("bad-form", "another"));
         assert_eq!(other.code, "bad-form");
+        let by_default = Memory::new(None).limit.expect("Linux tells what is free");
+        assert!(by_default.is_default && by_default.gigabytes > 0.0);
     }
 }

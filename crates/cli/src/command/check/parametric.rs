@@ -107,7 +107,7 @@ pub(super) fn check(
         Asked::Wrong(_) => None,
     });
     let limits = ExploreOptions {
-        max_states: usize::try_from(arguments.max_states).unwrap_or(usize::MAX),
+        max_states: super::most_states(arguments),
         ..ExploreOptions::for_properties(meaningful)
     };
     let began = Instant::now();

@@ -30,7 +30,7 @@ struct Table<'a> {
     rows: Vec<(Vec<&'a str>, String)>,
 }
 
-/// Writes the answers to `FILE[:form]`; `stdout` is not a file here.
+/// Writes the answers to `FILE[:form]`.
 pub(super) fn write(file: &str, report: &CheckReport) -> Result<(), Problem> {
     let (path, options) = file.rsplit_once(':').unwrap_or((file, ""));
     let (mut shape, mut separator) = (Shape::List, "\t");

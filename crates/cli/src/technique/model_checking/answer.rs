@@ -34,6 +34,12 @@ pub fn explore_within<N: prism_lang::Arithmetic>(
             return Problem::interrupted();
         }
         let problem = Problem::new("cannot-explore", error.to_string());
+        let problem = match error {
+            ExploreError::TooManyStates { .. } => problem.remedy(
+                "make the model smaller, for example by its constants; `check` takes more with --max-states",
+            ),
+            _ => problem,
+        };
         match error.span() {
             Some(span) => problem.at(source, span.start..span.end),
             None => problem,
