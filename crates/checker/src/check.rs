@@ -12,6 +12,7 @@ use crate::explore::{ExploreError, ExploreOptions, explore_with};
 use crate::method::Method;
 use crate::rounding::Bounds;
 use crate::state_space::StateSpace;
+use crate::symmetry::Symmetry;
 
 /// By how much bounds are tightened when they leave a comparison open, and how far at most.
 const TIGHTER: f64 = 1e-6;
@@ -52,7 +53,9 @@ pub fn check(
     property: &Property,
     options: &Options<'_>,
 ) -> Result<Answer, CheckError> {
-    check_or_exact(space, property, options, &|| exact_space(model, options))
+    check_or_exact(space, property, options, &|| {
+        exact_space(space, model, property, options)
+    })
 }
 
 /// The same for a state space that no model in the PRISM language stands behind, such as one that was read from
@@ -155,10 +158,23 @@ fn in_floats(mut answer: Answer) -> Answer {
     answer
 }
 
-/// The state space with rational probabilities.
-fn exact_space(model: &Model, options: &Options<'_>) -> Result<StateSpace<Rational>, CheckError> {
+/// The state space with rational probabilities, as far as the property needs it: up to symmetry if the other one is.
+fn exact_space(
+    space: &StateSpace<f64>,
+    model: &Model,
+    property: &Property,
+    options: &Options<'_>,
+) -> Result<StateSpace<Rational>, CheckError> {
     let go_on = |_| !options.is_cancelled();
-    explore_with(model, ExploreOptions::default(), &go_on).map_err(|error| match error {
+    let symmetry = match space.represented {
+        Some(_) => Symmetry::of(model, [property]),
+        None => Symmetry::default(),
+    };
+    let limits = ExploreOptions {
+        symmetry,
+        ..ExploreOptions::for_properties([property])
+    };
+    explore_with(model, limits, &go_on).map_err(|error| match error {
         ExploreError::Cancelled => CheckError::Cancelled,
         error => CheckError::ExactModel(error.to_string()),
     })

@@ -14,9 +14,11 @@
 //! Source: Forejt, Kwiatkowska and Parker 2012, "Pareto Curves for Probabilistic Model Checking"; Etessami,
 //! Kwiatkowska, Vardi and Yannakakis 2008. Deviation: rational arithmetic with policy iteration in place of value
 //! iteration, so that bounds met exactly are decided. Cost: one policy iteration and one chain for each objective,
-//! for each corner. Guarantee: exact.
+//! for each corner. Guarantee: exact. The mixture of the corners' schedulers that shows what was found is that of the last
+//! linear programme ([`mixture`], [`scheduler`]).
 
 mod frontier;
+pub(crate) mod scheduler;
 mod simplex;
 mod weighted;
 
@@ -24,7 +26,7 @@ use num_traits::{One, Signed, Zero};
 use prism_lang::Rational;
 
 use crate::answer::{CheckError, Options};
-pub(crate) use weighted::{Kind, Skeleton};
+pub(crate) use weighted::{Corner, Kind, Skeleton};
 
 /// An objective in the form in which more is better.
 #[derive(Debug, Clone)]
@@ -58,21 +60,43 @@ impl Goal {
     }
 }
 
+/// Schedulers, with their shares, that together achieve what was asked for; none if it cannot be achieved.
+pub(crate) fn mixture(
+    skeleton: &Skeleton,
+    goals: &[Goal],
+    options: &Options<'_>,
+) -> Result<Option<Vec<(Rational, Corner)>>, CheckError> {
+    let (achieved, search) = search(skeleton, goals, options)?;
+    Ok(match achieved {
+        Achieved::Truth(true) | Achieved::Best(Some(_)) => Some(search.mixture()),
+        _ => None,
+    })
+}
+
 /// Answers the question.
 pub(crate) fn solve(
     skeleton: &Skeleton,
     goals: &[Goal],
     options: &Options<'_>,
 ) -> Result<Achieved, CheckError> {
+    if goals.len() == 2 && goals.iter().all(|goal| goal.bound.is_none()) {
+        return corners(skeleton, goals, options);
+    }
+    Ok(search(skeleton, goals, options)?.0)
+}
+
+/// The answer where at most one objective has no bound, and the search that found it.
+fn search<'a>(
+    skeleton: &'a Skeleton,
+    goals: &[Goal],
+    options: &'a Options<'a>,
+) -> Result<(Achieved, frontier::Search<'a>), CheckError> {
     let free: Vec<usize> = (0..goals.len())
         .filter(|i| goals[*i].bound.is_none())
         .collect();
     let bound: Vec<usize> = (0..goals.len())
         .filter(|i| goals[*i].bound.is_some())
         .collect();
-    if let ([_, _], []) = (&free[..], &bound[..]) {
-        return corners(skeleton, goals, options);
-    }
     if free.len() > 1 {
         return Err(CheckError::Unsupported(
             "the curve of more than two objectives, or of two with bounds beside them, cannot be computed yet: \
@@ -116,17 +140,16 @@ pub(crate) fn solve(
         }
     }
     let Some(asked) = free.first() else {
-        return Ok(Achieved::Truth(met));
+        return Ok((Achieved::Truth(met), search));
     };
     if !met {
-        return Ok(Achieved::Best(None));
+        return Ok((Achieved::Best(None), search));
     }
     let everything: Vec<usize> = (0..goals.len()).collect();
     let direction = indicator(&|place| place == *asked);
     let best = search.furthest(&everything, &direction)?;
-    Ok(Achieved::Best(
-        best.map(|value| goals[*asked].asked(&value)),
-    ))
+    let best = best.map(|value| goals[*asked].asked(&value));
+    Ok((Achieved::Best(best), search))
 }
 
 /// The corners of the boundary of two objectives.
@@ -136,8 +159,8 @@ fn corners(
     options: &Options<'_>,
 ) -> Result<Achieved, CheckError> {
     let (zero, one) = (Rational::zero, Rational::one);
-    let first = skeleton.best(&[one(), zero()], options)?;
-    let last = skeleton.best(&[zero(), one()], options)?;
+    let first = skeleton.best(&[one(), zero()], options)?.numbers;
+    let last = skeleton.best(&[zero(), one()], options)?.numbers;
     let mut found = vec![first.clone(), last.clone()];
     let mut open = vec![(last, first)];
     while let Some((upper, right)) = open.pop() {
@@ -146,7 +169,7 @@ fn corners(
         if weights.iter().any(Signed::is_negative) || weights.iter().all(Zero::is_zero) {
             continue;
         }
-        let point = skeleton.best(&weights, options)?;
+        let point = skeleton.best(&weights, options)?.numbers;
         let value = |point: &[Rational]| &weights[0] * &point[0] + &weights[1] * &point[1];
         if value(&point) > value(&upper) {
             found.push(point.clone());

@@ -8,15 +8,15 @@
 //! X, bounds in steps, C<=k, I=k  how many steps were taken, as long as they count       [`countdown`]
 //! other LTL, co-safe rewards,    where the automata are; in an accepting end component also which of the
 //! conditional probabilities      transitions that must recur is taken next               [`tour`]
+//! several objectives             which of the pure schedulers was drawn in the beginning, and its memory
 //! ```
 //!
 //! A scheduler of a model is found on a product with the memory, and unfolded here from the initial states. Applied, it
 //! gives a chain ([`Scheduler::induced`]) whose states have the model's variables and, last, the memory; checking the
 //! same question there gives the value.
 //!
-//! Several objectives may need a mixture of schedulers, which is not given.
-//!
-//! Source: Puterman 1994 (bounded horizons, averages); Baier and Katoen 2008, section 10.6 (end components, LTL). Cost: linear in the states that
+//! Source: Puterman 1994 (bounded horizons, averages); Baier and Katoen 2008, section 10.6 (end components, LTL);
+//! Etessami, Kwiatkowska, Vardi and Yannakakis 2008 (mixtures for several objectives). Cost: linear in the states that
 //! are reached with their memories, after solving. Guarantee: a true scheduler of the model, whatever its
 //! numbers: it attains the value up to the precision of the method (exactly in rational arithmetic).
 
@@ -64,6 +64,8 @@ pub enum Meaning {
     Steps,
     /// Where the automaton of the formula is, and what must recur next.
     Automaton,
+    /// Which pure scheduler was drawn, and its memory.
+    Mixture,
 }
 
 /// A state with a memory, and what is done there.
@@ -75,7 +77,16 @@ pub struct Node {
     pub memory: u32,
     /// Whether it matters what is chosen.
     pub matters: bool,
-    /// The row of the matrix that is taken.
+    /// What is taken, with shares that sum to 1; more than one only where a mixture is drawn.
+    pub moves: Vec<Move>,
+}
+
+/// A choice that is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Move {
+    /// How likely it is taken.
+    pub share: Rational,
+    /// The row of the matrix.
     pub row: usize,
     /// The node after the step to each of the row's targets, in the order of the row's entries.
     pub next: Vec<u32>,
@@ -98,7 +109,7 @@ pub struct Node {
 /// let space = explore::<f64>(&model)?;
 /// let found = scheduler(&space, &asked[0].property, &Options::default())?;
 /// let Scheduler::WithMemory(memory) = &found else { unreachable!() };
-/// let action = |node: usize| &space.actions()[space.action(memory.nodes[node].row).unwrap()];
+/// let action = |node: usize| &space.actions()[space.action(memory.nodes[node].moves[0].row).unwrap()];
 /// assert_eq!((action(0).as_str(), memory.nodes[0].memory), ("try", 0));
 /// let answer = check_space(&found.induced(&space), &asked[0].property, &Options::default())?;
 /// let AnswerValue::Number(value) = answer.value else { unreachable!() };
@@ -122,7 +133,11 @@ pub fn scheduler_exact(
     property: &Property,
     options: &Options<'_>,
 ) -> Result<Scheduler, CheckError> {
-    Evaluator::<Exact>::new(space, options)?.scheduler_of(property)
+    let evaluator = Evaluator::<Exact>::new(space, options)?;
+    match property {
+        Property::Objectives(objectives) => evaluator.objectives_scheduler(objectives),
+        _ => evaluator.scheduler_of(property),
+    }
 }
 
 /// What a scheduler does and remembers, to be unfolded.
@@ -185,8 +200,11 @@ pub(crate) fn unfold<N, P: Policy>(
             state,
             memory: policy.number(key),
             matters: chosen.is_some(),
-            row,
-            next,
+            moves: vec![Move {
+                share: Rational::from_integer(1.into()),
+                row,
+                next,
+            }],
         });
     }
     Ok(FiniteMemory { nodes, meaning })

@@ -108,7 +108,7 @@ fn the_memory_is_the_number_of_steps_and_a_variable_of_the_chain() {
     };
     assert_eq!(memory.meaning, Meaning::Steps);
     let action = |place: usize| {
-        let row = memory.nodes[place].row;
+        let row = memory.nodes[place].moves[0].row;
         space
             .action(row)
             .map(|action| space.actions()[action].as_str())
@@ -253,4 +253,87 @@ fn averages(model: &Model) {
             "{direct} {value}"
         );
     }
+}
+
+/// Each objective on its own, as a question to a chain.
+fn alone(objectives: &str) -> Vec<String> {
+    let inner = objectives
+        .trim_start_matches("multi(")
+        .trim_end_matches(')');
+    let questions = inner.split("; ").map(|objective| {
+        let (operator, rest) = objective.split_at(objective.find(" [").expect("a bracket"));
+        let end = operator
+            .find(['<', '>', '=', 'm'])
+            .expect("a bound or a question");
+        format!("{}max=?{rest}", &operator[..end])
+    });
+    questions.collect()
+}
+
+#[test]
+fn several_objectives_have_a_mixture_that_achieves_them() {
+    let text = ERRAND.replace(
+        "rewards [risk] true : 1; [try] true : 2; x=3 : 3; x=4 : 1;",
+        "rewards \"cost\" [risk] true : 1; [try] true : 2;",
+    );
+    let model = model(&text);
+    let space = explore::<Rational>(&model).unwrap();
+    let q = |above: i64, below: i64| Rational::new(above.into(), below.into());
+    let value = |space: &StateSpace<Rational>, asked: &Property| match check_exact(
+        space,
+        asked,
+        &Options::default(),
+    )
+    .unwrap()
+    .value
+    {
+        AnswerValue::Exact(value) => value,
+        other => panic!("{other:?}"),
+    };
+    // What is asked, with `; ` between the objectives, and for each what must come out: at least (1), at most (-1) or just so.
+    let known = [
+        // To risk it costs 1 and succeeds in 2 of 5, to try costs 2 for each of 10/3 tries: a mixture of both.
+        (
+            "multi(Pmax=? [ F x=1 ]; R{\"cost\"}<=4 [ C ])",
+            vec![(0, q(0, 1)), (-1, q(4, 1))],
+        ),
+        (
+            "multi(R{\"cost\"}<=4 [ C<=9 ]; P>=7/10 [ F x=1 ])",
+            vec![(-1, q(4, 1)), (1, q(7, 10))],
+        ),
+        // The errands need to go round for ever.
+        (
+            "multi(P>=1/4 [ F (G !\"left\") ]; P>=1/2 [ (G F \"left\") & (G F \"right\") ])",
+            vec![(1, q(1, 4)), (1, q(1, 2))],
+        ),
+        (
+            "multi(P>=1/5 [ G F \"left\" ]; P>1/5 [ (F x=2) & (F<=2 x=0) ]; P<=1/2 [ G F \"right\" ])",
+            vec![(1, q(1, 5)), (1, q(1, 5)), (-1, q(1, 2))],
+        ),
+        (
+            "multi(P>=58/100 [ F<=2 x=1 ]; P>=4/10 [ F x=1 ])",
+            vec![(1, q(58, 100)), (1, q(4, 10))],
+        ),
+    ];
+    for (text, expected) in known {
+        let asked = &properties(&text.replace("; ", ", "), &model)[0];
+        let found = scheduler_exact(&space, asked, &Options::default())
+            .unwrap_or_else(|error| panic!("{text}: {error}"));
+        let chain = found.induced(&space);
+        for (question, (sense, bound)) in alone(text).iter().zip(expected) {
+            let question = &properties(question, &model)[0];
+            let reached = value(&chain, question);
+            match sense {
+                1 => assert!(reached >= bound, "{text}: {reached}"),
+                -1 => assert!(reached <= bound, "{text}: {reached}"),
+                _ => assert_eq!(reached, value(&space, asked), "{text}"),
+            }
+        }
+    }
+    let impossible = &properties("multi(P>=9/10 [ F x=1 ], R{\"cost\"}<=1 [ C ])", &model)[0];
+    let refused = scheduler_exact(&space, impossible, &Options::default());
+    assert!(
+        matches!(refused, Err(CheckError::Unsupported(_))),
+        "{refused:?}"
+    );
 }

@@ -25,10 +25,10 @@ use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
 use crate::fairness::not_yet;
-use crate::graph::{Backward, EndComponent, NO_ROW, maximal_end_components};
+use crate::graph::{EndComponent, NO_ROW, maximal_end_components};
 use crate::joint::Joint;
 use crate::reachability::{self, Found};
-use crate::scheduler::tour::{Recurring, Tour};
+use crate::scheduler::tour::{Recurring, Stay};
 use crate::scheduler::{Meaning, Numbered, Policy, Scheduler};
 use crate::shape::{letters, read_path};
 use crate::state_space::Csr;
@@ -220,28 +220,6 @@ impl<'a, N: Arithmetic> Restarts<'a, N> {
 /// In place of a row: start again.
 const RESTART: usize = NO_ROW - 1;
 
-/// How to stay in components: first to where, then round.
-struct Stay {
-    towards: Vec<usize>,
-    tour: Tour,
-}
-
-impl Stay {
-    fn new<N>(choices: Choices<'_, N>, components: &[(EndComponent, Recurring)]) -> Self {
-        let tour = Tour::new(choices, components.iter().map(|(_, r)| r.clone()).collect());
-        let mut inside = vec![false; choices.num_states()];
-        let mut stays = vec![false; choices.matrix.num_rows()];
-        for (component, _) in components {
-            let states = component.states.iter();
-            states.for_each(|state| inside[*state as usize] = true);
-            component.rows.iter().for_each(|row| stays[*row] = true);
-        }
-        let backward = Backward::new(choices);
-        let (_, towards) = backward.reaching(&tour.goal(), |s| inside[s], |row| stays[row]);
-        Self { towards, tour }
-    }
-}
-
 /// The policy: the state of the product, whether it seeks (0) or stays in the goal (1) or outside the condition (2),
 /// and the place of the round.
 struct WithoutRestarts<'a, N> {
@@ -268,11 +246,7 @@ impl<N: Arithmetic> WithoutRestarts<'_, N> {
         let state = state as usize;
         match mode {
             0 => self.seek[state],
-            mode => {
-                let stay = &self.stays[usize::from(mode) - 1];
-                let touring = stay.tour.row(state, place);
-                touring.unwrap_or(stay.towards[state])
-            }
+            mode => self.stays[usize::from(mode) - 1].row(state, place),
         }
     }
 }
@@ -300,9 +274,7 @@ impl<N: Arithmetic> Policy for WithoutRestarts<'_, N> {
         let to = *to.expect("the product has all targets of the model") as usize;
         let place = match key.1 {
             0 => 0,
-            mode => self.stays[usize::from(mode) - 1]
-                .tour
-                .next(from, key.2, row),
+            mode => self.stays[usize::from(mode) - 1].next(from, key.2, row),
         };
         self.key(to, key.1, place)
     }

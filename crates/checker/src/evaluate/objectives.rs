@@ -8,12 +8,14 @@ use prism_lang::property::{
 use temporal::ltl::Ltl;
 
 use super::Evaluator;
+use super::schedulers::none;
 use crate::amount::Extended;
 use crate::answer::{Answer, AnswerValue, CheckError, Guarantee};
 use crate::engine::Exact;
 use crate::fairness::not_yet;
 use crate::joint::Joint;
 use crate::multi::{self, Achieved, Goal, Kind, Skeleton};
+use crate::scheduler::Scheduler;
 use crate::shape::{letters, read_path};
 
 /// What is read of the objectives, in their order.
@@ -32,20 +34,7 @@ impl Evaluator<'_, Exact> {
         objectives: &[Objective],
         property: &Property,
     ) -> Result<Answer, CheckError> {
-        if self.context.options.fair && !self.choices().is_chain() {
-            return Err(not_yet("several objectives"));
-        }
-        let [initial] = *self.space.initial_states() else {
-            return Err(CheckError::Unsupported(
-                "`multi` over several initial states cannot be computed yet: use a model with one"
-                    .to_owned(),
-            ));
-        };
-        let mut reading = Reading::default();
-        for objective in objectives {
-            self.read_objective(objective, &mut reading)?;
-        }
-        let letters = letters(&reading.sets, self.space.num_states());
+        let (initial, reading, letters) = self.read_objectives(objectives)?;
         let options = self.context.options;
         let formulas = &reading.formulas;
         let mut joint = Joint::new(
@@ -69,6 +58,60 @@ impl Evaluator<'_, Exact> {
                 self.base(AnswerValue::Corners(corners), Guarantee::Exact, Vec::new())
             }
         })
+    }
+
+    /// The scheduler that achieves what `multi(...)` asks for, as a mixture of pure ones.
+    pub(crate) fn objectives_scheduler(
+        mut self,
+        objectives: &[Objective],
+    ) -> Result<Scheduler, CheckError> {
+        if self.choices().is_chain() {
+            return none("the model leaves nothing to choose");
+        }
+        let is_free = |objective: &&Objective| matches!(objective, Objective::Optimise(..));
+        if objectives.iter().filter(is_free).count() > 1 {
+            return none("a curve has one for each point: give a bound to all objectives but one");
+        }
+        let (initial, reading, letters) = self.read_objectives(objectives)?;
+        let options = self.context.options;
+        let (choices, formulas) = (self.choices(), &reading.formulas);
+        let horizon = reading.horizon;
+        let mut joint = Joint::new(choices, formulas, &letters, horizon, initial, options)?;
+        let kinds: Vec<Kind> = reading.goals.iter().map(|goal| goal.kind.clone()).collect();
+        let skeleton = Skeleton::new(&mut joint, &kinds)?;
+        let Some(mixture) = multi::mixture(&skeleton, &reading.goals, options)? else {
+            return none("no scheduler meets the bounds");
+        };
+        let parts = mixture.into_iter().map(|(share, corner)| {
+            let chosen = &corner.chosen;
+            let part =
+                multi::scheduler::unfolded(choices, initial, &joint, &skeleton, chosen, options)?;
+            Ok((share, part))
+        });
+        let parts = parts.collect::<Result<Vec<_>, CheckError>>()?;
+        Ok(Scheduler::WithMemory(multi::scheduler::mixed(parts)))
+    }
+
+    /// The initial state, what is asked, and a letter for each state.
+    fn read_objectives(
+        &mut self,
+        objectives: &[Objective],
+    ) -> Result<(usize, Reading, Vec<u64>), CheckError> {
+        if self.context.options.fair && !self.choices().is_chain() {
+            return Err(not_yet("several objectives"));
+        }
+        let [initial] = *self.space.initial_states() else {
+            return Err(CheckError::Unsupported(
+                "`multi` over several initial states cannot be computed yet: use a model with one"
+                    .to_owned(),
+            ));
+        };
+        let mut reading = Reading::default();
+        for objective in objectives {
+            self.read_objective(objective, &mut reading)?;
+        }
+        let letters = letters(&reading.sets, self.space.num_states());
+        Ok((initial, reading, letters))
     }
 
     fn read_objective(

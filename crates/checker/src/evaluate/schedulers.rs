@@ -54,7 +54,7 @@ impl<E: Numbers> Evaluator<'_, E> {
                 self.reward_scheduler(reward, is_max(optimum))
             }
             Property::Objectives(_) => none(
-                "several objectives have one scheduler for each corner: ask for each objective on its own",
+                "that of several objectives is found in rational arithmetic only: use the exact method",
             ),
             Property::Number(_) | Property::Range(_) => {
                 none("the answer is made of several values, each with a scheduler of its own")

@@ -9,7 +9,7 @@ use num_traits::{One, Zero};
 use prism_lang::Rational;
 
 use super::simplex::maximise;
-use super::weighted::Skeleton;
+use super::weighted::{Corner, Skeleton};
 use crate::answer::{CheckError, Options};
 
 /// The corners known so far.
@@ -18,7 +18,9 @@ pub(super) struct Search<'a> {
     options: &'a Options<'a>,
     /// Where to start.
     from: Vec<Rational>,
-    corners: Vec<Vec<Rational>>,
+    corners: Vec<Corner>,
+    /// The share of each corner in the mixture that went furthest in the last question.
+    shares: Vec<Rational>,
 }
 
 impl<'a> Search<'a> {
@@ -28,7 +30,14 @@ impl<'a> Search<'a> {
             options,
             from,
             corners: Vec::new(),
+            shares: Vec::new(),
         }
+    }
+
+    /// The corners, with their shares, that together went furthest in the last question.
+    pub fn mixture(self) -> Vec<(Rational, Corner)> {
+        let all = self.shares.into_iter().zip(self.corners);
+        all.filter(|(share, _)| !share.is_zero()).collect()
     }
 
     /// The greatest `l`; none if no mixture is at least the start in the numbers in which the direction is 0.
@@ -46,26 +55,27 @@ impl<'a> Search<'a> {
         }
         loop {
             self.options.check_cancelled()?;
-            let Some((length, weights)) = self.over_corners(counting, direction) else {
+            let Some((length, weights, shares)) = self.over_corners(counting, direction) else {
                 return Ok(None);
             };
             let corner = self.skeleton.best(&weights, self.options)?;
-            let reached: Rational = (weights.iter().zip(corner.iter().zip(&self.from)))
+            let reached: Rational = (weights.iter().zip(corner.numbers.iter().zip(&self.from)))
                 .map(|(w, (number, start))| w * (number - start))
                 .sum();
             if reached <= length {
+                self.shares = shares;
                 return Ok(Some(length));
             }
             self.corners.push(corner);
         }
     }
 
-    /// The greatest `l` over mixtures of the corners known, and the weights that show that there is no greater.
+    /// The greatest `l` over mixtures of the corners known, the weights that show that there is no greater, and the shares.
     fn over_corners(
         &self,
         counting: &[usize],
         direction: &[Rational],
-    ) -> Option<(Rational, Vec<Rational>)> {
+    ) -> Option<(Rational, Vec<Rational>, Vec<Rational>)> {
         let (corners, slacks) = (self.corners.len(), counting.len());
         // Shares of the corners, `l` and `-l`, and one slack for each number.
         let columns = corners + 2 + slacks;
@@ -73,7 +83,7 @@ impl<'a> Search<'a> {
         for (place, number) in counting.iter().enumerate() {
             let mut row = vec![Rational::zero(); columns];
             for (column, corner) in self.corners.iter().enumerate() {
-                row[column] = &self.from[*number] - &corner[*number];
+                row[column] = &self.from[*number] - &corner.numbers[*number];
             }
             row[corners] = direction[*number].clone();
             row[corners + 1] = -&direction[*number];
@@ -87,11 +97,12 @@ impl<'a> Search<'a> {
         right.push(Rational::one());
         let mut cost = vec![Rational::zero(); columns];
         (cost[corners], cost[corners + 1]) = (Rational::one(), -Rational::one());
-        let solution = maximise(&cost, &rows, &right)?;
+        let mut solution = maximise(&cost, &rows, &right)?;
         let mut weights = vec![Rational::zero(); self.from.len()];
         for (place, number) in counting.iter().enumerate() {
             weights[*number] = -&solution.reduced[corners + 2 + place];
         }
-        Some((solution.value, weights))
+        solution.point.truncate(corners);
+        Some((solution.value, weights, solution.point))
     }
 }

@@ -12,6 +12,8 @@ use prism_lang::Rational;
 pub(super) struct Solution {
     /// The greatest value of `c x`.
     pub value: Rational,
+    /// An `x` that has it.
+    pub point: Vec<Rational>,
     /// `c_j` less the dual's `y A_j`, for each column: not positive.
     pub reduced: Vec<Rational>,
 }
@@ -61,8 +63,16 @@ pub(super) fn maximise(c: &[Rational], a: &[Vec<Rational>], b: &[Rational]) -> O
     let mut cost = c.to_vec();
     cost.resize(variables + constraints, Rational::zero());
     tableau.improve(&cost, variables)?;
+    let mut point = vec![Rational::zero(); variables];
+    for (column, value) in tableau.basis.iter().zip(&tableau.rhs) {
+        // An artificial variable that could not be taken out is 0.
+        if let Some(place) = point.get_mut(*column) {
+            *place = value.clone();
+        }
+    }
     Some(Solution {
         value: tableau.value(&cost),
+        point,
         reduced: (0..variables).map(|j| tableau.reduced(&cost, j)).collect(),
     })
 }
@@ -158,6 +168,7 @@ mod tests {
         ];
         let found = maximise(&r(&[3, 5, 0, 0, 0]), &a, &r(&[4, 12, 18])).unwrap();
         assert_eq!(found.value, r(&[36])[0]);
+        assert_eq!(found.point, r(&[2, 6, 2, 0, 0]));
         let half = Rational::new((-3).into(), 2.into());
         assert_eq!(
             found.reduced[2..],

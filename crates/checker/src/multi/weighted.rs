@@ -15,6 +15,7 @@ use crate::answer::{CheckError, Options};
 use crate::graph::{EndComponent, NO_ROW, maximal_end_components};
 use crate::joint::Joint;
 use crate::optimum::{self, Problem};
+use crate::scheduler::tour::Recurring;
 use crate::state_space::Csr;
 
 /// What an objective counts.
@@ -39,7 +40,32 @@ pub(crate) struct Skeleton {
     rewards: Vec<Vec<Rational>>,
     /// For each state that stops, what it has of each objective.
     stops: Vec<Option<Vec<Rational>>>,
+    /// What each row stands for.
+    pub(super) steps: Vec<Step>,
+    /// The state of each state of the product.
+    pub(super) class: Vec<u32>,
+    /// The components that are one state each.
+    pub(super) components: Vec<EndComponent>,
 }
+
+/// What a row stands for.
+#[derive(Debug, Clone)]
+pub(super) enum Step {
+    /// A row of the product.
+    Row(usize),
+    /// Staying in the component at this place, where so much recurs.
+    Stay(usize, Recurring),
+}
+
+/// A corner of what can be achieved: what a scheduler achieves of each objective, and its row in each state.
+#[derive(Debug, Clone)]
+pub(crate) struct Corner {
+    pub numbers: Vec<Rational>,
+    pub chosen: Vec<usize>,
+}
+
+/// What stopping in a component has of each objective, and what recurs there.
+type Stop = (Vec<Rational>, Recurring);
 
 const NO_CLASS: u32 = u32::MAX;
 
@@ -75,17 +101,21 @@ impl Skeleton {
             class => class,
         };
         class.iter_mut().for_each(|class| *class = swap(*class));
-        let mut by_class: Vec<&[Vec<Rational>]> = vec![&[]; classes];
+        let mut by_class: Vec<(usize, &[Stop])> = vec![(usize::MAX, &[]); classes];
         for (number, component) in order.iter().enumerate() {
-            by_class[swap(number as u32) as usize] = &stops[*component];
+            by_class[swap(number as u32) as usize] = (*component, &stops[*component]);
         }
         let mut skeleton = Self {
             matrix: Csr::with_capacity(classes),
             choice_start: vec![0],
             rewards: vec![Vec::new(); kinds.len()],
             stops: vec![None; classes],
+            steps: Vec::new(),
+            class: Vec::new(),
+            components: Vec::new(),
         };
         skeleton.fill(joint, &class, &by_class, &rewards);
+        (skeleton.class, skeleton.components) = (class, components);
         Ok(skeleton)
     }
 
@@ -93,7 +123,7 @@ impl Skeleton {
         &mut self,
         joint: &Joint<'_, Rational>,
         class: &[u32],
-        stops: &[&[Vec<Rational>]],
+        stops: &[(usize, &[Stop])],
         rewards: &[Vec<Rational>],
     ) {
         let mut rows: Vec<Vec<usize>> = vec![Vec::new(); stops.len()];
@@ -107,14 +137,17 @@ impl Skeleton {
                     continue;
                 }
                 self.matrix.push_row(entries);
+                self.steps.push(Step::Row(*row));
                 for (own, of) in self.rewards.iter_mut().zip(rewards) {
                     own.push(of[*row].clone());
                 }
             }
-            for stop in stops[number] {
+            let (component, stops) = stops[number];
+            for (stop, recurring) in stops {
                 self.matrix
                     .push_row([(self.stops.len() as u32, Rational::one())]);
                 self.stops.push(Some(stop.clone()));
+                self.steps.push(Step::Stay(component, recurring.clone()));
                 self.rewards
                     .iter_mut()
                     .for_each(|own| own.push(Rational::zero()));
@@ -125,12 +158,8 @@ impl Skeleton {
             .resize(self.stops.len() + 1, self.matrix.num_rows());
     }
 
-    /// What the best scheduler for a weighted sum achieves of each objective, from the start.
-    pub fn best(
-        &self,
-        weights: &[Rational],
-        options: &Options<'_>,
-    ) -> Result<Vec<Rational>, CheckError> {
+    /// The best scheduler for a weighted sum, and what it achieves of each objective, from the start.
+    pub fn best(&self, weights: &[Rational], options: &Options<'_>) -> Result<Corner, CheckError> {
         let sum = |of: &dyn Fn(usize) -> Rational| -> Rational {
             weights.iter().enumerate().map(|(i, w)| w * of(i)).sum()
         };
@@ -145,7 +174,8 @@ impl Skeleton {
         let problem = self.problem(reward, self.stops.iter().map(fixed).collect());
         let chosen = optimum::exact::solve(&problem, options)?.choice;
         let value = |objective: usize| self.value(objective, &chosen, options);
-        (0..weights.len()).map(value).collect()
+        let numbers = (0..weights.len()).map(value).collect::<Result<_, _>>()?;
+        Ok(Corner { numbers, chosen })
     }
 
     fn problem(
@@ -260,7 +290,7 @@ fn stopping(
     joint: &mut Joint<'_, Rational>,
     component: &EndComponent,
     kinds: &[Kind],
-) -> Result<Vec<Vec<Rational>>, CheckError> {
+) -> Result<Vec<Stop>, CheckError> {
     let paths: Vec<(usize, usize)> = (kinds.iter().enumerate())
         .filter_map(|(place, kind)| match kind {
             Kind::Path(formula) => Some((place, *formula)),
@@ -274,9 +304,9 @@ fn stopping(
     }
     let mut masks: Vec<u32> = (0..1 << paths.len()).collect();
     masks.sort_by_key(|mask| std::cmp::Reverse(mask.count_ones()));
-    let mut found: Vec<u32> = Vec::new();
+    let mut found: Vec<(u32, Recurring)> = Vec::new();
     for mask in masks {
-        if found.iter().any(|greater| greater & mask == mask) {
+        if found.iter().any(|(greater, _)| greater & mask == mask) {
             continue;
         }
         let inside = |place: &usize| mask & (1 << place) != 0;
@@ -284,20 +314,20 @@ fn stopping(
             .filter(inside)
             .map(|p| paths[p].1)
             .collect();
-        if joint.satisfies(component, &wanted)? {
-            found.push(mask);
+        if let Some(recurring) = joint.recurring(component, &wanted)? {
+            found.push((mask, recurring));
         }
     }
-    let values = |mask: &u32| {
+    let values = |(mask, recurring): (u32, Recurring)| {
         let mut values = vec![Rational::zero(); kinds.len()];
         for (place, (objective, _)) in paths.iter().enumerate() {
             if mask & (1 << place) != 0 {
                 values[*objective] = Rational::one();
             }
         }
-        values
+        (values, recurring)
     };
-    Ok(found.iter().map(values).collect())
+    Ok(found.into_iter().map(values).collect())
 }
 
 /// A row's entries by class, without the own one.

@@ -112,3 +112,37 @@ impl Tour {
         }
     }
 }
+
+/// How to stay in components: first to where one goes round, then round.
+pub(crate) struct Stay {
+    towards: Vec<usize>,
+    tour: Tour,
+}
+
+impl Stay {
+    /// In each component, with where in it one goes round.
+    pub fn new<N>(choices: Choices<'_, N>, components: &[(EndComponent, Recurring)]) -> Self {
+        let tour = Tour::new(choices, components.iter().map(|(_, r)| r.clone()).collect());
+        let mut inside = vec![false; choices.num_states()];
+        let mut stays = vec![false; choices.matrix.num_rows()];
+        for (component, _) in components {
+            let states = component.states.iter();
+            states.for_each(|state| inside[*state as usize] = true);
+            component.rows.iter().for_each(|row| stays[*row] = true);
+        }
+        let backward = Backward::new(choices);
+        let (_, towards) = backward.reaching(&tour.goal(), |s| inside[s], |row| stays[row]);
+        Self { towards, tour }
+    }
+
+    /// What is done in a state of a component, if this place of the round is next.
+    pub fn row(&self, state: usize, place: u32) -> usize {
+        let touring = self.tour.row(state, place);
+        touring.unwrap_or(self.towards[state])
+    }
+
+    /// The place that is next after a row was taken.
+    pub fn next(&self, state: usize, place: u32, row: usize) -> u32 {
+        self.tour.next(state, place, row)
+    }
+}

@@ -21,7 +21,8 @@ pub struct StrategyReport {
     /// The names of the model's variables.
     pub variables: Vec<String>,
     /// What the memory says: `steps` (how many were taken, up to a last number after which none matters), `automaton`
-    /// (where the automaton of the formula is, and what must recur next); null where the state is enough.
+    /// (where the automaton of the formula is, and what must recur next), `mixture` (which of several schedulers was
+    /// drawn in the beginning, and its memory); null where the state is enough.
     pub memory: Option<String>,
     /// What is done, where it matters.
     pub decisions: Vec<DecisionReport>,
@@ -38,6 +39,8 @@ pub struct DecisionReport {
     pub choice: usize,
     /// Its action, if it has one.
     pub action: Option<String>,
+    /// How likely it is taken, as a fraction, where one of several choices is drawn; null where it is the only one.
+    pub share: Option<String>,
 }
 
 /// Writes the scheduler of a property, or says why there is none.
@@ -126,6 +129,7 @@ fn report<N: Arithmetic + Written>(
         Scheduler::WithMemory(memory) => Some(match memory.meaning {
             Meaning::Steps => "steps",
             Meaning::Automaton => "automaton",
+            Meaning::Mixture => "mixture",
         }),
     };
     let decision = |decision: checker::formats::Decision| DecisionReport {
@@ -133,6 +137,7 @@ fn report<N: Arithmetic + Written>(
         memory: decision.memory,
         choice: decision.row - space.choices(decision.state).start,
         action: (space.action(decision.row)).map(|action| space.actions()[action].clone()),
+        share: decision.share.map(|share| share.to_string()),
     };
     StrategyReport {
         format: "1.0".into(),
