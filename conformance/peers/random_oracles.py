@@ -40,13 +40,16 @@ def meets(value, comparison, bound):
 class Oracle:
     """One model, built once, in exact arithmetic."""
 
-    def __init__(self, path, constants):
+    def __init__(self, path, constants, loses=False):
+        # With negative rewards Storm's infinity may be the number -1, and infinite losses are infinite gains.
+        self.loses = loses
         program = stormpy.parse_prism_program(str(path), prism_compatibility=True)
         anything = stormpy.parse_property('P=? [ F "one" ]' if "mdp" not in str(program.model_type).lower() else 'Pmax=? [ F "one" ]', program)
         self.program, _ = stormpy.instantiate_constants(program, constants, [anything])
         options = stormpy.BuilderOptions(build_full=True)
         options.set_build_all_labels()
         options.set_build_all_reward_models()
+        options.set_build_state_valuations()
         self.model = stormpy.build_model[stormpy.Rational](self.program, options=options)
         self.initial = self.model.initial_states
 
@@ -66,7 +69,12 @@ class Oracle:
         if hasattr(result, "get_truth_values_vector"):
             holds = set(result.get_truth_values_vector())
             return [state in holds for state in range(self.model.nr_states)]
-        return [number(value) for value in result.get_value_vector()]
+        return [self.unambiguous(number(value)) for value in result.get_value_vector()]
+
+    def unambiguous(self, value):
+        if self.loses and value == INFINITE:
+            raise ValueError("infinite, or -1")
+        return value
 
     def states(self, label):
         if label == "true":
@@ -77,7 +85,7 @@ class Oracle:
         result = self.check(question.oracle)
         if hasattr(result, "get_truth_values_vector"):
             return str(self.initial[0] in set(result.get_truth_values_vector())).lower()
-        return number(result.get_value(self.initial[0]))
+        return self.unambiguous(number(result.get_value(self.initial[0])))
 
     def of_worst(self, question):
         return meets(self.of_value(question), *question.bound)
@@ -99,11 +107,78 @@ class Oracle:
         if name == "range":
             most = max(finite) if len(finite) == len(values) else INFINITE
             return Span(min(finite) if finite else INFINITE, most)
+        if name in ("first", "argmin", "argmax"):
+            return self.of_places(name, states)(values)
         if name == "min":
             return min(finite) if finite else INFINITE
         if len(finite) < len(values):
             return INFINITE
         return {"max": max, "sum": sum, "avg": lambda all: sum(all) / len(all)}[name](finite)
+
+    def of_places(self, name, states):
+        """Of values in states: that of the first state, as the variables' values are compared; whether the initial state has the
+        least or the greatest."""
+        if name == "first":
+            key = lambda state: tuple(int(value) for value in self.valuations()[state])
+            return lambda values: values[min(range(len(states)), key=lambda place: key(states[place]))]
+        best = min if name == "argmin" else max
+        order = lambda value: (value == INFINITE, 0 if value == INFINITE else value)
+
+        def holds(values):
+            extreme = order(best(values, key=order))
+            attained = {state for state, value in zip(states, values) if order(value) == extreme}
+            return str(attained.issuperset(self.initial)).lower()
+        return holds
+
+    def valuations(self):
+        """The values of the variables in the order of the text, in each state."""
+        program, values = self.program, self.model.state_valuations
+        numbers, truths = list(program.global_integer_variables), list(program.global_boolean_variables)
+        for module in program.modules:
+            numbers += module.integer_variables
+            truths += module.boolean_variables
+        read = [(v.name, v.expression_variable, values.get_int64_value) for v in numbers]
+        read += [(v.name, v.expression_variable, values.get_boolean_value) for v in truths]
+        # Globals come first, then the modules' variables: x0, on, x1 and so on, and those of the copy.
+        place = {"g": 0, "x0": 1, "on": 2, "x1": 3, "x2": 4, "y0": 5, "ony": 6}
+        read.sort(key=lambda item: place[item[0]])
+        return [[int(of(state, variable)) for _, variable, of in read] for state in range(self.model.nr_states)]
+
+    def of_starts(self, question):
+        values = self.values(question.oracle)
+        values = [values[state] for state in self.initial]
+        order = lambda value: (value == INFINITE, 0 if value == INFINITE else value)
+        return Span(min(values, key=order), max(values, key=order))
+
+    def of_paths(self, question):
+        """By the fixpoints of computation tree logic; `A` is the contrary of `E` of the contrary."""
+        quantifier, shape, first, last = question.oracle
+        count = self.model.nr_states
+        everywhere = set(range(count))
+        after = [{entry.column for action in state.actions for entry in action.transitions} for state in self.model.states]
+        of = lambda name: {"true": everywhere, "false": set()}.get(name) if name in ("true", "false") else set(self.states(name))
+        left, right = of(first), of(last)
+        if shape == "wait":
+            # `a W b` is `b R (a | b)`.
+            shape, left, right = "release", right, left | right
+        if quantifier == "A":
+            shape = {"until": "release", "release": "until", "next": "next"}[shape]
+            left, right = everywhere - left, everywhere - right
+        before = lambda states: {state for state in everywhere if after[state] & states}
+        if shape == "next":
+            found = before(right)
+        else:
+            found = set() if shape == "until" else everywhere
+            while True:
+                more = right | (left & before(found)) if shape == "until" else right & (left | before(found))
+                if more == found:
+                    break
+                found = more
+        return str((self.initial[0] in found) != (quantifier == "A")).lower()
+
+    def of_sum(self, question):
+        texts, join = question.oracle
+        return join(*(number(self.check(text).get_value(self.initial[0])) for text in texts))
 
     def of_optimum(self, question):
         value = self.of_value(question)

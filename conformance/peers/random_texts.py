@@ -3,6 +3,8 @@
 A question says of which kind it is, so that what no oracle can answer stays visible kind by kind.
 """
 
+import itertools
+import re
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,7 +18,11 @@ class Model:
 
     def __init__(self, draw, kind):
         self.draw, self.kind, self.used = draw, kind, set()
+        # Of each module, its variables' lines and its commands.
+        self.variables, self.commands = {}, {}
         self.ranges = [draw.randint(1, 3) for _ in range(draw.randint(1, 3))]
+        # Least values; all begin at 0.
+        self.lows = [draw.choice([0, 0, 0, -1, -2]) for _ in self.ranges]
         self.actions = draw.sample(["a", "b"], draw.randint(0, 2))
         self.has_copy = draw.random() < 0.2
         self.has_switch = draw.random() < 0.3
@@ -25,20 +31,35 @@ class Model:
         self.several = draw.random() < 0.1
         # In most models everything ends in some states, so that probabilities are not only 0 and 1.
         self.end = f"!({self.equality()} | {self.equality()})" if draw.random() < 0.7 else "true"
-        self.formulas = f"formula busy = {self.formula()};\n" if draw.random() < 0.3 else ""
+        self.busy = self.formula() if draw.random() < 0.3 else ""
+        self.formulas = f"formula busy = {self.busy};\n" if self.busy else ""
         modules = [self.module(number) for number in range(len(self.ranges))]
         if self.has_copy:
             modules.append(self.copy())
         head = f"{kind}\nconst double p;\nconst double q;\nconst int N = 2;\n{self.formulas}"
         if self.has_global:
             head += "global g : [0..N]" + ("" if self.several else " init 1") + ";\n"
-        self.text = head + "\n".join(modules) + self.initial() + self.rewards() + self.labels()
+        self.loses = draw.random() < 0.15
+        rest = self.initial() + self.rewards() + self.labels()
+        self.text = self.plain = head + "\n".join(modules) + rest
+        if len(modules) > 1 and draw.random() < 0.2:
+            system, commands = self.system()
+            self.text += f"system {system} endsystem\n"
+            variables = [line for module in self.variables.values() for line in module]
+            # The same without `system`, which Storm does not build.
+            self.plain = head + "module all\n" + "".join(variables) + "".join(map(written, commands)) + "endmodule\n" + rest
+        # Nor has it equivalence.
+        self.plain = self.plain.replace(") <=> (", ") = (")
 
     def names(self):
         return [(f"x{number}", top) for number, top in enumerate(self.ranges)] + [("g", 2)] * self.has_global
 
     def atom(self):
         name, top = self.draw.choice(self.names())
+        if self.draw.random() < 0.2:
+            other = self.draw.choice(self.names())[0]
+            return self.draw.choice([f"{name}/2>0.4", f"pow({name},2)<={top}", f"{name}+{other}>={top}", f"{name}*{other}!=1",
+                                     f"({name}=0 ? {other}>0 : {other}<=1)", f"max({name},{other})={top}", f"ceil({name}/2)={top - 1}"])
         return f"{name}{self.draw.choice(['=', '!=', '<', '>='])}{self.draw.randint(0, top)}"
 
     def equality(self):
@@ -47,6 +68,8 @@ class Model:
 
     def formula(self):
         atoms = [self.atom() for _ in range(self.draw.randint(1, 2))]
+        if len(atoms) == 2 and self.draw.random() < 0.2:
+            return f"(({atoms[0]}) <=> ({atoms[1]}))"
         return f"({self.draw.choice([' & ', ' | ', ' => ']).join(atoms)})"
 
     def guard(self):
@@ -58,10 +81,10 @@ class Model:
         return self.draw.choice(choices)
 
     def value(self, number):
-        top, shift = self.ranges[number], self.draw.randint(0, 2)
+        top, shift, low = self.ranges[number], self.draw.randint(0, 2), self.lows[number]
         return self.draw.choice([
-            str(self.draw.randint(0, top)), str(self.draw.randint(0, top)),
-            f"mod(x{number}+{shift},{top + 1})", f"min(x{number}+{shift},{top})", f"max(x{number}-1,0)",
+            str(self.draw.randint(low, top)), str(self.draw.randint(0, top)), f"max(x{number}-{shift},{low})",
+            f"mod(max(x{number},0)+{shift},{top + 1})", f"min(x{number}+{shift},{top})", f"max(x{number}-1,0)",
             f"(x{number}=0 ? {top} : {self.draw.randint(0, top)})", f"floor(x{number}/2)",
         ])
 
@@ -76,17 +99,18 @@ class Model:
         for _ in range(self.draw.randint(1, 4)):
             action = self.draw.choice(["", *self.actions]) if commands else ""
             self.used.update(action)
-            updates = [f"{weight}:{self.update(number, action)}" for weight in self.weights()]
+            updates = [(weight, self.update(number, action)) for weight in self.weights()]
             guard = f"{self.guard()} & {self.end}" if commands else self.end
-            commands.append(f"  [{action}] {guard} -> {' + '.join(updates)};")
+            commands.append((action, guard, updates))
         if number == 0 and self.end != "true":
             # Without deadlocks: Storm leaves out their state's rewards (conformance/models/deadlock_rewards.props).
-            commands.append(f"  [] !({self.end}) -> 1:true;")
+            commands.append(("", f"!({self.end})", [("1", "true")]))
         start = "" if self.several else " init 0"
-        variables = f"  x{number} : [0..{self.ranges[number]}]{start};\n"
+        variables = f"  x{number} : [{self.lows[number]}..{self.ranges[number]}]{start};\n"
         if number == 0 and self.has_switch:
             variables += "  on : bool" + ("" if self.several else " init false") + ";\n"
-        return f"module m{number}\n{variables}" + "\n".join(commands) + "\nendmodule\n"
+        self.variables[f"m{number}"], self.commands[f"m{number}"] = [variables], commands
+        return f"module m{number}\n{variables}" + "".join(map(written, commands)) + "endmodule\n"
 
     def update(self, number, action):
         parts = [f"(x{number}'={self.value(number)})"]
@@ -100,13 +124,38 @@ class Model:
         """Another process like the first, by renaming."""
         exchange = {"a": "b", "b": "a"} if self.draw.random() < 0.5 and len(self.actions) == 2 else {}
         pairs = [("x0", "y0")] + [("on", "ony")] * self.has_switch + list(exchange.items())
+        names = dict(pairs)
+        # Renaming reaches into formulas.
+        renamed = lambda text: re.sub(r"\w+", lambda word: names.get(word[0], word[0]), re.sub(r"\bbusy\b", self.busy or "busy", text))
+        self.variables["copy"] = [renamed(line) for line in self.variables["m0"]]
+        self.commands["copy"] = [(names.get(action, action), renamed(guard), [(renamed(p), renamed(update)) for p, update in updates])
+                                 for action, guard, updates in self.commands["m0"]]
         return f"module copy = m0 [ {', '.join(f'{old}={new}' for old, new in pairs)} ] endmodule\n"
 
     def initial(self):
         return "\ninit x0<=1 endinit\n" if self.several else ""
 
+    def system(self):
+        """How the modules are composed, with names hidden or changed; and the commands of one module that does the same."""
+        names = list(self.commands)
+        self.draw.shuffle(names)
+        whole, commands = names[0], self.commands[names[0]]
+        for name in names[1:]:
+            known, own = ({command[0] for command in side} - {""} for side in (commands, self.commands[name]))
+            join = self.draw.choice(["||", "|||"] + [f"|[{action}]|" for action in sorted(self.used)] * 2)
+            over = {"||": known & own, "|||": set()}.get(join) if join[1] == "|" else {join[2]}
+            whole, commands = f"({whole} {join} {name})", together(commands, self.commands[name], over)
+            if self.used and self.draw.random() < 0.4:
+                old = self.draw.choice(sorted(self.used))
+                how, new = self.draw.choice([(f"/{{{old}}}", ""), (f"{{{old}<-c}}", "c")])
+                whole = f"({whole}{how})"
+                commands = [(new if action == old else action, *rest) for action, *rest in commands]
+        return whole, commands
+
     def rewards(self):
-        items = [f"  {self.formula()} : {self.draw.choice(['1', '2', '0.5', '1/3', 'x0+p'])};"]
+        values = ['1', '2', '0.5', '1/3', 'x0+p'] if min(self.lows) == 0 else ['1', '2', '0.5', '1/3', 'max(x0,0)+p']
+        values = ['-1', '-x0/2', '1', '3-2*x0'] if self.loses else values
+        items = [f"  {self.formula()} : {self.draw.choice(values)};"]
         if self.draw.random() < 0.5:
             action = self.draw.choice(["", *sorted(self.used)])
             items.append(f"  [{action}] {self.formula()} : {self.draw.choice(['1', '3', '2*q'])};")
@@ -118,6 +167,22 @@ class Model:
         return "".join(f"label {name} = {text};\n" for name, text in zip(LABELS, texts))
 
 
+def written(command):
+    action, guard, updates = command
+    return f"  [{action}] {guard} -> {' + '.join(f'{p}:{update}' for p, update in updates)};\n"
+
+
+def together(left, right, over):
+    """The commands of two sides that take the actions of a set together."""
+    found = [command for command in left + right if command[0] not in over]
+    for one, other in itertools.product(left, right):
+        if one[0] in over and one[0] == other[0]:
+            updates = [(f"({p})*({q})", "&".join(part for part in (a, b) if part != "true") or "true")
+                       for (p, a), (q, b) in itertools.product(one[2], other[2])]
+            found.append((one[0], f"({one[1]}) & ({other[1]})", updates))
+    return found
+
+
 @dataclass
 class Question:
     """What is asked of the program, and of an oracle.
@@ -127,6 +192,9 @@ class Question:
     worst: whether the value of `oracle` meets `bound`;
     quotient: of the values of two texts;
     filter: a function of all states' values;
+    starts: the least and the greatest value in the initial states;
+    paths: of all or some paths, by fixpoints on the oracle's graph;
+    sum: a combination of the values of texts;
     optimum: an approximate value of Storm's;
     timed: exponentials of matrices, with `oracle` the parts of the question.
     """
@@ -313,11 +381,42 @@ class Questions:
             name = draw.choice(["forall", "exists", "count"])
             ours, storms = self.inner()
         else:
-            name = draw.choice(["min", "max", "avg", "sum", "range"])
+            name = draw.choice(["min", "max", "avg", "sum", "range", "first", "argmin", "argmax"])
             a, b, optimum = draw.choice(LABELS), draw.choice(LABELS), self.optimum()
             ours = storms = draw.choice([f"P{optimum}=? [ F {a} ]", f"P{optimum}=? [ {a} U {b} ]", f"P{optimum}=? [ X {a} ]",
                                          f'R{{"time"}}{optimum}=? [ F {a} ]', f'R{{"r"}}{optimum}=? [ F {a} ]'])
         return Question(f"filter {name}", f"filter({name}, {ours}, {over})", (name, storms, over), "filter")
+
+    def starts(self):
+        """A number in all initial states."""
+        a, b, optimum = self.draw.choice(LABELS), self.draw.choice(LABELS), self.optimum()
+        text = self.draw.choice([f"P{optimum}=? [ F {a} ]", f"P{optimum}=? [ {a} U {b} ]", f"P{optimum}=? [ X {a} ]",
+                                 f"P{optimum}=? [ G F {a} ]", f'R{{"time"}}{optimum}=? [ F {a} ]'])
+        return Question("several starts", text, text, "starts")
+
+    def of_paths(self):
+        """Computation tree logic."""
+        a, b, steps = self.draw.choice(LABELS), self.draw.choice(LABELS), self.draw.randint(0, 3)
+        quantifier = self.draw.choice("AE")
+        text, parts = self.draw.choice([
+            (f"F {a}", ("until", "true", a)), (f"G {a}", ("release", "false", a)), (f"{a} U {b}", ("until", a, b)),
+            (f"{a} R {b}", ("release", a, b)), (f"X {a}", ("next", a, a)), (f"{a} W {b}", ("wait", a, b)),
+        ])
+        return Question("A and E", f"{quantifier} [ {text} ]", (quantifier, *parts), "paths")
+
+    def arithmetic(self):
+        a, b, optimum = self.draw.choice(LABELS), self.draw.choice(LABELS), self.optimum()
+        one, other = f"P{optimum}=? [ F {a} ]", f"P{optimum}=? [ X {b} ]"
+        ours, join = self.draw.choice([
+            (f"2*{one} - {other}/3", lambda x, y: 2 * x - y / 3), (f"1-{one}*{other}", lambda x, y: 1 - x * y),
+            (f"max({one}, {other})", max), (f"min({one}, 1/2)+{other}", lambda x, y: min(x, Fraction(1, 2)) + y),
+            (f"1 + -{one}", lambda x, _: 1 - x), (f"pow({one}, 2)+{other}", lambda x, y: x * x + y),
+        ])
+        return Question("arithmetic", ours, ((one, other), join), "sum")
+
+    def ratio(self):
+        """A reward for each unit of another one."""
+        return Question("R ratio", 'R{"r"}/{"time"}=? [ S ]', ('R{"r"}=? [ LRA ]', 'R{"time"}=? [ LRA ]'), "quotient")
 
     def multi(self):
         draw = self.draw
@@ -332,9 +431,11 @@ class Questions:
     def several(self, count, one_start):
         """So many questions, of kinds that fit."""
         if not one_start:
-            return [self.filter() for _ in range(count)]
+            return [self.draw.choice([self.filter, self.starts])() for _ in range(count)]
         kinds = [self.probability, self.of_ltl, self.of_ltl, self.rewards, self.rewards, self.steady, self.bound, self.nested,
-                 self.conditional, self.filter]
+                 self.conditional, self.filter, self.of_paths, self.arithmetic]
         kinds += {"dtmc": [self.bounded_steps, self.sequence_rewards], "mdp": [self.bounded_steps, self.multi],
                   "ctmc": [self.bounded_time, self.rewards_in_time]}[self.kind]
+        if self.kind != "mdp":
+            kinds.append(self.ratio)
         return [self.draw.choice(kinds)() for _ in range(count)]

@@ -5,7 +5,8 @@
 //! is asked of an [`Oracle`], which need not be trusted: its bounds count only if all inequalities hold ([`inequalities`]).
 //! Linear temporal logic becomes reachability in a product with machines ([`product`](super::product)); averages are bounded by gain and bias,
 //! totals by inequalities ([`average`], [`total`]); conditions are restarts ([`conditional`](crate::conditional)), and of all
-//! or some paths sets of states are the fixpoints of their definitions ([`quantifiers`](crate::quantifiers)). Truth values of nested operators follow from the bounds; where these
+//! or some paths sets of states are the fixpoints of their definitions ([`quantifiers`](crate::quantifiers)); several
+//! objectives have bounds by weights and mixtures ([`multi`](crate::multi)). Truth values of nested operators follow from the bounds; where these
 //! leave one open, nothing is certified.
 //!
 //! Guarantee: exact where inequalities are checked, containment where intervals are computed. Nothing is shared with the
@@ -97,9 +98,19 @@ impl<'a> Evaluator<'a> {
                 (values, truth)
             }
             Property::State(formula) => {
-                let truths = self.truths(formula)?;
-                let truth = truths[initial.clone()].iter().all(|holds| *holds);
-                (vec![Interval::ANY; truths.len()], Some(truth))
+                // What is greatest need be known of the initial states only.
+                let extreme = match formula {
+                    StateFormula::Filter(filter) => self.initial_extreme(filter)?,
+                    _ => None,
+                };
+                let truth = match extreme {
+                    Some(truth) => truth,
+                    None => {
+                        let truths = self.truths(formula)?;
+                        truths[initial.clone()].iter().all(|holds| *holds)
+                    }
+                };
+                (vec![Interval::ANY; reading.states.len()], Some(truth))
             }
             Property::Number(quantity) => (self.numbers(quantity)?, None),
             Property::Range(filter) => {
@@ -113,7 +124,7 @@ impl<'a> Evaluator<'a> {
                     inequalities: self.inequalities,
                 });
             }
-            Property::Objectives(_) => return Err(unsupported("an answer for several objectives")),
+            Property::Objectives(objectives) => return self.objectives(objectives),
         };
         let end = |maximise: bool| {
             let values = initial.clone().map(|state| values[state]);
@@ -267,7 +278,7 @@ fn all(values: &[Interval], comparison: Comparison, bound: &Interval) -> Result<
     Ok(all)
 }
 
-fn open() -> Failure {
+pub(crate) fn open() -> Failure {
     Failure::Unsupported("a comparison that the bounds leave open".to_owned())
 }
 

@@ -1,7 +1,8 @@
 //! Intervals of floating-point numbers whose ends are rounded outwards, so that they contain what is computed.
 //!
 //! *Definition.* Each operation is done on the ends to nearest and moved to the next number outwards; operations with 0
-//! and 1 are exact and not moved. Source: Moore 1966, "Interval Analysis". Guarantee: containment.
+//! and 1 are exact and not moved, and sums are moved only to the side of their rounding error, which is computed.
+//! Source: Moore 1966, "Interval Analysis"; Knuth 1969, section 4.2.2 (the error of a sum). Guarantee: containment.
 
 use prism_lang::{Number, Rational, rational_to_f64};
 
@@ -67,7 +68,10 @@ impl Interval {
         if other.is(0.0) {
             return *self;
         }
-        Self::outwards(self.low + other.low, self.high + other.high)
+        Self {
+            low: sum(self.low, other.low).0,
+            high: sum(self.high, other.high).1,
+        }
     }
 
     pub(crate) fn sub(&self, other: &Self) -> Self {
@@ -77,7 +81,10 @@ impl Interval {
         if self.low == self.high && self == other && self.low.is_finite() {
             return Self::ZERO;
         }
-        Self::outwards(self.low - other.high, self.high - other.low)
+        Self {
+            low: sum(self.low, -other.high).0,
+            high: sum(self.high, -other.low).1,
+        }
     }
 
     pub(crate) fn mul(&self, other: &Self) -> Self {
@@ -173,5 +180,55 @@ impl Interval {
                 high.next_up()
             },
         }
+    }
+}
+
+/// The numbers next to a sum, below and above, or the sum itself where it is exact.
+fn sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    if a.is_finite() && b.is_finite() && sum.is_infinite() {
+        // More than the greatest number, but not infinite.
+        return match sum > 0.0 {
+            true => (f64::MAX, sum),
+            false => (sum, f64::MIN),
+        };
+    }
+    if !sum.is_finite() {
+        let around = Interval::outwards(sum, sum);
+        return (around.low, around.high);
+    }
+    let of_b = sum - a;
+    let error = (a - (sum - of_b)) + (b - of_b);
+    match error {
+        _ if error < 0.0 => (sum.next_down(), sum),
+        _ if error > 0.0 => (sum, sum.next_up()),
+        _ if error == 0.0 => (sum, sum),
+        // Too large to tell.
+        _ => (sum.next_down(), sum.next_up()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_contain_the_exact_one_and_are_it_where_it_is_a_number() {
+        let exact = |x: f64| Rational::from_float(x).unwrap();
+        for (a, b) in [
+            (1.0, -1.0),
+            (0.1, 0.2),
+            (1.0, 1e-30),
+            (1e300, -3.0),
+            (0.3, -0.1),
+            (5e-324, -1.0),
+        ] {
+            let (low, high) = sum(a, b);
+            let whole = exact(a) + exact(b);
+            assert!(exact(low) <= whole && whole <= exact(high), "{a} + {b}");
+            assert!(high <= low.next_up(), "{a} + {b}");
+            assert_eq!(low == high, exact(low) == whole, "{a} + {b}");
+        }
+        assert_eq!(sum(f64::MAX, f64::MAX).0, f64::MAX);
     }
 }

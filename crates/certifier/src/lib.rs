@@ -38,6 +38,7 @@ mod failure;
 mod formula;
 pub mod inequalities;
 mod interval;
+mod multi;
 mod process;
 mod product;
 mod quantifiers;

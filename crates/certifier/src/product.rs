@@ -26,6 +26,8 @@ const MOST_STATES: usize = 5_000_000;
 pub(crate) struct Product {
     /// The state of each machine, in each state.
     machines: Vec<Vec<usize>>,
+    /// The model's state, in each state.
+    pub state: Vec<usize>,
     pub choices: Vec<Vec<Choice>>,
     /// Where each state of the model starts.
     pub start: Vec<usize>,
@@ -92,6 +94,7 @@ impl Product {
             choices.push(own);
         }
         Ok(Self {
+            state: states.iter().map(|(state, _)| *state).collect(),
             machines: states.into_iter().map(|(_, machines)| machines).collect(),
             choices,
             start,

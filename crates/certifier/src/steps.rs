@@ -17,21 +17,33 @@ pub(crate) struct Rows {
     entries: u64,
 }
 
-struct Row {
+/// A choice in intervals.
+pub(crate) struct Row {
     outcomes: Vec<(usize, Interval)>,
     reward: Interval,
 }
 
-impl Rows {
-    pub fn new(choices: &[Vec<Choice>]) -> Self {
-        let row = |choice: &Choice| Row {
+impl Row {
+    pub fn new(choice: &Choice) -> Self {
+        Self {
             outcomes: (choice.outcomes.iter())
                 .map(|(target, p)| (*target, Interval::of(p)))
                 .collect(),
             reward: Interval::of(&choice.reward),
-        };
+        }
+    }
+
+    /// The mean of values after the step, and something more.
+    pub fn mean(&self, more: Interval, values: &[Interval]) -> Interval {
+        let outcomes = self.outcomes.iter();
+        outcomes.fold(more, |sum, (target, p)| sum.add(&p.mul(&values[*target])))
+    }
+}
+
+impl Rows {
+    pub fn new(choices: &[Vec<Choice>]) -> Self {
         let choices: Vec<Vec<Row>> = (choices.iter())
-            .map(|choices| choices.iter().map(row).collect())
+            .map(|choices| choices.iter().map(Row::new).collect())
             .collect();
         let lengths = choices
             .iter()
@@ -86,8 +98,7 @@ impl Rows {
                 true => row.reward,
                 false => Interval::ZERO,
             };
-            let outcomes = row.outcomes.iter();
-            outcomes.fold(start, |sum, (target, p)| sum.add(&p.mul(&values[*target])))
+            row.mean(start, values)
         };
         let values = self.choices[state].iter().map(value);
         let best = values.reduce(|a, b| a.best(&b, maximise));

@@ -13,6 +13,7 @@ use prism_lang::property::{Path, TimedOperator};
 use prism_lang::{Number, Rational, rational_to_f64};
 
 use crate::evaluate::{Evaluator, as_set};
+use crate::explicit::possible;
 use crate::failure::Failure;
 use crate::interval::Interval;
 use crate::question::unsupported;
@@ -175,11 +176,26 @@ fn after(
     if (expected + 40.0 * pieces) * entries as f64 > MOST_WORK {
         return Err(unsupported("so long a time in so large a model"));
     }
+    // Where nothing is ahead the value is 0, and where nothing moves it stays, without rounding.
+    let is_ahead = |state: usize| {
+        x[state] != Interval::ZERO || rates.iter().any(|r| r[state] != Interval::ZERO)
+    };
+    let ahead = possible(&choices, &(0..x.len()).map(is_ahead).collect::<Vec<bool>>());
+    let kept: Vec<Option<Interval>> = (0..x.len())
+        .map(|state| match (ahead[state], active(state)) {
+            (false, _) => Some(Interval::ZERO),
+            (true, false) if rates.is_none() => Some(x[state]),
+            _ => None,
+        })
+        .collect();
     let number = Rational::from_float(pieces).unwrap_or_else(Rational::one);
     let piece = Interval::of(&(&fastest * time / number));
     let fastest = Interval::of(&fastest);
     for _ in 0..pieces as u64 {
         x = one_piece(&rows, &x, rates.as_deref(), &piece, &fastest, go_on)?;
+        for (x, kept) in x.iter_mut().zip(&kept) {
+            *x = kept.unwrap_or(*x);
+        }
     }
     Ok(x)
 }

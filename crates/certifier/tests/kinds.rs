@@ -267,6 +267,11 @@ fn time_passes_in_intervals() {
     holds(text, "R=? [ I=0.5 ]", 5.0 * e(1.0));
     holds(text, "R=? [ C<=0.5 ]", 2.5 * (1.0 - e(1.0)));
     holds(text, "R=? [ F s=2 ]", 2.5);
+    // What cannot happen has exactly no probability.
+    for asked in ["P=? [ G<=40 s=1 ]", "P=? [ s=2 U[0.1,2] s=1 ]"] {
+        let found = certified(text, asked, &mut Iteration::new(0.0, 0.0)).unwrap();
+        assert_eq!((found.low, found.high), (0.0, 0.0), "{asked}");
+    }
 }
 
 /// What is shown of the least and the greatest value, each to within 1e-6, and refused where it is spoilt.
@@ -463,6 +468,48 @@ fn filters_and_functions_of_values() {
     holds(WALK, "P=? [ F s=3 ] ^ 2", 1.0 / 169.0);
     holds(WALK, "pow(P=? [ F s=3 ], -1)", 13.0);
     holds(WALK, "floor(14 * P=? [ F s=3 ]) + ceil(P=? [ F s=3 ])", 2.0);
+}
+
+#[test]
+fn several_objectives_have_weights_and_mixtures() {
+    let text = "mdp module m s : [0..4];
+        [x] s=0 -> (s'=1); [y] s=0 -> (s'=2); [z] s=0 -> 1/2:(s'=1) + 1/4:(s'=2) + 1/4:(s'=3);
+        [] s=1 -> true; [] s=1 -> (s'=4); [] s=4 -> (s'=1); [] s=2 | s=3 -> true; endmodule
+        rewards [x] true : 4; [y] true : 1; [z] true : 1; endrewards";
+    holds(text, "multi(Pmax=? [ F s=1 ], P>=0.3 [ F s=2 ])", 0.7);
+    holds(
+        text,
+        "multi(Pmin=? [ F s=1 ], P<=0.3 [ F s=2 ])",
+        7.0 / 15.0,
+    );
+    // All of z earns 1; the rest, a third, of what is left earns 3 more for 1/2.
+    holds(text, "multi(Pmax=? [ F s=1 ], R<=2 [ C<=3 ])", 2.0 / 3.0);
+    holds(text, "multi(Rmin=? [ C<=1 ], P>=0.75 [ F s=1 ])", 2.5);
+    holds(
+        text,
+        "multi(Rmin=? [ C<=1 ], P>=0.6 [ F s=1 ], P>=0.3 [ F s=2 ])",
+        2.2,
+    );
+    // In one component both can recur, but not both what recurs and what ends.
+    holds(text, "multi(Pmax=? [ G F s=4 ], P>=0.25 [ F G s=1 ])", 0.75);
+    holds(text, "multi(Pmax=? [ G F s=4 ], P>=0.9 [ G F s=1 ])", 1.0);
+    for (asked, expected) in [
+        ("multi(P>=0.4 [ F s=1 ], P>=0.5 [ F s=2 ])", true),
+        ("multi(P>=0.6 [ F s=1 ], P>=0.5 [ F s=2 ])", false),
+        ("multi(P>=0.6 [ F s=1 ], R<=1.5 [ C<=2 ])", false),
+        ("multi(P>=0.55 [ F s=1 ], R<1.5 [ C<=2 ])", true),
+        // Nothing meets these, so that there is no greatest value.
+        (
+            "multi(Pmax=? [ F s=3 ], P>=0.6 [ F s=1 ], P>=0.5 [ F s=2 ])",
+            false,
+        ),
+    ] {
+        assert_eq!(truth(text, asked), Some(expected), "{asked}");
+    }
+    // On the boundary nothing is claimed that does not hold.
+    let boundary = "multi(P>=0.5 [ F s=1 ], P>0.5 [ F s=2 ])";
+    let found = certified(text, boundary, &mut Iteration::new(0.0, 0.0));
+    assert_ne!(found.map(|found| found.truth), Ok(Some(true)));
 }
 
 #[test]

@@ -69,7 +69,11 @@ impl Evaluator<'_> {
             FilterOperand::Truth(operand) => operand,
             FilterOperand::Number(quantity) => {
                 let values = self.numbers(quantity)?;
-                return extreme(filter.operator, &selected, &values);
+                let holds = extreme(filter.operator, &selected, &values)?;
+                return holds
+                    .into_iter()
+                    .map(|holds| holds.ok_or_else(open))
+                    .collect();
             }
         };
         let truths = self.truths(operand)?;
@@ -84,6 +88,22 @@ impl Evaluator<'_> {
             _ => return Err(unsupported("this filter")),
         };
         Ok(vec![holds; truths.len()])
+    }
+
+    /// Whether all initial states have the least or greatest value; nothing for other filters.
+    pub(super) fn initial_extreme(&mut self, filter: &Filter) -> Result<Option<bool>, Failure> {
+        let FilterOperand::Number(quantity) = &filter.operand else {
+            return Ok(None);
+        };
+        let selected = self.selected(filter)?;
+        let values = self.numbers(quantity)?;
+        let holds = extreme(filter.operator, &selected, &values)?;
+        let initial = &holds[..self.reading()?.num_initial];
+        match initial.contains(&Some(false)) {
+            true => Ok(Some(false)),
+            false if initial.contains(&None) => Err(open()),
+            false => Ok(Some(true)),
+        }
     }
 
     /// The only state, or the first in the order of the variables' values.
@@ -106,30 +126,28 @@ impl Evaluator<'_> {
     }
 }
 
-/// Where the value is the least or greatest of those of some states.
+/// Where the value is the least or greatest of those of some states, as far as that is known.
 fn extreme(
     operator: FilterOperator,
     selected: &[usize],
     values: &[Interval],
-) -> Result<Vec<bool>, Failure> {
-    let maximise = match operator {
-        FilterOperator::ArgMax => true,
-        FilterOperator::ArgMin => false,
-        _ => return Err(unsupported("this filter")),
+) -> Result<Vec<Option<bool>>, Failure> {
+    let better = |value: &Interval| match operator {
+        FilterOperator::ArgMax => Ok((value.low, value.high)),
+        FilterOperator::ArgMin => Ok((-value.high, -value.low)),
+        _ => Err(unsupported("this filter")),
     };
-    let best = selected.iter().map(|state| values[*state]);
-    let best = best.reduce(|a, b| a.best(&b, maximise)).ok_or_else(none)?;
-    let mut holds = vec![false; values.len()];
-    for state in selected {
-        let own = values[*state];
-        let (attains, falls_short) = match maximise {
-            true => (own.low >= best.high, own.high < best.low),
-            false => (own.high <= best.low, own.low > best.high),
+    let ends = selected.iter().map(|state| better(&values[*state]));
+    let ends: Vec<(f64, f64)> = ends.collect::<Result<_, _>>()?;
+    let mut holds = vec![Some(false); values.len()];
+    for (place, state) in selected.iter().enumerate() {
+        let (low, high) = ends[place];
+        let mut others = ends.iter().enumerate().filter(|(other, _)| *other != place);
+        let falls_short = ends.iter().any(|other| other.0 > high);
+        holds[*state] = match falls_short {
+            true => Some(false),
+            false => others.all(|(_, other)| other.1 <= low).then_some(true),
         };
-        if !attains && !falls_short {
-            return Err(open());
-        }
-        holds[*state] = attains;
     }
     Ok(holds)
 }

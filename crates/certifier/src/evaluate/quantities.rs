@@ -138,8 +138,13 @@ impl Evaluator<'_> {
         // Without alternatives expectations add up, each part's own being well defined.
         let gains = self.part_of(query, (structure, Part::Gain), maximise)?;
         let losses = self.part_of(query, (structure, Part::Loss), maximise)?;
-        let pairs = gains.iter().zip(&losses);
-        Ok(pairs.map(|(gain, loss)| gain.sub(loss)).collect())
+        // Where a target may be missed the reward is infinite, whatever is lost.
+        let is_sum = matches!(query.objective, RewardObjective::Total);
+        let difference = |(gain, loss): (&Interval, &Interval)| match gain.low == f64::INFINITY {
+            true if !is_sum => *gain,
+            _ => gain.sub(loss),
+        };
+        Ok(gains.iter().zip(&losses).map(difference).collect())
     }
 
     fn part_of(

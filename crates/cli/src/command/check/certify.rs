@@ -234,6 +234,10 @@ fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
     let (low, high) = (certified.low, certified.high);
     let why = match (report.result.as_deref(), certified.truth) {
         (Some(answer @ ("true" | "false")), Some(truth)) => Some((answer == "true") == truth),
+        // Nothing meets the bounds of several objectives, so that there is no optimum.
+        (Some("NaN"), Some(false)) => Some(true),
+        (Some(_), Some(false)) => Some(false),
+        (Some("NaN"), _) => (low > f64::NEG_INFINITY).then_some(false),
         (Some("Infinity"), _) if low == f64::INFINITY => Some(true),
         (Some("Infinity"), _) => (high < f64::INFINITY).then_some(false),
         (Some(text), _) if text.starts_with('[') => several(report, text, certified),
@@ -357,6 +361,13 @@ mod tests {
             "Rmax=? [ S ]",
             "Rmax=? [ F (s!=0 & (X true)) ]",
             "Pmax=? [ F s=3 ] + Rmax=? [ C<=2 ]",
+            "Pmin=? [ s=0 U (G s=2) ]",
+            "Pmax=? [ F s=3 || F s>0 ]",
+            "multi(Pmax=? [ F s=3 ], P>=0.8 [ F s=2 ])",
+            "multi(Pmax=? [ F s=3 ], P>=1 [ F s=2 ], P>=0.5 [ F s=1 ])",
+            "E [ F s=3 ]",
+            "A [ G s<3 ]",
+            "filter(range, Pmax=? [ F s=3 ], s!=1)",
             "filter(max, Pmax=? [ F s=3 ], s!=1)",
             "P>=0.3 [ F s=1 ]",
             "Rmax=? [ S ] > 0.2 & P<=0.4 [ F s=3 ]",
@@ -374,6 +385,12 @@ mod tests {
             match report.result.as_deref() {
                 Some("true") => report.result = Some("false".into()),
                 Some("false") => report.result = Some("true".into()),
+                Some("NaN") => {
+                    (report.result, report.value) = (Some("0.5".into()), Some(0.5));
+                }
+                Some(range) if range.starts_with('[') => {
+                    report.result = Some("[0,0.51]".into());
+                }
                 _ => {
                     let altered = |end: &mut Option<f64>| {
                         *end = end.map(|x| if x == 0.0 { 1e-3 } else { x * 1.002 });
