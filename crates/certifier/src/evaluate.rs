@@ -53,11 +53,14 @@ pub trait Oracle {
 /// How often an oracle is asked about the same problem.
 const ATTEMPTS: u32 = 6;
 
+/// A reward structure, and which of its rewards.
+type Earned = (Option<usize>, Part);
+
 /// The evaluation of one property.
 pub(crate) struct Evaluator<'a> {
     pub(crate) model: &'a Model,
     pub(crate) oracle: &'a mut dyn Oracle,
-    readings: Vec<((Option<usize>, Part), Rc<Reading>)>,
+    readings: Vec<(Earned, Rc<Reading>)>,
     pub(crate) inequalities: u64,
 }
 
