@@ -105,7 +105,12 @@ impl Table {
     /// As CSV: rates as `count/all`.
     #[must_use]
     pub fn csv(&self) -> String {
-        let mut text = format!("{}\n", self.headings.join(","));
+        let headings: Vec<String> = self
+            .headings
+            .iter()
+            .map(|it| it.replace(',', ";"))
+            .collect();
+        let mut text = format!("{}\n", headings.join(","));
         for row in &self.rows {
             let cells: Vec<String> = row.iter().map(Cell::csv).collect();
             let _ = writeln!(text, "{}", cells.join(","));

@@ -40,6 +40,11 @@ fn faults_are_found_and_located_and_nothing_is_taken_for_one() {
     assert!(lines.iter().all(|line| !line.score.false_independence));
     let tables = tables(&lines);
     assert!(tables.iter().all(|table| table.csv().lines().count() > 1));
+    for table in &tables {
+        let csv = table.csv();
+        let mut widths = csv.lines().map(|line| line.split(',').count());
+        assert!(widths.all(|width| width == table.headings.len()), "{csv}");
+    }
 }
 
 #[test]
