@@ -71,11 +71,7 @@ impl Store {
         name: &str,
         inputs: &str,
     ) -> Option<T> {
-        let bytes = std::fs::read(self.folder.join(name)).ok()?;
-        // A file that cannot be read back is as good as none: it is made again.
-        let stored: Stored<T> = serde_json::from_slice(&bytes).ok()?;
-        let is_fresh = stored.inputs == inputs && stored.digest == digest(&stored.content)?;
-        is_fresh.then_some(stored.content)
+        fresh_in(&self.folder, name, inputs)
     }
 
     /// Keeps a result.
@@ -104,10 +100,9 @@ impl Store {
     /// from other inputs, it is emptied first.
     pub fn stage(&self, name: &str, inputs: &str) -> Result<PathBuf, Problem> {
         let folder = self.folder.join(name);
-        let mark = folder.join("inputs");
+        let mark = folder.join(MARK);
         let fail = |error: std::io::Error| Problem::cannot_write(&folder, &error);
-        let marked = std::fs::read_to_string(&mark).unwrap_or_default();
-        if marked.trim() != inputs {
+        if !is_stage_of(&folder, inputs) {
             if folder.exists() {
                 std::fs::remove_dir_all(&folder).map_err(fail)?;
             }
@@ -115,6 +110,28 @@ impl Store {
         }
         Ok(folder)
     }
+}
+
+/// The file of a stage that says from what it was made.
+const MARK: &str = "inputs";
+
+/// Whether the files of a stage were made from these inputs.
+pub fn is_stage_of(folder: &Path, inputs: &str) -> bool {
+    let marked = std::fs::read_to_string(folder.join(MARK)).unwrap_or_default();
+    marked.trim() == inputs
+}
+
+/// The result that is stored in a folder of results, if it is there, readable and fresh.
+pub fn fresh_in<T: for<'de> Deserialize<'de> + Serialize>(
+    folder: &Path,
+    name: &str,
+    inputs: &str,
+) -> Option<T> {
+    let bytes = std::fs::read(folder.join(name)).ok()?;
+    // A file that cannot be read back is as good as none: it is made again.
+    let stored: Stored<T> = serde_json::from_slice(&bytes).ok()?;
+    let is_fresh = stored.inputs == inputs && stored.digest == digest(&stored.content)?;
+    is_fresh.then_some(stored.content)
 }
 
 fn digest(content: &impl Serialize) -> Option<String> {

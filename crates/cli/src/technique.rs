@@ -14,6 +14,7 @@ pub mod operation;
 pub mod recording;
 pub mod rows;
 pub mod simulation;
+pub mod verdicts;
 pub mod watched;
 
 use crate::problem::Problem;

@@ -301,10 +301,15 @@ fn what_is_wrong_with_a_call_is_said() {
     std::fs::write(study.join("broken.toml"), broken).expect("written");
     let other = FINDING.replace("failure_rate_per_run\" = 1", "failure_rate_per_run\" = 0");
     std::fs::write(study.join("not.toml"), other).expect("written");
-    let calls: [(&[&str], i32, &str); 12] = [
+    let calls: [(&[&str], i32, &str); 13] = [
         (&["replay", "."], 2, "required"),
         (&["replay", ".", "nothing.toml"], 2, "no finding"),
         (&["replay", ".", "E4:0"], 2, "no number of an episode"),
+        (
+            &["replay", ".", "E4:501"],
+            2,
+            "name one from E4:1 to E4:500",
+        ),
         (&["replay", ".", "E4:x"], 2, "no number of an episode"),
         (&["replay", ".", "E99:1"], 2, "no evidence `E99`"),
         (&["replay", ".", "E1:1"], 2, "no simulation"),

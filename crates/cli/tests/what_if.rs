@@ -186,6 +186,9 @@ fn a_second_call_of_the_planner_mends_what_one_call_spoils() {
     ];
     let said = simulating(&library, folder.path(), &arguments);
     assert_eq!(said.code, 0, "{said:?}");
+    // The two episodes that the evidence has are not run again.
+    let kept = "as it is: 2 of 3 are there";
+    assert!(said.talk.contains(kept), "{}", said.talk);
     let report = json(&said);
     let rows = report["variants"][0]["rows"].as_array().expect("rows");
     let of = |evidence: &str, id: &str| {

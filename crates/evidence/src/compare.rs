@@ -45,6 +45,7 @@ mod further;
 mod lineage;
 mod pair;
 mod programme;
+mod shared_data;
 mod together;
 pub(crate) mod words;
 

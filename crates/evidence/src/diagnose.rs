@@ -33,6 +33,7 @@ mod matter;
 mod ranking;
 mod rates;
 mod shared;
+mod sides;
 mod strength;
 mod suspect;
 mod tool;

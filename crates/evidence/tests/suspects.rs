@@ -268,6 +268,82 @@ fn a_reading_that_removes_a_conflict_accuses_the_monitor_and_clears_the_models()
     assert_eq!(suspects.len(), 1, "{suspects:?}");
 }
 
+/// The handover's requirement 3: the sentence says what the monitor says, and the experiments contradict both.
+#[test]
+fn what_people_counted_comes_before_the_sentence() {
+    let judged = |id: &str, technique, file: &str, main, cell, judged_by, count| {
+        let piece = piece(id, technique, file, vec![main]);
+        let (is_model, id) = (technique == Technique::ModelChecking, id.to_owned());
+        let traces = match is_model {
+            true => Traces::Model,
+            false => Traces::Simulator,
+        };
+        let cell = Cell {
+            cell,
+            traces,
+            judged_by,
+            evidence: id,
+            subject: requirement("3"),
+            count,
+            trials: 500,
+            runs: 500,
+            undecided: 0,
+            interval: None,
+            not_judged: None,
+        };
+        (piece, cell)
+    };
+    let own = |count| counted(requirement("3"), count, 500);
+    let by_property = ('B', JudgedBy::Property);
+    let named = |experiments: (u64, u64)| {
+        let (letter, form) = by_property;
+        let (mut simulated, of_runs) = judged(
+            "E4",
+            Technique::Simulation,
+            "s.toml",
+            own(500),
+            letter,
+            form,
+            449,
+        );
+        simulated.form_differences = vec![FormDifference {
+            subject: requirement("3"),
+            reference: "sentence".into(),
+            reference_verdict: "satisfied".into(),
+            form: "property".into(),
+            verdict: "violated".into(),
+            count: 51,
+            runs: 500,
+            witnesses: vec!["episode-00005.mcap".into()],
+        }];
+        let value = computed(requirement("3"), 0.88);
+        let (formal, of_paths) = judged(
+            "E5",
+            Technique::ModelChecking,
+            "m",
+            value,
+            'D',
+            JudgedBy::Monitor,
+            500,
+        );
+        let mut on_paths = of_paths.clone();
+        (on_paths.cell, on_paths.judged_by, on_paths.count) = ('A', JudgedBy::Property, 440);
+        let counts = vec![counted(requirement("3"), experiments.0, experiments.1)];
+        let people = piece("E3", Technique::Experiment, "people.csv", counts);
+        let ledger = [people, simulated, formal];
+        let conflicts = [conflict(requirement("3"), "E4", "E5")];
+        let suspects = ranked(&ledger, &conflicts, &[of_runs, of_paths, on_paths]);
+        let first = suspects.into_iter().next().expect("a suspect");
+        (first.asset.part.unwrap_or_default(), first.explanation)
+    };
+    let (part, why) = named((88, 98));
+    assert_eq!(part, "requirement 3, monitor", "{why}");
+    assert!(why.contains("the sentence says the same"), "{why}");
+    // Where they take the side of the sentence, or of none since they are few, the property is in doubt.
+    assert_eq!(named((98, 98)).0, "requirement 3, property");
+    assert_eq!(named((5, 5)).0, "requirement 3, property");
+}
+
 #[test]
 fn a_wrong_rate_accuses_the_one_that_differs_from_all_others() {
     for (odd, file) in [(0, "models/v2.prism"), (1, "sim.toml"), (2, "counts.csv")] {

@@ -297,11 +297,22 @@ impl<'g> Ground<'g> {
                 requirement: id.clone(),
                 form: form.clone(),
             });
-            if has_sentence(id) && !offers.contains(&offer) {
+            // The sentence of a form that says the same would change nothing.
+            let is_other = !self.says_the_same(subject, form);
+            if has_sentence(id) && is_other && !offers.contains(&offer) {
                 offers.push(offer);
             }
         }
         offers
+    }
+
+    /// Whether other forms of a subject differ from its sentence on some runs, and this one on none.
+    fn says_the_same(&self, subject: &Subject, form: &str) -> bool {
+        let all = self.evidence.iter().flat_map(|it| &it.form_differences);
+        let mut all = all
+            .filter(|d| &d.subject == subject && d.reference == "sentence")
+            .peekable();
+        all.peek().is_some() && all.all(|d| d.form != form)
     }
 
     fn of_solver(&self, suspect: &Suspect) -> Vec<Offer> {

@@ -28,13 +28,13 @@ pub use estimates::estimates;
 pub use failing::{kind_of, words_of};
 pub use online::OnLine;
 pub use outside::OutsideCommand;
-pub use recount::{form_verdicts, recount};
+pub use recount::{form_verdicts, records_judged_by, recount};
 pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 
 use crate::problem::Problem;
 use crate::store::Inputs;
-use crate::study::Study;
+use crate::study::{Entry, Study};
 use crate::technique::Produced;
 use crate::technique::judging::inputs_of;
 use crate::technique::simulation::episode_name;
@@ -72,6 +72,23 @@ impl Source<'_> {
             Source::Command(command) => command.tool(),
         }
     }
+}
+
+/// What the recordings of an entry's episodes depend on. Another simulator runs the same whichever build of this program
+/// calls it.
+pub fn episode_inputs(study: &Study, entry: &Entry, source: Source<'_>, program: &str) -> Inputs {
+    let mut inputs = Inputs::default();
+    source.inputs(&mut inputs);
+    if matches!(source, Source::Bench(_)) {
+        inputs.add("program", program.as_bytes());
+    }
+    inputs
+        .add("seed", &study.about.seed.to_le_bytes())
+        .add("evidence", entry.id.as_bytes());
+    if entry.sampling.early_end {
+        inputs.add_json("early_end", &true);
+    }
+    inputs
 }
 
 /// The hash of all that judging the episodes of a source depends on.

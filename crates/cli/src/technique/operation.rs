@@ -7,13 +7,16 @@
 //! it is violated, and is undecided otherwise.
 
 use super::judging::{Judgement, Judges};
-use super::recording::ReadingRules;
+use super::recording::{JudgedRecording, ReadingRules};
+use super::verdicts::RunVerdicts;
 use super::{Produced, simulation};
+use crate::forms::differences::{forms_of, judges};
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::Study;
 use crate::talk::{Interrupt, Stage};
 use evidence::{Asset, AssetRole, Cost, Tool};
+use rayon::prelude::*;
 use recording::TrialPath;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -79,31 +82,66 @@ impl Recordings {
         Ok(())
     }
 
-    /// The verdicts of other judges on every recording, in their order.
-    pub fn verdicts(
+    /// The verdicts of the forms that are held against each other, on every recording in their order.
+    pub fn form_verdicts(
+        &self,
+        study: &Study,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<Vec<Verdict>>, Problem> {
+        let forms = forms_of(study);
+        self.verdicts(&judges(study, &forms)?, interrupt)
+    }
+
+    /// What monitors and forms say of every recording.
+    pub fn all_verdicts(
+        &self,
+        study: &Study,
+        interrupt: &Interrupt,
+    ) -> Result<RunVerdicts, Problem> {
+        Ok(RunVerdicts {
+            main: self.verdicts(&Judges::new(study, |_| true)?, interrupt)?,
+            forms: self.form_verdicts(study, interrupt)?,
+        })
+    }
+
+    fn verdicts(
         &self,
         judges: &Judges<'_>,
         interrupt: &Interrupt,
     ) -> Result<Vec<Vec<Verdict>>, Problem> {
+        // Forms that none can judge by have nothing to read a recording for.
+        if judges.monitors().next().is_none() {
+            return Ok(vec![Vec::new(); self.trials.len()]);
+        }
+        self.on_all(interrupt, |trial, go_on| {
+            let judged = self.rules.judge(judges, &trial.path, go_on)?;
+            Ok(verdicts_of(&counted(judged)))
+        })
+    }
+
+    /// Something of every recording, on all cores, in the order of the recordings.
+    fn on_all<T: Send>(
+        &self,
+        interrupt: &Interrupt,
+        of: impl Fn(&TrialPath, &dyn Fn() -> Result<(), Problem>) -> Result<T, Problem> + Sync,
+    ) -> Result<Vec<T>, Problem> {
         let go_on = || match interrupt.is_set() {
             true => Err(Problem::interrupted()),
             false => Ok(()),
         };
-        let trials = self.trials.iter();
-        trials
+        let all: Vec<Result<T, Problem>> = self
+            .trials
+            .par_iter()
             .map(|trial| {
                 go_on()?;
-                let judged = self.rules.judge(judges, &trial.path, &go_on)?;
-                let judgements = match judged.complete {
-                    true => judged.judgements,
-                    false => only_violations(judged.judgements),
-                };
-                Ok(judgements.iter().map(|it| it.findings.verdict).collect())
+                of(trial, &go_on)
             })
-            .collect()
+            .collect();
+        // The first that fails is told, whichever fails first.
+        all.into_iter().collect()
     }
 
-    /// Judges every recording; `say` is told of those that are not complete.
+    /// Judges every recording; `say` is told of those that are not complete. Gives the verdicts on each, too.
     pub fn produce(
         &self,
         study: &Study,
@@ -111,37 +149,30 @@ impl Recordings {
         interrupt: &Interrupt,
         stage: &Stage,
         say: &dyn Fn(&str),
-    ) -> Result<Produced, Problem> {
+    ) -> Result<(Produced, Vec<Vec<Verdict>>), Problem> {
         let began = Instant::now();
         let judges = Judges::new(study, |_| true)?;
-        let go_on = || match interrupt.is_set() {
-            true => Err(Problem::interrupted()),
-            false => Ok(()),
-        };
-        let mut all = Vec::new();
-        let mut mixtures = BTreeMap::new();
-        for trial in &self.trials {
-            go_on()?;
-            let judged = self.rules.judge(&judges, &trial.path, &go_on)?;
+        let judged = self.on_all(interrupt, |trial, go_on| {
+            let judged = self.rules.judge(&judges, &trial.path, go_on)?;
             let said = said_of_itself(&trial.path, &self.rules)?;
-            if let Some(mixture) = mixture_of(&said) {
+            stage.advance();
+            Ok((judged.complete, mixture_of(&said), counted(judged)))
+        })?;
+        let (mut all, mut mixtures) = (Vec::new(), BTreeMap::new());
+        for (trial, (complete, mixture, judgements)) in self.trials.iter().zip(judged) {
+            if let Some(mixture) = mixture {
                 *mixtures.entry(mixture).or_insert(0_u64) += 1;
             }
-            if !judged.complete {
+            if !complete {
                 let name = &trial.name;
                 say(&format!(
                     "{id}: {name} is not complete; it counts only where it is violated"
                 ));
             }
-            all.push(if judged.complete {
-                judged.judgements
-            } else {
-                only_violations(judged.judgements)
-            });
-            stage.advance();
+            all.push(judgements);
         }
         let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
-        Ok(Produced {
+        let produced = Produced {
             tool: Tool {
                 name: "corroborate recordings".into(),
                 version: env!("CARGO_PKG_VERSION").into(),
@@ -158,8 +189,27 @@ impl Recordings {
                 wall_secs: began.elapsed().as_secs_f64(),
                 ..Cost::default()
             },
-        })
+        };
+        Ok((produced, all.iter().map(|of| verdicts_of(of)).collect()))
     }
+}
+
+/// The file of a study's results that keeps the verdicts on an entry's recordings.
+pub fn verdicts_name(id: &str) -> String {
+    format!("verdicts/{id}.json")
+}
+
+/// What a recording counts for: all that is judged, or only violations if something of it is missing.
+fn counted(judged: JudgedRecording<'_>) -> Vec<Judgement<'_>> {
+    match judged.complete {
+        true => judged.judgements,
+        false => only_violations(judged.judgements),
+    }
+}
+
+fn verdicts_of(judgements: &[Judgement<'_>]) -> Vec<Verdict> {
+    let findings = judgements.iter().map(|judgement| &judgement.findings);
+    findings.map(|findings| findings.verdict).collect()
 }
 
 /// What a recording says of itself.

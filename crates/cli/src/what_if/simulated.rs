@@ -2,21 +2,27 @@
 //!
 //! # Definition
 //! The same episodes (the same seeds, which are those of the evidence) are run
-//! with the scenario and parameters as they are and with the variant's. A run
+//! with the scenario and parameters as they are and with the variant's; as they
+//! are, those that `run` keeps with the evidence are not run again, unless a
+//! failure ended them. A run
 //! counts for a subject if it was covered both times. The interval is that of
 //! matched pairs (Agresti and Min 2005), the p-value McNemar's exact one.
 
 use super::file::{ChangeText, Read};
 use super::report::Gain;
-use crate::problem::{Problem, Source, write_whole};
+use crate::problem::{self, Problem, write_whole};
+use crate::store::{is_stage_of, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::talk::{Interrupt, Stage};
-use crate::technique::campaign::{FailureCounts, OnLine, ended};
+use crate::technique::campaign::{
+    FailureCounts, OnLine, Source, ended, episode_inputs, judged_by, records_judged_by,
+};
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
 use evidence::{FailureKind, Interval, Subject};
 use rayon::prelude::*;
 use stats::paired::Pairs;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use temporal::monitor::Verdict;
 
@@ -27,6 +33,9 @@ pub struct Verdicts {
     /// What ended episodes that did not end by themselves; those are judged up to there.
     pub failures: FailureCounts,
 }
+
+/// The verdicts of episodes that need not be run, by their numbers.
+type Kept = BTreeMap<u64, Vec<Verdict>>;
 
 /// Episodes of one entry of the ledger.
 pub struct Episodes<'a> {
@@ -64,7 +73,38 @@ impl Episodes<'_> {
     pub fn as_it_is(&self, subjects: &[Subject], stage: &Stage) -> Result<Verdicts, Problem> {
         let (scenario, parameters) = self.files()?;
         let campaign = Campaign::new(self.study, scenario, parameters, self.library)?;
-        self.run(&campaign, subjects, stage)
+        let kept = self.kept(&campaign, subjects)?;
+        stage.skip(kept.len() as u64);
+        self.run(&campaign, &kept, subjects, stage)
+    }
+
+    /// The verdicts of the episodes that the study's results hold, by number: of this program, these files and monitors.
+    fn kept(&self, campaign: &Campaign, subjects: &[Subject]) -> Result<Kept, Problem> {
+        let folder = self.study.folder.join("results/episodes");
+        let folder = folder.join(&self.entry.id);
+        let (source, program) = (Source::Bench(campaign), program_hash()?);
+        let inputs = episode_inputs(self.study, self.entry, source, &program);
+        if !is_stage_of(&folder, &inputs.hash()) {
+            return Ok(Kept::new());
+        }
+        let judged_by = judged_by(self.study, source, &program);
+        let judges = Judges::new(self.study, |_| true)?;
+        let monitors: Vec<_> = judges.monitors().collect();
+        let place = |subject: &Subject| {
+            let mut all = monitors.iter();
+            all.position(|(other, reading)| *other == subject && reading.is_none())
+        };
+        let places: Vec<Option<usize>> = subjects.iter().map(place).collect();
+        let whole = records_judged_by(&folder, &judged_by)?.into_iter();
+        let whole = whole.filter(|it| it.number <= self.count && it.failure().is_none());
+        let verdicts = whole.map(|record| {
+            let of = |place: &Option<usize>| {
+                let judged = place.and_then(|place| record.judged.get(place));
+                judged.map_or(Verdict::NotCovered, |it| it.verdict)
+            };
+            (record.number, places.iter().map(of).collect())
+        });
+        Ok(verdicts.collect())
     }
 
     /// The verdicts of a variant.
@@ -78,7 +118,7 @@ impl Episodes<'_> {
         let (scenario, parameters) = self.files()?;
         let mut data = toml::Table::new();
         for (key, file) in [("scenario", scenario), ("parameters", parameters)] {
-            let source = Source::read(&self.study.folder.join(file))?;
+            let source = problem::Source::read(&self.study.folder.join(file))?;
             let table: toml::Table =
                 toml::from_str(&source.text).map_err(|e| Problem::from_toml(&source, &e))?;
             data.insert(key.into(), table.into());
@@ -102,12 +142,14 @@ impl Episodes<'_> {
             paths.push(std::path::absolute(&path).map_err(|e| Problem::cannot_read(&path, &e))?);
         }
         let campaign = Campaign::new(self.study, &paths[0], &paths[1], self.library)?;
-        self.run(&campaign, subjects, stage)
+        self.run(&campaign, &Kept::new(), subjects, stage)
     }
 
+    /// Runs the episodes that are not among `kept`.
     fn run(
         &self,
         campaign: &Campaign,
+        kept: &Kept,
         subjects: &[Subject],
         stage: &Stage,
     ) -> Result<Verdicts, Problem> {
@@ -119,6 +161,9 @@ impl Episodes<'_> {
             .map(|number| {
                 if self.interrupt.is_set() {
                     return Err(Problem::interrupted());
+                }
+                if let Some(verdicts) = kept.get(&number) {
+                    return Ok((verdicts.clone(), None));
                 }
                 let mut on_line = OnLine::new(&[&judges], &layout, false)?;
                 let seed = seeds.of(number);

@@ -28,7 +28,8 @@
 //!
 //! # Guarantee
 //! The chance is exact for up to [`REPRESENTATIVES`] trials of one side, and else within 0.01
-//! (tested against the full sum). Clustered sides count trials at their design effect of today.
+//! (tested against the full sum). Clustered sides count trials at their design effect of today, of further subjects with as
+//! many trials each: more trials of the same subjects decide less often (`promised`).
 
 mod side;
 
@@ -322,6 +323,9 @@ enum Kind {
     Agreement,
     Conflict,
 }
+
+#[cfg(test)]
+mod promised;
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@
 //! were set and that bear on S, and their sources in turn. A calibration on subject C bears on S
 //! when C is S; when S is a requirement and C a failure mode that makes runs fail it; or the other
 //! way round. Two pieces of evidence are independent on S when neither is among the other's
-//! sources and they have no source in common.
+//! sources, they have no source in common, and no file of data either (`shared_data`), declared or not.
 //!
 //! Which failure modes make runs fail which requirement is learnt from formal models with
 //! uncertain constants: a constant that was set to a failure mode's count and takes less than
@@ -13,6 +13,7 @@
 //! neither a model nor a declaration tells counts as bearing, so that independence is never
 //! claimed without a reason.
 
+use super::shared_data::SharedData;
 use super::words::list;
 use crate::{Calibration, Evidence, Measure, Subject};
 use std::collections::{BTreeMap, BTreeSet};
@@ -121,16 +122,17 @@ type Sources = BTreeMap<Source, BTreeSet<(String, String)>>;
 pub(crate) struct Lineage<'a> {
     evidence: BTreeMap<&'a str, &'a Evidence>,
     influences: &'a Influences,
+    data: SharedData,
 }
 
 impl<'a> Lineage<'a> {
     pub fn new(evidence: &'a [Evidence], influences: &'a Influences) -> Self {
-        let evidence = evidence
-            .iter()
-            .map(|piece| (piece.id.as_str(), piece))
-            .collect();
         Self {
-            evidence,
+            data: SharedData::of(evidence),
+            evidence: evidence
+                .iter()
+                .map(|piece| (piece.id.as_str(), piece))
+                .collect(),
             influences,
         }
     }
@@ -142,6 +144,27 @@ impl<'a> Lineage<'a> {
         taken_from(&theirs, first)
             .or_else(|| taken_from(&ours, second))
             .or_else(|| shared(&ours, &theirs))
+            .or_else(|| self.shared_data((first, &ours), (second, &theirs)))
+    }
+
+    /// Which files two pieces, or what they rest on, both read.
+    fn shared_data(&self, first: (&str, &Sources), second: (&str, &Sources)) -> Option<String> {
+        let all = |(id, sources): (&str, &Sources)| {
+            let sources = sources.keys().map(|(id, _)| id.clone());
+            sources.chain([id.to_owned()]).collect::<BTreeSet<String>>()
+        };
+        let (ours, theirs) = (all(first), all(second));
+        let mut pairs = ours
+            .iter()
+            .flat_map(|one| theirs.iter().map(move |other| (one, other)));
+        pairs.find_map(|(one, other)| {
+            let words = self.data.between(one, other)?;
+            let is_own = one == first.0 && other == second.0;
+            Some(match is_own {
+                true => words.to_owned(),
+                false => format!("they rest on {one} and {other}, and {words}"),
+            })
+        })
     }
 
     /// Whether the evidence rests on no other on this subject.
@@ -288,6 +311,42 @@ mod tests {
         assert!(lineage.is_root("A", &mode("slip")) && !lineage.is_root("C", &mode("slip")));
         // Nothing tells whether slips bear on the requirement, so they count as bearing.
         assert!(lineage.dependence("A", "B", &requirement("1")).is_some());
+    }
+
+    /// The same table under two names, and nothing declared.
+    #[test]
+    fn data_that_is_shared_undeclared_is_found() {
+        let with = |id: &str, calibrated: &[(&str, Subject)], files: &[(&str, &str)]| {
+            let mut piece = piece(id, calibrated);
+            let asset = |&(path, hash): &(&str, &str)| crate::Asset {
+                role: crate::AssetRole::Data,
+                path: path.to_owned(),
+                hash: hash.to_owned(),
+            };
+            piece.assets = files.iter().map(asset).collect();
+            piece
+        };
+        let ledger = [
+            with("A", &[], &[("a.csv", "1"), ("more.csv", "2")]),
+            with("B", &[], &[("copy.csv", "1")]),
+            with("C", &[("B", mode("slip"))], &[]),
+            with("D", &[], &[("a.csv", "3"), ("none", "")]),
+            with("E", &[], &[("none", "")]),
+            with("F", &[], &[("a.csv", "1"), ("more.csv", "2")]),
+        ];
+        let influences = Influences::default();
+        let lineage = Lineage::new(&ledger, &influences);
+        let words = |first, second| lineage.dependence(first, second, &mode("slip"));
+        let copy = "both read `a.csv`, which is `copy.csv`";
+        assert_eq!(words("A", "B").as_deref(), Some(copy));
+        assert!(words("B", "A").is_some());
+        let through = words("A", "C").unwrap();
+        assert_eq!(through, format!("they rest on A and B, and {copy}"));
+        let several = words("A", "F").unwrap();
+        assert_eq!(several, "both read `a.csv`, and 1 more file");
+        // Another content of the same name, and contents that are not known.
+        assert_eq!(words("A", "D"), None);
+        assert_eq!(words("D", "E"), None);
     }
 
     #[test]

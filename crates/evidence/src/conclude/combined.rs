@@ -107,6 +107,9 @@ pub struct Combined {
     pub pieces: BTreeMap<String, f64>,
     /// Pieces that were not, each with the reason.
     pub left_out: BTreeMap<String, String>,
+    /// Those of them that a later piece of the same technique has taken the place of, with that piece.
+    #[serde(default)]
+    pub superseded: BTreeMap<String, String>,
     /// `true` if every pair of the combined pieces corroborates.
     pub corroborated: bool,
     /// How they were combined; `None` if nothing was.
@@ -213,9 +216,8 @@ fn statement(result: &Combined, threshold: Threshold, confidence: Confidence) ->
             _ => format!("That leaves the threshold open ({asked})."),
         });
     }
-    let older = result.left_out.iter();
-    let older = older.filter(|(_, why)| why.starts_with(OLDER));
-    sentences.extend(older.map(|(id, why)| format!("{id} {why}, and not counted.")));
+    let older = result.superseded.iter();
+    sentences.extend(older.map(|(id, by)| format!("{id} is older than {by}, and not counted.")));
     sentences.join(" ")
 }
 
@@ -263,6 +265,7 @@ fn blank(requirement: &Requirement, nothing: bool) -> Combined {
         requirement: requirement.id.clone(),
         pieces: BTreeMap::new(),
         left_out: BTreeMap::new(),
+        superseded: BTreeMap::new(),
         corroborated: false,
         model: None,
         rate: None,
@@ -318,9 +321,6 @@ fn chosen<'a>(
     chosen
 }
 
-/// How a piece is explained that a later one of its technique has taken the place of.
-const OLDER: &str = "is older than";
-
 /// Notes the pieces that are not current for the only reason that a later one of the same technique is.
 fn say_what_is_older(
     evidence: &[Evidence],
@@ -334,8 +334,10 @@ fn say_what_is_older(
             .iter()
             .find(|it| it.evidence.technique == older.technique);
         let Some(latest) = latest else { continue };
-        let why = format!("{OLDER} {}", latest.evidence.id);
-        result.left_out.insert(older.id.clone(), why);
+        let (id, by) = (older.id.clone(), latest.evidence.id.clone());
+        let why = format!("is older than {by}");
+        result.left_out.insert(id.clone(), why);
+        result.superseded.insert(id, by);
     }
 }
 

@@ -1,5 +1,6 @@
 //! What suspects are found in, and what each single thing says against an asset.
 
+use super::rates::own_form;
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::{
     Cell, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind, Symptom, Witness,
@@ -136,10 +137,7 @@ impl<'a> Matter<'a> {
         let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::of(&f.measure)?))) else {
             return Vec::new();
         };
-        let own = match piece.technique {
-            Technique::ModelChecking => "property",
-            _ => "monitor",
-        };
+        let own = own_form(piece);
         let mut all = vec![Judged {
             form: own.into(),
             rate,

@@ -172,15 +172,20 @@ impl<'a> Matter<'a> {
             true => (one, other),
             false => (other, one),
         };
-        let own = match piece.technique {
-            Technique::ModelChecking => "property",
-            _ => "monitor",
-        };
-        // Where the sentence takes the side of the piece's own form, it is the other that is in doubt.
+        let own = own_form(piece);
+        // Where the real system contradicts one of the two, that is in doubt; else, where the sentence takes the side of
+        // the piece's own form, the other.
         let against_sentence = |form: &str| self.differs_from_sentence(subject, form);
-        let doubted = match (against_sentence(own), against_sentence(&like.form)) {
+        let by_sentence = match (against_sentence(own), against_sentence(&like.form)) {
             (Some(false), Some(true)) => like.form.as_str(),
             _ => own,
+        };
+        let contradicted = self.contradicted(piece, subject, [own, &like.form]);
+        let doubted = contradicted.unwrap_or(by_sentence);
+        // The form of which piece it is.
+        let holder = match doubted != own && own_form(against) == doubted {
+            true => against,
+            false => piece,
         };
         let (differing, runs, witnesses) = self.two_verdicts(piece, subject, &like.form);
         let said = match differing {
@@ -195,9 +200,17 @@ impl<'a> Matter<'a> {
             rate_in_words(piece, subject),
             rate_in_words(against, subject)
         );
+        let says_so_too = against_sentence(doubted) == Some(false);
+        let sided = match contradicted {
+            Some(form) if says_so_too => format!(
+                " The counts of the real system contradict the {}; the sentence says the same as it, and is in doubt with it.",
+                named(form)
+            ),
+            _ => String::new(),
+        };
         Clue {
             inaccuracy: Inaccuracy::RequirementModel,
-            asset: requirement_form(subject, doubted, &[&piece.id]),
+            asset: requirement_form(subject, doubted, &[&holder.id]),
             subject: subject.clone(),
             score: whole - like.left,
             title: format!(
@@ -206,7 +219,7 @@ impl<'a> Matter<'a> {
                 name_of(subject)
             ),
             explanation: format!(
-                "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}",
+                "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}{sided}",
                 like.form, like.left
             ),
             symptom: Symptom::FormsDiffer {
@@ -411,6 +424,14 @@ fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate> {
         Some(Rate::Computed(0.0))
     } else {
         Rate::of(measure)
+    }
+}
+
+/// The form that a piece's own finding rests on.
+pub(super) fn own_form(piece: &Evidence) -> &'static str {
+    match piece.technique {
+        Technique::ModelChecking => "property",
+        _ => "monitor",
     }
 }
 

@@ -10,7 +10,8 @@ use crate::view::{View, section};
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "Where the evidence does not decide yet: the fewest or cheapest further trials that would, with a chance of 80 %. "
-        "A trial is one that covers the subject."
+        "A trial is one that covers the subject; where trials of one person are alike, it is one of a further person, "
+        "since more trials of the same people decide less."
     };
     let synthesis = &view.study.synthesis;
     let current: Vec<&Undecided> = synthesis.undecided.iter().filter(|u| u.current).collect();

@@ -79,6 +79,16 @@ impl Episode {
             return Err(Problem::new("bad-episode", message)
                 .remedy(format!("episodes are numbered from 1: {evidence}:1")));
         };
+        if let Work::Simulate { episodes, .. }
+        | Work::SimulateScene { episodes, .. }
+        | Work::Command { episodes, .. } = entry.work
+            && number > episodes
+        {
+            let message = format!("{evidence} has no episode {number}: it has {episodes}");
+            return Err(Problem::new("bad-episode", message).remedy(format!(
+                "name one from {evidence}:1 to {evidence}:{episodes}"
+            )));
+        }
         let bench = OpenBench::of_entry(study, entry, library)?;
         let episode = Self {
             name: format!("{evidence}-{number}"),

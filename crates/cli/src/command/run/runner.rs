@@ -14,8 +14,9 @@ use crate::study::{Entry, Study, Work};
 use crate::technique::campaign::{self, Until};
 use crate::technique::matrix::inputs_of;
 use crate::technique::model_checking::CountedConstant;
-use crate::technique::operation::Recordings;
+use crate::technique::operation::{Recordings, verdicts_name};
 use crate::technique::simulation::Seeds;
+use crate::technique::verdicts::RunVerdicts;
 use crate::technique::{self, Produced};
 use evidence::StudyResult;
 use std::collections::BTreeMap;
@@ -113,7 +114,9 @@ impl Runner<'_> {
             (Prepared::Read(tables), Work::Read { technique, .. }) => {
                 tables.produce(self.study, &entry.id, *technique)?
             }
-            (Prepared::Judge(recordings), Work::Judge { .. }) => self.judge(entry, recordings)?,
+            (Prepared::Judge(recordings), Work::Judge { .. }) => {
+                self.judge(entry, recordings, &inputs)?
+            }
             _ => {
                 return Err(Problem::new(
                     "bad-ledger",
@@ -131,7 +134,7 @@ impl Runner<'_> {
         source: campaign::Source<'_>,
         episodes: u64,
     ) -> Result<Produced, Problem> {
-        let inputs = self.episode_inputs(entry, source);
+        let inputs = campaign::episode_inputs(self.study, entry, source, &self.program);
         let folder = self
             .store
             .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
@@ -155,30 +158,24 @@ impl Runner<'_> {
         plan.produce()
     }
 
-    /// What the recordings of episodes depend on. Another simulator runs the
-    /// same whichever build of this program calls it.
-    fn episode_inputs(&self, entry: &Entry, source: campaign::Source<'_>) -> Inputs {
-        let mut inputs = Inputs::default();
-        source.inputs(&mut inputs);
-        if matches!(source, campaign::Source::Bench(_)) {
-            inputs.add("program", self.program.as_bytes());
-        }
-        inputs
-            .add("seed", &self.study.about.seed.to_le_bytes())
-            .add("evidence", entry.id.as_bytes());
-        if entry.sampling.early_end {
-            inputs.add_json("early_end", &true);
-        }
-        inputs
-    }
-
-    fn judge(&self, entry: &Entry, recordings: &Recordings) -> Result<Produced, Problem> {
+    /// Judges recordings; what each form says of each is kept for a diagnosis.
+    fn judge(
+        &self,
+        entry: &Entry,
+        recordings: &Recordings,
+        inputs: &str,
+    ) -> Result<Produced, Problem> {
         let talk = &self.setting.talk;
         let stage = talk.begin(&format!("{}: recordings", entry.id), recordings.count());
         let interrupt = &self.setting.interrupt;
-        recordings.produce(self.study, &entry.id, interrupt, &stage, &|line| {
-            talk.say(line);
-        })
+        let say = |line: &str| talk.say(line);
+        let (produced, main) =
+            recordings.produce(self.study, &entry.id, interrupt, &stage, &say)?;
+        let forms = recordings.form_verdicts(self.study, interrupt)?;
+        let verdicts = RunVerdicts { main, forms };
+        self.store
+            .keep(&verdicts_name(&entry.id), inputs, verdicts)?;
+        Ok(produced)
     }
 
     /// The hash of everything that the entry's findings depend on.

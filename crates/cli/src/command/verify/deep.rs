@@ -45,7 +45,8 @@ pub fn check(
             let title = format!("{}: recordings", entry.id);
             let stage = setting.talk.begin(&title, recordings.count());
             let say = |line: &str| setting.talk.say(line);
-            let again = recordings.produce(study, &entry.id, &setting.interrupt, &stage, &say)?;
+            let (again, _) =
+                recordings.produce(study, &entry.id, &setting.interrupt, &stage, &say)?;
             (
                 again,
                 "values of evidence follow from judging its recordings again",

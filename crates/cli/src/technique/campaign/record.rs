@@ -9,10 +9,13 @@ use super::tally::Monitored;
 use crate::problem::Problem;
 use crate::store::hash_of;
 use crate::technique::judging::{Judgement, Robustness};
+use crate::technique::verdicts::RunVerdicts;
 use evidence::FailureKind;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use temporal::monitor::Verdict;
@@ -119,11 +122,32 @@ pub struct Journal {
 }
 
 /// A line: the record as text, and the hash of that text.
-#[derive(Serialize, Deserialize)]
-struct Line {
-    hash: String,
-    episode: Box<serde_json::value::RawValue>,
+#[derive(Serialize)]
+struct Line<'a> {
+    hash: &'a str,
+    episode: &'a serde_json::value::RawValue,
 }
+
+/// The verdicts of an episode alone: most of a line's time goes into the rest.
+#[derive(Debug, Deserialize)]
+struct VerdictsOnly {
+    judged: Vec<VerdictOnly>,
+    forms: Vec<Verdict>,
+}
+
+#[derive(Debug, Deserialize)]
+struct VerdictOnly {
+    verdict: Verdict,
+}
+
+/// The number of an episode alone.
+#[derive(Debug, Deserialize)]
+struct NumberOnly {
+    number: u64,
+}
+
+/// Bytes of a journal that are held at a time.
+const BLOCK: u64 = 1 << 24;
 
 impl Journal {
     /// Opens the journal of episodes from `first` on in `folder`. What was judged by other monitors,
@@ -133,7 +157,7 @@ impl Journal {
             1 => "journal".to_owned(),
             _ => format!("journal-{first}"),
         });
-        let header = format!("corroborate journal 1 of {judged_by}\n");
+        let header = header(judged_by);
         let fail = |error: std::io::Error| Problem::cannot_write(&path, &error);
         let mut file = File::options()
             .create(true)
@@ -205,8 +229,8 @@ impl Journal {
         };
         let text = serde_json::value::to_raw_value(record).map_err(unwritten)?;
         let line = Line {
-            hash: hash_of(text.get().as_bytes())[..16].to_owned(),
-            episode: text,
+            hash: &hash_of(text.get().as_bytes())[..16],
+            episode: &text,
         };
         let mut bytes = serde_json::to_vec(&line).map_err(unwritten)?;
         bytes.push(b'\n');
@@ -224,17 +248,71 @@ impl Journal {
     }
 }
 
+/// The first line of a journal.
+fn header(judged_by: &str) -> String {
+    format!("corroborate journal 1 of {judged_by}\n")
+}
+
+/// Whether a journal was judged by the monitors of which `judged_by` is the hash.
+pub fn is_judged_by(path: &Path, judged_by: &str) -> bool {
+    let mut line = String::new();
+    let read = File::open(path).and_then(|file| BufReader::new(file).read_line(&mut line));
+    read.is_ok() && line == header(judged_by)
+}
+
 /// The records of a journal, in order, without changing it; the number of lines that are damaged.
 pub fn records(path: &Path) -> Result<(Vec<EpisodeRecord>, u64), Problem> {
-    let bytes = std::fs::read(path).map_err(|error| Problem::cannot_read(path, &error))?;
     let (mut records, mut damaged) = (Vec::new(), 0);
-    for line in bytes.split_inclusive(|byte| *byte == b'\n').skip(1) {
-        match record_of(line) {
+    each_line(path, record_of, |record| {
+        match record {
             Some(record) => records.push(record),
             None => damaged += 1,
         }
-    }
+        ControlFlow::Continue(())
+    })?;
     Ok((records, damaged))
+}
+
+/// What the monitors and the forms say of each of the first `episodes` of a journal, up to a line that is damaged.
+pub fn verdicts(path: &Path, episodes: u64) -> Result<RunVerdicts, Problem> {
+    let mut verdicts = RunVerdicts::default();
+    let most = usize::try_from(episodes).unwrap_or(usize::MAX);
+    each_line(path, record_of::<VerdictsOnly>, |record| match record {
+        Some(record) if verdicts.main.len() < most => {
+            let main = record.judged.iter().map(|judged| judged.verdict);
+            verdicts.add(main.collect(), record.forms);
+            ControlFlow::Continue(())
+        }
+        _ => ControlFlow::Break(()),
+    })?;
+    Ok(verdicts)
+}
+
+/// Reads the lines behind the header on all cores, block by block, and hands over what is read of each in their order.
+fn each_line<T: Send>(
+    path: &Path,
+    read: impl Fn(&[u8]) -> Option<T> + Sync,
+    mut take: impl FnMut(Option<T>) -> ControlFlow<()>,
+) -> Result<(), Problem> {
+    let fail = |error: std::io::Error| Problem::cannot_read(path, &error);
+    let mut reader = BufReader::new(File::open(path).map_err(fail)?);
+    let mut block = Vec::new();
+    reader.read_until(b'\n', &mut block).map_err(fail)?;
+    loop {
+        block.clear();
+        let limited = reader.by_ref().take(BLOCK).read_to_end(&mut block);
+        if limited.map_err(fail)? == 0 {
+            return Ok(());
+        }
+        reader.read_until(b'\n', &mut block).map_err(fail)?;
+        let lines: Vec<&[u8]> = block.split_inclusive(|byte| *byte == b'\n').collect();
+        let found: Vec<Option<T>> = lines.into_par_iter().map(&read).collect();
+        for one in found {
+            if take(one).is_break() {
+                return Ok(());
+            }
+        }
+    }
 }
 
 /// The places of the whole lines behind the header; `None` if there is another header.
@@ -251,19 +329,21 @@ fn whole_lines(file: &mut File, header: &str, first: u64) -> std::io::Result<Opt
         let bytes = reader.read_until(b'\n', &mut line)? as u64;
         let begin = places.last().copied().unwrap_or_default();
         let expected = first + places.len() as u64 - 1;
-        match record_of(&line) {
+        match record_of::<NumberOnly>(&line) {
             Some(record) if record.number == expected => places.push(begin + bytes),
             _ => return Ok(Some(places)),
         }
     }
 }
 
-/// The record of a line that is whole.
-fn record_of(line: &[u8]) -> Option<EpisodeRecord> {
-    let line: Line = serde_json::from_slice(line.strip_suffix(b"\n")?).ok()?;
-    let text = line.episode.get();
-    let is_ours = hash_of(text.as_bytes()).starts_with(&line.hash) && line.hash.len() == 16;
-    is_ours.then(|| serde_json::from_str(text).ok())?
+/// The record of a line that is whole, or what is asked of it.
+fn record_of<T: for<'de> Deserialize<'de>>(line: &[u8]) -> Option<T> {
+    // A line has one form, so its two parts are found without reading it as JSON.
+    let line = line.strip_suffix(b"}\n")?.strip_prefix(b"{\"hash\":\"")?;
+    let (hash, rest) = line.split_at_checked(16)?;
+    let text = rest.strip_prefix(b"\",\"episode\":")?;
+    let is_ours = hash_of(text).as_bytes().starts_with(hash);
+    is_ours.then(|| serde_json::from_slice(text).ok())?
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! Counting a campaign again from its journal, without running or judging anything.
 
 use super::driver::hash_of_recording;
-use super::record::{EpisodeRecord, records};
+use super::record::{EpisodeRecord, is_judged_by, records, verdicts};
 use super::tally::{Intervals, Tally, monitors};
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::technique::judging::Judges;
+use crate::technique::verdicts::RunVerdicts;
 use evidence::{EpisodeFailures, Finding, Measure, Subject};
 use std::path::Path;
-use temporal::monitor::Verdict;
 
 /// What a journal says.
 #[derive(Debug)]
@@ -76,28 +76,23 @@ pub fn recount(
     Ok(Some(recount))
 }
 
-/// The verdicts of the monitors and of the forms on each of the first `episodes` that are kept in
-/// `folder`; `None` if it holds no journal.
-#[allow(
-    clippy::type_complexity,
-    reason = "two lists of the same form, one for each kind of form"
-)]
-pub fn form_verdicts(
-    folder: &Path,
-    episodes: u64,
-) -> Result<Option<(Vec<Vec<Verdict>>, Vec<Vec<Verdict>>)>, Problem> {
+/// What the monitors and the forms say of each of the first `episodes` that are kept in `folder`; `None` if it holds no
+/// journal.
+pub fn form_verdicts(folder: &Path, episodes: u64) -> Result<Option<RunVerdicts>, Problem> {
     let path = folder.join("journal");
-    if !path.exists() {
-        return Ok(None);
+    match path.exists() {
+        true => verdicts(&path, episodes).map(Some),
+        false => Ok(None),
     }
-    let (records, _) = records(&path)?;
-    let wanted = usize::try_from(episodes).unwrap_or(usize::MAX);
-    let taken = records.into_iter().take(wanted);
-    let both = taken.map(|record| {
-        let main = record.judged.iter().map(|judged| judged.verdict).collect();
-        (main, record.forms)
-    });
-    Ok(Some(both.unzip()))
+}
+
+/// The records of the journal in `folder` if these monitors judged it; none if others did.
+pub fn records_judged_by(folder: &Path, judged_by: &str) -> Result<Vec<EpisodeRecord>, Problem> {
+    let path = folder.join("journal");
+    match is_judged_by(&path, judged_by) {
+        true => Ok(records(&path)?.0),
+        false => Ok(Vec::new()),
+    }
 }
 
 impl Recount {

@@ -11,6 +11,7 @@ use crate::study::{Entry, Work};
 use crate::technique::campaign::form_verdicts;
 use crate::technique::exploration::{Abstraction, Class, Formal, Plan};
 use crate::technique::judging::Judges;
+use crate::technique::verdicts::RunVerdicts;
 use evidence::{
     Clue, Evidence, Figure, Inaccuracy, Interval, Measure, Rate, Subject, Symptom, Witness,
     strength, system_model,
@@ -97,9 +98,12 @@ impl Diagnosing<'_> {
         gathered: &mut Gathered,
     ) -> Result<Runs<'e>, Problem> {
         let folder = self.folder.join("episodes").join(&entry.id);
-        let modes = self.failures(&folder)?;
         let all = recordings(&folder);
         let kept = all.len();
+        let modes = match kept {
+            0 => BTreeMap::new(),
+            _ => self.failures(&folder)?,
+        };
         // Evenly from all, so that shares of the chosen estimate shares of all.
         let most = self
             .effort
@@ -133,7 +137,7 @@ impl Diagnosing<'_> {
     /// The failure modes that occur in each episode of a folder.
     fn failures(&self, folder: &Path) -> Result<BTreeMap<u64, BTreeSet<String>>, Problem> {
         let mut modes: BTreeMap<u64, BTreeSet<String>> = BTreeMap::new();
-        if let Some((main, _)) = form_verdicts(folder, u64::MAX)? {
+        if let Some(RunVerdicts { main, .. }) = form_verdicts(folder, u64::MAX)? {
             let judges = Judges::new(self.study, |_| true)?;
             let places: Vec<_> = judges.monitors().collect();
             for (number, verdicts) in (1..).zip(main) {

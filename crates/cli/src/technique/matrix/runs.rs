@@ -1,27 +1,21 @@
 //! Cells B, E, C and F: properties and monitors on the runs that `run` has judged.
 //!
 //! Episodes are not judged again: their journals have the verdict of each form on each. Evidence has the
-//! counts of its monitors. Recordings are read again.
+//! counts of its monitors. The verdicts on recordings are kept beside their evidence.
 
 use super::cells::{Place, counts};
 use super::{Diagnosing, Gathered};
 use crate::forms::differences::{OCCURS, PROPERTY, forms_of, judges};
 use crate::problem::Problem;
+use crate::store::fresh_in;
 use crate::study::{Entry, Study, Work};
 use crate::technique::campaign::form_verdicts;
 use crate::technique::confidence;
 use crate::technique::judging::Judges;
-use crate::technique::operation::Recordings;
+use crate::technique::operation::{Recordings, verdicts_name};
+use crate::technique::verdicts::RunVerdicts;
 use evidence::{Cell, JudgedBy, Measure, SameTraces, Subject, Traces, VerdictCounts};
 use temporal::monitor::Verdict;
-
-/// The verdicts of one campaign's episodes.
-struct Episodes {
-    /// By episode, one for each main monitor and reading.
-    main: Vec<Vec<Verdict>>,
-    /// By episode, one for each form that is held against another.
-    forms: Vec<Vec<Verdict>>,
-}
 
 /// Where the verdicts of a subject stand among those of an episode.
 struct Monitors {
@@ -68,13 +62,15 @@ impl Diagnosing<'_> {
                     continue;
                 }
                 Work::Judge { recordings, .. } => {
-                    let recordings = Recordings::find(self.study, recordings)?;
-                    let interrupt = &self.setting.interrupt;
-                    let episodes = Episodes {
-                        main: recordings.verdicts(&main, interrupt)?,
-                        forms: recordings.verdicts(&of_forms, interrupt)?,
+                    let kept = self.kept_verdicts(entry);
+                    let verdicts = match kept {
+                        Some(verdicts) => verdicts,
+                        None => {
+                            let recordings = Recordings::find(self.study, recordings)?;
+                            recordings.all_verdicts(self.study, &self.setting.interrupt)?
+                        }
                     };
-                    (Traces::Recordings, Some(episodes))
+                    (Traces::Recordings, Some(verdicts))
                 }
                 _ => (Traces::Simulator, self.episodes(entry)?),
             };
@@ -97,7 +93,7 @@ impl Diagnosing<'_> {
     fn of_runs(
         &self,
         [property, monitor]: &[Place<'_>; 2],
-        episodes: Option<&Episodes>,
+        episodes: Option<&RunVerdicts>,
         monitors: &Monitors,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
@@ -151,8 +147,14 @@ impl Diagnosing<'_> {
         }
     }
 
+    /// The verdicts on an entry's recordings, as `run` kept them with the evidence that is diagnosed.
+    fn kept_verdicts(&self, entry: &Entry) -> Option<RunVerdicts> {
+        let piece = self.result.evidence.iter().find(|e| e.id == entry.id)?;
+        fresh_in(self.folder, &verdicts_name(&entry.id), &piece.inputs)
+    }
+
     /// The verdicts of a campaign's episodes; `None` without a journal.
-    fn episodes(&self, entry: &Entry) -> Result<Option<Episodes>, Problem> {
+    fn episodes(&self, entry: &Entry) -> Result<Option<RunVerdicts>, Problem> {
         let count = match &entry.work {
             Work::Simulate { episodes, .. }
             | Work::SimulateScene { episodes, .. }
@@ -160,8 +162,7 @@ impl Diagnosing<'_> {
             _ => return Ok(None),
         };
         let folder = self.folder.join("episodes").join(&entry.id);
-        let verdicts = form_verdicts(&folder, count)?;
-        Ok(verdicts.map(|(main, forms)| Episodes { main, forms }))
+        form_verdicts(&folder, count)
     }
 }
 
@@ -182,7 +183,11 @@ fn no_property(study: &Study, subject: &Subject) -> String {
 }
 
 /// On how many runs property and monitor differ, each way.
-fn differing(place: &Place<'_>, episodes: &Episodes, (form, main): (usize, usize)) -> SameTraces {
+fn differing(
+    place: &Place<'_>,
+    episodes: &RunVerdicts,
+    (form, main): (usize, usize),
+) -> SameTraces {
     let mut differing = [0; 2];
     for (of_main, of_forms) in episodes.main.iter().zip(&episodes.forms) {
         let (Some(monitor), Some(property)) = (of_main.get(main), of_forms.get(form)) else {

@@ -1,0 +1,70 @@
+//! Data that two pieces of evidence share though no lineage says so.
+//!
+//! # Definition
+//! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name.
+//! Then some trials are the trials of both, so that they agree whatever the truth is.
+//!
+//! # Guarantee
+//! Files are compared whole: a table that repeats some rows of another is not found, nor is a recording that was written
+//! anew. Episodes of two entries of a ledger never have the same seeds, which follow from the entries' identifiers.
+
+use crate::{AssetRole, Evidence};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What pairs of evidence share, in words, by their identifiers in order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SharedData(BTreeMap<(String, String), String>);
+
+impl SharedData {
+    pub fn of(evidence: &[Evidence]) -> Self {
+        let mut by_content: BTreeMap<&str, BTreeMap<&str, &str>> = BTreeMap::new();
+        for piece in evidence {
+            let data = piece.assets.iter();
+            // Without a hash nothing is known of the content.
+            let data = data.filter(|it| it.role == AssetRole::Data && !it.hash.is_empty());
+            for asset in data {
+                let holders = by_content.entry(&asset.hash).or_default();
+                holders.entry(&piece.id).or_insert(&asset.path);
+            }
+        }
+        // By pair: how many files, and the first of them under both names.
+        let mut shared: BTreeMap<(&str, &str), BTreeSet<(&str, &str)>> = BTreeMap::new();
+        for holders in by_content.values().filter(|holders| holders.len() > 1) {
+            let holders: Vec<(&str, &str)> =
+                holders.iter().map(|(id, path)| (*id, *path)).collect();
+            for (place, (first, path)) in holders.iter().enumerate() {
+                for (second, other) in &holders[place + 1..] {
+                    let files = shared.entry((first, second)).or_default();
+                    files.insert((path, other));
+                }
+            }
+        }
+        let in_words = shared.into_iter().map(|((first, second), files)| {
+            let pair = (first.to_owned(), second.to_owned());
+            (pair, words(&files))
+        });
+        Self(in_words.collect())
+    }
+
+    /// What two pieces share; `None` if nothing that is known.
+    pub fn between(&self, first: &str, second: &str) -> Option<&str> {
+        let (first, second) = (first.min(second), first.max(second));
+        let key = (first.to_owned(), second.to_owned());
+        self.0.get(&key).map(String::as_str)
+    }
+}
+
+fn words(files: &BTreeSet<(&str, &str)>) -> String {
+    let Some((one, other)) = files.first() else {
+        return String::new();
+    };
+    let first = match one == other {
+        true => format!("`{one}`"),
+        false => format!("`{one}`, which is `{other}`"),
+    };
+    match files.len() - 1 {
+        0 => format!("both read {first}"),
+        1 => format!("both read {first}, and 1 more file"),
+        more => format!("both read {first}, and {more} more files"),
+    }
+}
