@@ -42,6 +42,7 @@ pub fn from_roll_pitch_yaw(rpy_rad: Vector) -> Quaternion {
 }
 
 /// The rotation that first applies `inner`, then `outer`.
+#[inline]
 #[must_use]
 pub fn compose(outer: Quaternion, inner: Quaternion) -> Quaternion {
     let ([a, b, c, d], [e, f, g, h]) = (outer, inner);
@@ -54,6 +55,7 @@ pub fn compose(outer: Quaternion, inner: Quaternion) -> Quaternion {
 }
 
 /// The rotation back.
+#[inline]
 #[must_use]
 pub fn inverse(rotation: Quaternion) -> Quaternion {
     let [w, x, y, z] = rotation;
@@ -82,6 +84,7 @@ pub fn turned_by(rotation: Quaternion, turn: Vector) -> Quaternion {
 
 impl Pose {
     /// The pose in the outer frame of something whose pose in the frame `self` is `inner`.
+    #[inline]
     #[must_use]
     pub fn then(&self, inner: &Pose) -> Pose {
         Pose {
@@ -91,6 +94,7 @@ impl Pose {
     }
 
     /// The pose of `self` as seen from `frame`.
+    #[inline]
     #[must_use]
     pub fn seen_from(&self, frame: &Pose) -> Pose {
         let back = inverse(frame.orientation);
@@ -104,6 +108,7 @@ impl Pose {
 /// The shortest distance between two straight pieces, each given by its ends: minimise
 /// `|a0 + s u - b0 - t v|` over `s, t` in \[0, 1\] (Ericson, "Real-Time Collision Detection", 2005,
 /// section 5.1.9).
+#[inline]
 #[must_use]
 pub fn distance_of_pieces(a: [Vector; 2], b: [Vector; 2]) -> f64 {
     let (u, v, between) = (
@@ -129,6 +134,7 @@ pub fn distance_of_pieces(a: [Vector; 2], b: [Vector; 2]) -> f64 {
 }
 
 /// Turns a vector by a rotation.
+#[inline]
 #[must_use]
 pub fn rotate(rotation: Quaternion, vector: Vector) -> Vector {
     let imaginary = [rotation[1], rotation[2], rotation[3]];
@@ -140,24 +146,28 @@ pub fn rotate(rotation: Quaternion, vector: Vector) -> Vector {
 }
 
 /// `a + b`.
+#[inline]
 #[must_use]
 pub fn add(a: Vector, b: Vector) -> Vector {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// `a - b`.
+#[inline]
 #[must_use]
 pub fn subtract(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `factor * vector`.
+#[inline]
 #[must_use]
 pub fn scale(factor: f64, vector: Vector) -> Vector {
     vector.map(|component| factor * component)
 }
 
 /// The vector product of `a` and `b`.
+#[inline]
 #[must_use]
 pub fn cross(a: Vector, b: Vector) -> Vector {
     [
@@ -168,12 +178,14 @@ pub fn cross(a: Vector, b: Vector) -> Vector {
 }
 
 /// The scalar product of `a` and `b`.
+#[inline]
 #[must_use]
 pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The Euclidean length of a vector.
+#[inline]
 #[must_use]
 pub fn norm(vector: Vector) -> f64 {
     dot(vector, vector).sqrt()

@@ -82,9 +82,11 @@ fn the_hand_goes_its_way_and_outcomes_are_those_of_the_full_physics() {
             // The fingers of the empty hand do not push the arm while it speeds up.
             within("/robot", &format!("hand.{axis}"), empty, 1e-4);
             within("/truth", &format!("object.{axis}"), empty, 1e-5);
-            // How the object comes to lie in the hand depends on how the fingers first met it.
+            // How the object comes to lie in the hand depends on how the fingers first met it; heavy ones
+            // swing with it when it is lifted.
             within("/robot", &format!("hand.{axis}"), held, 1e-4);
-            within("/truth", &format!("object.{axis}"), held, 1e-3);
+            let loosely = if set == "untuned" { 1.5e-3 } else { 1e-3 };
+            within("/truth", &format!("object.{axis}"), held, loosely);
         }
         within("/robot", "hand_speed", empty, 5e-3);
         assert_eq!(full_outcome.grip_failure, fast_outcome.grip_failure);
@@ -107,27 +109,42 @@ fn without_the_key_the_physics_is_the_full_one() {
 }
 
 #[test]
-fn a_fast_run_is_repeated_and_continued_bit_for_bit() {
+fn a_fast_run_is_repeated_on_any_thread_and_continued_bit_for_bit() {
     let Some(engine) = common::engine() else {
         return;
     };
+    // Coasting empty, closing the hand, carrying, held, under the pull; and with fingers that swing while the empty arm
+    // speeds up, while it carries, and after they were bent.
+    let moments: [(&str, &[f64]); 2] = [
+        ("tuned", &[3.0, 15.013, 19.0, 26.0, 30.5]),
+        ("untuned", &[0.55, 18.01, 31.5]),
+    ];
+    for (set, moments) in moments {
+        continued(&engine, set, moments);
+    }
+}
+
+/// Runs episode 2 of a set, on two threads and from each of these moments on, and compares all bits.
+fn continued(engine: &Engine, set: &str, moments: &[f64]) {
     let scenario = common::handover_file("scenario.toml");
     let scenario = scenario.replacen("[simulation]", "[simulation]\nfast = true", 1);
-    let tuned = common::handover_file("tuned.toml");
-    let bench = HandoverBench::new(&engine, &scenario, &tuned).expect("sound");
+    let parameters = common::handover_file(&format!("{set}.toml"));
+    let bench = HandoverBench::new(engine, &scenario, &parameters).expect("sound");
     let stimulus = bench.own_test("typical use").expect("it is there");
     let cancel = Cancel::default();
     let run = || {
         let recorded = bench.run(&stimulus, 2, &mut Unwatched, &cancel);
         recorded.expect("it runs").trace
     };
-    let whole = run();
-    assert!(run() == whole, "repeated");
-    // Coasting empty, closing the hand, carrying, held, under the pull.
-    for until_secs in [3.0, 15.013, 19.0, 26.0, 30.5] {
+    let [whole, other] = std::thread::scope(|scope| {
+        let threads = [scope.spawn(run), scope.spawn(run)];
+        threads.map(|thread| thread.join().expect("no panic"))
+    });
+    assert!(other == whole, "{set}: repeated on another thread");
+    for until_secs in moments {
         let mut running = bench.start(&stimulus, 2).expect("it starts");
         bench
-            .advance(&mut running, until_secs, &mut Unwatched, &cancel)
+            .advance(&mut running, *until_secs, &mut Unwatched, &cancel)
             .expect("it runs");
         let saved = bench.save(&running).expect("memory suffices");
         let mut resumed = bench.resume(&saved, None).expect("memory suffices");
@@ -135,6 +152,6 @@ fn a_fast_run_is_repeated_and_continued_bit_for_bit() {
             .advance(&mut resumed, f64::INFINITY, &mut Unwatched, &cancel)
             .expect("it runs");
         let trace = bench.finish(resumed).expect("it ends").trace;
-        assert!(trace == whole, "continued from {until_secs} s");
+        assert!(trace == whole, "{set}: continued from {until_secs} s");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! The whole model is the reference. With `simulation.fast` less than that stands in for it: the arm
 //! alone while hand and object are [`apart`], and [`glide`]s between bursts of the whole model while
-//! the motion is steady.
+//! the motion is steady ([`Plant::may_glide`] says where contacts allow for them).
 
 mod apart;
 mod arm;
@@ -14,6 +14,7 @@ mod glide;
 mod inertia;
 mod joints;
 mod seen;
+mod swing;
 
 use std::sync::Arc;
 
@@ -65,6 +66,9 @@ pub(crate) struct Plant {
     is_fast: bool,
     /// Whether the fingers swing when the arm speeds up.
     fingers_swing: bool,
+    /// How long that takes to fade, and the steps since a pull last bent fingers that held the object.
+    fade_steps: u64,
+    unbent_steps: u64,
     steps: u64,
     look_steps: u64,
     joints: Vec<DrivenJoint>,
@@ -96,19 +100,22 @@ impl Plant {
             draws: *draws,
         };
         let is_fast = scenario.simulation.fast && model::hand_is_separable(scenario);
+        let fingers_swing = swing::fingers_swing(&blueprint, &joints);
         let part = Part { is_lean: is_fast };
         let whole = Body::new(&blueprint, &joints, part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
-        let settings = &scenario.simulation;
+        let step_secs = scenario.simulation.time_step_secs;
         let mut plant = Self {
             is_fast,
-            fingers_swing: apart::fingers_swing(&blueprint, &joints),
+            fingers_swing,
+            fade_steps: (swing::fades_secs(&blueprint, &joints) / step_secs).ceil() as u64,
+            unbent_steps: u64::MAX,
             steps: 0,
-            look_steps: (LOOK_SECS / settings.time_step_secs).round().max(1.0) as u64,
+            look_steps: (LOOK_SECS / step_secs).round().max(1.0) as u64,
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
             regime: Regime::Whole,
             whole,
-            glide: Glide::new(scenario, &joints),
+            glide: Glide::new(scenario, &joints, fingers_swing),
             is_held: false,
             in_regime_steps: 0,
             arm_accelerates: false,
@@ -182,6 +189,10 @@ impl Plant {
         {
             self.wake();
         }
+        self.unbent_steps = match self.is_held && wrench != Wrench::default() {
+            true => 0,
+            false => self.unbent_steps.saturating_add(1),
+        };
         match &mut self.regime {
             Regime::Apart(apart) => apart.step(&self.joints, step_secs),
             Regime::Whole => self.step_whole(&wrench),
@@ -193,7 +204,12 @@ impl Plant {
 
     /// One time step of the whole model, or of its steady motion.
     fn step_whole(&mut self, wrench: &Wrench) {
-        let may_glide = self.is_fast && self.may_glide();
+        if !self.is_fast {
+            self.whole
+                .step(&self.joints, wrench.force_newtons, wrench.torque_nm);
+            return;
+        }
+        let may_glide = self.may_glide();
         let is_steady = may_glide
             && joints::fingers(&self.joints).all(|index| self.joints[index].is_at_rest())
             && self.glide.is_same(wrench)
@@ -205,24 +221,22 @@ impl Plant {
         if !is_steady {
             self.glide.forget();
         }
-        let Wrench {
-            force_newtons,
-            torque_nm,
-        } = *wrench;
-        self.whole.step(&self.joints, force_newtons, torque_nm);
-        if self.is_fast {
-            self.is_held = self.whole.grip() != Grip::default();
-        }
+        self.whole
+            .step(&self.joints, wrench.force_newtons, wrench.torque_nm);
+        self.is_held = self.whole.grip() != Grip::default();
         if may_glide {
             self.glide.watch(&self.whole, &self.joints, wrench);
         }
     }
 
-    /// Whether contacts allow for glides: what an empty hand comes upon on its way must not be missed,
-    /// and fingers so heavy that they swing take longer than a burst to follow what they hold.
+    /// Whether contacts allow for glides: what an empty hand comes upon on its way must not be missed.
+    /// Fingers so heavy that they swing are on their way long after they were sent, so that it takes more
+    /// than an arm that stands; and they take longer than a burst to follow a pull at what they hold.
     fn may_glide(&self) -> bool {
-        let is_there = || joints::arm(&self.joints).all(|index| self.joints[index].is_at_target());
-        !self.fingers_swing && (self.is_held || is_there())
+        if self.fingers_swing {
+            return self.is_held && self.unbent_steps >= self.fade_steps;
+        }
+        self.is_held || joints::arm(&self.joints).all(|index| self.joints[index].is_at_target())
     }
 
     /// Takes a glide's state over into the whole model.

@@ -16,7 +16,6 @@ use super::clearance::Clearance;
 use super::joints::{DrivenJoint, fingers};
 use super::{Grip, ObjectState};
 use crate::geometry::norm;
-use crate::scenario::Body as Link;
 
 /// Nearer than this the fingers of an empty hand stay where they are: speed times their servos' time
 /// constant. It is a third of what dry friction lets them rest away from where they were sent.
@@ -107,25 +106,4 @@ impl Apart {
         self.arm.get(&mut now);
         now
     }
-}
-
-/// Whether fingers swing when the arm speeds up as fast as its drives do: what that takes, at an arm's
-/// length from a joint, is more than half the dry friction of their drives.
-pub(super) fn fingers_swing(blueprint: &Blueprint, joints: &[DrivenJoint]) -> bool {
-    const REACH_M: f64 = 1.0;
-    let Blueprint {
-        scenario,
-        parameters,
-        ..
-    } = blueprint;
-    let taken_nm = |link: &Link| {
-        let turning = crate::model::link_inertia_kg_m2(parameters, link);
-        let turning_kg_m2 = turning.into_iter().fold(0.0, f64::max);
-        let lever_m = norm(link.shape_position_m);
-        (turning_kg_m2 + link.mass_kg * lever_m * REACH_M) * parameters.arm.acceleration_rad_s2
-    };
-    let is_finger = |link: &&Link| fingers(joints).any(|index| joints[index].name == link.name);
-    let links = scenario.bodies.iter().filter(is_finger);
-    let most_nm = links.map(taken_nm).fold(0.0, f64::max);
-    most_nm > parameters.hand.friction_loss_nm / 2.0
 }

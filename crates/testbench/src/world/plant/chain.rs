@@ -75,6 +75,23 @@ impl Chain {
     pub(super) fn follow_into(&self, state: impl Fn(usize) -> (f64, f64), frames: &mut Frames) {
         frames.joints.clear();
         frames.axes.clear();
+        frames.hand = self.walk(state, |frame, axis| {
+            frames.axes.push((frame.position_m, axis));
+            frames.joints.push(*frame);
+        });
+    }
+
+    /// The chain's end, with its motion.
+    pub(super) fn hand(&self, state: impl Fn(usize) -> (f64, f64)) -> ObjectState {
+        self.walk(state, |_, _| {})
+    }
+
+    /// Goes outwards; shows the frame behind each joint and the direction of its axis.
+    fn walk(
+        &self,
+        state: impl Fn(usize) -> (f64, f64),
+        mut show: impl FnMut(&Pose, Vector),
+    ) -> ObjectState {
         let mut frame = identity();
         let (mut spin, mut velocity) = ([0.0; 3], [0.0; 3]);
         for (index, stretch) in self.0.iter().enumerate() {
@@ -86,16 +103,15 @@ impl Chain {
                 let in_world = rotate(next.orientation, axis);
                 spin = add(spin, scale(speed_rad_s, in_world));
                 next.orientation = compose(next.orientation, about(axis, angle_rad));
-                frames.axes.push((next.position_m, in_world));
-                frames.joints.push(next);
+                show(&next, in_world);
             }
             frame = next;
         }
-        frames.hand = ObjectState {
+        ObjectState {
             pose: frame,
             velocity_m_s: velocity,
             spin_rad_s: spin,
-        };
+        }
     }
 }
 

@@ -5,7 +5,9 @@
 //! their axes exceeds the sum of their radii; a margin covers the way of several time steps.
 
 use super::body::{Blueprint, Body};
-use crate::geometry::{IDENTITY, Pose, Vector, add, distance_of_pieces, inverse, rotate, subtract};
+use crate::geometry::{
+    IDENTITY, Pose, Vector, add, distance_of_pieces, inverse, norm, rotate, scale, subtract,
+};
 use crate::scenario::Shape;
 
 /// Apart by less than this, hand and object may touch soon: the way of ten steps at 0.5 m/s.
@@ -22,6 +24,8 @@ struct Capsule {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Clearance {
     hand: Vec<Capsule>,
+    /// A ball around all of these, of no length: mostly that is clear.
+    around: Capsule,
     object: Capsule,
 }
 
@@ -36,10 +40,12 @@ impl Clearance {
     ) -> Self {
         let half = length_m / 2.0;
         let end = |z: f64| add(object.position_m, rotate(object.orientation, [0.0, 0.0, z]));
+        let hand: Vec<Capsule> = shapes
+            .flat_map(|(shape, pose)| cover(&shape, &pose))
+            .collect();
         Self {
-            hand: shapes
-                .flat_map(|(shape, pose)| cover(&shape, &pose))
-                .collect(),
+            around: ball_around(&hand),
+            hand,
             object: Capsule {
                 ends_m: [end(-half), end(half)],
                 radius_m,
@@ -68,10 +74,26 @@ impl Clearance {
             .object
             .ends_m
             .map(|end| rotate(back, subtract(end, hand.position_m)));
-        self.hand.iter().all(|part| {
+        let is_clear = |part: &Capsule| {
             let apart_m = distance_of_pieces(part.ends_m, object_m);
             apart_m > part.radius_m + self.object.radius_m + MARGIN_M
-        })
+        };
+        is_clear(&self.around) || self.hand.iter().all(is_clear)
+    }
+}
+
+/// A ball that holds all capsules.
+fn ball_around(parts: &[Capsule]) -> Capsule {
+    let ends = || parts.iter().flat_map(|part| part.ends_m);
+    let sum_m = ends().fold([0.0; 3], add);
+    let centre_m = scale(1.0 / (2 * parts.len()).max(1) as f64, sum_m);
+    let reach_m = |part: &Capsule| {
+        let far_m = part.ends_m.map(|end| norm(subtract(end, centre_m)));
+        far_m[0].max(far_m[1]) + part.radius_m
+    };
+    Capsule {
+        ends_m: [centre_m; 2],
+        radius_m: parts.iter().map(reach_m).fold(0.0, f64::max),
     }
 }
 
@@ -152,6 +174,24 @@ mod tests {
         assert!(clearance.is_clear(&at([0.85, 0.0, 0.0])));
         assert!(!clearance.is_clear(&at([0.86, 0.0, 0.0])));
         assert!(clearance.is_clear(&at([0.86, 0.0, 0.5])), "above it");
+    }
+
+    #[test]
+    fn a_ball_around_a_hand_holds_all_of_it() {
+        let stick = |ends_m, radius_m| Capsule { ends_m, radius_m };
+        let hand = [
+            stick([[0.0; 3], [0.1, 0.0, 0.0]], 0.02),
+            stick([[0.05, 0.2, 0.0], [0.05, 0.2, 0.1]], 0.01),
+        ];
+        let ball = ball_around(&hand);
+        for part in &hand {
+            for end in part.ends_m {
+                let far_m = norm(subtract(end, ball.ends_m[0])) + part.radius_m;
+                assert!(far_m <= ball.radius_m + 1e-15, "{far_m}");
+            }
+        }
+        // It is not the whole of space: the farthest skin lies on it.
+        assert!(ball.radius_m < 0.17, "{}", ball.radius_m);
     }
 
     #[test]

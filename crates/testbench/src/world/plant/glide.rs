@@ -11,9 +11,9 @@
 //! "Projective methods for stiff differential equations", SIAM J. Sci. Comput. 24(4), 2003), of second
 //! order where that pays: contacts and servos are stiff and settle within the burst, what is left is slow.
 //!
-//! Fingers so heavy that they swing are left to the whole model: they settle in tenths of a second, so
-//! that under a pull glides run ahead of them, and of 900 untuned pairs of episodes 16 had a false
-//! negative of the pressure sensor in the full physics alone and 1 with glides alone.
+//! Fingers so heavy that they swing take longer for all of this: a burst lasts until their dry friction
+//! has settled ([`DRY_FRICTION_SETTLES_SECS`]), a glide ends before one of them comes upon the object
+//! ([`UNMET`]), and while a pull has bent them they are left to the whole model.
 //!
 //! Accuracy: where the rate changes by `c` over `m` steps, a glide of `g` steps is wrong by `c g^2 / 2 m`;
 //! where it changes by `c` more or less than its slope foretold, by `c g^3 / 3 m^2`. The next glide is as
@@ -48,6 +48,15 @@ const ALLOWED_OBJECT_RAD: f64 = ALLOWED_M / 0.03;
 /// The arm takes the object with it, and its servos make up for what it lacks: ten times as much at
 /// its length.
 const ALLOWED_ARM_RAD: f64 = 10.0 * ALLOWED_M / 0.8;
+/// How long a burst lasts with fingers so heavy that they do not follow at once: twice the time constant
+/// of the engine's dry friction (`solreffriction`, which is left at 0.02 s). What a landing has disturbed
+/// has faded by then. In bursts of two steps it counts as a rate: fingers that hold the object then lose
+/// the friction that a pull has to overcome, by which of 283 untuned pairs of episodes 6 lost a false
+/// negative of the pressure sensor and none gained one.
+const DRY_FRICTION_SETTLES_SECS: f64 = 0.04;
+/// How far heavy fingers may go on towards the object, and it in the hand, in what a glide may be wrong
+/// by: some twenty micrometres, less than a grip presses into a pad.
+const UNMET: f64 = 20.0;
 /// A force on the object that differs by less from the burst's is the same.
 const SAME_NEWTONS: f64 = 5e-3;
 const SAME_NM: f64 = 2e-4;
@@ -114,6 +123,9 @@ pub(super) struct Glide {
     /// if they are known.
     seen_rad: Vec<f64>,
     seen_object: Option<Pose>,
+    /// Whether fingers are so heavy that they swing, and the steps of a burst while such ones hold it.
+    fingers_swing: bool,
+    heavy_burst_steps: u32,
     /// What a glide may be wrong by.
     allowed: Slow,
     rates: Slow,
@@ -134,8 +146,9 @@ pub(super) struct Glide {
 }
 
 impl Glide {
-    pub(super) fn new(scenario: &Scenario, joints: &[DrivenJoint]) -> Self {
+    pub(super) fn new(scenario: &Scenario, joints: &[DrivenJoint], fingers_swing: bool) -> Self {
         let chain = Chain::to_hand(scenario, joints);
+        let step_secs = scenario.simulation.time_step_secs;
         Self {
             chain_joints: chain.joints().collect(),
             chain,
@@ -147,6 +160,8 @@ impl Glide {
             began_at: Step::default(),
             seen_rad: Vec::new(),
             seen_object: None,
+            fingers_swing,
+            heavy_burst_steps: (DRY_FRICTION_SETTLES_SECS / step_secs).ceil() as u32,
             allowed: allowed(joints),
             rates: Slow::new(),
             slopes: Slow::new(),
@@ -158,7 +173,7 @@ impl Glide {
             now: Step::default(),
             before: Step::default(),
             wrench: Wrench::default(),
-            step_secs: scenario.simulation.time_step_secs,
+            step_secs,
         }
     }
 
@@ -247,19 +262,39 @@ impl Glide {
     /// Begins a glide if the rates have changed so little, or so regularly, that one is worth it.
     fn consider(&mut self) {
         let glided = self.last_glide_steps;
-        let enough = if glided > 0 { BURST_STEPS } else { FIRST_STEPS };
+        let enough = match glided > 0 {
+            true => BURST_STEPS,
+            false => FIRST_STEPS,
+        };
+        let enough = match self.fingers_swing {
+            true => enough.max(self.heavy_burst_steps),
+            false => enough,
+        };
         if self.reference.is_some() && self.watched_steps < enough {
             return;
         }
         let passed = f64::from(glided + self.watched_steps);
         let most = f64::from(if glided > 0 { 2 * glided } else { FIRST_STEPS });
-        let steps = self.foresee(passed).min(most);
+        let steps = self.foresee(passed).min(most).min(self.unmet_steps());
         self.watched_steps = 0;
         self.last_glide_steps = 0;
         if steps >= SHORTEST_STEPS {
             self.until_steps = Some(steps.min(LONGEST_STEPS) as u32);
             self.now.clone_from(&self.began_at);
         }
+    }
+
+    /// In how many steps no finger comes upon the object unforeseen: those that swing may still be on
+    /// their way to it while others hold it already.
+    fn unmet_steps(&self) -> f64 {
+        if !self.fingers_swing {
+            return f64::INFINITY;
+        }
+        let ways = self.rates.iter().zip(&self.allowed);
+        let most = ways
+            .map(|(rate, allowed)| rate.abs() / allowed)
+            .fold(0.0, f64::max);
+        UNMET / most
     }
 
     /// Compares the rates with those of `passed` steps before, and with what these foretold; says how
@@ -336,7 +371,7 @@ impl Glide {
     /// The hand in the world.
     fn hand_at(&self, at: &Step) -> ObjectState {
         let state = |index: usize| self.joint_at(self.chain_joints[index], at);
-        self.chain.follow(state).hand
+        self.chain.hand(state)
     }
 
     /// The object in the hand.
