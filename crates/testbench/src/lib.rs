@@ -97,8 +97,8 @@
 //!
 //! Paired by seed with the full physics, in 500 tuned handovers (E4), 4 episodes differ in a verdict, 3
 //! and 1 either way (false negatives of the pressure sensor); each monitor's rate is the same within
-//! 1.32 points (90 % interval of the paired difference). Of 299 untuned ones (E2) 6 end otherwise, every
-//! way to end as frequent within 1.90 points. In some episodes the object can settle in the
+//! 1.32 points (90 % interval of the paired difference). Of 477 untuned ones (E2) 7 end otherwise, every
+//! way to end as frequent within 1.49 points. In some episodes the object can settle in the
 //! hand in two ways, millimetres apart, and the full physics takes the other one, too, once its object
 //! is displaced by a micrometre or ten: of 30 pairs the object in the hand is at most 0.8 mm apart in
 //! half, and 5 mm or more in four. `tests/fast/verdicts.py` prints the
