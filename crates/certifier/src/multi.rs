@@ -15,7 +15,7 @@
 //! end component and have any formulas that can hold together, which is a question of reachability ([`average`] asks
 //! the same way), shown by inequalities; before, steps are taken backward in intervals. The choices that are best there
 //! give a scheduler, and a chain for each objective. Weights come from linear programmes over the vectors known
-//! ([`mixture`]); they need not be right.
+//! ([`mod@mixture`]); they need not be right.
 //!
 //! Source: Forejt, Kwiatkowska and Parker 2012, "Pareto Curves for Probabilistic Model Checking"; Etessami, Kwiatkowska,
 //! Vardi and Yannakakis 2008. Trusted: [`crate::formula`]. Cost: a problem for each objective and weight. Guarantee: that
