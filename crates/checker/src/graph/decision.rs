@@ -52,7 +52,8 @@ impl Backward {
         }
     }
 
-    fn rows_into(&self, state: usize) -> &[u32] {
+    /// The choices with this target.
+    pub fn rows_into(&self, state: usize) -> &[u32] {
         &self.row[self.start[state]..self.start[state + 1]]
     }
 
