@@ -30,10 +30,12 @@ pub struct Cost {
     pub wall_secs: f64,
     /// Seconds of simulated time, for simulations.
     pub simulated_secs: Option<f64>,
-    /// Processor seconds spent simulating and judging, over all threads.
+    /// Processor seconds spent simulating and judging, over all threads and the robots' programs
+    /// that were started for it.
     pub cpu_secs: Option<f64>,
-    /// Simulated seconds for each processor second, monitors and recording
-    /// included: how many times faster than real time one core is.
+    /// Simulated seconds for each processor second, monitors, recording and
+    /// robots' programs included: how many times faster than real time one
+    /// core is.
     pub real_time_factor: Option<f64>,
     /// States of the model.
     pub states: Option<u64>,

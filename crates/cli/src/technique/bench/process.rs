@@ -3,12 +3,12 @@
 //! Simulated time stands still while it thinks; only here does a clock of the
 //! real world run, so that a controller that hangs is ended and said to hang.
 
-use super::processor;
+use super::processor::Counted;
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::process::{ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -33,16 +33,12 @@ pub type Said = Arc<Mutex<VecDeque<String>>>;
 /// A running controller.
 pub struct Process {
     name: String,
-    child: Child,
+    child: Counted,
     input: Option<ChildStdin>,
     answers: Receiver<Result<String, String>>,
     said: Said,
     listeners: Vec<JoinHandle<()>>,
     limit: Duration,
-    /// Its processor time, as it was last seen.
-    used_secs: Option<f64>,
-    /// How it ended, once it has.
-    status: Option<ExitStatus>,
 }
 
 impl Process {
@@ -93,14 +89,12 @@ impl Process {
         }
         Ok(Self {
             name,
-            child,
+            child: Counted::new(child),
             input,
             answers,
             said,
             listeners,
             limit,
-            used_secs: None,
-            status: None,
         })
     }
 
@@ -131,13 +125,9 @@ impl Process {
         const PAUSE: Duration = Duration::from_millis(5);
         let mut waited = Duration::ZERO;
         loop {
-            if self.status.is_none() {
-                // Once its end is known its time is not, and its number may be another's.
-                self.used_secs = processor::of_process(self.child.id()).or(self.used_secs);
-                self.status = self.child.try_wait().unwrap_or_default();
-            }
-            if self.status.is_some() {
-                return self.status;
+            let status = self.child.ended();
+            if status.is_some() {
+                return status;
             }
             if waited >= longest {
                 return None;
@@ -180,11 +170,8 @@ impl Drop for Process {
     fn drop(&mut self) {
         self.input = None;
         if self.wait(GRACE).is_none() {
-            // If it cannot be killed it has ended in the meantime.
-            let _ = self.child.kill();
-            let _ = self.child.wait();
+            self.child.kill();
         }
-        processor::count(self.used_secs.unwrap_or(0.0));
         // A grandchild may hold the pipes open: then the listeners are left behind.
         self.listeners.retain(|listener| !listener.is_finished());
     }
@@ -240,6 +227,7 @@ pub fn python_path() -> Option<std::ffi::OsString> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::processor;
     use super::*;
 
     fn start(script: &str, limit: Duration) -> Process {

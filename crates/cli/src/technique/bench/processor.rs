@@ -5,6 +5,7 @@
 //! has seen, and forgets it when we are told of the process's end: it is read before that.
 
 use std::cell::Cell;
+use std::process::{Child, ExitStatus};
 
 /// What `/proc` counts processor time in: `USER_HZ`, which is 100 on every Linux of x86-64 and ARM.
 const TICKS_PER_SEC: f64 = 100.0;
@@ -21,13 +22,59 @@ pub fn used_secs() -> f64 {
     own_secs + OF_PROCESSES.get()
 }
 
-/// Counts the processor time of a process that has ended.
-pub fn count(secs: f64) {
-    OF_PROCESSES.set(OF_PROCESSES.get() + secs);
+/// A process of ours, whose processor time counts for the thread that drops it. Programs that were started elsewhere, and
+/// children whose end nobody has waited for, do not count: the system does not tell.
+pub struct Counted {
+    child: Child,
+    /// Its processor time, as it was last seen.
+    secs: Option<f64>,
+    /// How it ended, once it has.
+    status: Option<ExitStatus>,
+}
+
+impl Counted {
+    /// Counts a process from its start on.
+    pub fn new(child: Child) -> Self {
+        Self {
+            child,
+            secs: None,
+            status: None,
+        }
+    }
+
+    /// Its number, which may be another's once it has ended.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// How it ended, if it did.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            // Once its end is known its time is not, and its number may be another's.
+            self.secs = of_process(self.child.id()).or(self.secs);
+            self.status = self.child.try_wait().unwrap_or_default();
+        }
+        self.status
+    }
+
+    /// Kills it, and waits for its end.
+    pub fn kill(&mut self) {
+        if self.ended().is_none() {
+            // If it cannot be killed it has ended in the meantime.
+            let _ = self.child.kill();
+            self.status = self.child.wait().ok();
+        }
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        OF_PROCESSES.set(OF_PROCESSES.get() + self.secs.unwrap_or(0.0));
+    }
 }
 
 /// Processor seconds of a process and its ended children so far; `None` if the system does not tell.
-pub fn of_process(id: u32) -> Option<f64> {
+fn of_process(id: u32) -> Option<f64> {
     let text = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     ticks(&text).map(|ticks| ticks as f64 / TICKS_PER_SEC)
 }

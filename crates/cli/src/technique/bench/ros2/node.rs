@@ -1,9 +1,10 @@
 //! A node of ROS 2 that is started for an episode and ended with it.
 
 use crate::technique::bench::process::{Said, indented, keep_lines, python_path};
+use crate::technique::bench::processor::Counted;
 use std::os::unix::process::CommandExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use testbench::controller::Setup;
 
@@ -14,7 +15,7 @@ const LOOK: Duration = Duration::from_millis(10);
 /// A running node.
 pub struct Node {
     name: String,
-    child: Child,
+    child: Counted,
     said: Said,
 }
 
@@ -59,12 +60,16 @@ impl Node {
         if let Some(errors) = errors {
             std::thread::spawn(move || keep_lines(errors, &second));
         }
-        Ok(Self { name, child, said })
+        Ok(Self {
+            name,
+            child: Counted::new(child),
+            said,
+        })
     }
 
     /// How it ended, if it did.
     pub fn ended(&mut self) -> Option<ExitStatus> {
-        self.child.try_wait().ok().flatten()
+        self.child.ended()
     }
 
     /// What it does and what it said last.
@@ -104,7 +109,7 @@ impl Drop for Node {
         }
         if self.ended().is_none() {
             self.signal(rustix::process::Signal::KILL);
-            let _ = self.child.wait();
+            self.child.kill();
         }
     }
 }
@@ -128,6 +133,7 @@ fn parameters(setup: &Setup) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::technique::bench::processor;
 
     #[test]
     fn parameters_are_given_as_ros_2_takes_them() {
@@ -144,15 +150,20 @@ mod tests {
     }
 
     #[test]
-    fn a_node_is_ended_and_what_it_said_is_known() {
-        let command = ["sh", "-c", "echo $ROS_DOMAIN_ID; exec sleep 600"].map(str::to_owned);
+    fn a_node_is_ended_what_it_said_is_known_and_its_processor_time_counts() {
+        let work = "i=0; while [ $i -lt 200000 ]; do i=$((i+1)); done";
+        let command = format!("{work}; echo $ROS_DOMAIN_ID; exec sleep 600");
+        let command = ["sh", "-c", &command].map(str::to_owned);
         let setup = Setup::default();
         let mut node = Node::start(&command, Path::new("."), 42, &setup).expect("started");
         while !node.last_words().contains("    42") {
             std::thread::sleep(LOOK);
         }
-        let id = node.child.id();
+        let (id, before) = (node.child.id(), processor::used_secs());
         drop(node);
+        let secs = processor::used_secs() - before;
+        // A shell needs a tenth of a second or so for that; ending it hardly takes this thread any time.
+        assert!(secs > 0.02, "{secs} s");
         assert!(!Path::new(&format!("/proc/{id}")).exists());
     }
 }
