@@ -172,6 +172,8 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         suspects,
         diagnosis: None,
         disagreement: None,
+        exploration: None,
+        calibration: None,
         gaps,
         published,
         costs,

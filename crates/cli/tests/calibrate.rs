@@ -118,6 +118,9 @@ fn a_small_calibration_reports_everything_and_the_same_again() {
     let sum = |key: &str| groups.iter().map(|group| of(group, key)).sum::<u64>();
     assert_eq!((sum("occurrences"), sum("opportunities")), (7, 98));
 
+    // What is printed is kept for the report.
+    let result = folder.path().join("results/calibration/calibration.json");
+    assert_eq!(read(&result), said.out);
     // The written set is the printed one, and a simulation takes it.
     let written = read(&folder.path().join("fitted.toml"));
     assert_eq!(Some(written.as_str()), report["parameter_set"].as_str());
@@ -183,7 +186,11 @@ fn kept(folder: &Path) -> Vec<(String, std::time::SystemTime)> {
     let entries = std::fs::read_dir(folder.join("results/calibration")).expect("kept");
     let mut files: Vec<_> = entries
         .flatten()
-        .filter(|entry| entry.path().extension().is_some_and(|it| it == "json"))
+        .filter(|entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            name.starts_with("episodes-") && name.ends_with(".json")
+        })
         .map(|entry| {
             let time = entry
                 .metadata()

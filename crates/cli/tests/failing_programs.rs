@@ -128,6 +128,11 @@ fn a_simulator_that_dies_in_some_seeds_is_counted_and_neither_lost_nor_repeated(
 #[test]
 fn a_failure_stands_in_the_evidence_in_the_report_and_is_verified() {
     let folder = dying_simulator();
+    std::fs::write(folder.path().join("exploration.toml"), CARTS).expect("written");
+    let explore = ["explore", ".", "exploration.toml", "--causes", "3"];
+    let explored = corroborate(folder.path(), &explore);
+    assert_eq!(explored.code, 1, "{explored:?}");
+    std::fs::remove_file(folder.path().join("begun")).expect("seeds of the exploration");
     let run = corroborate(folder.path(), &["run", "."]);
     assert!([0, 1, 3].contains(&run.code), "{run:?}");
     assert!(run.talk.contains("the simulator fails in"), "{}", run.talk);
@@ -150,8 +155,41 @@ fn a_failure_stands_in_the_evidence_in_the_report_and_is_verified() {
         page.contains("the simulator fails"),
         "it is not in the report"
     );
-    let verified = corroborate(folder.path(), &["verify", "results"]);
+    // What was explored stands there, each cause with what runs it again.
+    for finding in study["exploration"]["findings"]
+        .as_array()
+        .expect("findings")
+    {
+        for cause in finding["causes"].as_array().expect("causes") {
+            let file = cause["file"].as_str().expect("a file");
+            let file = file.rsplit('/').next().expect("a name");
+            assert!(page.contains(file), "{file} is not in the report");
+        }
+    }
+    let verified = corroborate(folder.path(), &["verify", "results", "--deep"]);
     assert_eq!(verified.code, 0, "{verified:?}");
+    let again = "scenarios of findings show again what was found";
+    assert!(verified.out.contains(again), "{}", verified.out);
+
+    // An episode without a recording is none that violated anything, and none that did not.
+    let diagnosed = corroborate(folder.path(), &["diagnose", ".", "--format", "json"]);
+    assert!([0, 1].contains(&diagnosed.code), "{diagnosed:?}");
+    for cell in json(&diagnosed)["cells"].as_array().expect("cells") {
+        if cell["subject"]["id"] == "clear" && cell["trials"] != 0 {
+            assert_eq!(cell["trials"].as_u64(), Some(40 - dead), "{cell}");
+        }
+    }
+
+    // Of another plan it says nothing.
+    let plan = folder.path().join("exploration.toml");
+    std::fs::write(&plan, format!("{CARTS}# Later.\n")).expect("written");
+    let later = corroborate(folder.path(), &["run", ".", "--format", "json"]);
+    assert!(
+        later.talk.contains("the exploration is left out"),
+        "{}",
+        later.talk
+    );
+    assert_eq!(json(&later)["exploration"], Value::Null);
 
     // Who writes another count into the evidence is found out.
     let kept = std::fs::read_dir(folder.path().join("results/evidence")).expect("evidence");
@@ -511,4 +549,69 @@ fn a_robots_program_that_fails_is_found_shrunk_and_replayed() {
     assert!(said.contains("no way to stop"), "{said}");
     let checked = call(&["replay", ".", "--check"]);
     assert_eq!(checked.code, 0, "{checked:?}");
+}
+
+/// A drive that can be so stiff that the physics gives no numbers.
+const STIFF: &str = r#"
+evidence = "S2"
+sources = ["own", "search"]
+designs = ["boundary"]
+
+[budget]
+episodes = 4
+batch = 2
+
+[[parameter]]
+name = "gain"
+sets = ["actuator.drive.gain_nms_rad"]
+choice = [2.0, 1e9]
+nominal = 2.0
+
+[[parameter]]
+name = "torque"
+sets = ["actuator.drive.torque_limit_nm"]
+choice = [6.0, 1e9]
+nominal = 6.0
+
+[[search]]
+requirement = "speed"
+test = "ben_crosses"
+method = "bayesian"
+"#;
+
+#[test]
+fn physics_without_numbers_is_no_violation_of_the_robot_and_can_be_replayed() {
+    let Some(library) = library() else { return };
+    let folder = copy_of("case-studies/corridor", &[]);
+    std::fs::write(folder.path().join("exploration.toml"), STIFF).expect("written");
+    let call = |arguments: &[&str]| with_physics(&library, folder.path(), arguments);
+    let explore = ["explore", ".", "exploration.toml", "--out", "out"];
+    let explored = call(&[&explore[..], &["--format", "json"]].concat());
+    // Data were lost; nothing is violated.
+    assert_eq!(explored.code, 3, "{explored:?}");
+    let report = json(&explored);
+    let broken = report["broken"].as_array().expect("episodes");
+    assert!(!broken.is_empty(), "{report}");
+    let findings = report["findings"].as_array().expect("findings");
+    assert_eq!(findings.len(), 1, "{report}");
+    let found = &findings[0];
+    assert_eq!(found["shows"]["failed"], "simulator-failed", "{found}");
+    assert_eq!(found["episodes"].as_u64(), Some(broken.len() as u64));
+    assert_eq!(found["replayed"], true, "{found}");
+    assert_eq!(report["searches"][0]["violated"], 0, "{report}");
+    let text = call(&explore).out;
+    let words = "which says nothing of the robot";
+    assert!(text.contains(words), "{text}");
+    let file = format!("out/{}", found["file"].as_str().expect("a file"));
+    let replayed = call(&["replay", ".", &file, "--format", "json"]);
+    assert_eq!(replayed.code, 0, "{replayed:?}");
+    let replayed = json(&replayed);
+    assert_eq!(replayed["shown"], true, "{replayed}");
+    let said = replayed["said"].as_str().expect("words");
+    assert!(said.contains("unstable"), "{said}");
+    let verdicts = replayed["verdicts"].as_array().expect("verdicts");
+    assert!(
+        verdicts.iter().all(|it| it["verdict"] != "violated"),
+        "{replayed}"
+    );
 }

@@ -1,9 +1,9 @@
 //! The ledger: evidence with its history, and the whole of a study.
 
 use crate::{
-    Asset, Comparison, Conclusion, CoverageGap, DescriptionGap, Diagnosis, DisagreementMap,
-    EpisodeFailures, FailureMode, Finding, FormDifference, Interval, Requirement, Subject, Suspect,
-    Synthesis, Technique, Tool,
+    Asset, CalibrationReport, Comparison, Conclusion, CoverageGap, DescriptionGap, Diagnosis,
+    DisagreementMap, EpisodeFailures, Exploration, FailureMode, Finding, FormDifference, Interval,
+    Requirement, Subject, Suspect, Synthesis, Technique, Tool,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -178,6 +178,12 @@ pub struct StudyResult {
     /// Contexts in which model and simulation part; `corroborate explore --disagreement` finds them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disagreement: Option<DisagreementMap>,
+    /// What was found by looking for what nobody has thought of; `corroborate explore` finds it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exploration: Option<Exploration>,
+    /// What of a simulator was fitted to counts; `corroborate calibrate` does it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<CalibrationReport>,
     /// What nothing or too little covers.
     pub gaps: Vec<CoverageGap>,
     /// Figures of the source publication beside ours.

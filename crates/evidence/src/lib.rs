@@ -20,8 +20,10 @@ mod conclude;
 mod description;
 mod diagnose;
 mod disagreement;
+mod exploration;
 mod failure;
 mod finding;
+mod fit;
 mod interval;
 mod ledger;
 mod measure;
@@ -49,10 +51,15 @@ pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
     RegionShares, SearchEnd,
 };
+pub use exploration::{BrokenEpisode, CauseFound, CauseSetting, Discovery, Exploration, Stopped};
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
     ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,
     Reading, RobustBounds, Spread, Subject,
+};
+pub use fit::{
+    CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,
+    LineageReport, ModeReport, ParameterReport, PredictionReport,
 };
 pub use interval::Interval;
 pub use ledger::{

@@ -15,7 +15,7 @@
 //! #     confidence: 0.95, requirements: vec![], failure_modes: vec![], evidence: vec![],
 //! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), suspects: vec![],
 //! #     diagnosis: None,
-//! #     disagreement: None, gaps: vec![],
+//! #     disagreement: None, exploration: None, calibration: None, gaps: vec![],
 //! #     published: vec![], costs: vec![], produced_by: "example".into(),
 //! # };
 //! let page: String = report::html(&study);

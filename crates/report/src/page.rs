@@ -14,12 +14,15 @@ const SCRIPT: &str = include_str!("script.js");
 const SCRIPT_HASH: &str = "YYBZcrAcuVMDv7a2n8ZDuvMtKc2Iocym0mjujSYP9ek=";
 
 /// Anchor and name of each section, in order.
-pub const SECTIONS: [(&str, &str); 13] = [
+pub const SECTIONS: [(&str, &str); 16] = [
     ("verdict", "Verdict"),
     ("matrix", "Matrix"),
     ("forest", "Evidence"),
     ("modes", "Failure modes"),
     ("suspects", "Suspects"),
+    ("parting", "Parting"),
+    ("found", "Found"),
+    ("fitted", "Fitted"),
     ("comparisons", "Comparisons"),
     ("further", "What would decide"),
     ("argument", "Argument"),
@@ -40,7 +43,7 @@ pub fn render(study: &StudyResult) -> String {
             body {
                 a class="skip" href="#verdict" { "Skip to the verdict" }
                 (masthead(study))
-                (navigation())
+                (navigation(study))
                 main { (sections(view)) }
                 footer { p { "Produced by " (study.produced_by) ". This file is complete in itself and loads nothing." } }
                 script { (PreEscaped(SCRIPT)) }
@@ -79,11 +82,23 @@ fn masthead(study: &StudyResult) -> Markup {
     }
 }
 
-fn navigation() -> Markup {
+/// Whether a section is on the page; some are only where there is something to show.
+fn is_there(study: &StudyResult, id: &str) -> bool {
+    match id {
+        "parting" => study.disagreement.is_some(),
+        "found" => study.exploration.is_some(),
+        "fitted" => study.calibration.is_some(),
+        _ => true,
+    }
+}
+
+fn navigation(study: &StudyResult) -> Markup {
     html! {
         nav aria-label="Sections" {
             ul {
-                @for (id, name) in SECTIONS { li { a href={ "#" (id) } { (name) } } }
+                @for (id, name) in SECTIONS {
+                    @if is_there(study, id) { li { a href={ "#" (id) } { (name) } } }
+                }
                 li { a href="#reading" { "How to read" } }
             }
             button id="theme" type="button" hidden { "Dark" }
@@ -99,6 +114,8 @@ fn sections(view: View) -> Markup {
         (section::modes::render(view))
         (section::suspects::render(view))
         (section::parting::render(view))
+        (section::found::render(view))
+        (section::fitted::render(view))
         (section::comparisons::render(view))
         (section::further::render(view))
         (section::assurance::render(view))

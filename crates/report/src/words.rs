@@ -2,8 +2,8 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, CERTAINTY, Direction, Guarantee, Inaccuracy, Measure, Outcome, RegionOutcome,
-    Requirement, Technique, Threshold, Verdict,
+    AssetRole, CERTAINTY, Direction, Guarantee, Identification, Inaccuracy, Likeness, Measure,
+    Outcome, RegionOutcome, Requirement, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -64,6 +64,32 @@ pub fn region(outcome: RegionOutcome) -> Mark {
         RegionOutcome::Undecided => mark("?", "undecided", "open"),
         RegionOutcome::Agrees => mark("≈", "agrees", "good"),
     }
+}
+
+/// Whether counts say what a parameter is.
+pub fn identification(identification: Identification) -> Mark {
+    let word = identification.words();
+    match identification {
+        Identification::Identified => mark("✓", word, "good"),
+        Identification::WeaklyIdentified => mark("≈", word, "open"),
+        Identification::NotIdentified => mark("?", word, "open"),
+    }
+}
+
+/// What is shown of a fitted simulation beside reality.
+pub fn likeness(likeness: Likeness) -> Mark {
+    let word = likeness.words();
+    match likeness {
+        Likeness::Equivalent => mark("≈", word, "good"),
+        Likeness::Different => mark("≠", word, "bad"),
+        Likeness::Undecided => mark("?", word, "open"),
+        Likeness::Fit => mark("=", word, "none"),
+    }
+}
+
+/// A finding whose episode, run again, does not show it.
+pub fn not_shown_again() -> Mark {
+    mark("?", "not shown again", "open")
 }
 
 /// Outcome of a comparison, where agreement may be only a fit.

@@ -4,7 +4,6 @@ mod conclusion;
 mod counts;
 mod file;
 mod parameter_set;
-mod report;
 mod text;
 mod work;
 
@@ -20,13 +19,16 @@ use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use counts::Reality;
+use evidence::{CalibrationReport, FileReport, Likeness, LineageReport};
 use file::{CODE, CalibrationText, merge, quoted};
-use report::{FileReport, Likeness, LineageReport};
 use std::path::{Path, PathBuf};
 use stimulus::Space;
 use testbench::SimError;
 use toml::Table;
 use work::Work;
+
+/// The file of the result, in the folder of a calibration.
+const CALIBRATION: &str = "calibration.json";
 
 /// Fits, checks, and writes the fitted set.
 pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Problem> {
@@ -62,6 +64,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
         lineage: lineage(&study, &source, &text)?,
     };
     let report = work.report(&base, level)?;
+    write_whole(&folder.join(CALIBRATION), json(&report)?.as_bytes())?;
     if let Some(path) = &arguments.to {
         write_whole(path, report.parameter_set.as_bytes())?;
     }
@@ -73,7 +76,7 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
         },
         output: match arguments.format {
             Format::Json => json(&report)?,
-            Format::Text => report.text(),
+            Format::Text => text::as_text(&report),
         },
     })
 }
@@ -121,16 +124,23 @@ fn lineage(
             hash: hash_of(content.text.as_bytes()),
         })
     };
-    let name = Path::new(&source.name).file_name();
-    let name = name.map_or(source.name.as_str().into(), |name| name.to_string_lossy());
     Ok(LineageReport {
         seed: study.about.seed.to_string(),
         calibration: FileReport {
-            file: name.into_owned(),
+            file: in_study(study, Path::new(&source.name)),
             hash: hash_of(source.text.as_bytes()),
         },
         files: paths.iter().map(file).collect::<Result<_, Problem>>()?,
     })
+}
+
+/// A file as the study names it, or by its name alone where it lies elsewhere.
+fn in_study(study: &Study, file: &Path) -> String {
+    let whole = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let (folder, path) = (whole(&study.folder), whole(file));
+    let name = path.file_name().map(Path::new);
+    let within = path.strip_prefix(&folder).ok().or(name);
+    within.unwrap_or(file).display().to_string()
 }
 
 /// The parameters to begin with, with what is known in them.
@@ -154,6 +164,30 @@ fn base_parameters(
         text: written(&table)?,
         name: format!("{} with what is known", source.name),
     })
+}
+
+/// The result of a calibration beside these results, if one was made of these very files.
+pub fn kept_calibration(
+    study: &Study,
+    results: &Path,
+) -> Result<Option<CalibrationReport>, Problem> {
+    let path = results.join("calibration").join(CALIBRATION);
+    let Ok(bytes) = std::fs::read(&path) else {
+        return Ok(None);
+    };
+    const REMEDY: &str = "run corroborate calibrate again, or remove the file";
+    let report: CalibrationReport = serde_json::from_slice(&bytes).map_err(|error| {
+        Problem::new("bad-result", format!("{}: {error}", path.display())).remedy(REMEDY)
+    })?;
+    let lineage = &report.lineage;
+    for of in lineage.files.iter().chain([&lineage.calibration]) {
+        let content = Source::read(&study.folder.join(&of.file))?;
+        if hash_of(content.text.as_bytes()) != of.hash {
+            let message = format!("{} is of another {}", path.display(), of.file);
+            return Err(Problem::new("stale-result", message).remedy(REMEDY));
+        }
+    }
+    Ok(Some(report))
 }
 
 fn written(table: &Table) -> Result<String, Problem> {
@@ -186,7 +220,7 @@ fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<(), 
 
 #[cfg(test)]
 mod tests {
-    use super::report::CalibrationReport;
+    use super::CalibrationReport;
 
     #[test]
     fn the_committed_schema_is_the_form_that_is_printed() {

@@ -3,9 +3,12 @@
 
 mod causes;
 mod disagreement;
+mod kept;
 
 pub use disagreement::{kept_map, map_again, map_file};
+pub use kept::{findings_again, kept_exploration};
 
+use super::run::assets;
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Explore, Format};
 use crate::outcome::Outcome;
@@ -15,17 +18,22 @@ use crate::study::{Finding, Shows, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::exploration::{
     Abstraction, ExplorationReport, Explored, Exploring, Formal, Journal, ModelTests, OpenBench,
-    Plan, ShowsJudge, Situations, SourceKind, Stopped, Watching, as_text, tests_of_model,
+    Plan, ShowsJudge, Situations, SourceKind, Watching, as_text, tests_of_model,
 };
 use crate::technique::judging::{Judges, SpaceTime, inputs_of};
-use crate::technique::rows;
+use crate::technique::{asset, rows};
+use evidence::{Asset, AssetRole, Stopped};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use testbench::Unwatched;
 
 /// The environment's name for the folder in which controllers leave which of
 /// their lines ran.
 const COVERAGE: &str = "CORROBORATE_COVERAGE";
+
+/// The file of the result, in the folder of an exploration.
+const EXPLORATION: &str = "exploration.json";
 
 /// Explores and writes what was found.
 pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> {
@@ -76,7 +84,7 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         causes.find(
             &explored.findings,
             &explored.met,
-            &mut explored.report.findings,
+            &mut explored.report.found.findings,
         )?;
     }
     let about = [
@@ -98,9 +106,15 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
 }
 
 fn outcome(report: &ExplorationReport) -> Outcome {
-    let is_found = !report.findings.is_empty();
-    let is_lost = !report.broken.is_empty() || report.findings.iter().any(|f| !f.replayed);
-    match (report.stopped, is_found, is_lost) {
+    let mut findings = report.found.findings.iter();
+    // Simulators that fail say nothing of the robot.
+    let is_found = findings.any(|finding| !finding.shows.is_of_simulator());
+    let is_lost = report
+        .found
+        .findings
+        .iter()
+        .any(|finding| finding.shows.is_of_simulator() || !finding.found.replayed);
+    match (report.found.stopped, is_found, is_lost) {
         (Stopped::Interrupted, ..) => Outcome::Interrupted,
         // What was found stands, whatever else was lost.
         (_, true, _) => Outcome::Violated,
@@ -160,6 +174,7 @@ fn exploration(
         watching: &watching,
         of_model: &of_model,
         kinds: &kinds,
+        assets: assets_of(study, plan, false)?,
         vary: !arguments.plain,
         journal: &journal,
         interrupt,
@@ -232,6 +247,27 @@ fn looked_at_by(
     Ok(inputs.hash())
 }
 
+/// The files that bench, model and plan rest on, each once.
+fn assets_of(study: &Study, plan: &Plan, disagreement: bool) -> Result<Vec<Asset>, Problem> {
+    let mut found = vec![asset(
+        &study.folder,
+        AssetRole::Data,
+        Path::new(&plan.file),
+    )?];
+    let searched = plan.data.disagreement.as_ref().filter(|_| disagreement);
+    let model = searched.and_then(|it| it.model.as_deref());
+    let model = model.or(plan.data.model.as_deref());
+    for entry in [Some(plan.evidence(disagreement)), model]
+        .into_iter()
+        .flatten()
+    {
+        found.extend(assets(study, study.entry(entry)?)?);
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found.dedup();
+    Ok(found)
+}
+
 /// Runs the first episode of each finding again, and writes the files.
 fn keep(
     study: &Study,
@@ -242,13 +278,14 @@ fn keep(
     let findings = explored
         .findings
         .iter_mut()
-        .zip(&mut explored.report.findings);
+        .zip(&mut explored.report.found.findings);
     let mut names = BTreeMap::new();
     let mut judges = BTreeMap::new();
     // Findings are few: an interruption leaves them to be written all the same.
     let undisturbed = Interrupt::default();
     for (finding, report) in findings {
         let shown_again = shown_again(study, bench, finding, &mut judges, &undisturbed)?;
+        let report = &mut report.found;
         report.replayed = shown_again.is_some();
         finding.recording = shown_again;
         let file = PathBuf::from("findings").join(name(&finding.shows, &mut names));
@@ -270,7 +307,7 @@ fn keep(
 
 /// Writes the result.
 fn write(explored: &Explored, folder: &Path, setting: &Setting) -> Result<(), Problem> {
-    let path = folder.join("exploration.json");
+    let path = folder.join(EXPLORATION);
     write_whole(&path, json(&explored.report)?.as_bytes())?;
     setting.talk.say(&format!("{} is written", path.display()));
     Ok(())
@@ -284,7 +321,7 @@ fn shown_again<'s>(
     judges: &mut BTreeMap<Shows, ShowsJudge<'s>>,
     interrupt: &Interrupt,
 ) -> Result<Option<String>, Problem> {
-    let run = bench.run(&finding.stimulus, finding.seed, interrupt);
+    let run = bench.again(&finding.stimulus, finding.seed, &mut Unwatched, interrupt);
     let Ok(recorded) = run else {
         return Ok(None);
     };

@@ -14,13 +14,15 @@
 //! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
 //! recordings judged again, too, and the diagnosis is made again: the same paths are sampled, the same
 //! episodes judged, the same suspects ranked. The map of where model and simulation part is searched
-//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. What is not derived again is listed as such. Nothing is written.
+//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. Findings of an exploration are those that
+//! it kept, and with `--deep` their scenarios are run again; a fit is the one that was kept. What is not derived again is listed as such. Nothing is written.
 
 mod audit;
 mod compare;
 mod counts;
 mod deep;
 mod diagnosis;
+mod found;
 mod kept;
 mod map;
 mod sound;
@@ -147,6 +149,8 @@ fn figures(
     let deep = is_deep.then_some(setting);
     expected.diagnosis = diagnosis::again((study, &expected), claimed, results, deep, audit)?;
     expected.disagreement = map::again(study, claimed, results, (setting, is_deep), audit)?;
+    expected.exploration = found::again(study, claimed, results, deep, audit)?;
+    expected.calibration = found::calibration(study, claimed, results, audit);
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
     let text = Source::read(&file)?.text;

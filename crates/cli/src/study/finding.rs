@@ -110,6 +110,16 @@ pub struct UnknownStep {
     pub to: Option<String>,
 }
 
+impl Shows {
+    /// Whether the simulator failed, which says nothing of the robot.
+    pub fn is_of_simulator(&self) -> bool {
+        matches!(
+            self,
+            Self::Failed(FailureKind::SimulatorFailed | FailureKind::SimulatorHung)
+        )
+    }
+}
+
 impl fmt::Display for Shows {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

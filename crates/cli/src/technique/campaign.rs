@@ -25,7 +25,7 @@ pub use ended::{
     Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked,
 };
 pub use estimates::estimates;
-pub use failing::{kind_of, words_of};
+pub use failing::{is_of_physics, kind_of, words_of};
 pub use online::OnLine;
 pub use outside::OutsideCommand;
 pub use recount::{form_verdicts, records_judged_by, recount};

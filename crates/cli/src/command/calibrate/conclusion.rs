@@ -18,10 +18,10 @@
 //! for equivalence. The level of a wrong "equivalent" is that of those tests.
 
 use super::counts::Reality;
-use super::report::{HeldOutRunsReport, Likeness, ModeReport, PredictionReport};
 use super::work::{Outcomes, bad_calibration};
 use crate::problem::Problem;
 use campaign::calibration::{Calibration, Posterior, Prediction, Predictive};
+use evidence::{HeldOutRunsReport, Likeness, ModeReport, PredictionReport};
 use stats::{
     Confidence, DifferenceVariance, EffectiveSample, Sample, fisher_exact, holm, score_equivalence,
     tost,

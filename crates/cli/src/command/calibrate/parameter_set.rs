@@ -2,9 +2,9 @@
 
 use super::counts::Reality;
 use super::file::CalibrationText;
-use super::report::{LineageReport, ParameterReport};
 use super::written;
 use crate::problem::{Problem, Source};
+use evidence::{LineageReport, ParameterReport};
 use std::fmt::Write;
 use stimulus::Settings;
 use toml::Table;

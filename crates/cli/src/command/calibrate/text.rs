@@ -1,117 +1,115 @@
 //! What a calibration found, for people.
 
-use super::report::{CalibrationReport, Likeness, ModeReport, PredictionReport};
+use evidence::{CalibrationReport, Likeness, ModeReport, PredictionReport};
 use std::fmt::{Result, Write};
 
 /// Correlations of at least this are told.
 const NOTABLE: f64 = 0.4;
 
-impl CalibrationReport {
-    /// For people.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a string cannot fail.
-        let _ = self.write(&mut text);
-        text
-    }
+/// For people.
+pub fn as_text(report: &CalibrationReport) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write(&mut text, report);
+    text
+}
 
-    fn write(&self, text: &mut String) -> Result {
-        writeln!(
-            text,
-            "Fitted to {}, from {} episodes",
-            self.evidence, self.episodes
-        )?;
-        writeln!(text, "  {}", self.guarantee)?;
-        self.write_parameters(text)?;
-        self.write_directions(text)?;
-        writeln!(text, "\nWays to fail")?;
-        writeln!(
-            text,
-            "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6}  {:>6}  {:>6}",
-            "", "counted", "predicted (95 %)", "p", "fitted set", "p", "margin", "p"
-        )?;
-        for mode in &self.modes {
-            write_mode(text, mode)?;
-        }
-        self.write_held_out_runs(text)?;
-        let conclusion = self.conclusion.words();
-        writeln!(
-            text,
-            "\nFitted set and {}: {conclusion}; {}.",
-            self.evidence, self.because
-        )
+fn write(text: &mut String, report: &CalibrationReport) -> Result {
+    writeln!(
+        text,
+        "Fitted to {}, from {} episodes",
+        report.evidence, report.episodes
+    )?;
+    writeln!(text, "  {}", report.guarantee)?;
+    write_parameters(text, report)?;
+    write_directions(text, report)?;
+    writeln!(text, "\nWays to fail")?;
+    writeln!(
+        text,
+        "  {:<26} {:>8}  {:>17}  {:>6}  {:>10}  {:>6}  {:>6}  {:>6}",
+        "", "counted", "predicted (95 %)", "p", "fitted set", "p", "margin", "p"
+    )?;
+    for mode in &report.modes {
+        write_mode(text, mode)?;
     }
+    write_held_out_runs(text, report)?;
+    let conclusion = report.conclusion.words();
+    writeln!(
+        text,
+        "\nFitted set and {}: {conclusion}; {}.",
+        report.evidence, report.because
+    )
+}
 
-    fn write_parameters(&self, text: &mut String) -> Result {
-        let interval = format!("median [{} %]", 100.0 * self.confidence);
+fn write_parameters(text: &mut String, report: &CalibrationReport) -> Result {
+    let interval = format!("median [{} %]", 100.0 * report.confidence);
+    writeln!(
+        text,
+        "\nParameters\n  {:<24} {:>18}  {:>28}  {:>8}  {:>6}  {:>8}  by learnt: 80 %, 50 %, less",
+        "", "prior", interval, "fitted", "learnt", "sd/prior"
+    )?;
+    for it in &report.parameters {
+        let unit = it
+            .unit
+            .as_ref()
+            .map_or(String::new(), |unit| format!(" ({unit})"));
         writeln!(
             text,
-            "\nParameters\n  {:<24} {:>18}  {:>28}  {:>8}  {:>6}  {:>8}  by learnt: 80 %, 50 %, less",
-            "", "prior", interval, "fitted", "learnt", "sd/prior"
+            "  {:<24} {:>18}  {:>28}  {:>8.4}  {:>4.0} %  {:>8.2}  {}",
+            format!("{}{unit}", it.name),
+            format!("{:.4} to {:.4}", it.prior[0], it.prior[1]),
+            format!("{:.4} [{:.4}, {:.4}]", it.median, it.low, it.high),
+            it.fitted,
+            100.0 * it.contraction.max(0.0),
+            it.deviation_ratio,
+            it.identifiability.words(),
         )?;
-        for it in &self.parameters {
-            let unit = it
-                .unit
-                .as_ref()
-                .map_or(String::new(), |unit| format!(" ({unit})"));
-            writeln!(
-                text,
-                "  {:<24} {:>18}  {:>28}  {:>8.4}  {:>4.0} %  {:>8.2}  {}",
-                format!("{}{unit}", it.name),
-                format!("{:.4} to {:.4}", it.prior[0], it.prior[1]),
-                format!("{:.4} [{:.4}, {:.4}]", it.median, it.low, it.high),
-                it.fitted,
-                100.0 * it.contraction.max(0.0),
-                it.deviation_ratio,
-                it.identifiability.words(),
-            )?;
-        }
-        Ok(())
     }
+    Ok(())
+}
 
-    fn write_directions(&self, text: &mut String) -> Result {
-        for direction in &self.directions {
-            let parts = self.parameters.iter().zip(&direction.loadings);
-            let parts = parts
-                .filter(|(_, loading)| loading.abs() > 0.2)
-                .map(|(parameter, loading)| format!("{loading:+.2} {}", parameter.name));
-            let parts: Vec<String> = parts.collect();
-            let said = direction.identifiability.words();
-            writeln!(
-                text,
-                "  {said}: {} ({:.0} % of the prior's variance is left)",
-                parts.join(" "),
-                100.0 * direction.variance_share
-            )?;
-        }
-        for (i, row) in self.correlations.iter().enumerate() {
-            for (j, correlation) in row.iter().enumerate().take(i) {
-                if correlation.abs() >= NOTABLE {
-                    writeln!(
-                        text,
-                        "  known only together: {} and {} (correlation {correlation:+.2})",
-                        self.parameters[j].name, self.parameters[i].name
-                    )?;
-                }
+fn write_directions(text: &mut String, report: &CalibrationReport) -> Result {
+    for direction in &report.directions {
+        let parts = report.parameters.iter().zip(&direction.loadings);
+        let parts = parts
+            .filter(|(_, loading)| loading.abs() > 0.2)
+            .map(|(parameter, loading)| format!("{loading:+.2} {}", parameter.name));
+        let parts: Vec<String> = parts.collect();
+        let said = direction.identifiability.words();
+        writeln!(
+            text,
+            "  {said}: {} ({:.0} % of the prior's variance is left)",
+            parts.join(" "),
+            100.0 * direction.variance_share
+        )?;
+    }
+    for (i, row) in report.correlations.iter().enumerate() {
+        for (j, correlation) in row.iter().enumerate().take(i) {
+            if correlation.abs() >= NOTABLE {
+                writeln!(
+                    text,
+                    "  known only together: {} and {} (correlation {correlation:+.2})",
+                    report.parameters[j].name, report.parameters[i].name
+                )?;
             }
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    fn write_held_out_runs(&self, text: &mut String) -> Result {
-        for group in &self.held_out_runs {
-            let fitted = match group.fitted_set_without_them {
-                true => "kept out of the fit",
-                false => "predicted from the others",
-            };
-            let names = group.subjects.join(", ");
-            writeln!(text, "\nRuns of {names}, {fitted}")?;
-            for prediction in &group.predictions {
-                write_prediction(text, prediction)?;
-            }
+fn write_held_out_runs(text: &mut String, report: &CalibrationReport) -> Result {
+    for group in &report.held_out_runs {
+        let fitted = match group.fitted_set_without_them {
+            true => "kept out of the fit",
+            false => "predicted from the others",
+        };
+        let names = group.subjects.join(", ");
+        writeln!(text, "\nRuns of {names}, {fitted}")?;
+        for prediction in &group.predictions {
+            write_prediction(text, prediction)?;
         }
-        Ok(())
     }
+    Ok(())
 }
 
 fn p_value(p: Option<f64>) -> String {

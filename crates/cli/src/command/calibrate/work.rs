@@ -4,7 +4,6 @@ use super::conclusion::{conclusion, held_out_runs, mode_reports};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
 use super::parameter_set;
-use super::report::{CalibrationReport, DirectionReport, LineageReport, ParameterReport};
 use crate::command::Setting;
 use crate::command::rare::bench::{TestBench, simulation_problem};
 use crate::problem::{Problem, Source};
@@ -14,6 +13,9 @@ use crate::technique::judging::Judges;
 use crate::technique::rows::{self, Rows, Value};
 use crate::technique::simulation::Seeds;
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
+use evidence::{
+    CalibrationReport, DirectionReport, Identification, LineageReport, ParameterReport,
+};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
@@ -92,7 +94,7 @@ impl Work<'_> {
                 .map(|d| DirectionReport {
                     loadings: d.loadings,
                     variance_share: d.variance_share,
-                    identifiability: d.identifiability.into(),
+                    identifiability: identification(d.identifiability),
                 })
                 .collect(),
             conclusion,
@@ -140,7 +142,7 @@ impl Work<'_> {
                 high: at(marginal.interval.high),
                 contraction: marginal.contraction,
                 deviation_ratio: (1.0 - marginal.contraction).max(0.0).sqrt(),
-                identifiability: Identifiability::of(marginal.contraction).into(),
+                identifiability: identification(Identifiability::of(marginal.contraction)),
             }
         };
         parameters.map(report).collect()
@@ -281,4 +283,12 @@ impl Work<'_> {
 /// An error of the campaign as a problem.
 pub fn bad_calibration(error: impl std::fmt::Display) -> Problem {
     Problem::new(CODE, error.to_string()).remedy("correct the calibration's file")
+}
+
+fn identification(of: Identifiability) -> Identification {
+    match of {
+        Identifiability::Identified => Identification::Identified,
+        Identifiability::Weak => Identification::WeaklyIdentified,
+        Identifiability::Unidentified => Identification::NotIdentified,
+    }
 }

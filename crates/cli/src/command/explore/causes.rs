@@ -22,10 +22,9 @@ use crate::command::shrink::Trials;
 use crate::problem::Problem;
 use crate::study::{Finding, Study};
 use crate::talk::Stage;
-use crate::technique::exploration::{
-    CauseFound, CauseReport, FindingReport, Met, OpenBench, Plan, ShowsJudge,
-};
+use crate::technique::exploration::{FindingReport, Met, OpenBench, Plan, ShowsJudge};
 use campaign::ShrinkOptions;
+use evidence::{CauseFound, CauseSetting, Discovery};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -70,20 +69,26 @@ impl Causes<'_> {
         met: &[Vec<Met>],
         reports: &mut [FindingReport],
     ) -> Result<(), Problem> {
-        let work = findings.par_iter().zip(met).zip(reports);
-        work.map(|((finding, met), report)| {
-            if !report.replayed || self.setting.interrupt.is_set() {
-                return Ok(());
+        let work = findings.par_iter().zip(met).zip(&*reports);
+        let found: Result<Vec<Option<Vec<Cause>>>, Problem> = work
+            .map(|((finding, met), report)| {
+                if !report.found.replayed || self.setting.interrupt.is_set() {
+                    return Ok(None);
+                }
+                match self.causes(finding, &self.known(met)?) {
+                    // Without this finding's causes the result is what it was.
+                    Err(_) if self.setting.interrupt.is_set() => Ok(None),
+                    causes => causes.map(Some),
+                }
+            })
+            .collect();
+        let mut numbered: Vec<Cause> = Vec::new();
+        for ((causes, met), report) in found?.into_iter().zip(met).zip(reports) {
+            if let Some(causes) = causes {
+                self.report(causes, &self.known(met)?, &mut numbered, &mut report.found)?;
             }
-            let known = self.known(met)?;
-            let causes = match self.causes(finding, &known) {
-                // Without this finding's causes the result is what it was.
-                Err(_) if self.setting.interrupt.is_set() => return Ok(()),
-                causes => causes?,
-            };
-            self.report(causes, &known, report)
-        })
-        .collect()
+        }
+        Ok(())
     }
 
     /// What was set and drawn in episodes.
@@ -193,7 +198,8 @@ impl Causes<'_> {
         &self,
         causes: Vec<Cause>,
         episodes: &[Known<'_>],
-        report: &mut FindingReport,
+        numbered: &mut Vec<Cause>,
+        report: &mut Discovery,
     ) -> Result<(), Problem> {
         let mut counts = vec![0_u64; causes.len()];
         for episode in episodes {
@@ -213,7 +219,9 @@ impl Causes<'_> {
                 report.in_words, cause.of
             );
             cause.regression.write(&self.folder.join(&file), &comment)?;
+            let alike = numbered.iter().position(|it| it.is_like(&cause));
             report.causes.push(CauseFound {
+                number: alike.unwrap_or(numbered.len()) as u64 + 1,
                 settings: cause.in_words(),
                 test: cause.regression.stimulus.test.to_string(),
                 episodes: count,
@@ -221,6 +229,9 @@ impl Causes<'_> {
                 is_minimal: cause.is_minimal,
                 file: file.display().to_string(),
             });
+            if alike.is_none() {
+                numbered.push(cause);
+            }
         }
         Ok(())
     }
@@ -261,9 +272,9 @@ impl Cause {
         }
     }
 
-    fn in_words(&self) -> Vec<CauseReport> {
+    fn in_words(&self) -> Vec<CauseSetting> {
         let settings = self.settings.iter();
-        let report = settings.map(|(key, (value, nominal))| CauseReport {
+        let report = settings.map(|(key, (value, nominal))| CauseSetting {
             key: key.clone(),
             value: value.to_string(),
             nominal: nominal.as_ref().map(ToString::to_string),

@@ -1,7 +1,6 @@
 //! `corroborate explore --disagreement`: where formal model and bench part.
 
 use crate::args::Format;
-use crate::command::run::assets;
 use crate::command::{Done, Setting, json};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, write_whole};
@@ -10,7 +9,7 @@ use crate::technique::asset;
 use crate::technique::exploration::{
     Disagreement, Episodes, Journal, Known, OpenBench, Plan, disagreement_text,
 };
-use evidence::{Asset, AssetRole, DisagreementMap, SearchEnd};
+use evidence::{DisagreementMap, SearchEnd};
 use std::path::{Path, PathBuf};
 
 /// The file of the map, in the folder of an exploration.
@@ -50,7 +49,7 @@ impl Search<'_> {
             self.study,
             self.plan,
             self.bench,
-            self.assets()?,
+            super::assets_of(self.study, self.plan, true)?,
             &setting.interrupt,
         )?;
         let title = "looking for disagreement";
@@ -60,21 +59,6 @@ impl Search<'_> {
 
     fn looked_at_by(&self) -> Result<String, Problem> {
         Ok(super::inputs_of_all(self.study, self.plan, self.bench)?.hash())
-    }
-
-    /// The files that simulation, model and search rest on, each once.
-    fn assets(&self) -> Result<Vec<Asset>, Problem> {
-        let plan = Path::new(&self.plan.file);
-        let mut found = vec![asset(&self.study.folder, AssetRole::Data, plan)?];
-        let model = self.plan.data.disagreement.as_ref();
-        let model = model.and_then(|it| it.model.as_deref().or(self.plan.data.model.as_deref()));
-        let entries = [Some(self.plan.evidence(true)), model];
-        for entry in entries.into_iter().flatten() {
-            found.extend(assets(self.study, self.study.entry(entry)?)?);
-        }
-        found.sort_by(|a, b| a.path.cmp(&b.path));
-        found.dedup();
-        Ok(found)
     }
 }
 

@@ -106,7 +106,7 @@ impl Episode {
         Ok((episode, bench))
     }
 
-    /// Runs it; `keeper` sees where bodies are.
+    /// Runs it, as [`OpenBench::again`] does; `keeper` sees where bodies are.
     pub fn run(
         &self,
         bench: &OpenBench,
@@ -117,7 +117,7 @@ impl Episode {
             until_secs: self.bench.until_secs.map_or(f64::INFINITY, f64::from),
             keeper,
         };
-        bench.watched(&self.stimulus, self.seed, &mut watch, interrupt)
+        bench.again(&self.stimulus, self.seed, &mut watch, interrupt)
     }
 }
 

@@ -3,8 +3,9 @@
 use super::prepare::{Prepared, counted_constants};
 use super::{terminal_width, use_colour};
 use crate::args::Format;
+use crate::command::calibrate::kept_calibration;
 use crate::command::diagnose::DIAGNOSIS;
-use crate::command::explore::kept_map;
+use crate::command::explore::{kept_exploration, kept_map};
 use crate::command::{Done, Setting, json};
 use crate::corroboration::{self, Piece};
 use crate::forms::differences;
@@ -308,20 +309,25 @@ impl Runner<'_> {
         inputs.hash()
     }
 
-    /// The result with the diagnosis and the map of disagreement that were made of the same evidence and assets, if
-    /// any were.
+    /// The result with the diagnosis, the map of disagreement, the exploration and the calibration that were made of
+    /// the same evidence and assets, if any were.
     pub(super) fn completed(&self, mut result: StudyResult) -> StudyResult {
         let inputs = inputs_of(&result);
         result.diagnosis = self.store.fresh(DIAGNOSIS, &inputs);
-        result.disagreement = match kept_map(self.study, self.store.folder()) {
-            Ok(map) => map,
-            Err(problem) => {
-                let reason = format!("the map of disagreement is left out: {problem}");
-                self.setting.talk.say(&reason);
-                None
-            }
-        };
+        let folder = self.store.folder();
+        result.disagreement = self.kept("map of disagreement", kept_map(self.study, folder));
+        result.exploration = self.kept("exploration", kept_exploration(self.study, folder));
+        result.calibration = self.kept("calibration", kept_calibration(self.study, folder));
         result
+    }
+
+    /// What was kept, unless it is of other assets, which is said.
+    fn kept<T>(&self, what: &str, kept: Result<Option<T>, Problem>) -> Option<T> {
+        kept.unwrap_or_else(|problem| {
+            let reason = format!("the {what} is left out: {problem}");
+            self.setting.talk.say(&reason);
+            None
+        })
     }
 
     pub(super) fn write(&self, result: &StudyResult, format: Format) -> Result<Done, Problem> {

@@ -3,8 +3,8 @@
 use super::trials::Shrunken;
 use crate::args::Shrink;
 use crate::study::Finding;
-use crate::technique::exploration::CauseReport;
 use campaign::{ShrinkOptions, Size};
+use evidence::CauseSetting;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub struct ShrinkReport {
     /// Why none are, if that is so: then what is left can owe to what the seed draws.
     pub not_pinned: Option<String>,
     /// What is set otherwise than nominal.
-    pub causes: Vec<CauseReport>,
+    pub causes: Vec<CauseSetting>,
     /// The finding.
     pub before: ExtentReport,
     /// The regression.
@@ -97,7 +97,7 @@ impl ShrinkReport {
             pinned: shrunk.pinned as u64,
             not_pinned: shrunk.not_pinned.clone(),
             causes: others
-                .map(|(key, value)| CauseReport {
+                .map(|(key, value)| CauseSetting {
                     key: key.clone(),
                     value: value.to_string(),
                     nominal: options.nominal.get(key).map(ToString::to_string),
@@ -231,7 +231,7 @@ mod tests {
             delay_secs: 0.0,
             simulated_secs: 1.0,
         };
-        let cause = CauseReport {
+        let cause = CauseSetting {
             key: "hand.friction".into(),
             value: "0.32".into(),
             nominal: Some("0.6".into()),

@@ -33,7 +33,7 @@ impl EpisodeFailure {
 
     /// Physics that gave no numbers; `None` for what says nothing of the episode.
     pub fn of_simulator(error: &SimError) -> Option<Self> {
-        matches!(error, SimError::Unstable { .. } | SimError::Trace(_)).then(|| Self {
+        is_of_physics(error).then(|| Self {
             kind: FailureKind::SimulatorFailed,
             words: error.to_string(),
         })
@@ -66,6 +66,11 @@ impl EpisodeFailure {
         );
         write_whole(&words_of(folder, number), text.as_bytes())
     }
+}
+
+/// Whether physics gave no numbers, so that nothing can be said of what is simulated.
+pub fn is_of_physics(error: &SimError) -> bool {
+    matches!(error, SimError::Unstable { .. } | SimError::Trace(_))
 }
 
 /// The kind of a robot's program's failure.

@@ -6,10 +6,13 @@ use crate::store::Inputs;
 use crate::study::{BenchFiles, CommandText, Entry, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::bench::SceneCampaign;
+use crate::technique::campaign::is_of_physics;
 use crate::technique::simulation::load_engine;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use testbench::{Bench, Drawn, Engine, HandoverBench, Recorded, SimError, Unwatched, Watch};
+use testbench::{
+    Bench, Drawn, End, Engine, Failure, HandoverBench, Part, Recorded, SimError, Unwatched, Watch,
+};
 use trace::Trace;
 
 /// A bench that is ready to run, with the files that it is made of.
@@ -194,7 +197,44 @@ impl OpenBench {
         self.watched(stimulus, seed, &mut Unwatched, interrupt)
     }
 
-    /// Runs an episode, which `watch` may end.
+    /// Runs an episode, which `watch` may end, as something to be shown: if its physics gave no numbers it is a
+    /// simulator that failed, with a recording that has no rows, for what was recorded until then means nothing.
+    pub fn again(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        watch: &mut dyn Watch,
+        interrupt: &Interrupt,
+    ) -> Result<Recorded, SimError> {
+        let error = match self.watched(stimulus, seed, watch, interrupt) {
+            Err(error) if is_of_physics(&error) => error,
+            other => return other,
+        };
+        let mut trace = match &self.world {
+            World::Handover { bench, .. } => bench.layout()?,
+            World::Scene(scene) => scene.bench().layout()?,
+            World::Command(_) => return Err(error),
+        };
+        trace.complete = false;
+        let sim_secs = match &error {
+            SimError::Unstable { time_secs, .. } => *time_secs,
+            _ => 0.0,
+        };
+        Ok(Recorded {
+            trace,
+            steps: 0,
+            sim_secs,
+            end: End::Failed,
+            failure: Some(Failure {
+                part: Part::Simulator,
+                is_hung: false,
+                words: error.to_string(),
+                in_setup: false,
+            }),
+        })
+    }
+
+    /// Runs an episode, which `watch` may end. Physics that gave no numbers is an error.
     pub fn watched(
         &self,
         stimulus: &Stimulus,

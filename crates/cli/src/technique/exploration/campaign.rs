@@ -8,7 +8,6 @@ use super::episode::{Shown, Watching};
 use super::faults::faults;
 use super::form::{
     CoverReport, ExplorationReport, ModelTestReport, ModelTestsReport, NO_EVIDENCE, SourceReport,
-    Stopped,
 };
 use super::journal::Journal;
 use super::plan::{Plan, SourceKind};
@@ -21,6 +20,7 @@ use crate::talk::{Interrupt, Stage, Talk};
 use crate::technique::confidence;
 use crate::technique::rows::Rows;
 use crate::technique::simulation::Seeds;
+use evidence::{Asset, Exploration, Stopped};
 use rayon::prelude::*;
 
 /// What an exploration gives.
@@ -48,6 +48,8 @@ pub struct Exploring<'e, 's> {
     /// False to run the bench's own tests as they are, in turn, by way of
     /// comparison.
     pub vary: bool,
+    /// What bench, model and plan rest on.
+    pub assets: Vec<Asset>,
     /// What earlier calls have run.
     pub journal: &'e Journal<Shown>,
     /// Set when the user wants it to end.
@@ -74,18 +76,24 @@ impl Exploring<'_, '_> {
         let (episodes, stopped) = self.batches(&seeds, &mut sources, &mut seen)?;
         seen.read_code(study, self.plan)?;
         let report = ExplorationReport {
-            format: "1.1".into(),
-            statement: NO_EVIDENCE.into(),
+            found: Exploration {
+                format: "1.2".into(),
+                statement: NO_EVIDENCE.into(),
+                evidence: bench.files.evidence.clone(),
+                engine: bench.engine.clone(),
+                model: self.plan.data.model.clone(),
+                plan: self.plan.file.clone(),
+                seed: study.about.seed.to_string(),
+                assets: self.assets.clone(),
+                episodes,
+                simulated_secs: seen.simulated_secs,
+                stopped,
+                findings: seen.finding_reports(),
+                broken: std::mem::take(&mut seen.broken),
+            },
             bench: bench.files.clone(),
-            engine: bench.engine.clone(),
-            model: self.plan.data.model.clone(),
-            episodes,
-            simulated_secs: seen.simulated_secs,
-            stopped,
             sources: sources_report(&sources),
             searches: sources.search_reports(),
-            findings: seen.finding_reports(),
-            broken: std::mem::take(&mut seen.broken),
             coverage: seen.coverage_report(confidence(study.about.confidence)?)?,
             model_tests: model_tests_report(self.of_model),
         };

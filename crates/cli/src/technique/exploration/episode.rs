@@ -11,7 +11,7 @@ use super::situations::Situations;
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::talk::Interrupt;
-use crate::technique::campaign::{OnLine, kind_of};
+use crate::technique::campaign::{OnLine, is_of_physics, kind_of};
 use crate::technique::judging::{Judges, SpaceTime};
 use campaign::Situation;
 use evidence::{FailureKind, Subject};
@@ -72,10 +72,9 @@ pub struct Shown {
     pub simulated_secs: f64,
     /// Which lines of the controller's code ran, in the format of lcov.
     pub lcov: Option<String>,
-    /// What of the robot's program ended the episode, if it did.
+    /// What of the robot's program or of the simulator ended the episode, if it did.
     pub failed: Option<FailureKind>,
-    /// Why the episode could not be run to its end, where that is no fault of
-    /// the robot's program.
+    /// Why the physics gave no numbers, if that ended it. Nothing else is said of such an episode.
     pub broken: Option<String>,
 }
 
@@ -100,9 +99,16 @@ impl Watching<'_> {
         let recorded = match self.bench.watched(stimulus, seed, &mut on_line, interrupt) {
             Ok(recorded) => recorded,
             // What the stimulus brought about is a result; what it cannot be is a mistake.
-            Err(error @ (SimError::Unstable { .. } | SimError::Trace(_))) => {
+            // Whatever was seen until then, physics without numbers says nothing of the robot.
+            Err(error) if is_of_physics(&error) => {
+                let simulated_secs = match &error {
+                    SimError::Unstable { time_secs, .. } => *time_secs,
+                    _ => 0.0,
+                };
                 return Ok(Shown {
+                    failed: Some(FailureKind::SimulatorFailed),
                     broken: Some(error.to_string()),
+                    simulated_secs,
                     ..Shown::default()
                 });
             }

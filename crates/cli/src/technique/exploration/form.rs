@@ -1,9 +1,9 @@
 //! What an exploration gives: the form of `exploration.json`.
 
 use crate::study::{BenchFiles, Shows};
+use evidence::{Discovery, Exploration};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fmt;
 
 /// Said with every result of an exploration.
 pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new. They are witnesses and coverage; \
@@ -12,46 +12,19 @@ pub const NO_EVIDENCE: &str = "These episodes were chosen to show something new.
 /// What an exploration found and covered.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct ExplorationReport {
-    /// Version of this form.
-    pub format: String,
-    /// What the numbers are, and what they are not.
-    pub statement: String,
-    /// What was run.
+    /// What was run, and what was found.
+    #[serde(flatten)]
+    pub found: Exploration<FindingReport>,
+    /// The files that were run.
     pub bench: BenchFiles,
-    /// The version of the physics engine.
-    pub engine: String,
-    /// The ledger's entry whose formal model the episodes were held against.
-    pub model: Option<String>,
-    /// Episodes that were run.
-    pub episodes: u64,
-    /// Simulated time of all episodes.
-    pub simulated_secs: f64,
-    /// Why it ended.
-    pub stopped: Stopped,
     /// Each source with what it brought.
     pub sources: Vec<SourceReport>,
     /// Each search for a violation.
     pub searches: Vec<SearchReport>,
-    /// What was found, in the order in which it was found.
-    pub findings: Vec<FindingReport>,
-    /// Episodes that could not be run to their end.
-    pub broken: Vec<BrokenReport>,
     /// What was covered.
     pub coverage: CoverageReport,
     /// What the model gave.
     pub model_tests: ModelTestsReport,
-}
-
-/// Why an exploration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stopped {
-    /// All episodes of the budget were run.
-    Budget,
-    /// More episodes of this kind have stopped paying.
-    NothingNew,
-    /// It was interrupted; what was found until then is given.
-    Interrupted,
 }
 
 /// What a source of tests brought.
@@ -93,73 +66,9 @@ pub struct SearchReport {
 pub struct FindingReport {
     /// What it is.
     pub shows: Shows,
-    /// The same in words.
-    pub in_words: String,
-    /// The file of the first episode that showed it, relative to the result.
-    pub file: String,
-    /// The number of that episode, from 1.
-    pub first_episode: u64,
-    /// That episode's seed, as a text: readers round numbers beyond 2^53.
-    pub seed: String,
-    /// What led to it.
-    pub found_by: String,
-    /// How many episodes showed it.
-    pub episodes: u64,
-    /// Whether it was shown again when that episode was run again.
-    pub replayed: bool,
-    /// What brings it about, with `--causes`: the scenarios that are left when its episodes are shrunk.
-    pub causes: Vec<CauseFound>,
-    /// Episodes that met none of these; absent if none were looked for.
-    pub without_cause: Option<u64>,
-}
-
-/// A setting that is not nominal.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct CauseReport {
-    /// Its key.
-    pub key: String,
-    /// Its value, as text.
-    pub value: String,
-    /// The nominal value, if there is one.
-    pub nominal: Option<String>,
-}
-
-impl fmt::Display for CauseReport {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} = {}", self.key, self.value)?;
-        match &self.nominal {
-            Some(nominal) => write!(f, " (nominal {nominal})"),
-            None => Ok(()),
-        }
-    }
-}
-
-/// What brought a finding about.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct CauseFound {
-    /// The settings that are not nominal.
-    pub settings: Vec<CauseReport>,
-    /// What is done, as far as it is needed.
-    pub test: String,
-    /// Of the episodes that showed the finding, those that met this cause: they did this, with each
-    /// number at least as far from nominal. Each is counted for one cause. It says how often this exploration came there, not
-    /// how often it happens.
-    pub episodes: u64,
-    /// The episode that was shrunk.
-    pub shrunk_episode: u64,
-    /// Whether nothing more can be left out of it.
-    pub is_minimal: bool,
-    /// The scenario, relative to the result; `replay` runs it, `shrink` keeps it as a regression.
-    pub file: String,
-}
-
-/// An episode that could not be run to its end.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct BrokenReport {
-    /// Its number.
-    pub episode: u64,
-    /// Why.
-    pub reason: String,
+    /// Where, how often, and by what.
+    #[serde(flatten)]
+    pub found: Discovery,
 }
 
 /// What was covered.

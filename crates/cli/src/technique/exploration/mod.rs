@@ -34,7 +34,7 @@ pub use bench::{OpenBench, command_of};
 pub use campaign::{Explored, Exploring};
 pub use disagreement::{Disagreement, Episodes, as_text as disagreement_text};
 pub use episode::Watching;
-pub use form::{CauseFound, CauseReport, ExplorationReport, FindingReport, Stopped};
+pub use form::{ExplorationReport, FindingReport};
 pub use formal::{Formal, Meaning};
 pub use journal::{Journal, Known};
 pub use plan::{Plan, SourceKind};

@@ -4,15 +4,14 @@ use super::abstraction::{Abstraction, Class};
 use super::bench::OpenBench;
 use super::code::Code;
 use super::episode::{Shown, Watching};
-use super::form::{
-    BrokenReport, CoverageReport, CrossReport, FindingReport, SaturationReport, SetReport,
-};
+use super::form::{CoverageReport, CrossReport, FindingReport, SaturationReport, SetReport};
 use super::plan::Plan;
 use super::sources::Planned;
 use crate::problem::Problem;
 use crate::study::{Finding, Shows, Study, UnknownStep};
 use crate::technique::rows::{Rows, Value};
 use campaign::{Coverage, Saturation, SetCoverage};
+use evidence::{BrokenEpisode, Discovery, Subject};
 use recording::{ParquetColumn, ParquetType};
 use stats::Confidence;
 use std::collections::BTreeMap;
@@ -51,8 +50,8 @@ pub struct Seen<'a> {
     /// All of these and the findings, as texts.
     everything: SetCoverage<String>,
     found: BTreeMap<Shows, Found>,
-    /// Episodes that could not be run to their end.
-    pub broken: Vec<BrokenReport>,
+    /// Episodes whose physics gave no numbers.
+    pub broken: Vec<BrokenEpisode>,
     /// Simulated time of all episodes.
     pub simulated_secs: f64,
     code: Code,
@@ -118,8 +117,9 @@ impl<'a> Seen<'a> {
         self.simulated_secs += shown.simulated_secs;
         self.row((episode, seed), planned, shown)?;
         if let Some(reason) = &shown.broken {
-            self.broken.push(BrokenReport {
+            self.broken.push(BrokenEpisode {
                 episode,
+                seed: seed.to_string(),
                 reason: reason.clone(),
             });
         }
@@ -297,15 +297,22 @@ impl<'a> Seen<'a> {
     pub fn finding_reports(&self) -> Vec<FindingReport> {
         let report = |(shows, found): &(&Shows, &Found)| FindingReport {
             shows: (*shows).clone(),
-            in_words: shows.to_string(),
-            file: String::new(),
-            first_episode: found.episode,
-            seed: found.seed.to_string(),
-            found_by: found.planned.found_by.clone(),
-            episodes: found.met.len() as u64,
-            replayed: false,
-            causes: Vec::new(),
-            without_cause: None,
+            found: Discovery {
+                in_words: shows.to_string(),
+                subject: match shows {
+                    Shows::Violated(id) => Some(Subject::Requirement(id.clone())),
+                    Shows::FailureMode(id) => Some(Subject::FailureMode(id.clone())),
+                    Shows::Failed(_) | Shows::Unknown(_) => None,
+                },
+                file: String::new(),
+                first_episode: found.episode,
+                seed: found.seed.to_string(),
+                found_by: found.planned.found_by.clone(),
+                episodes: found.met.len() as u64,
+                replayed: false,
+                causes: Vec::new(),
+                without_cause: None,
+            },
         };
         self.in_order().iter().map(report).collect()
     }

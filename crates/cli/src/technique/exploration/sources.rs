@@ -272,10 +272,13 @@ impl<'a> Sources<'a> {
         *episodes += 1;
         if news > 0 {
             *with_news += 1;
-            if self.pool.len() == POOL {
-                self.pool.remove(0);
+            // Variants of what the physics cannot simulate would show more of that.
+            if shown.broken.is_none() {
+                if self.pool.len() == POOL {
+                    self.pool.remove(0);
+                }
+                self.pool.push(planned.stimulus.test.clone());
             }
-            self.pool.push(planned.stimulus.test.clone());
         }
         let (place, point) = planned.search.as_ref()?;
         self.searches[*place].tell(point, shown)

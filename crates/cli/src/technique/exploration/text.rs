@@ -1,6 +1,7 @@
 //! The result of an exploration for people.
 
-use super::form::{CauseFound, ExplorationReport, FindingReport, SetReport, Stopped};
+use super::form::{ExplorationReport, FindingReport, SetReport};
+use evidence::{CauseFound, Stopped};
 use std::fmt::Write;
 
 /// Members of a list that are written out, at most.
@@ -9,7 +10,7 @@ const LISTED: usize = 8;
 /// The result as text.
 pub fn as_text(report: &ExplorationReport) -> String {
     let mut text = String::new();
-    let stopped = match report.stopped {
+    let stopped = match report.found.stopped {
         Stopped::Budget => "the budget",
         Stopped::NothingNew => "more of this kind have stopped paying",
         Stopped::Interrupted => "interrupted",
@@ -17,23 +18,26 @@ pub fn as_text(report: &ExplorationReport) -> String {
     let _ = writeln!(
         text,
         "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
-        report.episodes, report.bench.evidence, report.engine, report.simulated_secs
+        report.found.episodes,
+        report.found.evidence,
+        report.found.engine,
+        report.found.simulated_secs
     );
     findings(&mut text, report);
     coverage(&mut text, report);
     sources(&mut text, report);
-    let _ = writeln!(text, "\n{}", report.statement);
+    let _ = writeln!(text, "\n{}", report.found.statement);
     text
 }
 
 fn findings(text: &mut String, report: &ExplorationReport) {
-    if report.findings.is_empty() {
+    if report.found.findings.is_empty() {
         let _ = writeln!(text, "\nNothing was found.");
     } else {
         let _ = writeln!(text, "\nFound");
     }
-    for finding in &report.findings {
-        let replayed = if finding.replayed {
+    for finding in &report.found.findings {
+        let replayed = if finding.found.replayed {
             ""
         } else {
             "  NOT SHOWN AGAIN"
@@ -41,38 +45,43 @@ fn findings(text: &mut String, report: &ExplorationReport) {
         let _ = writeln!(
             text,
             "  {}{replayed}\n      first in episode {}, in {} of {}; by {}\n      {}",
-            finding.in_words,
-            finding.first_episode,
-            finding.episodes,
-            report.episodes,
-            finding.found_by,
-            finding.file
+            finding.found.in_words,
+            finding.found.first_episode,
+            finding.found.episodes,
+            report.found.episodes,
+            finding.found.found_by,
+            finding.found.file
         );
         causes(text, finding);
     }
-    for broken in report.broken.iter().take(LISTED) {
+    if !report.found.broken.is_empty() {
         let _ = writeln!(
             text,
-            "  episode {} broke off: {}",
-            broken.episode, broken.reason
+            "\nNot simulated to the end: the physics gave no numbers in {} of {} episodes, which says nothing of the robot",
+            report.found.broken.len(),
+            report.found.episodes
         );
+    }
+    for broken in report.found.broken.iter().take(LISTED) {
+        let _ = writeln!(text, "  episode {}: {}", broken.episode, broken.reason);
+    }
+    if let Some(more) = report
+        .found
+        .broken
+        .len()
+        .checked_sub(LISTED)
+        .filter(|n| *n > 0)
+    {
+        let _ = writeln!(text, "  and {more} more in the JSON");
     }
 }
 
 /// What brought a finding about, the most frequent first.
 fn causes(text: &mut String, finding: &FindingReport) {
-    let mut causes: Vec<&CauseFound> = finding.causes.iter().collect();
+    let mut causes: Vec<&CauseFound> = finding.found.causes.iter().collect();
     causes.sort_by_key(|cause| std::cmp::Reverse(cause.episodes));
     for cause in causes {
-        let settings: Vec<String> = cause.settings.iter().map(ToString::to_string).collect();
-        let settings = match settings.is_empty() {
-            true => "all that is set or drawn once is nominal".to_owned(),
-            false => settings.join(", "),
-        };
-        let test = match cause.test.is_empty() {
-            true => "nothing is done",
-            false => cause.test.as_str(),
-        };
+        let (settings, test) = (cause.settings_in_words(), cause.test_in_words());
         let early = if cause.is_minimal {
             ""
         } else {
@@ -81,10 +90,10 @@ fn causes(text: &mut String, finding: &FindingReport) {
         let _ = writeln!(
             text,
             "      cause, met in {} of {}: {settings}; {test}{early}\n          {}",
-            cause.episodes, finding.episodes, cause.file
+            cause.episodes, finding.found.episodes, cause.file
         );
     }
-    if let Some(others) = finding.without_cause.filter(|others| *others > 0) {
+    if let Some(others) = finding.found.without_cause.filter(|others| *others > 0) {
         let _ = writeln!(text, "      {others} episodes met none of these");
     }
 }

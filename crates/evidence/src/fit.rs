@@ -1,11 +1,11 @@
-//! What a calibration found, as JSON.
+//! What fitting a simulator's parameters to counts gave: posterior, what the counts identify, and whether what was
+//! held out is like reality. `corroborate calibrate` does the fitting; how is `campaign`'s business.
 
-use campaign::calibration::Identifiability;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What `calibrate --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CalibrationReport {
     /// Version of this form.
     pub format: String,
@@ -43,7 +43,7 @@ pub struct CalibrationReport {
 }
 
 /// What a fitted set was made from: with the same files, seed and engine it comes out again.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LineageReport {
     /// The study's seed, as a text: readers round numbers beyond 2^53.
     pub seed: String,
@@ -54,7 +54,7 @@ pub struct LineageReport {
 }
 
 /// A file with its hash.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FileReport {
     /// The file, relative to the study where it is one of the study's.
     pub file: String,
@@ -63,7 +63,7 @@ pub struct FileReport {
 }
 
 /// One fitted parameter.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterReport {
     /// Its name.
     pub name: String,
@@ -91,7 +91,7 @@ pub struct ParameterReport {
 }
 
 /// Whether counts say what a parameter is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Identification {
     /// At least 80 % of the prior's variance is gone.
@@ -104,6 +104,7 @@ pub enum Identification {
 
 impl Identification {
     /// In words.
+    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Identified => "identified",
@@ -113,18 +114,8 @@ impl Identification {
     }
 }
 
-impl From<Identifiability> for Identification {
-    fn from(of: Identifiability) -> Self {
-        match of {
-            Identifiability::Identified => Self::Identified,
-            Identifiability::Weak => Self::WeaklyIdentified,
-            Identifiability::Unidentified => Self::NotIdentified,
-        }
-    }
-}
-
 /// What is shown of a difference between the fitted set and reality.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Likeness {
     /// The difference is shown to be within the margin.
@@ -140,6 +131,7 @@ pub enum Likeness {
 
 impl Likeness {
     /// In words.
+    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Equivalent => "equivalent",
@@ -151,7 +143,7 @@ impl Likeness {
 }
 
 /// A direction of the parameters.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DirectionReport {
     /// How much of it each parameter is.
     pub loadings: Vec<f64>,
@@ -162,7 +154,7 @@ pub struct DirectionReport {
 }
 
 /// One way to fail.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ModeReport {
     /// The requirement or failure mode.
     pub id: String,
@@ -211,7 +203,7 @@ pub struct ModeReport {
 }
 
 /// Runs that were predicted from those of the other subjects.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HeldOutRunsReport {
     /// Whose runs.
     pub subjects: Vec<String>,
@@ -223,7 +215,7 @@ pub struct HeldOutRunsReport {
 }
 
 /// A way to fail in held-out runs.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PredictionReport {
     /// The requirement or failure mode.
     pub id: String,

@@ -1,0 +1,74 @@
+//! What was explored and fitted: that it is what was kept, of these very files; with `--deep`, that each scenario of a
+//! finding shows it again.
+
+use super::audit::Audit;
+use crate::command::Setting;
+use crate::command::calibrate::kept_calibration;
+use crate::command::explore::{findings_again, kept_exploration};
+use crate::problem::Problem;
+use crate::study::Study;
+use evidence::{CalibrationReport, Exploration, StudyResult};
+use std::path::Path;
+
+/// The exploration that the result has to have.
+pub fn again(
+    study: &Study,
+    claimed: &StudyResult,
+    results: &Path,
+    deep: Option<&Setting>,
+    audit: &mut Audit,
+) -> Result<Option<Exploration>, Problem> {
+    if claimed.exploration.is_none() {
+        return Ok(None);
+    }
+    let kept = kept_exploration(study, results);
+    let Some(kept) = of_these_files(kept, "/exploration", results, audit) else {
+        return Ok(None);
+    };
+    let Some(setting) = deep else {
+        audit.not_checked("findings of the exploration (`--deep` runs their scenarios again)");
+        return Ok(Some(kept));
+    };
+    match findings_again(study, &kept, results, setting) {
+        Ok((run, lost)) => {
+            let file = results.join("study.json");
+            for lost in &lost {
+                let fault = format!("{lost} does not show again what was found");
+                audit.fault(&file, "/exploration/findings", fault);
+            }
+            let shown = run - lost.len() as u64;
+            audit.checked(shown, "scenarios of findings show again what was found");
+        }
+        Err(problem) if setting.interrupt.is_set() => return Err(problem),
+        Err(problem) => audit.not_checked(&format!(
+            "the exploration's scenarios cannot be run again here: {problem}"
+        )),
+    }
+    Ok(Some(kept))
+}
+
+/// The calibration that the result has to have.
+pub fn calibration(
+    study: &Study,
+    claimed: &StudyResult,
+    results: &Path,
+    audit: &mut Audit,
+) -> Option<CalibrationReport> {
+    claimed.calibration.as_ref()?;
+    let kept = kept_calibration(study, results);
+    let kept = of_these_files(kept, "/calibration", results, audit)?;
+    audit.not_checked("the posterior of the calibration (`calibrate` fits it again from the episodes that it kept)");
+    Some(kept)
+}
+
+fn of_these_files<T>(
+    kept: Result<Option<T>, Problem>,
+    place: &str,
+    results: &Path,
+    audit: &mut Audit,
+) -> Option<T> {
+    kept.unwrap_or_else(|problem| {
+        audit.fault(&results.join("study.json"), place, problem.to_string());
+        None
+    })
+}

@@ -1,0 +1,224 @@
+//! What was found by looking for what nobody has thought of: by cause, each with its smallest scenario and the command
+//! that runs it again.
+//!
+//! One cause shows itself in several findings (an object that slips is a failure mode, a violated requirement and a step
+//! that the model does not have), so causes come first and findings stand under them.
+
+use std::collections::BTreeMap;
+
+use evidence::{CauseFound, CauseSetting, Discovery, Exploration, Stopped, Subject};
+use maud::{Markup, html};
+
+use crate::number;
+use crate::view::{View, chip, prose, section, unbroken};
+use crate::words;
+
+/// Where `run` finds the exploration, and `replay` its files.
+const FOLDER: &str = "results/exploration";
+/// Episodes without numbers that are listed, at most.
+const LISTED: usize = 5;
+
+/// A finding with one of its causes.
+type Shown<'a> = (&'a Discovery, &'a CauseFound);
+
+/// The section; nothing where nothing was explored.
+pub fn render(view: View) -> Markup {
+    let Some(found) = &view.study.exploration else {
+        return html! {};
+    };
+    let lead = html! {
+        (number::count(found.episodes)) " episodes of " (view.link(&found.evidence))
+        @if let Some(model) = &found.model { ", held against " (view.link(model)) "," }
+        " were chosen to show what nobody had thought of"
+        @match found.stopped {
+            Stopped::Budget => {},
+            Stopped::NothingNew => { ", until more of them had stopped paying" },
+            Stopped::Interrupted => { ", until they were interrupted" },
+        }
+        ". Each finding is a witness that can be run again; how often an exploration came there is not how often it happens."
+    };
+    let causes = by_cause(found);
+    let body = html! {
+        @if found.findings.is_empty() {
+            p class="empty" { "Nothing was found: no violation, no way to fail, no step that the model does not have." }
+        }
+        @for shown in causes.values() { (cause(view, found, shown)) }
+        (others(view, found, causes.is_empty()))
+        (broken(found))
+        div class="small shares" { (prose(&found.statement)) }
+    };
+    section("found", "What nobody had thought of", lead, body)
+}
+
+/// The findings of each cause, by its number; of each finding the first scenario.
+fn by_cause(found: &Exploration) -> BTreeMap<u64, Vec<Shown<'_>>> {
+    let mut causes: BTreeMap<u64, Vec<Shown<'_>>> = BTreeMap::new();
+    for finding in &found.findings {
+        for cause in &finding.causes {
+            causes
+                .entry(cause.number)
+                .or_default()
+                .push((finding, cause));
+        }
+    }
+    causes
+}
+
+fn cause(view: View, found: &Exploration, shown: &[Shown<'_>]) -> Markup {
+    let Some((_, first)) = shown.first() else {
+        return html! {};
+    };
+    html! {
+        article class="cause" id={ "cause-" (first.number) } {
+            p class="kind" { "Cause " (first.number) }
+            h3 { (settings(&first.settings)) }
+            p class="done" { @if first.test.is_empty() { "Nothing is done." } @else { "What is done: " (unbroken(&first.test)) } }
+            p class="again" {
+                code { (command(&first.file)) }
+                @if !first.is_minimal { " " span class="small" { "perhaps not as small as it goes" } }
+            }
+            div class="scroll" tabindex="0" role="region" aria-label={ "What cause " (first.number) " shows" } {
+                table class="shown cards" {
+                    caption class="visually-hidden" { "What cause " (first.number) " shows, and the smallest scenario of each" }
+                    thead { tr {
+                        th scope="col" { "It shows" } th scope="col" { "In this exploration" }
+                        th scope="col" { "Smallest scenario" }
+                    } }
+                    tbody { @for one in shown { (row(view, found, one, first)) } }
+                }
+            }
+        }
+    }
+}
+
+fn row(
+    view: View,
+    found: &Exploration,
+    (finding, cause): &Shown<'_>,
+    first: &CauseFound,
+) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (what(view, finding)) }
+            td data-label="Explored" {
+                (number::count(cause.episodes)) " of the " (number::count(finding.episodes)) " episodes that showed it, of "
+                (number::count(found.episodes)) "; first in episode " (number::count(finding.first_episode))
+                @if !finding.replayed { " " (chip(&words::not_shown_again())) }
+            }
+            td data-label="Scenario" {
+                @if cause.settings != first.settings { (settings(&cause.settings)) br; }
+                code { (file_name(&cause.file)) }
+            }
+        }
+    }
+}
+
+/// What a finding is, with what it is about.
+fn what(view: View, finding: &Discovery) -> Markup {
+    let meaning = match &finding.subject {
+        Some(Subject::Requirement(id)) => view.requirement(id).map(|r| r.text.as_str()),
+        Some(Subject::FailureMode(id)) => {
+            let mut modes = view.study.failure_modes.iter();
+            modes
+                .find(|mode| &mode.id == id)
+                .map(|mode| mode.meaning.as_str())
+        }
+        None => None,
+    };
+    html! {
+        @match &finding.subject {
+            Some(Subject::Requirement(id)) => { "Requirement " (view.requirement_link(id)) " is violated" },
+            Some(subject) => (view.title(subject)),
+            None => (capitalised(&finding.in_words)),
+        }
+        @if let Some(meaning) = meaning { span class="text" { (meaning) } }
+    }
+}
+
+/// Findings of which no cause is known, or episodes that met none.
+fn others(view: View, found: &Exploration, none_known: bool) -> Markup {
+    let without = |finding: &&Discovery| {
+        finding.causes.is_empty() || finding.without_cause.is_some_and(|episodes| episodes > 0)
+    };
+    let others: Vec<&Discovery> = found.findings.iter().filter(without).collect();
+    html! {
+        @if !others.is_empty() {
+            h3 { @if none_known { "Findings" } @else { "Episodes of which no cause is known" } }
+            div class="scroll" tabindex="0" role="region" aria-label="Findings without a cause" {
+                table class="shown cards" {
+                    caption class="visually-hidden" { "Findings, or episodes of them, of which no cause is known" }
+                    thead { tr {
+                        th scope="col" { "Finding" } th scope="col" { "In this exploration" } th scope="col" { "To run it again" }
+                    } }
+                    tbody {
+                        @for finding in others {
+                            tr {
+                                th scope="row" { (what(view, finding)) }
+                                td data-label="Explored" {
+                                    @let count = finding.without_cause.unwrap_or(finding.episodes);
+                                    (number::count(count)) " of " (number::count(found.episodes)) " episodes; first found in episode "
+                                    (number::count(finding.first_episode)) " by " (finding.found_by)
+                                    @if !finding.replayed { " " (chip(&words::not_shown_again())) }
+                                }
+                                td data-label="Again" { code { (command(&finding.file)) } }
+                            }
+                        }
+                    }
+                }
+            }
+            @if none_known {
+                p class="small" {
+                    code { "corroborate explore STUDY FILE --causes 100" }
+                    " makes the episodes of each as small as they go, and groups them by what is left."
+                }
+            }
+        }
+    }
+}
+
+fn broken(found: &Exploration) -> Markup {
+    html! {
+        @if !found.broken.is_empty() {
+            p class="note" {
+                "The physics gave no numbers in " (number::count(found.broken.len() as u64)) " of "
+                (number::count(found.episodes)) " episodes, which says nothing of the robot: "
+                @for (i, episode) in found.broken.iter().take(LISTED).enumerate() {
+                    @if i > 0 { "; " }
+                    "episode " (number::count(episode.episode)) " (" (episode.reason) ")"
+                }
+                @if found.broken.len() > LISTED { "; and others" }
+                "."
+            }
+        }
+    }
+}
+
+/// Settings that are not nominal, as a heading.
+fn settings(settings: &[CauseSetting]) -> Markup {
+    html! {
+        @if settings.is_empty() { "All that is set or drawn once is nominal" }
+        @for (i, setting) in settings.iter().enumerate() {
+            @if i > 0 { ", " }
+            span class="setting" {
+                code { (setting.key) } " = " b { (setting.value) }
+                @if let Some(nominal) = &setting.nominal { " " span class="asks" { "nominal " (nominal) } }
+            }
+        }
+    }
+}
+
+fn command(file: &str) -> String {
+    format!("corroborate replay STUDY {FOLDER}/{file}")
+}
+
+fn file_name(file: &str) -> &str {
+    file.rsplit('/').next().unwrap_or(file)
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().chain(letters).collect(),
+        None => String::new(),
+    }
+}
