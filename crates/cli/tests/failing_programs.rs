@@ -370,6 +370,18 @@ fn a_program_that_fails_is_counted_where_runs_are_split_and_engines_compared() {
     }
     std::fs::write(&scene, text).expect("written");
     let call = |arguments: &[&str]| with_physics(&library, folder.path(), arguments);
+    // Where the ledger says that a failure ends it all, it does, with the first one's words.
+    let ledger = folder.path().join("ledger.toml");
+    let counts = std::fs::read_to_string(&ledger).expect("a ledger");
+    let stops = counts.replacen("id = \"S2\"\n", "id = \"S2\"\non_failure = \"stop\"\n", 1);
+    assert_ne!(stops, counts);
+    std::fs::write(&ledger, stops).expect("written");
+    let said = call(&["engines", ".", "S2", "-n", "1"]);
+    assert_eq!((said.code, said.out.as_str()), (2, ""), "{said:?}");
+    for words in ["episode 1", "no way to stop", "on_failure = \"stop\""] {
+        assert!(said.talk.contains(words), "{}", said.talk);
+    }
+    std::fs::write(&ledger, counts).expect("written");
     let engines = ["engines", ".", "S2", "-n", "2", "--format", "json"];
     let said = call(&engines);
     assert!([0, 1].contains(&said.code), "{said:?}");

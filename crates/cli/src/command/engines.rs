@@ -9,7 +9,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Entry, Study, Work};
-use crate::technique::campaign::{Ended, FailureCounts, ended, failures_in_words};
+use crate::technique::campaign::{Ended, FailureCounts, ended, failures_in_words, stops};
 use crate::technique::confidence;
 use crate::technique::judging::{Judges, verdict_name};
 use crate::technique::simulation::{Campaign, Seeds};
@@ -111,6 +111,7 @@ pub fn engines(arguments: &Engines, setting: &Setting) -> Result<Done, Problem> 
     let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
     let called = Called {
         study: &study,
+        entry,
         campaigns: &campaigns,
         numbers: (1..=arguments.episodes).collect(),
         seeds,
@@ -202,6 +203,7 @@ fn name_of(campaign: &Campaign) -> String {
 /// A call, with what it names.
 struct Called<'a> {
     study: &'a Study,
+    entry: &'a Entry,
     campaigns: &'a [Campaign],
     numbers: Vec<u64>,
     seeds: Seeds,
@@ -214,6 +216,7 @@ struct Compared {
     /// By engine, in the order of the monitors.
     verdicts: [Vec<Verdict>; 2],
     failed: [Option<FailureKind>; 2],
+    words: [String; 2],
 }
 
 impl Called<'_> {
@@ -244,10 +247,17 @@ impl Called<'_> {
                     },
                     verdicts,
                     failed: [a.failed, b.failed],
+                    words: [a.words, b.words],
                 })
             })
             .collect::<Result<_, Problem>>()?;
         drop(stage);
+        for which in [0, 1] {
+            let failed = self.numbers.iter().zip(&compared);
+            let failed =
+                failed.map(|(number, it)| (*number, it.failed[which], it.words[which].as_str()));
+            stops(self.entry, &self.seeds, failed)?;
+        }
         report.signals = signals(&compared);
         report.verdicts = self.verdicts(&judges, &compared);
         report.failures = self.failures(&compared)?;

@@ -22,7 +22,7 @@ mod until;
 
 pub use driver::{Campaigning, Finished, Source};
 pub use ended::{
-    Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked,
+    Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked, stops,
 };
 pub use estimates::estimates;
 pub use failing::{is_of_physics, kind_of, words_of};

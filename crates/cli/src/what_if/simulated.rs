@@ -15,7 +15,7 @@ use crate::store::{is_stage_of, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::campaign::{
-    FailureCounts, OnLine, Source, ended, episode_inputs, judged_by, records_judged_by,
+    FailureCounts, OnLine, Source, ended, episode_inputs, judged_by, records_judged_by, stops,
 };
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
@@ -156,14 +156,14 @@ impl Episodes<'_> {
         let judges = Judges::new(self.study, |subject| subjects.contains(subject))?;
         let layout = campaign.layout()?;
         let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
-        let rows: Vec<(Vec<Verdict>, Option<FailureKind>)> = (1..=self.count)
+        let rows: Vec<(Vec<Verdict>, Option<FailureKind>, String)> = (1..=self.count)
             .into_par_iter()
             .map(|number| {
                 if self.interrupt.is_set() {
                     return Err(Problem::interrupted());
                 }
                 if let Some(verdicts) = kept.get(&number) {
-                    return Ok((verdicts.clone(), None));
+                    return Ok((verdicts.clone(), None, String::new()));
                 }
                 let mut on_line = OnLine::new(&[&judges], &layout, false)?;
                 let seed = seeds.of(number);
@@ -172,7 +172,7 @@ impl Episodes<'_> {
                 stage.advance();
                 let Some(recorded) = run.recorded else {
                     let unknown = vec![Verdict::Inconclusive; subjects.len()];
-                    return Ok((unknown, run.failed));
+                    return Ok((unknown, run.failed, run.words));
                 };
                 let judged = on_line.finish(recorded.trace.complete)?;
                 let judged: Vec<_> = judged.into_iter().flatten().collect();
@@ -182,13 +182,16 @@ impl Episodes<'_> {
                         .find(|it| it.subject == subject && it.reading.is_none());
                     main.map_or(Verdict::NotCovered, |it| it.findings.verdict)
                 };
-                Ok((subjects.iter().map(of).collect(), run.failed))
+                Ok((subjects.iter().map(of).collect(), run.failed, run.words))
             })
             .collect::<Result<_, _>>()?;
-        let column = |place: usize| rows.iter().map(|(row, _)| row[place]).collect();
+        let failed = (1..).zip(&rows);
+        let failed = failed.map(|(number, (_, kind, words))| (number, *kind, words.as_str()));
+        stops(self.entry, &seeds, failed)?;
+        let column = |place: usize| rows.iter().map(|(row, ..)| row[place]).collect();
         Ok(Verdicts {
             of: (0..subjects.len()).map(column).collect(),
-            failures: FailureCounts::of((1..).zip(rows.iter().map(|(_, failed)| *failed))),
+            failures: FailureCounts::of((1..).zip(rows.iter().map(|(_, failed, _)| *failed))),
         })
     }
 }

@@ -2,12 +2,13 @@
 //! search for disagreement.
 //!
 //! They count as in a campaign (`failing.rs`): such an episode stays a trial, is judged up to where it was ended, and
-//! its kind is counted. Only what fails in the first episode before anything has begun is a mistake of the study.
+//! its kind is counted, unless the entry of the ledger declares that one ends it all. Only what fails in the first episode before anything has begun is a mistake of the study.
 
 use super::failing::EpisodeFailure;
 use super::tally::{WITNESSES, witness};
 use crate::problem::Problem;
-use crate::technique::simulation::problem_at;
+use crate::study::{Entry, OnFailure};
+use crate::technique::simulation::{Seeds, problem_at};
 use evidence::{EpisodeFailures, FailureKind, Measure};
 use std::collections::BTreeMap;
 use testbench::{Recorded, SimError};
@@ -19,6 +20,8 @@ pub struct Ended {
     pub recorded: Option<Recorded>,
     /// What ended it, if it did not end by itself.
     pub failed: Option<FailureKind>,
+    /// What was said then.
+    pub words: String,
 }
 
 impl Ended {
@@ -37,6 +40,7 @@ pub fn ended(run: Result<Recorded, SimError>, seed: u64, is_first: bool) -> Resu
             return Ok(Ended {
                 recorded: None,
                 failed: Some(failure.kind),
+                words: failure.words,
             });
         }
     };
@@ -44,14 +48,39 @@ pub fn ended(run: Result<Recorded, SimError>, seed: u64, is_first: bool) -> Resu
         Some(failure) if failure.in_setup && is_first => {
             return Err(never_worked(&failure.words, seed));
         }
-        failure => failure
-            .as_ref()
-            .map(|it| EpisodeFailure::of_controller(it).kind),
+        failure => failure.as_ref().map(EpisodeFailure::of_controller),
     };
+    let (failed, words) = failed.map(|it| (it.kind, it.words)).unzip();
     Ok(Ended {
         recorded: Some(recorded),
         failed,
+        words: words.unwrap_or_default(),
     })
+}
+
+/// The first failure as an error, where the entry declares that one ends the campaign; of episodes by number, in their
+/// order.
+pub fn stops<'a>(
+    entry: &Entry,
+    seeds: &Seeds,
+    episodes: impl IntoIterator<Item = (u64, Option<FailureKind>, &'a str)>,
+) -> Result<(), Problem> {
+    if entry.sampling.on_failure == OnFailure::Count {
+        return Ok(());
+    }
+    let mut episodes = episodes.into_iter();
+    let failed = episodes.find_map(|(number, kind, words)| {
+        let words = words.to_owned();
+        let failure = EpisodeFailure { kind: kind?, words };
+        Some(failure.problem(number, seeds.of(number)))
+    });
+    match failed {
+        Some(problem) => Err(problem.remedy(format!(
+            "mend the program, or count such episodes: {} declares `on_failure = \"stop\"`",
+            entry.id
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// A failure that comes as an error: of a robot's program in a run that is taken step by step, or of the physics.

@@ -8,7 +8,7 @@ use super::{Diagnosing, Gathered};
 use crate::corroboration::ANY_STUDY;
 use crate::problem::Problem;
 use crate::study::{Entry, Work};
-use crate::technique::campaign::{FailureCounts, ended, failures_in_words};
+use crate::technique::campaign::{FailureCounts, ended, failures_in_words, stops};
 use crate::technique::confidence;
 use crate::technique::exploration::OpenBench;
 use crate::technique::judging::Judges;
@@ -28,6 +28,8 @@ struct Pair {
     verdicts: [Vec<Verdict>; 2],
     /// What ended it, if it did not end by itself; it is judged up to there.
     failed: [Option<FailureKind>; 2],
+    /// What was said then.
+    words: [String; 2],
 }
 
 impl Diagnosing<'_> {
@@ -153,7 +155,7 @@ impl Diagnosing<'_> {
         let title = format!("{}: {title}", entry.id);
         let stage = self.setting.talk.begin(&title, episodes);
         let numbers = (1..=episodes).into_par_iter();
-        numbers
+        let pairs: Vec<Pair> = numbers
             .map(|number| {
                 self.setting.go_on()?;
                 let seed = seeds.of(number);
@@ -166,9 +168,17 @@ impl Diagnosing<'_> {
                         judges.verdicts_of(after.trace())?,
                     ],
                     failed: [before.failed, after.failed],
+                    words: [before.words, after.words],
                 })
             })
-            .collect()
+            .collect::<Result<_, Problem>>()?;
+        for which in [0, 1] {
+            let failed = (1..).zip(&pairs);
+            let failed = failed
+                .map(|(number, pair)| (number, pair.failed[which], pair.words[which].as_str()));
+            stops(entry, &seeds, failed)?;
+        }
+        Ok(pairs)
     }
 
     fn compared(
