@@ -7,14 +7,14 @@ mod parameter_set;
 mod text;
 mod work;
 
-use super::rare::bench::{TestBench, tried};
+use super::rare::bench::TestBench;
 use super::{Done, Setting, json, use_threads};
 use crate::args::{Calibrate, Format};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source, write_whole};
 use crate::store::{Inputs, Store, hash_of};
 use crate::study::{Study, Work as Ledgered};
-use crate::technique::bench::check_units;
+use crate::technique::bench::{check_units, tried};
 use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;

@@ -86,6 +86,10 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
             &explored.met,
             &mut explored.report.found.findings,
         )?;
+        if setting.interrupt.is_set() {
+            // Causes that were not looked into are missing.
+            explored.report.found.stopped = Stopped::Interrupted;
+        }
     }
     let about = [
         ("study", study.about.title.as_str()),

@@ -12,7 +12,7 @@ use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::store::{Inputs, Store};
 use crate::study::Study;
-use crate::technique::bench::check_units;
+use crate::technique::bench::{check_units, tried};
 use crate::technique::campaign::{FailureCounts, never_worked};
 use crate::technique::confidence;
 use crate::technique::judging::inputs_of;
@@ -178,7 +178,7 @@ impl<B: Savable> Work<'_, B> {
             return Err(never_worked(&error.to_string(), 0));
         }
         for (place, parameter) in self.space.parameters.iter().enumerate() {
-            for end in bench::tried(&parameter.distribution) {
+            for end in tried(&parameter.distribution) {
                 let mut unit = middle.clone();
                 unit[place] = end;
                 let stimulus = stimulus_at(self.runs.test, &self.space, &unit)?;

@@ -7,7 +7,7 @@ use crate::study::Study;
 use crate::technique::bench::SceneCampaign;
 use crate::technique::simulation::load_engine;
 use std::path::Path;
-use stimulus::{Distribution, Space, Stimulus};
+use stimulus::{Space, Stimulus};
 use testbench::{HandoverBench, SimError};
 
 /// The bench of a file of rare events.
@@ -69,16 +69,6 @@ impl World {
             }
         }
     }
-}
-
-/// Ends and middle of a distribution, in its distribution function; ends that are infinite are
-/// taken a thousandth inside.
-pub fn tried(distribution: &Distribution) -> [f64; 3] {
-    let end = |at: f64, inside: f64| match distribution.quantile(at).is_finite() {
-        true => at,
-        false => inside,
-    };
-    [end(0.0, 0.001), 0.5, end(1.0, 0.999)]
 }
 
 /// A test with the settings of a point of `space`.

@@ -8,5 +8,5 @@ pub mod processor;
 mod ros2;
 mod scene;
 
-pub use parameters::{check_keys, check_units, unit_of};
+pub use parameters::{check_keys, check_units, tried, unit_of};
 pub use scene::SceneCampaign;

@@ -7,7 +7,7 @@
 
 use crate::problem::{Problem, Source};
 use std::ops::Range;
-use stimulus::{Parameter, Space, Stimulus};
+use stimulus::{Distribution, Parameter, Point, Space, Stimulus};
 use trace::units::Unit;
 
 /// Endings of names, and the units that they stand for; the longer ones first.
@@ -73,8 +73,19 @@ pub fn check_units(space: &Space, source: &Source, code: &'static str) -> Result
     Ok(())
 }
 
-/// Fails at the first key that `refused` gives a reason for, when the parameter has its nominal value.
-/// What sets delays of a test is left to that test.
+/// Ends and middle of a distribution, in its distribution function; ends that are infinite are
+/// taken a thousandth inside.
+pub fn tried(distribution: &Distribution) -> [f64; 3] {
+    let end = |at: f64, inside: f64| match distribution.quantile(at).is_finite() {
+        true => at,
+        false => inside,
+    };
+    [end(0.0, 0.001), 0.5, end(1.0, 0.999)]
+}
+
+/// Fails at the first key that `refused` gives a reason for, when the parameter has its nominal value, and at the
+/// first parameter whose range the bench does not take to its ends, unless constraints may keep it from them. What
+/// sets delays of a test is left to that test.
 pub fn check_keys(
     space: &Space,
     test: &stimulus::AbstractTest,
@@ -82,33 +93,53 @@ pub fn check_keys(
     code: &'static str,
     refused: &dyn Fn(&Stimulus) -> Option<String>,
 ) -> Result<(), Problem> {
+    let reason = |space: &Space, point: &Point| match space.stimulus(test, point) {
+        Ok(stimulus) => refused(&stimulus),
+        Err(error) => Some(error.to_string()),
+    };
     for parameter in &space.parameters {
-        for key in parameter
-            .sets
-            .iter()
-            .filter(|key| !key.starts_with("test."))
-        {
-            let alone = Space {
-                parameters: vec![Parameter {
-                    sets: vec![key.clone()],
-                    ..parameter.clone()
-                }],
-                constraints: Vec::new(),
-            };
-            let stimulus = alone.stimulus(test, &alone.nominal());
-            let reason = match &stimulus {
-                Ok(stimulus) => refused(stimulus),
-                Err(error) => Some(error.to_string()),
-            };
-            if let Some(reason) = reason {
+        for key in parameter.sets.iter().filter(|key| !is_of_test(key)) {
+            let alone = alone(parameter, vec![key.clone()]);
+            if let Some(reason) = reason(&alone, &alone.nominal()) {
                 let message = format!("parameter `{}`: {reason}", parameter.name);
                 return Err(Problem::new(code, message)
                     .at(source, after(source, &parameter.name, key))
                     .remedy("correct the key in `sets`, or the parameter's range"));
             }
         }
+        if !space.constraints.is_empty() || parameter.sets.iter().any(|key| is_of_test(key)) {
+            continue;
+        }
+        let key = parameter.sets.first().map_or("", String::as_str);
+        let whole = alone(parameter, parameter.sets.clone());
+        for end in tried(&parameter.distribution) {
+            let point = whole.at(&[end]);
+            if let Some(reason) = reason(&whole, &point) {
+                let value = parameter.distribution.quantile(end);
+                let message = format!("parameter `{}` cannot be {value}: {reason}", parameter.name);
+                return Err(Problem::new(code, message)
+                    .at(source, after(source, &parameter.name, key))
+                    .remedy("correct its range, or what it sets"));
+            }
+        }
     }
     Ok(())
+}
+
+/// Whether a key sets a delay or a value of the abstract test.
+fn is_of_test(key: &str) -> bool {
+    key.starts_with("test.")
+}
+
+/// One parameter by itself.
+fn alone(parameter: &Parameter, sets: Vec<String>) -> Space {
+    Space {
+        parameters: vec![Parameter {
+            sets,
+            ..parameter.clone()
+        }],
+        constraints: Vec::new(),
+    }
 }
 
 /// The unit that a key's name ends in.
@@ -170,5 +201,35 @@ mod tests {
         let said = refusal("s", "parameters.human.pull_forward_newtons.uniform.0").unwrap();
         assert!(said.contains("correct `unit`"), "{said}");
         assert!(refusal("furlong", key).unwrap().contains("is no unit"));
+    }
+
+    #[test]
+    fn a_range_is_tried_to_its_ends() {
+        let said = |low: f64| {
+            let text = format!(
+                "[[parameter]]\nname = \"mass\"\nsets = [\"a.mass_kg\"]\nuniform = [{low}, 0.4]\nnominal = 0.1\n"
+            );
+            let source = Source {
+                name: "file.toml".into(),
+                text: text.clone(),
+            };
+            let refused = |stimulus: &Stimulus| match stimulus.settings.get("a.mass_kg") {
+                Some(stimulus::Setting::Number(mass)) if *mass < 0.0 => {
+                    Some("a mass is above 0".to_owned())
+                }
+                _ => None,
+            };
+            let space = Space::from_toml(&text).unwrap();
+            let test = stimulus::AbstractTest::new("t", Vec::new());
+            let checked = check_keys(&space, &test, &source, "bad-exploration", &refused);
+            checked.err().map(|problem| problem.render(false))
+        };
+        assert_eq!(said(0.05), None);
+        let said = said(-1.0).unwrap();
+        assert!(
+            said.contains("`mass` cannot be -1: a mass is above 0"),
+            "{said}"
+        );
+        assert!(said.contains("file.toml:3:"), "{said}");
     }
 }
