@@ -445,7 +445,8 @@ pub(super) fn check_engine(
     let name = data.sensors.iter().find(is_bearing);
     let key = super::data::key_of("sensor", name.map_or("", |it| it.name.as_str()), "kind");
     let (engine, _) = physics.engine();
-    let problem =
-        format!("cannot be had in {engine}, which does not tell forces between links; use MuJoCo");
+    let problem = format!(
+        "cannot be had in {engine}, which solves links in reduced coordinates, without the forces between them; use MuJoCo"
+    );
     Err(ScenarioError::value(&key, &problem))
 }

@@ -11,7 +11,8 @@
 //! contacts have Rapier's own stiffness and damping, not MuJoCo's; where a link of a tree touches,
 //! Rapier always uses its model `Coulomb` (see `parameters`), whose error was measured for a loose
 //! block only; friction has no torsional part; couplings of joints are linear and within one tree.
-//! What is not carried over is refused with its name, never left out.
+//! What is not carried over is refused with its name, never left out; so are sensors of force and torque between links,
+//! which this engine does not know.
 //!
 //! Guarantee: the same bits at any number of threads, after saving and restoring, and in a used or a
 //! fresh world (tested). Rapier is built with `enhanced-determinism`, for which its authors promise
@@ -297,7 +298,9 @@ impl Physics for RapierPhysics {
         touches.extend(&self.world.touches);
     }
 
-    /// Rapier's multibodies do not tell what a link bears.
+    /// Not known: in reduced coordinates the forces between links do not occur. They would follow from the links' momenta
+    /// less all contacts, but of the friction between bodies Rapier keeps the last substep's impulse only (see `touching`),
+    /// so that what a hand with an object in it bears would be a guess told as a measurement.
     fn wrench(&self, _body: usize) -> Option<[Vector; 2]> {
         None
     }
