@@ -87,6 +87,7 @@ pub mod symmetry;
 #[cfg(test)]
 mod test_models;
 mod transient;
+mod windows;
 mod witness;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Options};
