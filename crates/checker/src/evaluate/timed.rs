@@ -29,7 +29,7 @@ pub(super) struct Timed {
 
 /// What to do about temporal operators within each other, of which one has a bound in time.
 pub(crate) const NESTED: &str = "a temporal operator with a bound in continuous time can neither stand within \
-     another one nor contain one (unlike `F<=5 a & G<=7 b`, which can be computed): write `P` around the inner \
+     another one nor contain one (unlike `(F<=5 a) & (G<=7 b)`, which can be computed): write `P` around the inner \
      one if its probability is meant, as in `P>=0.9 [ G P>=0.9 [ F<=5 a ] ]`";
 
 pub(super) fn transient_failed() -> CheckError {
@@ -136,7 +136,20 @@ impl<E: Numbers> Evaluator<'_, E> {
     ) -> Result<Vec<Bounds>, CheckError> {
         let (reaches, _) = backward.reaching(&possible, |s| active[s], |_| true);
         let asked: Vec<usize> = from.iter().copied().filter(|s| reaches[*s]).collect();
-        let active = active.iter().zip(&reaches).map(|(a, b)| *a && *b).collect();
+        // The mean of ones is one.
+        let may_fail = active
+            .iter()
+            .zip(values)
+            .any(|(a, v)| *a && *v == Bounds::ONE)
+            .then(|| {
+                let fails: Vec<bool> = values.iter().map(|value| value.low < 1.0).collect();
+                backward.reaching(&fails, |s| active[s], |_| true).0
+            });
+        let is_sure = |s: usize| may_fail.as_ref().is_some_and(|may_fail| !may_fail[s]);
+        let asked: Vec<usize> = asked.into_iter().filter(|s| !is_sure(*s)).collect();
+        let active: Vec<bool> = (0..active.len())
+            .map(|s| active[s] && reaches[s] && !is_sure(s))
+            .collect();
         let transient = Transient {
             rates,
             active,
@@ -148,6 +161,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         for (state, value) in found.iter_mut().enumerate() {
             if !reaches[state] {
                 *value = Bounds::ZERO;
+            } else if is_sure(state) {
+                *value = Bounds::ONE;
             } else if !transient.active[state] {
                 *value = values[state];
             }
