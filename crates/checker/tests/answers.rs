@@ -360,3 +360,44 @@ fn several_windows_of_time_have_their_joint_probability() {
         "{message}"
     );
 }
+
+#[test]
+fn what_is_certainly_one_is_told_as_one() {
+    let queue = model(
+        "ctmc module q n : [0..3]; b : [0..1]; [] n<3 -> 1.7:(n'=n+1); [] n>0 -> 3.3:(n'=n-1);
+        [] b=0 -> 0.3:(b'=1); endmodule",
+    );
+    for text in [
+        "S=? [ n<=3 ]",
+        "P=? [ F>=5 n=3 ]",
+        "P=? [ F[1,2] n<=3 ]",
+        "P=? [ (F>=5 n=3) & (F[1,2] n<=3) ]",
+        "filter(avg, P=? [ F n=3 ])",
+        "1 - S=? [ b>1 ]",
+    ] {
+        assert_eq!(bounds(&queue, text), (1.0, 1.0), "{text}");
+    }
+}
+
+#[test]
+fn rewards_beyond_the_range_of_floating_point_are_left_to_exact_arithmetic() {
+    let steps = model(
+        "dtmc module m x : [0..3]; [] x<3 -> 0.5:(x'=x+1) + 0.5:true; [] x=3 -> true; endmodule
+        rewards \"tiny\" x<3 : 1e-310; endrewards rewards \"huge\" x<3 : 1e308; endrewards",
+    );
+    for (text, expected) in [
+        ("R{\"tiny\"}=? [ C<=2 ]", "2e-310"),
+        ("R{\"tiny\"}=? [ F x=3 ]", "6e-310"),
+        ("R{\"huge\"}=? [ C<=2 ]", "2e308"),
+        ("R{\"huge\"}=? [ F x=3 ]", "6e308"),
+    ] {
+        let found = answer(&steps, text, &Options::default());
+        assert!(
+            matches!(&found, Err(CheckError::Unsupported(why)) if why.contains("exact method")),
+            "{text}: {found:?}"
+        );
+        let expected = prism_lang::Number::parse(expected).unwrap();
+        let expected = AnswerValue::Exact(expected.exact().unwrap().clone());
+        assert_eq!(exact(&steps, text), expected, "{text}");
+    }
+}
