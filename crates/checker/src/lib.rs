@@ -47,6 +47,7 @@ pub mod choices;
 mod co_safe;
 mod cone;
 mod diagonals;
+pub mod distribution;
 mod elimination;
 mod engine;
 mod evaluate;
