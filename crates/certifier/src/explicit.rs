@@ -3,10 +3,12 @@
 //! *Definition.* An end component is a set of states with a choice or more for each that stay in the set and connect all of
 //! its states. Maximal ones: strongly connected components by the choices that stay in the component, again and again
 //! until no choice leaves any. In a chain they are the bottom components. Source: de Alfaro 1997, section 3.3; Tarjan 1972.
-//! Cost: rounds times transitions, where a round takes away at least one choice. Guarantee: exact.
+//! A state that has lost its last choice takes those that lead to it along before components are sought again. Cost: rounds
+//! times transitions; few rounds on most models. Guarantee: exact.
 
 use prism_lang::Rational;
 
+use crate::incoming::Incoming;
 use crate::reading::Choice;
 
 const NONE: usize = usize::MAX;
@@ -17,35 +19,51 @@ pub(crate) fn end_components(
     within: &[bool],
     usable: &dyn Fn(&Choice) -> bool,
 ) -> Vec<Vec<usize>> {
-    let mut component: Vec<usize> = (within.iter())
-        .map(|inside| if *inside { 0 } else { NONE })
+    let mut component = vec![NONE; choices.len()];
+    let stays = |choice: &Choice| usable(choice) && choice.outcomes.iter().all(|(t, _)| within[*t]);
+    let mut on: Vec<Vec<bool>> = (choices.iter().zip(within))
+        .map(|(own, inside)| own.iter().map(|choice| *inside && stays(choice)).collect())
         .collect();
+    let incoming = Incoming::new(choices);
+    let none = (0..choices.len()).filter(|state| !on[*state].contains(&true));
+    incoming.unravel(none.collect(), &mut on, |_| false);
     loop {
-        let stays = |state: usize, choice: &Choice| {
-            let mut targets = choice.outcomes.iter();
-            usable(choice) && targets.all(|(t, _)| component[*t] == component[state])
-        };
-        let edges: Vec<Vec<usize>> = (0..choices.len())
-            .map(|state| {
-                if component[state] == NONE {
-                    return Vec::new();
-                }
-                let staying = choices[state].iter().filter(|choice| stays(state, choice));
-                let targets = staying.flat_map(|choice| choice.outcomes.iter().map(|(t, _)| *t));
-                targets.collect()
+        let edges: Vec<Vec<usize>> = (choices.iter().zip(&on))
+            .map(|(own, on)| {
+                let staying = own.iter().zip(on).filter(|(_, on)| **on);
+                let targets = staying.flat_map(|(choice, _)| &choice.outcomes);
+                targets.map(|(target, _)| *target).collect()
             })
             .collect();
-        let mut next = strongly_connected(&edges);
-        for state in 0..choices.len() {
+        let strong = strongly_connected(&edges);
+        for (state, (component, edges)) in component.iter_mut().zip(&edges).enumerate() {
             // A state without a choice that stays is in none.
-            if edges[state].is_empty() {
-                next[state] = NONE;
+            *component = if edges.is_empty() {
+                NONE
+            } else {
+                strong[state]
+            };
+        }
+        let (mut changed, mut gone) = (false, Vec::new());
+        for (state, own) in choices.iter().enumerate() {
+            let leaves = |choice: &Choice| {
+                let mut targets = choice.outcomes.iter();
+                targets.any(|(target, _)| component[*target] != component[state])
+            };
+            let mut lost = false;
+            for (choice, on) in own.iter().zip(&mut on[state]) {
+                lost |= *on && leaves(choice);
+                *on &= !leaves(choice);
+            }
+            changed |= lost;
+            if lost && !on[state].contains(&true) {
+                gone.push(state);
             }
         }
-        if same_partition(&component, &next) {
+        if !changed {
             break;
         }
-        component = next;
+        incoming.unravel(gone, &mut on, |_| false);
     }
     let mut found: Vec<Vec<usize>> = Vec::new();
     let mut number = rustc_hash::FxHashMap::default();
@@ -57,16 +75,6 @@ pub(crate) fn end_components(
         found[place].push(state);
     }
     found
-}
-
-fn same_partition(a: &[usize], b: &[usize]) -> bool {
-    let mut image = rustc_hash::FxHashMap::default();
-    let mut back = rustc_hash::FxHashMap::default();
-    (a.iter().zip(b)).all(|(a, b)| {
-        (*a == NONE) == (*b == NONE)
-            && *image.entry(*a).or_insert(*b) == *b
-            && *back.entry(*b).or_insert(*a) == *a
-    })
 }
 
 /// The strongly connected component of each state.

@@ -19,12 +19,13 @@
 //! A scheduler, if there is one, takes the place of "some `c`".
 //!
 //! Cost: one sum for each choice and side, first in floating point with a bound of its error, in rationals where that
-//! leaves it open; progress by rounds of backward search. Guarantee: exact.
+//! leaves it open; progress by backward search. Guarantee: exact.
 
 use num_traits::{Signed, Zero};
 use prism_lang::{Rational, rational_to_f64};
 
 use crate::failure::Failure;
+use crate::incoming::Incoming;
 use crate::question::Question;
 use crate::reading::{Choice, Reading};
 
@@ -64,6 +65,7 @@ pub struct Problem<'a> {
 struct Checker<'a> {
     problem: Problem<'a>,
     bounds: &'a Bounds,
+    incoming: Incoming,
     count: u64,
 }
 
@@ -75,6 +77,7 @@ pub fn check_problem(problem: Problem<'_>, bounds: &Bounds) -> Result<u64, (usiz
     let mut checker = Checker {
         problem,
         bounds,
+        incoming: Incoming::new(problem.choices),
         count: 0,
     };
     checker.ends()?;
@@ -231,26 +234,35 @@ impl Checker<'_> {
         by_all: bool,
         may: impl Fn(usize, usize) -> bool,
     ) -> Vec<bool> {
+        let choices = self.problem.choices;
+        // How many choices lead there already does not matter if one is enough.
+        let mut missing: Vec<usize> = match by_all {
+            true => choices.iter().map(Vec::len).collect(),
+            false => vec![1; choices.len()],
+        };
+        let mut leads: Vec<Vec<bool>> = choices.iter().map(|own| vec![false; own.len()]).collect();
         let mut reached = goal.to_vec();
-        loop {
-            let mut changed = false;
-            for state in (0..goal.len()).rev() {
-                if reached[state] || !self.is_open(state) {
+        let is_next = |state: usize, missing: usize| missing == 0 && self.is_open(state);
+        for (state, missing) in missing.iter().enumerate() {
+            reached[state] |= is_next(state, *missing);
+        }
+        let mut queue: Vec<usize> = (0..goal.len()).filter(|state| reached[*state]).collect();
+        while let Some(state) = queue.pop() {
+            for (from, place) in self.incoming.of(state) {
+                if reached[from]
+                    || !by_all && !may(from, place)
+                    || std::mem::replace(&mut leads[from][place], true)
+                {
                     continue;
                 }
-                let leads = |c: &Choice| c.outcomes.iter().any(|(t, _)| reached[*t]);
-                let choices = &self.problem.choices[state];
-                let holds = match by_all {
-                    true => choices.iter().all(leads),
-                    false => (choices.iter().enumerate()).any(|(at, c)| may(state, at) && leads(c)),
-                };
-                changed |= holds;
-                reached[state] = holds;
-            }
-            if !changed {
-                return reached;
+                missing[from] = missing[from].saturating_sub(1);
+                if is_next(from, missing[from]) {
+                    reached[from] = true;
+                    queue.push(from);
+                }
             }
         }
+        reached
     }
 
     /// That values that are said to be infinite are.
@@ -280,34 +292,40 @@ impl Checker<'_> {
     /// The states from which some choices avoid the target for ever: the greatest set that can be stayed in.
     fn avoiding(&self) -> Vec<bool> {
         let mut stays: Vec<bool> = self.problem.target.iter().map(|target| !target).collect();
-        loop {
-            let leaves = |state: &usize| {
-                let mut choices = self.problem.choices[*state].iter();
-                stays[*state] && !choices.any(|c| c.outcomes.iter().all(|(to, _)| stays[*to]))
-            };
-            let leaving: Vec<usize> = (0..stays.len()).filter(leaves).collect();
-            if leaving.is_empty() {
-                return stays;
-            }
-            leaving.into_iter().for_each(|state| stays[state] = false);
-        }
+        let mut on = self.all_on();
+        let without = |state: &usize| on[*state].is_empty();
+        let leaving: Vec<usize> = (0..stays.len())
+            .filter(|state| !stays[*state] || without(state))
+            .collect();
+        leaving.iter().for_each(|state| stays[*state] = false);
+        let along = self.incoming.unravel(leaving, &mut on, |_| false);
+        along.into_iter().for_each(|state| stays[state] = false);
+        stays
     }
 
     /// The states from which some choices reach the target almost surely: the greatest set in which it can be reached by
     /// choices that do not leave the set.
     fn almost_sure(&self) -> Vec<bool> {
-        let mut sure = vec![true; self.problem.target.len()];
+        let target = self.problem.target;
+        let mut sure = vec![true; target.len()];
+        let mut on = self.all_on();
         loop {
-            let stays = |state: usize, choice: usize| {
-                let outcomes = &self.problem.choices[state][choice].outcomes;
-                outcomes.iter().all(|(to, _)| sure[*to])
-            };
-            let next = self.reached(self.problem.target, false, stays);
-            if next == sure {
+            let next = self.reached(target, false, |state, place| on[state][place]);
+            let lost: Vec<usize> = (0..sure.len())
+                .filter(|state| sure[*state] && !next[*state])
+                .collect();
+            if lost.is_empty() {
                 return sure;
             }
-            sure = next;
+            lost.iter().for_each(|state| sure[*state] = false);
+            let along = self.incoming.unravel(lost, &mut on, |state| target[state]);
+            along.into_iter().for_each(|state| sure[state] = false);
         }
+    }
+
+    fn all_on(&self) -> Vec<Vec<bool>> {
+        let choices = self.problem.choices.iter();
+        choices.map(|own| vec![true; own.len()]).collect()
     }
 }
 

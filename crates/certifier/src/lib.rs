@@ -36,6 +36,7 @@ mod evaluate;
 mod explicit;
 mod failure;
 mod formula;
+mod incoming;
 pub mod inequalities;
 mod interval;
 mod multi;

@@ -25,6 +25,8 @@
 //! Cost: the number of entries of the rows that are filled in; cubic at worst, near linear for the
 //! components of most models. A budget stops it.
 
+mod visits;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 

@@ -86,6 +86,11 @@ pub(crate) trait Engine {
     /// What is known of the value, for error messages.
     fn bounds(value: &Self::Value) -> Bounds;
 
+    /// A value of which this is known; nothing if the technique has no bounds.
+    fn within(_: Bounds) -> Option<Self::Value> {
+        None
+    }
+
     /// The value as an answer.
     fn answer(value: &Self::Value) -> AnswerValue;
 
@@ -185,9 +190,11 @@ fn step_by_step<E: Engine + ?Sized>(
     context: &Context<'_>,
 ) -> Result<Vec<E::Value>, CheckError> {
     let mut next = values.clone();
+    let grows = start_at_nothing::<E>(&values, states);
     for step in 0..steps {
-        if step % 16 == 0 {
-            context.options.check_cancelled()?;
+        if step % 16 == 0 && context.options.stops()? {
+            leave_out::<E>(&mut values, states, grows)?;
+            break;
         }
         let mut changed = false;
         for state in states {
@@ -202,6 +209,39 @@ fn step_by_step<E: Engine + ?Sized>(
         }
     }
     Ok(values)
+}
+
+/// Whether these states begin with 0, the least of all values, so that values grow with the steps.
+pub(crate) fn start_at_nothing<E: Engine + ?Sized>(values: &[E::Value], states: &[usize]) -> bool {
+    let is_nothing = |state: &usize| E::bounds(&values[*state]) == Bounds::ZERO;
+    states.iter().all(is_nothing)
+}
+
+/// Bounds of what steps that are not taken would make of the values of these states: means, hence between the least and the
+/// greatest of all values, and no less than they are if they grow.
+pub(crate) fn leave_out<E: Engine + ?Sized>(
+    values: &mut [E::Value],
+    states: &[usize],
+    grows: bool,
+) -> Result<(), CheckError> {
+    let none = Bounds {
+        low: f64::INFINITY,
+        high: 0.0,
+    };
+    let all = values
+        .iter()
+        .map(E::bounds)
+        .fold(none, |all, value| Bounds {
+            low: all.low.min(value.low),
+            high: all.high.max(value.high),
+        });
+    for state in states {
+        let own = E::bounds(&values[*state]);
+        let low = if grows { own.low } else { all.low };
+        let value = E::within(Bounds { low, ..all });
+        values[*state] = value.ok_or(CheckError::Cancelled)?;
+    }
+    Ok(())
 }
 
 /// [`crate::Method::Sound`], and the direct methods, whose answers have bounds, too.
@@ -278,6 +318,10 @@ impl Engine for Sound {
 
     fn bounds(value: &Probability) -> Bounds {
         value.value
+    }
+
+    fn within(bounds: Bounds) -> Option<Probability> {
+        Some(Probability::from_value(bounds))
     }
 
     fn answer(value: &Probability) -> AnswerValue {

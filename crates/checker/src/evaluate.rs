@@ -21,6 +21,9 @@ mod quantifiers;
 mod rewards;
 mod schedulers;
 mod timed;
+mod windows;
+
+pub(crate) use timed::NESTED;
 
 use std::cell::OnceCell;
 

@@ -75,6 +75,11 @@ impl<'a, N: Written> Explicit<'a, N> {
         self.place[state]
     }
 
+    /// The states in the order of their numbers in the files.
+    pub fn states(&self) -> &[usize] {
+        &self.order
+    }
+
     /// The entries of a row: number of the target, place in the matrix; numbers ascend.
     fn row(&self, row: usize) -> Vec<(usize, usize)> {
         let matrix = &self.space.matrix;

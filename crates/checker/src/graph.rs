@@ -23,6 +23,7 @@ use crate::choices::Choices;
 use crate::state_space::Csr;
 pub use decision::qualitative_optimum;
 pub(crate) use decision::{Backward, NO_ROW, Optimum, optimum};
+pub(crate) use end_components::end_components_of;
 pub use end_components::{EndComponent, maximal_end_components};
 
 /// For each state, its predecessors.

@@ -21,7 +21,7 @@
 //! the bounds always hold, converged or not.
 
 use crate::elimination::System;
-use crate::rounding::{Bounds, UNIT};
+use crate::rounding::{Bounds, SMALLEST_VALUE, UNIT};
 
 /// The bounds of one state: lower and upper one of the value, then of the contrary's.
 pub(crate) type Enclosure = [f64; 4];
@@ -196,9 +196,9 @@ impl Iteration {
     }
 }
 
-/// Whether the relative width is at most `tolerance`.
+/// Whether the relative width is at most `tolerance`, or the value so small that it is only known to be below a number.
 fn is_close(low: f64, high: f64, tolerance: f64) -> bool {
-    high - low <= tolerance * low
+    high <= SMALLEST_VALUE || high - low <= tolerance * low
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use temporal::ltl::Ltl;
 
 use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
-use crate::graph::{EndComponent, maximal_end_components};
+use crate::graph::{EndComponent, end_components_of};
 use crate::scheduler::tour::{Recurring, covering};
 use crate::state_space::Csr;
 
@@ -252,23 +252,14 @@ impl<'a, N: Arithmetic> Joint<'a, N> {
             .iter()
             .flatten()
             .map(|m| automaton.priorities(*m).len());
-        let mut inside = vec![false; self.num_states()];
-        for state in &component.states {
-            inside[*state as usize] = true;
-        }
         let mut found = Vec::new();
         for part in 0..parts.max().unwrap_or(0) {
             let priority = |mark: &u32| automaton.priorities(*mark)[part];
             let Some(least) = marks.iter().flatten().map(priority).min() else {
                 continue;
             };
-            let mut usable = vec![false; self.matrix.num_rows()];
-            for (row, marks) in component.rows.iter().zip(marks) {
-                usable[*row] = marks.iter().all(|mark| priority(mark) > least);
-            }
-            found.extend(maximal_end_components(self.choices(), &inside, |row| {
-                usable[row]
-            }));
+            let usable = |at: usize| marks[at].iter().all(|mark| priority(mark) > least);
+            found.extend(end_components_of(self.choices(), component, usable));
         }
         found
     }

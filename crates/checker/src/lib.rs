@@ -47,6 +47,7 @@ pub mod choices;
 mod co_safe;
 mod cone;
 mod diagonals;
+pub mod distribution;
 mod elimination;
 mod engine;
 mod evaluate;
@@ -87,6 +88,7 @@ pub mod symmetry;
 #[cfg(test)]
 mod test_models;
 mod transient;
+mod windows;
 mod witness;
 
 pub use answer::{Answer, AnswerValue, CheckError, Guarantee, InitialValue, Options};

@@ -91,6 +91,18 @@ pub(crate) fn average<'m, E: Numbers>(
         gains.push(gain);
         iterations += rounds;
     }
+    if let Some(first) = gains.first()
+        && embedded.is_chain()
+        && first.bounds().is_exact()
+        && gains.iter().all(|gain| gain == first)
+    {
+        // Every path ends in one of them.
+        return Ok(Optimal {
+            values: vec![first.clone(); everywhere.len()],
+            scheduler: Vec::new(),
+            iterations,
+        });
+    }
     let mut quotient = Quotient::new(embedded, maximise);
     quotient.collapse(components);
     for (class, gain) in gains.into_iter().enumerate() {
@@ -152,6 +164,9 @@ fn gain<E: Numbers>(
 ) -> Result<(E::Amount, u64), CheckError> {
     if component.rows.iter().all(|row| part.is_free(*row)) {
         return Ok((E::Amount::zero(), 0));
+    }
+    if let Some(same) = earned_everywhere(part, component) {
+        return Ok((same, 0));
     }
     if stops::<E>(context) {
         return Ok((between_rewards::<E>(part, component, None), 0));
@@ -215,6 +230,14 @@ fn gain<E: Numbers>(
         }
         found => found,
     }
+}
+
+/// What all choices of a component earn, if that is known and the same: then it is the gain.
+fn earned_everywhere<A: Amount>(part: &Part<A>, component: &EndComponent) -> Option<A> {
+    let (first, others) = component.rows.split_first()?;
+    let first = &part.row[*first];
+    let same = others.iter().all(|row| part.row[*row] == *first);
+    (same && first.bounds().is_exact()).then(|| first.clone())
 }
 
 /// Whether the method has bounds, so that they are there when a check is stopped.

@@ -26,7 +26,7 @@ use crate::answer::{CheckError, Options};
 use crate::choices::Choices;
 use crate::co_safe::CoSafe;
 use crate::fairness::is_complete;
-use crate::graph::{EndComponent, maximal_end_components};
+use crate::graph::{EndComponent, end_components_of, maximal_end_components};
 use crate::scheduler::tour::{Recurring, covering};
 use crate::state_space::Csr;
 
@@ -319,16 +319,8 @@ impl<N: Arithmetic> Builder<'_, N, Automaton> {
             if !marks.iter().any(avoids) {
                 continue;
             }
-            let mut usable = vec![false; choices.matrix.num_rows()];
-            for (row, marks) in component.rows.iter().zip(marks) {
-                usable[*row] = avoids(marks);
-            }
-            let mut inside = vec![false; choices.num_states()];
-            component
-                .states
-                .iter()
-                .for_each(|state| inside[*state as usize] = true);
-            found.extend(maximal_end_components(choices, &inside, |row| usable[row]));
+            let usable = |at: usize| avoids(&marks[at]);
+            found.extend(end_components_of(choices, component, usable));
         }
         found
     }

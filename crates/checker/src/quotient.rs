@@ -154,6 +154,9 @@ impl<'a, A: Amount> Quotient<'a, A> {
         let (mut choice_start, mut origin) = (vec![0], Vec::new());
         let (mut reward, mut merged) = (Vec::new(), 0);
         let mut entries: Vec<(u32, A::Entry)> = Vec::new();
+        let mut stops: Vec<&(u32, A)> = self.stops.iter().collect();
+        stops.sort_by_key(|(class, _)| *class);
+        let mut stops = stops.into_iter().peekable();
         for class in 0..self.fixed.len() {
             if self.fixed[class].is_none() {
                 for state in &order[start[class]..start[class + 1]] {
@@ -169,7 +172,8 @@ impl<'a, A: Amount> Quotient<'a, A> {
                         }
                     }
                 }
-                for (_, value) in self.stops.iter().filter(|(c, _)| *c as usize == class) {
+                while stops.next_if(|(of, _)| (*of as usize) < class).is_some() {}
+                while let Some((_, value)) = stops.next_if(|(of, _)| *of as usize == class) {
                     matrix.push_row([(fixed.len() as u32, A::Entry::one())]);
                     fixed.push(Some(value.clone()));
                     origin.push(NO_ROW);

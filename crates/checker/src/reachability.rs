@@ -17,7 +17,7 @@ use prism_lang::Arithmetic;
 use crate::amount::Amount;
 use crate::answer::CheckError;
 use crate::choices::Choices;
-use crate::engine::{Context, Numbers};
+use crate::engine::{Context, Numbers, leave_out, start_at_nothing};
 use crate::fairness;
 use crate::graph::{NO_ROW, Optimum, maximal_end_components, optimum};
 use crate::quotient::{Optimal, Quotient};
@@ -127,9 +127,10 @@ fn steps_back<E: Numbers>(
     } = *back;
     let states: Vec<usize> = (0..active.len()).filter(|state| active[*state]).collect();
     let mut next = values.clone();
+    let grows = start_at_nothing::<E>(values, &states);
     for step in 0..steps {
-        if step % 16 == 0 {
-            context.options.check_cancelled()?;
+        if step % 16 == 0 && context.options.stops()? {
+            return leave_out::<E>(values, &states, grows);
         }
         let mut changed = false;
         for state in &states {

@@ -26,6 +26,7 @@ use crate::choices::Choices;
 use crate::engine::{Context, Numbers};
 use crate::graph::{Backward, maximal_end_components, qualitative_optimum};
 use crate::quotient::{NO_CLASS, Optimal, Quotient};
+use crate::rounding::Bounds;
 use crate::steps::Back;
 
 mod model;
@@ -197,8 +198,12 @@ pub(crate) fn steps<E: Numbers>(
         return Ok(found);
     }
     for step in 0..steps {
-        if step % 16 == 0 {
-            context.options.check_cancelled()?;
+        if step % 16 == 0 && context.options.stops()? {
+            if E::floats(choices.matrix).is_none() {
+                return Err(CheckError::Cancelled);
+            }
+            let earned = earned.as_deref().unwrap_or_default();
+            return Ok(leave_out::<E>(&values, earned, steps - step));
         }
         let mean = |row: usize| {
             let transitions = choices
@@ -220,6 +225,25 @@ pub(crate) fn steps<E: Numbers>(
         values = next;
     }
     Ok(values)
+}
+
+/// Bounds of what steps that are not taken make of the values: means, between the least and the greatest, and what is earned on
+/// the way, at most the extremes in each step.
+fn leave_out<E: Numbers>(values: &[E::Amount], earned: &[E::Amount], steps: u64) -> Vec<E::Amount> {
+    let ends = |of: &[E::Amount]| {
+        let of = of.iter().map(Amount::bounds);
+        of.reduce(|all, one| Bounds {
+            low: all.low.min(one.low),
+            high: all.high.max(one.high),
+        })
+    };
+    let of_steps = Bounds {
+        low: (steps as f64).next_down(),
+        high: (steps as f64).next_up(),
+    };
+    let earned = ends(earned).map_or(Bounds::ZERO, |earned| earned.mul(&of_steps));
+    let all = ends(values).map_or(Bounds::ZERO, |values| values.add(&earned));
+    vec![E::from_bounds(all); values.len()]
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use prism_lang::{Path, StateFormula, TimeBound};
 use temporal::ltl::{Ltl, StepBound};
 
 use crate::answer::CheckError;
+use crate::evaluate::NESTED;
 
 /// A path formula that is solved without an automaton; `contrary` says that it is the negation that was asked.
 #[derive(Debug, Clone)]
@@ -125,11 +126,7 @@ pub(crate) fn read_path(
         Path::Finally { operand, bound } => Ltl::finally(read(operand)?).within(window(bound)),
         Path::Globally { operand, bound } => Ltl::globally(read(operand)?).within(window(bound)),
         Path::Timed { .. } => {
-            return Err(CheckError::Unsupported(
-                "bounds in continuous time within a formula of several temporal operators cannot be \
-                 computed: ask for each such operator in a `P` of its own (one may stand alone in it, also negated)"
-                    .to_owned(),
-            ));
+            return Err(CheckError::Unsupported(NESTED.to_owned()));
         }
     })
 }

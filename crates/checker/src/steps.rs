@@ -341,6 +341,38 @@ mod tests {
     }
 
     #[test]
+    fn tiny_values_have_bounds_when_stopped_too() {
+        use crate::engine::{Engine, Sound};
+        let matrix = line(22, 1e-20);
+        let everywhere = vec![true; 22];
+        let right: Vec<bool> = (0..22).map(|state| state == 20).collect();
+        let found = |options: &Options<'_>| {
+            let context = Context::new(options, 0.0);
+            let steps = (0, Some(50));
+            Sound::until(&matrix, &everywhere, &right, steps, None, &context)
+                .unwrap()
+                .0
+        };
+        let whole = found(&Options::default());
+        assert!(whole[19].value.low > 0.0 && whole[18].value.low > 0.0);
+        for asked in 0..4 {
+            let count = std::sync::atomic::AtomicUsize::new(0);
+            let is_asked = || count.fetch_add(1, std::sync::atomic::Ordering::Relaxed) >= asked;
+            let stop = crate::Stop::new(&is_asked);
+            let reached = found(&Options {
+                stop: Some(&stop),
+                ..Options::default()
+            });
+            for (reached, whole) in reached.iter().zip(&whole) {
+                let (a, b) = (reached.value, whole.value);
+                assert!(a.low <= b.low && b.high <= a.high, "{asked}: {a:?} {b:?}");
+            }
+            // What is known already is kept.
+            assert!(asked < 2 || reached[18].value.low > 0.0, "{asked}");
+        }
+    }
+
+    #[test]
     fn the_cone_leaves_out_nothing_that_matters() {
         let (matrix, choice_start) = circle();
         let active: Vec<bool> = (0..40).map(|at| at != 20).collect();

@@ -218,3 +218,186 @@ fn an_iteration_that_does_not_converge_is_an_error() {
     let error = answer(&die, "P=? [ F d=1 ]", &options).unwrap_err();
     assert!(error.to_string().contains("after 2 rounds"), "{error}");
 }
+
+/// The bounds of a probability, exact or not.
+fn bounds(model: &Model, text: &str) -> (f64, f64) {
+    let found = answer(model, text, &Options::default()).unwrap();
+    match (&found.guarantee, &found.value) {
+        (Guarantee::Bounded { low, high }, _) => (*low, *high),
+        (Guarantee::Exact, AnswerValue::Number(value)) => (*value, *value),
+        _ => panic!("{text}: {found:?}"),
+    }
+}
+
+#[test]
+fn several_windows_of_time_have_their_joint_probability() {
+    // Two that end on their own, with rates 2 and 3, and a switch: on with rate 2, off with rate 3.
+    let text = "ctmc
+        module a x : [0..1]; [] x=0 -> 2:(x'=1); endmodule
+        module b y : [0..1]; [] y=0 -> 3:(y'=1); endmodule
+        label \"a\" = x=1; label \"b\" = y=1;";
+    let ends = model(text);
+    let switch = model(
+        "ctmc module s on : [0..1]; [] on=0 -> 2:(on'=1); [] on=1 -> 3:(on'=0); endmodule
+        label \"on\" = on=1;",
+    );
+    let e = |x: f64| (-x).exp();
+    let on_after = |time: f64| 0.4 * (1.0 - e(5.0 * time));
+    let off_after_on = |time: f64| 0.6 * (1.0 - e(5.0 * time));
+    let cases = [
+        (
+            &ends,
+            "(F<=1 \"a\") & (F<=2 \"b\")",
+            (1.0 - e(2.0)) * (1.0 - e(6.0)),
+        ),
+        (&ends, "(F<=1 \"a\") & (F<=1 \"a\")", 1.0 - e(2.0)),
+        (
+            &ends,
+            "(G<=1 !\"a\") & (F[1,2] \"a\")",
+            e(2.0) * (1.0 - e(2.0)),
+        ),
+        (&ends, "(G<=1 !\"a\") & (F<=1 \"a\")", 0.0),
+        (&ends, "(G<=1 !\"a\") | (F<=1 \"a\")", 1.0),
+        (
+            &ends,
+            "(!\"a\" U[0.5,1.5] \"a\") & (!\"b\" U[1,2] \"b\")",
+            (e(1.0) - e(3.0)) * (e(3.0) - e(6.0)),
+        ),
+        // An end of its own for the one and none for the other, which is after it.
+        (
+            &ends,
+            "(F<=1 \"a\") & (!\"b\" U>=1 \"b\")",
+            (1.0 - e(2.0)) * e(3.0),
+        ),
+        // Which comes first, and when: the automaton reads jumps.
+        (
+            &ends,
+            "(F<=1 \"a\") & (!\"b\" U \"a\")",
+            0.4 * (1.0 - e(5.0)),
+        ),
+        (&ends, "(F<=1 \"a\") & (X \"a\")", 0.4 * (1.0 - e(5.0))),
+        (
+            &ends,
+            "!((F<=1 \"a\") & (X \"a\")) & (F G \"b\")",
+            1.0 - 0.4 * (1.0 - e(5.0)),
+        ),
+        (&ends, "(G F \"b\") => (\"b\" W<=1 \"a\")", 0.0),
+        (
+            &ends,
+            "(F<=1 \"a\") <=> (F<=1 \"b\")",
+            (1.0 - e(2.0)) * (1.0 - e(3.0)) + e(5.0),
+        ),
+        (
+            &switch,
+            "(G[1,2] \"on\") & (G[3,4] !\"on\")",
+            on_after(1.0) * e(3.0) * off_after_on(1.0) * e(2.0),
+        ),
+        // At four times, each after the other.
+        (
+            &switch,
+            "(F[1,1] \"on\") & (F[2,2] !\"on\") & (F[4,4] \"on\") & (G F \"on\")",
+            on_after(1.0) * off_after_on(1.0) * on_after(2.0),
+        ),
+    ];
+    for (model, path, expected) in cases {
+        let (low, high) = bounds(model, &format!("P=? [ {path} ]"));
+        let slack = 1e-14 * expected;
+        assert!(
+            low - slack <= expected && expected <= high + slack && high - low <= 1e-6 * expected,
+            "{path}: {expected} not in [{low}, {high}]"
+        );
+    }
+    // Of all the ways in which three formulas can hold or not, one comes true; what they share with one of them is its own.
+    let from_on = model(
+        "ctmc module s on : [0..1] init 1; [] on=0 -> 2:(on'=1); [] on=1 -> 3:(on'=0); endmodule
+        label \"on\" = on=1;",
+    );
+    let parts = [
+        "\"on\" U[0.3,0.9] !\"on\"",
+        "G[0.4,1.1] \"on\"",
+        "F (\"on\" & (X X !\"on\"))",
+        "!\"on\" R<=0.5 \"on\"",
+    ];
+    let of = |mask: usize| {
+        let part = |at: usize| ["!", ""][mask >> at & 1].to_owned() + "(" + parts[at] + ")";
+        let path = (0..4).map(part).collect::<Vec<_>>().join(" & ");
+        bounds(&from_on, &format!("P=? [ {path} ]"))
+    };
+    let all: Vec<(f64, f64)> = (0..16).map(of).collect();
+    for (at, part) in parts.iter().enumerate() {
+        let with = (0..16).filter(|mask| mask >> at & 1 == 1);
+        let (low, high) = with.fold((0.0, 0.0), |(low, high), mask| {
+            (low + all[mask].0, high + all[mask].1)
+        });
+        let alone = bounds(&from_on, &format!("P=? [ {part} ]"));
+        let near = |a: f64, b: f64| a <= b * (1.0 + 1e-14);
+        assert!(
+            near(low, alone.1) && near(alone.0, high),
+            "{part}: {low} {high} {alone:?}"
+        );
+        assert!(high - low < 1e-6, "{part}: {low} {high}");
+    }
+    let sum: (f64, f64) = (all.iter()).fold((0.0, 0.0), |sum, b| (sum.0 + b.0, sum.1 + b.1));
+    assert!(
+        sum.0 <= 1.0 + 1e-14 && sum.1 >= 1.0 - 1e-14 && sum.1 - sum.0 < 1e-6,
+        "{sum:?}"
+    );
+    let asked = "P=? [ (F<=1 \"a\") || (F<=2 \"a\") & (X \"b\") ]";
+    let (low, high) = bounds(&ends, asked);
+    // b first, then a: within 1 for within 2.
+    let both = |time: f64| 1.0 - e(2.0 * time) - 0.4 * (1.0 - e(5.0 * time));
+    let expected = both(1.0) / both(2.0);
+    assert!(
+        low <= expected && expected <= high && high - low < 1e-5,
+        "{low} {expected} {high}"
+    );
+    let refused = answer(&switch, "P=? [ G F<=1 \"on\" ]", &Options::default());
+    let Err(CheckError::Unsupported(message)) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(
+        message.contains("write `P` around the inner one"),
+        "{message}"
+    );
+}
+
+#[test]
+fn what_is_certainly_one_is_told_as_one() {
+    let queue = model(
+        "ctmc module q n : [0..3]; b : [0..1]; [] n<3 -> 1.7:(n'=n+1); [] n>0 -> 3.3:(n'=n-1);
+        [] b=0 -> 0.3:(b'=1); endmodule",
+    );
+    for text in [
+        "S=? [ n<=3 ]",
+        "P=? [ F>=5 n=3 ]",
+        "P=? [ F[1,2] n<=3 ]",
+        "P=? [ (F>=5 n=3) & (F[1,2] n<=3) ]",
+        "filter(avg, P=? [ F n=3 ])",
+        "1 - S=? [ b>1 ]",
+    ] {
+        assert_eq!(bounds(&queue, text), (1.0, 1.0), "{text}");
+    }
+}
+
+#[test]
+fn rewards_beyond_the_range_of_floating_point_are_left_to_exact_arithmetic() {
+    let steps = model(
+        "dtmc module m x : [0..3]; [] x<3 -> 0.5:(x'=x+1) + 0.5:true; [] x=3 -> true; endmodule
+        rewards \"tiny\" x<3 : 1e-310; endrewards rewards \"huge\" x<3 : 1e308; endrewards",
+    );
+    for (text, expected) in [
+        ("R{\"tiny\"}=? [ C<=2 ]", "2e-310"),
+        ("R{\"tiny\"}=? [ F x=3 ]", "6e-310"),
+        ("R{\"huge\"}=? [ C<=2 ]", "2e308"),
+        ("R{\"huge\"}=? [ F x=3 ]", "6e308"),
+    ] {
+        let found = answer(&steps, text, &Options::default());
+        assert!(
+            matches!(&found, Err(CheckError::Unsupported(why)) if why.contains("exact method")),
+            "{text}: {found:?}"
+        );
+        let expected = prism_lang::Number::parse(expected).unwrap();
+        let expected = AnswerValue::Exact(expected.exact().unwrap().clone());
+        assert_eq!(exact(&steps, text), expected, "{text}");
+    }
+}

@@ -277,6 +277,42 @@ fn check_reads_explicit_models() {
     assert!(said.talk.contains("bad-model-file"), "{said:?}");
 }
 
+/// At a time, and in the long run; what is written can be the start of what comes after it.
+#[test]
+fn check_shows_the_probabilities_of_all_states() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = "ctmc module s on : [0..1]; [] on=0 -> 2:(on'=1); [] on=1 -> 3:(on'=0); endmodule";
+    std::fs::write(folder.path().join("m.sm"), model).expect("written");
+    let call = |more: &[&str]| corroborate(folder.path(), &[&["check", "m.sm"], more].concat());
+    let said = call(&["-tr", "0.5", "-exporttr", "half.txt", "--format", "json"]);
+    assert_conforms("check.schema.json", &said.out);
+    assert_eq!(json(&said.out)["distributions"][0]["file"], "half.txt");
+    let later = ["-importinitdist", "half.txt", "-tr", "0.5", "-ss"];
+    let said = call(&[&later[..], &["--format", "json"]].concat());
+    assert_conforms("check.schema.json", &said.out);
+    let found = &json(&said.out)["distributions"];
+    for (place, expected) in [(0, 0.4), (1, 0.4 * (1.0 - (-5.0f64).exp()))] {
+        let on = &found[place]["states"][1];
+        assert_eq!(on["values"], "(1)");
+        let off = on["value"].as_f64().expect("a number") - expected;
+        assert!(off.abs() < 1e-9, "{said:?}");
+    }
+    let said = call(&["-tr", "0:2"]);
+    assert!(
+        said.out
+            .contains("(time = 0): (each within 0e0)\n0:(0)=1\n"),
+        "{said:?}"
+    );
+    assert_eq!(said.out.matches("Transient").count(), 3, "{said:?}");
+    std::fs::write(folder.path().join("half.txt"), "0.5\n").expect("written");
+    let said = call(&later);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(
+        said.talk.contains("there are 1 probabilities for 2 states"),
+        "{said:?}"
+    );
+}
+
 /// Over fair schedulers only.
 #[test]
 fn check_leaves_out_unfair_schedulers() {

@@ -186,6 +186,26 @@ pub enum Path {
     },
 }
 
+impl Path {
+    /// Whether some temporal operator outside of nested `P`, `A`, `E` has a bound in continuous time.
+    pub fn has_time_bound(&self) -> bool {
+        match self {
+            Self::State(_) => false,
+            Self::Not(a) | Self::Next(a) => a.has_time_bound(),
+            Self::Finally { operand, .. } | Self::Globally { operand, .. } => {
+                operand.has_time_bound()
+            }
+            Self::And(a, b) | Self::Or(a, b) | Self::Implies(a, b) | Self::Iff(a, b) => {
+                a.has_time_bound() || b.has_time_bound()
+            }
+            Self::Until { left, right, .. }
+            | Self::WeakUntil { left, right, .. }
+            | Self::Release { left, right, .. } => left.has_time_bound() || right.has_time_bound(),
+            Self::Timed { .. } => true,
+        }
+    }
+}
+
 /// The steps at which an operand counts: `lower..upper`, each bound with a flag that is true if it is strict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct TimeBound {

@@ -49,7 +49,9 @@ impl<E: Numbers> Evaluator<'_, E> {
         let values = self.numbers(quantity, asked)?;
         let is_cut = self.context.options.stop.is_some_and(Stop::is_cut);
         for bounds in values.iter().map(Amount::bounds) {
-            if is_cut && bounds.low.is_finite() != bounds.high.is_finite() {
+            let is_finite = bounds.low.is_finite() && bounds.high.is_finite();
+            let is_open = !is_finite && !bounds.is_exact() && !bounds.is_undefined();
+            if is_cut && is_open {
                 let hull = |a: Bounds, b: Bounds| Bounds {
                     low: a.low.min(b.low),
                     high: a.high.max(b.high),
@@ -58,9 +60,9 @@ impl<E: Numbers> Evaluator<'_, E> {
                 return Err(CheckError::Stopped { reached });
             }
             // Something in the middle of these would be no answer.
-            if bounds.low.is_finite() != bounds.high.is_finite() {
+            if is_open {
                 return Err(CheckError::Unsupported(format!(
-                    "only one side of this value could be bounded, between {} and {}: use the exact method",
+                    "this value could be bounded by {:e} and {:e} only: use the exact method",
                     bounds.low, bounds.high
                 )));
             }

@@ -67,8 +67,19 @@ impl<E: Numbers> Evaluator<'_, E> {
             FilterOperator::Sum => values.into_iter().reduce(|a, b| a.add(&b)),
             FilterOperator::Average => {
                 let count = prism_lang::Number::from_i64(values.len() as i64);
-                let sum = values.into_iter().reduce(|a, b| a.add(&b));
-                sum.map(|sum| sum.div(&E::Amount::literal(&count)))
+                let sum = values.iter().cloned().reduce(|a, b| a.add(&b));
+                let mean = sum.map(|sum| sum.div(&E::Amount::literal(&count)));
+                match E::floats(&self.space.matrix) {
+                    // What rounding adds leads beyond none of the values.
+                    Some(_) => {
+                        let least = values.iter().cloned().reduce(|a, b| a.least(&b));
+                        let greatest = values.into_iter().reduce(|a, b| a.greatest(&b));
+                        let ends = least.zip(greatest);
+                        mean.zip(ends)
+                            .map(|(mean, (least, greatest))| mean.greatest(&least).least(&greatest))
+                    }
+                    None => mean,
+                }
             }
             FilterOperator::Print | FilterOperator::PrintAll => {
                 self.print(filter.operator, &states, &values);

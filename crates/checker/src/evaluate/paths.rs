@@ -26,6 +26,9 @@ impl<E: Numbers> Evaluator<'_, E> {
         if let Some(values) = self.timed(path, from)? {
             return Ok(values);
         }
+        if path.has_time_bound() {
+            return self.in_windows(path, from);
+        }
         let mut sets = Vec::new();
         let formula = read_path(path, &mut sets, &mut |f| self.set(f))?.simplify();
         // An inner operator's is not that of this one.

@@ -17,14 +17,20 @@ use crate::graph::Backward;
 use crate::rounding::Bounds;
 use crate::shape::{holds, negation, read_path, weak};
 use crate::transient::{Sum, Transient};
+use crate::windows::difference;
 
 /// An until formula within an interval of time, or its contrary.
-struct Timed {
-    left: Vec<bool>,
-    right: Vec<bool>,
-    interval: TimeInterval,
-    contrary: bool,
+pub(super) struct Timed {
+    pub left: Vec<bool>,
+    pub right: Vec<bool>,
+    pub interval: TimeInterval,
+    pub contrary: bool,
 }
+
+/// What to do about temporal operators within each other, of which one has a bound in time.
+pub(crate) const NESTED: &str = "a temporal operator with a bound in continuous time can neither stand within \
+     another one nor contain one (unlike `(F<=5 a) & (G<=7 b)`, which can be computed): write `P` around the inner \
+     one if its probability is meant, as in `P>=0.9 [ G P>=0.9 [ F<=5 a ] ]`";
 
 pub(super) fn transient_failed() -> CheckError {
     CheckError::Unsupported(
@@ -130,7 +136,20 @@ impl<E: Numbers> Evaluator<'_, E> {
     ) -> Result<Vec<Bounds>, CheckError> {
         let (reaches, _) = backward.reaching(&possible, |s| active[s], |_| true);
         let asked: Vec<usize> = from.iter().copied().filter(|s| reaches[*s]).collect();
-        let active = active.iter().zip(&reaches).map(|(a, b)| *a && *b).collect();
+        // The mean of ones is one.
+        let may_fail = active
+            .iter()
+            .zip(values)
+            .any(|(a, v)| *a && *v == Bounds::ONE)
+            .then(|| {
+                let fails: Vec<bool> = values.iter().map(|value| value.low < 1.0).collect();
+                backward.reaching(&fails, |s| active[s], |_| true).0
+            });
+        let is_sure = |s: usize| may_fail.as_ref().is_some_and(|may_fail| !may_fail[s]);
+        let asked: Vec<usize> = asked.into_iter().filter(|s| !is_sure(*s)).collect();
+        let active: Vec<bool> = (0..active.len())
+            .map(|s| active[s] && reaches[s] && !is_sure(s))
+            .collect();
         let transient = Transient {
             rates,
             active,
@@ -142,6 +161,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         for (state, value) in found.iter_mut().enumerate() {
             if !reaches[state] {
                 *value = Bounds::ZERO;
+            } else if is_sure(state) {
+                *value = Bounds::ONE;
             } else if !transient.active[state] {
                 *value = values[state];
             }
@@ -149,7 +170,8 @@ impl<E: Numbers> Evaluator<'_, E> {
         Ok(found)
     }
 
-    fn read_timed(&mut self, path: &Path) -> Result<Option<Timed>, CheckError> {
+    /// One operator with a bound in time, between state formulas, or its negation.
+    pub(super) fn read_timed(&mut self, path: &Path) -> Result<Option<Timed>, CheckError> {
         if let Path::Not(inner) = path {
             let timed = self.read_timed(inner)?;
             return Ok(timed.map(|timed| Timed {
@@ -195,11 +217,7 @@ impl<E: Numbers> Evaluator<'_, E> {
         let mut sets = Vec::new();
         let formula = read_path(path, &mut sets, &mut |f| self.set(f))?.simplify();
         if !formula.is_propositional() {
-            return Err(CheckError::Unsupported(
-                "temporal operators within one with a bound in time cannot be computed yet: write `P` around \
-                 the inner one if its probability is meant"
-                    .to_owned(),
-            ));
+            return Err(CheckError::Unsupported(NESTED.to_owned()));
         }
         Ok(holds(&formula, &sets, self.space.num_states()))
     }
@@ -210,10 +228,5 @@ fn length(interval: &TimeInterval, end: &Number) -> Bounds {
     let Some((start, _)) = &interval.lower else {
         return Bounds::literal(end);
     };
-    match (start.exact(), end.exact()) {
-        (Some(start), Some(end)) => Bounds::literal(&Number::from_rational(end - start)),
-        _ => Bounds::literal(end)
-            .sub(&Bounds::literal(start))
-            .greatest(&Bounds::ZERO),
-    }
+    difference(start, end)
 }

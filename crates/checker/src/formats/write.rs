@@ -68,7 +68,7 @@ impl<N: Written> Explicit<'_, N> {
     }
 
     /// A state's values as `(1,true)`.
-    pub(super) fn values(&self, state: usize) -> String {
+    pub fn values(&self, state: usize) -> String {
         let each = self.space.variables().iter().enumerate().map(|(v, of)| {
             let value = self.space.value(state, v);
             match of.kind {

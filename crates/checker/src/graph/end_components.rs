@@ -12,6 +12,7 @@
 
 use super::{Backward, Components};
 use crate::choices::Choices;
+use crate::state_space::Csr;
 
 /// A maximal end component.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,6 +61,40 @@ pub fn maximal_end_components<N>(
         }
         is_first = false;
     }
+}
+
+/// The maximal end components within an end component, with those of its choices (by their places in it) that are `usable`; costs
+/// no more than that component.
+pub(crate) fn end_components_of<N>(
+    choices: Choices<'_, N>,
+    component: &EndComponent,
+    usable: impl Fn(usize) -> bool,
+) -> Vec<EndComponent> {
+    let place = |state: &u32| component.states.binary_search(state).unwrap_or(usize::MAX);
+    let mut matrix: Csr<()> = Csr::with_capacity(component.rows.len());
+    let mut choice_start = Vec::with_capacity(component.states.len() + 1);
+    for state in &component.states {
+        choice_start.push(matrix.num_rows());
+        let first = choices.rows(*state as usize).start;
+        let own = component
+            .rows
+            .iter()
+            .skip(component.rows.partition_point(|row| *row < first));
+        let end = choices.rows(*state as usize).end;
+        for row in own.take_while(|row| **row < end) {
+            let targets = choices.targets(*row).iter();
+            matrix.push_row(targets.map(|target| (place(target) as u32, ())));
+        }
+    }
+    choice_start.push(matrix.num_rows());
+    let everywhere = vec![true; component.states.len()];
+    let local = Choices::new(&matrix, &choice_start);
+    let global = |found: EndComponent| EndComponent {
+        states: (found.states.iter().map(|s| component.states[*s as usize])).collect(),
+        rows: found.rows.iter().map(|row| component.rows[*row]).collect(),
+    };
+    let found = maximal_end_components(local, &everywhere, usable);
+    found.into_iter().map(global).collect()
 }
 
 struct Search<'a, N> {
@@ -147,7 +182,6 @@ impl<N> Search<'_, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::state_space::Csr;
 
     /// A corridor of which each place may fall back to the first, may go on, and whose last place leads out for good; the first
     /// two places have a choice to go to and fro.

@@ -470,10 +470,10 @@ fn no_bounds_of_policy(states: usize) -> CheckError {
     ))
 }
 
-/// A state without choices and value.
+/// A state without choices and value, or with infinite ones only.
 pub(crate) fn no_choice() -> CheckError {
     CheckError::Unsupported(
-        "a state has no choice that ever ends; please report the model as an error of the checker"
+        "the values of a state grow beyond the range of floating point: use the exact method, or smaller numbers"
             .to_owned(),
     )
 }

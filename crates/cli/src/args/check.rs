@@ -87,6 +87,21 @@ pub struct Check {
     /// Show the most probable path that satisfies (or violates) each path formula with one temporal operator.
     #[arg(long)]
     pub witness: bool,
+    /// Show the share of time in each state in the long run (`dtmc`, `ctmc`).
+    #[arg(long)]
+    pub steady_state: bool,
+    /// Show the probability of each state after T steps (`dtmc`) or at time T (`ctmc`); T may be a range: 0:0.5:5.
+    #[arg(long, value_name = "T")]
+    pub transient: Option<String>,
+    /// Write the shares of `--steady-state` to FILE: the probability of each state on a line of its own.
+    #[arg(long, value_name = "FILE")]
+    pub export_steady_state: Option<PathBuf>,
+    /// Write the probabilities of `--transient` to FILE.
+    #[arg(long, value_name = "FILE")]
+    pub export_transient: Option<PathBuf>,
+    /// Start `--steady-state` and `--transient` from the distribution in FILE; without it, all initial states are equally probable.
+    #[arg(long, value_name = "FILE")]
+    pub import_initial: Option<PathBuf>,
     /// End with a message when more than this many GB of memory are taken; by default 90 % of what is free.
     #[arg(long, value_name = "GB", value_parser = gigabytes)]
     pub memory_limit: Option<f64>,

@@ -7,7 +7,7 @@
 use std::ffi::OsString;
 
 /// Flags with the same meaning, and ours.
-const SAME: [(&str, &[&str]); 33] = [
+const SAME: [(&str, &[&str]); 42] = [
     ("-const", &["--const"]),
     ("-param", &["--param"]),
     ("-pf", &["--pf"]),
@@ -41,6 +41,15 @@ const SAME: [(&str, &[&str]); 33] = [
     ("-exportstrat", &["--export-strategy"]),
     ("-exportadv", &["--export-strategy"]),
     ("-exportadvmdp", &["--export-strategy"]),
+    ("-steadystate", &["--steady-state"]),
+    ("-ss", &["--steady-state"]),
+    ("-transient", &["--transient"]),
+    ("-tr", &["--transient"]),
+    ("-exportsteadystate", &["--export-steady-state"]),
+    ("-exportss", &["--export-steady-state"]),
+    ("-exporttransient", &["--export-transient"]),
+    ("-exporttr", &["--export-transient"]),
+    ("-importinitdist", &["--import-initial"]),
 ];
 
 /// Flags that choose a numerical method, and ours.
@@ -69,7 +78,7 @@ const IMPORTS: [(&str, &str); 4] = [
 ];
 
 /// Flags without a value that change no answer.
-const WITHOUT_EFFECT: [&str; 40] = [
+const WITHOUT_EFFECT: [&str; 62] = [
     "-mtbdd",
     "-m",
     "-sparse",
@@ -110,10 +119,32 @@ const WITHOUT_EFFECT: [&str; 40] = [
     "-test",
     "-testall",
     "-sim",
+    "-bfs",
+    "-frontier",
+    "-bisim",
+    "-nobscc",
+    "-noprerel",
+    "-nodasimplify",
+    "-o1",
+    "-o2",
+    "-c1",
+    "-c2",
+    "-c3",
+    "-dddebug",
+    "-ddtraceall",
+    "-ddtracefollowcopies",
+    "-dddebugwarnfatal",
+    "-dddebugwarnoff",
+    "-ddsanity",
+    "-explicitbuild",
+    "-pmaxquotient",
+    "-exportordered",
+    "-ordered",
+    "-zerorewardcheck",
 ];
 
 /// Flags with a value that change no answer.
-const VALUE_WITHOUT_EFFECT: [&str; 28] = [
+const VALUE_WITHOUT_EFFECT: [&str; 53] = [
     "-transientmethod",
     "-paretoepsilon",
     "-multimaxpoints",
@@ -142,6 +173,31 @@ const VALUE_WITHOUT_EFFECT: [&str; 28] = [
     "-exportproplabels",
     "-exportprodtrans",
     "-exportprodstates",
+    "-sccmethod",
+    "-bsccmethod",
+    "-sumroundoff",
+    "-ddextraactionvars",
+    "-ddextrastatevars",
+    "-gridresolution",
+    "-ltl2datool",
+    "-javaparams",
+    "-parambisim",
+    "-paramelimorder",
+    "-paramfunction",
+    "-paramprecision",
+    "-paramrandompoints",
+    "-paramsplit",
+    "-paramsubsumeregions",
+    "-paramdagmaxerror",
+    "-fauepsilon",
+    "-faudelta",
+    "-fauarraythreshold",
+    "-fauintervals",
+    "-fauinitival",
+    "-aroptions",
+    "-ptamethod",
+    "-simvar",
+    "-simmaxrwd",
 ];
 
 /// Rewrites the flags of a `check`; other commands are left as they are.
@@ -180,7 +236,7 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
         if let Some((_, ours)) = SAME.iter().find(|(theirs, _)| *theirs == text) {
             rewritten.extend(ours.iter().map(OsString::from));
             if let [flag] = ours
-                && *flag != "--fair"
+                && !["--fair", "--steady-state"].contains(flag)
                 && let Some(value) = given.next()
             {
                 rewritten.push(value.clone());
@@ -281,6 +337,15 @@ mod tests {
             found,
             ["check", "m.pm", own, each[0], own, each[1], "p.props"]
         );
+        let found = rewritten(&["check", "m.pm", "-ss", "-tr", "0:5", "-exporttr", "stdout"]);
+        let ours = [
+            "--steady-state",
+            "--transient",
+            "0:5",
+            "--export-transient",
+            "stdout",
+        ];
+        assert_eq!(found[2..], ours);
         let found = rewritten(&["check", "m.pm", "-exportstaterewards", "s"]);
         assert_eq!(found, ["check", "m.pm", "--export-model", "srew=s"]);
     }
@@ -345,8 +410,8 @@ mod tests {
         assert_eq!(rewritten(&["run", "s", "-h"]), ["run", "s", "-h"]);
         // What would change an answer is not swallowed.
         assert_eq!(
-            rewritten(&["check", "m.pm", "-tr", "5"]),
-            ["check", "m.pm", "-tr", "5"]
+            rewritten(&["check", "m.pm", "-nofixdl"]),
+            ["check", "m.pm", "-nofixdl"]
         );
     }
 }

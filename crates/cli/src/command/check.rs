@@ -3,6 +3,7 @@
 
 mod available;
 mod certify;
+mod distributions;
 mod ending;
 mod explicit;
 mod export;
@@ -208,6 +209,11 @@ impl<'a> Work<'a> {
         let own = self.constants_of_model(given)?;
         if !self.arguments.open.is_empty() {
             let arguments = self.arguments;
+            if distributions::are_asked(arguments) {
+                let message = "--steady-state and --transient give numbers, not functions";
+                let problem = Problem::new("bad-distribution", message);
+                return Err(problem.remedy("leave out --param, and give the constants values"));
+            }
             let report = parametric::check(
                 arguments,
                 &self.source,
@@ -265,7 +271,8 @@ impl<'a> Work<'a> {
     /// schedulers count, and the method has bounds (estimates are of the model as it is).
     fn may_fold(&self) -> bool {
         let arguments = self.arguments;
-        let is_shown = arguments.witness
+        let is_shown = distributions::are_asked(arguments)
+            || arguments.witness
             || arguments.export_strategy.is_some()
             || !arguments.export_model.is_empty();
         !is_shown && !arguments.fair && !arguments.method.of_checker().is_estimate()
@@ -361,7 +368,7 @@ impl<'a> Work<'a> {
         answer: impl Fn(&StateSpace<N>, &NamedProperty, &Options) -> Result<Answer, checker::CheckError>,
     ) -> Result<(Built, Vec<PropertyReport>), Problem> {
         let arguments = self.arguments;
-        let built = Built::new(space, began.elapsed().as_secs_f64());
+        let mut built = Built::new(space, began.elapsed().as_secs_f64());
         export::model(arguments, model, space)?;
         let mut options = Options::with_method(arguments.method.of_checker());
         options.precision = arguments.precision;
@@ -372,6 +379,12 @@ impl<'a> Work<'a> {
             Termination::Absolute => checker::Termination::Absolute,
         };
         options.max_iters = arguments.max_iterations.unwrap_or(options.max_iters);
+        let is_due = || self.ending.is_due();
+        let until_due = Options {
+            cancel: Some(&is_due),
+            ..options
+        };
+        built.distributions = distributions::all(arguments, space, &until_due)?;
         let mut reports = Vec::new();
         for (place, asked) in chosen {
             let answer = |property: &NamedProperty| {
@@ -517,7 +530,9 @@ fn outcome(report: &CheckReport) -> Outcome {
         Outcome::Interrupted
     } else if any(&|p| p.result.as_deref() == Some("false")) {
         Outcome::Violated
-    } else if any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good())) {
+    } else if report.distributions.iter().any(|d| d.error.is_some())
+        || any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good()))
+    {
         Outcome::Inconclusive
     } else {
         Outcome::Holds

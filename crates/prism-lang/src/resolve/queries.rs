@@ -313,7 +313,7 @@ impl<'a> PropertyResolver<'a> {
         span: Span,
     ) -> Option<Formula> {
         let path = Box::new(self.path(path)?);
-        if has_time(&path) {
+        if path.has_time_bound() {
             let letter = quantifier.symbol();
             let message = format!("bounds in time within `{letter}` are not supported.");
             let error = Diagnostic::error("unsupported", span, message);
@@ -353,21 +353,5 @@ fn is_co_safe(path: &Path, positive: bool) -> bool {
             (!positive || bound.upper.is_some()) && both(left, right)
         }
         Path::Timed { .. } => false,
-    }
-}
-
-/// Whether some temporal operator outside of nested operators has a bound in continuous time.
-fn has_time(path: &Path) -> bool {
-    match path {
-        Path::State(_) => false,
-        Path::Not(a) | Path::Next(a) => has_time(a),
-        Path::Finally { operand, .. } | Path::Globally { operand, .. } => has_time(operand),
-        Path::And(a, b) | Path::Or(a, b) | Path::Implies(a, b) | Path::Iff(a, b) => {
-            has_time(a) || has_time(b)
-        }
-        Path::Until { left, right, .. }
-        | Path::WeakUntil { left, right, .. }
-        | Path::Release { left, right, .. } => has_time(left) || has_time(right),
-        Path::Timed { .. } => true,
     }
 }

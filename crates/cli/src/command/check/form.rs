@@ -26,6 +26,8 @@ pub struct CheckReport {
     pub further: Vec<Built>,
     /// If the command was interrupted: how far it had come.
     pub interrupted: Option<String>,
+    /// With `--steady-state` and `--transient`: the probabilities of all states, for each valuation.
+    pub distributions: Vec<DistributionReport>,
     /// One for each property, in the order asked, for each valuation.
     pub properties: Vec<PropertyReport>,
     /// Whether any state space was built.
@@ -43,6 +45,7 @@ impl CheckReport {
             is_built: false,
             further: Vec::new(),
             interrupted: None,
+            distributions: Vec::new(),
             properties,
         }
     }
@@ -57,7 +60,11 @@ impl CheckReport {
     }
 
     /// Adds a state space.
-    pub(super) fn push(&mut self, built: Built) {
+    pub(super) fn push(&mut self, mut built: Built) {
+        for mut found in std::mem::take(&mut built.distributions) {
+            found.constants.clone_from(&built.constants);
+            self.distributions.push(found);
+        }
         match std::mem::replace(&mut self.is_built, true) {
             false => self.built = built,
             true => self.further.push(built),
@@ -85,6 +92,9 @@ pub struct Built {
     /// Which valuation of constants it belongs to.
     #[serde(skip)]
     pub(super) valuation: usize,
+    /// The probabilities of its states, which the report lists beside it.
+    #[serde(skip)]
+    pub(super) distributions: Vec<DistributionReport>,
 }
 
 impl Built {
@@ -105,6 +115,7 @@ impl Built {
             states_up_to_symmetry: (all.states != explored.states).then_some(explored.states),
             build_secs,
             valuation: 0,
+            distributions: Vec::new(),
         }
     }
 }
@@ -163,6 +174,42 @@ pub struct PropertyReport {
     /// Which valuation of constants it belongs to.
     #[serde(skip)]
     pub(super) valuation: usize,
+}
+
+/// The probabilities of all states of a chain.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct DistributionReport {
+    /// `steady-state` (shares of the time in the long run) or `transient`.
+    pub kind: String,
+    /// The number of steps (`dtmc`) or the time (`ctmc`), if it is transient.
+    pub time: Option<String>,
+    /// The values of the constants that run over ranges, as `name=value,...`.
+    pub constants: Option<String>,
+    /// The largest distance of the bounds of one state.
+    pub widest: f64,
+    /// The states that may have a probability, unless they were written to a file.
+    pub states: Vec<StateProbability>,
+    /// The file to which the probabilities of all states were written.
+    pub file: Option<String>,
+    /// Why there is none.
+    pub error: Option<String>,
+    /// Whether that is because it is not supported.
+    pub unsupported: bool,
+}
+
+/// The probability of a state.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct StateProbability {
+    /// Its number, as in exported files.
+    pub state: u64,
+    /// Its variables' values, as `(value,...)`.
+    pub values: String,
+    /// The middle of the bounds.
+    pub value: f64,
+    /// Lower bound.
+    pub low: f64,
+    /// Upper bound.
+    pub high: f64,
 }
 
 /// A path that shows why.

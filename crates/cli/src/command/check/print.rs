@@ -1,6 +1,6 @@
 //! Answers as text.
 
-use super::form::{Built, CheckReport, PropertyReport, WitnessReport};
+use super::form::{Built, CheckReport, DistributionReport, PropertyReport, WitnessReport};
 use crate::problem::Problem;
 use checker::AnswerValue;
 
@@ -65,10 +65,11 @@ fn begins(built: &Built, property: &PropertyReport) -> bool {
 /// One line for each answer.
 pub(super) fn lines(report: &CheckReport) -> Result<String, Problem> {
     let mut output = String::new();
-    for property in &report.properties {
-        let line = serde_json::to_string(property)
-            .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
-        output.push_str(&line);
+    let cannot = |error: serde_json::Error| Problem::new("cannot-write", error.to_string());
+    let found = report.distributions.iter().map(serde_json::to_string);
+    let answered = report.properties.iter().map(serde_json::to_string);
+    for line in found.chain(answered) {
+        output.push_str(&line.map_err(cannot)?);
         output.push('\n');
     }
     Ok(output)
@@ -80,6 +81,9 @@ pub(super) fn text(report: &CheckReport) -> String {
         Some(how) if !report.is_built => format!("{}: {how}\n", report.model),
         _ => built(&report.model, &report.built),
     };
+    for distribution in &report.distributions {
+        output.push_str(&self::distribution(distribution));
+    }
     let mut further = report.further.iter().peekable();
     for property in &report.properties {
         // The properties of one valuation follow each other.
@@ -137,6 +141,33 @@ pub(super) fn text(report: &CheckReport) -> String {
         }
     }
     output
+}
+
+/// The probabilities of states, one line for each, as PRISM writes them.
+fn distribution(found: &DistributionReport) -> String {
+    let when = found.time.as_ref();
+    let mut text = match when {
+        Some(time) => format!("\nTransient probabilities (time = {time})"),
+        None if found.kind == "transient" => "\nTransient probabilities".to_owned(),
+        None => "\nSteady-state probabilities".to_owned(),
+    };
+    if let Some(constants) = &found.constants {
+        text.push_str(&format!(" with {constants}"));
+    }
+    if let Some(error) = &found.error {
+        text.push_str(&format!("\nError: {error}\n"));
+        return text;
+    }
+    match &found.file {
+        Some(file) => text.push_str(&format!(": written to {file}")),
+        None => text.push(':'),
+    }
+    text.push_str(&format!(" (each within {:e})\n", found.widest));
+    for state in &found.states {
+        let line = format!("{}:{}={}\n", state.state, state.values, number(state.value));
+        text.push_str(&line);
+    }
+    text
 }
 
 /// A path, one line for each state.
