@@ -125,7 +125,7 @@ impl Graph {
         let mut done = 0u32;
         while let Some(state) = changed.pop() {
             done = done.wrapping_add(1);
-            if done % 4096 == 0 && !go_on() {
+            if done.is_multiple_of(4096) && !go_on() {
                 return Err(Failure::Cancelled);
             }
             for from in &sources[state] {

@@ -54,7 +54,7 @@ pub fn after_steps(
     let mut taken = 0;
     for count in steps {
         while taken < *count {
-            if taken % 16 == 0 {
+            if taken.is_multiple_of(16) {
                 options.check_cancelled()?;
             }
             let next = flow.step(&y, &stay, &mut lost);
@@ -100,7 +100,7 @@ pub fn at_times(
         if sums.iter().all(|sum| sum.last <= jumps) {
             break;
         }
-        if jumps % 16 == 0 {
+        if jumps.is_multiple_of(16) {
             options.check_cancelled()?;
         }
         y = flow.step(&y, &stay, &mut lost);

@@ -265,7 +265,7 @@ impl<'a, N: Arithmetic> Process<'a, N> {
         }
         let mut next = SETTLED.len();
         while next < found.states.len() {
-            if next % 4096 == 0 {
+            if next.is_multiple_of(4096) {
                 options.check_cancelled()?;
             }
             let row = self.row(found.states[next], start, &mut found)?;
