@@ -200,10 +200,23 @@ fn settings(settings: &[CauseSetting]) -> Markup {
         @for (i, setting) in settings.iter().enumerate() {
             @if i > 0 { ", " }
             span class="setting" {
-                code { (setting.key) } " = " b { (setting.value) }
-                @if let Some(nominal) = &setting.nominal { " " span class="asks" { "nominal " (nominal) } }
+                code { (setting.key) } " = " b title=(setting.value) { (short(&setting.value)) }
+                @if let Some(nominal) = &setting.nominal { " " span class="asks" { "nominal " (short(nominal)) } }
             }
         }
+    }
+}
+
+/// A number to four significant digits, as shrinking leaves it where it goes on to the end; any other text as it is.
+fn short(value: &str) -> String {
+    let parsed = value.parse::<f64>().ok();
+    match parsed.filter(|number| number.is_finite() && *number != 0.0) {
+        Some(number) if value.len() > 8 => {
+            let magnitude = number.abs().log10().floor();
+            let decimals = (3.0 - magnitude).clamp(0.0, 8.0) as usize;
+            number::decimal(number, decimals)
+        }
+        _ => value.to_owned(),
     }
 }
 
