@@ -62,6 +62,7 @@ mod joint;
 mod krylov;
 mod limit;
 mod long_run;
+mod lumping;
 mod method;
 mod multi;
 mod not_yet;
