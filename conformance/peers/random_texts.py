@@ -139,17 +139,21 @@ class Model:
         """How the modules are composed, with names hidden or changed; and the commands of one module that does the same."""
         names = list(self.commands)
         self.draw.shuffle(names)
-        whole, commands = names[0], self.commands[names[0]]
+        actions = lambda name: {command[0] for command in self.commands[name]} - {""}
+        whole, commands, known = names[0], self.commands[names[0]], actions(names[0])
         for name in names[1:]:
-            known, own = ({command[0] for command in side} - {""} for side in (commands, self.commands[name]))
+            # An action that modules have is theirs even where they never take it together (conformance/models/blocked.prism).
+            own = actions(name)
             join = self.draw.choice(["||", "|||"] + [f"|[{action}]|" for action in sorted(self.used)] * 2)
             over = {"||": known & own, "|||": set()}.get(join) if join[1] == "|" else {join[2]}
             whole, commands = f"({whole} {join} {name})", together(commands, self.commands[name], over)
+            known = known | own
             if self.used and self.draw.random() < 0.4:
                 old = self.draw.choice(sorted(self.used))
                 how, new = self.draw.choice([(f"/{{{old}}}", ""), (f"{{{old}<-c}}", "c")])
                 whole = f"({whole}{how})"
                 commands = [(new if action == old else action, *rest) for action, *rest in commands]
+                known = {new if action == old else action for action in known} - {""}
         return whole, commands
 
     def rewards(self):

@@ -63,6 +63,7 @@ mod joint;
 mod krylov;
 mod limit;
 mod long_run;
+mod lumping;
 mod method;
 mod multi;
 mod not_yet;

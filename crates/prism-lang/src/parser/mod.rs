@@ -183,6 +183,17 @@ impl<'t> Parser<'t> {
         Err(self.expected(what))
     }
 
+    /// The same where something is declared: a keyword is reported and read, so that what it names is read as well.
+    fn expect_new_name(&mut self, what: &str) -> Parse<Name> {
+        let token = self.peek();
+        let name = self.expect_name(what);
+        if name.is_err() && token.kind == TokenKind::Keyword && !self.starts_part() {
+            self.advance();
+            return Ok(name_of(&token));
+        }
+        name
+    }
+
     /// Reads the name of an action or function, which may be `min` or `max` when renaming.
     fn expect_name_or_function(&mut self, what: &str) -> Parse<Name> {
         if self.is_keyword("min") || self.is_keyword("max") {

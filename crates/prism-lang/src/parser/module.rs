@@ -12,7 +12,7 @@ impl Parser<'_> {
     /// Reads a module; mistakes inside are recovered inside.
     pub(super) fn module(&mut self) -> Parse<Module> {
         let start = self.advance();
-        let name = self.expect_name("the name of a module")?;
+        let name = self.expect_new_name("the name of a module")?;
         let body = if self.is_symbol("=") {
             self.renamed_module()?
         } else {

@@ -98,6 +98,14 @@ pub fn resolve_open(
     let resolved = resolver.model(model, given, overrides);
     let mut diagnostics = resolver.scope.diagnostics;
     diagnostics.sort_by_key(|d| (d.span.start, d.span.end));
+    let mut told: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
+    for diagnostic in diagnostics {
+        // What is wrong in a module is wrong in its copies.
+        if !told.contains(&diagnostic) {
+            told.push(diagnostic);
+        }
+    }
+    let diagnostics = told;
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics);
     }
