@@ -163,7 +163,7 @@ pub fn subtract(a: Vector, b: Vector) -> Vector {
 #[inline]
 #[must_use]
 pub fn scale(factor: f64, vector: Vector) -> Vector {
-    vector.map(|component| factor * component)
+    [factor * vector[0], factor * vector[1], factor * vector[2]]
 }
 
 /// The vector product of `a` and `b`.

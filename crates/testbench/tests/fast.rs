@@ -79,13 +79,13 @@ fn the_hand_goes_its_way_and_outcomes_are_those_of_the_full_physics() {
             assert!(difference < limit, "{set} {seed}: {field} by {difference}");
         };
         for axis in ["x", "y", "z"] {
-            // The fingers of the empty hand do not push the arm while it speeds up.
-            within("/robot", &format!("hand.{axis}"), empty, 1e-4);
+            // Light fingers of the empty hand do not push the arm while it speeds up; heavy ones do.
+            let closely = if set == "untuned" { 1e-5 } else { 1e-4 };
+            within("/robot", &format!("hand.{axis}"), empty, closely);
             within("/truth", &format!("object.{axis}"), empty, 1e-5);
-            // How the object comes to lie in the hand depends on how the fingers first met it; heavy ones
-            // swing with it when it is lifted.
+            // How the object comes to lie in the hand depends on how the fingers first met it.
             within("/robot", &format!("hand.{axis}"), held, 1e-4);
-            let loosely = if set == "untuned" { 1.5e-3 } else { 1e-3 };
+            let loosely = if set == "untuned" { 3e-4 } else { 1e-3 };
             within("/truth", &format!("object.{axis}"), held, loosely);
         }
         within("/robot", "hand_speed", empty, 5e-3);

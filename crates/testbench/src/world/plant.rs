@@ -5,8 +5,10 @@
 //! the motion is steady ([`Plant::may_glide`] says where contacts allow for them).
 
 mod apart;
+mod approach;
 mod arm;
 mod body;
+mod branches;
 mod chain;
 mod clearance;
 mod coriolis;
@@ -15,6 +17,8 @@ mod inertia;
 mod joints;
 mod seen;
 mod swing;
+mod tree;
+mod yielding;
 
 use std::sync::Arc;
 
@@ -115,7 +119,7 @@ impl Plant {
             finger_joints: scenario.robot.fingers.iter().filter_map(index).collect(),
             regime: Regime::Whole,
             whole,
-            glide: Glide::new(scenario, &joints, fingers_swing),
+            glide: Glide::new(&blueprint, &joints, fingers_swing),
             is_held: false,
             in_regime_steps: 0,
             arm_accelerates: false,
@@ -183,9 +187,7 @@ impl Plant {
             self.arm_accelerates |= accelerates && joint.drive == Drive::Arm;
         }
         if let Regime::Apart(apart) = &self.regime
-            && (wrench != Wrench::default()
-                || (self.fingers_swing && self.arm_accelerates)
-                || !apart.may_go_on(&self.joints, self.arm_accelerates))
+            && (wrench != Wrench::default() || !apart.may_go_on(&self.joints, self.arm_accelerates))
         {
             self.wake();
         }
@@ -259,10 +261,7 @@ impl Plant {
         let (blueprint, joints) = (&self.blueprint, &self.joints);
         let now = self.whole_now();
         let begun = Apart::begin(blueprint, joints, &self.whole, &now, self.fingers_swing);
-        let may_move = !(self.fingers_swing && self.arm_accelerates);
-        if let Some(apart) =
-            begun.filter(|it| may_move && it.may_go_on(joints, self.arm_accelerates))
-        {
+        if let Some(apart) = begun.filter(|it| it.may_go_on(joints, self.arm_accelerates)) {
             self.glide.forget();
             self.enter(Regime::Apart(Box::new(apart)));
         }

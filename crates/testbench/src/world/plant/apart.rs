@@ -1,14 +1,12 @@
 //! The empty hand on its way, while the object rests elsewhere.
 //!
 //! Where hand and object are apart and the object rests, nothing acts between them: the object stays
-//! where it is, the fingers stay where they are told to be, and the arm follows its servos
-//! ([`super::arm`]), until hand and object come within reach of each other ([`super::clearance`]), the
-//! fingers are told to move, or the arm speeds up or slows down and the fingers are so heavy for their
-//! dry friction that they would swing.
+//! where it is, the fingers stay where they are told to be, or swing if they are so heavy for their dry
+//! friction, and the arm follows its servos ([`super::arm`]), until hand and object come within reach of
+//! each other ([`super::clearance`]) or the fingers are told to move.
 //!
-//! Cost: a step costs some hundred operations, nothing at all when the arm rests. Deviation from the
-//! full physics: that of the arm, and what is left of the settling of object and fingers when it
-//! begins (slower than the limits below).
+//! Cost and deviation from the full physics: those of the arm, and what is left of the settling of the
+//! object, and of fingers that do not swing, when it begins (slower than the limits below).
 
 use super::arm::Arm;
 use super::body::{Blueprint, Body, Configuration};
@@ -20,8 +18,6 @@ use crate::geometry::norm;
 /// Nearer than this the fingers of an empty hand stay where they are: speed times their servos' time
 /// constant. It is a third of what dry friction lets them rest away from where they were sent.
 const FINGERS_REST_RAD: f64 = 4e-3;
-/// The same of fingers so heavy that their swinging moves the arm.
-const HEAVY_FINGERS_REST_RAD: f64 = 3e-4;
 /// Slower than this an object that nothing holds rests.
 const RESTS_M_S: f64 = 1e-4;
 const RESTS_RAD_S: f64 = 1e-3;
@@ -30,6 +26,8 @@ const RESTS_RAD_S: f64 = 1e-3;
 #[derive(Debug, Clone)]
 pub(super) struct Apart {
     arm: Arm,
+    /// Whether the fingers' drives rest, where it matters.
+    fingers_rest: Option<bool>,
     began: Configuration,
     clearance: Clearance,
 }
@@ -45,27 +43,23 @@ impl Apart {
         fingers_swing: bool,
     ) -> Option<Self> {
         let object = &now.object;
-        let rest_rad = match fingers_swing {
-            true => HEAVY_FINGERS_REST_RAD,
-            false => FINGERS_REST_RAD,
-        };
         let servo = &blueprint.parameters.hand;
         let constant_secs = servo.damping_nms_rad / servo.stiffness_nm_rad;
-        let fingers_rest = fingers(joints).all(|index| {
-            let left_rad = now.velocities_rad_s[index].abs() * constant_secs;
-            joints[index].is_at_rest() && left_rad < rest_rad
-        });
-        let rests = fingers_rest
+        let has_come =
+            |index: usize| now.velocities_rad_s[index].abs() * constant_secs < FINGERS_REST_RAD;
+        let with_fingers = fingers_swing || !fingers_rest(joints);
+        let rests = (with_fingers || fingers(joints).all(has_come))
             && norm(object.velocity_m_s) < RESTS_M_S
             && norm(object.spin_rad_s) < RESTS_RAD_S
             && body.grip() == Grip::default();
         if !rests {
             return None;
         }
-        let arm = Arm::new(blueprint, joints, now);
-        let clearance = Clearance::of(blueprint, body, &body.hand().pose, &object.pose);
+        let arm = Arm::new(blueprint, joints, now, with_fingers)?;
+        let clearance = Clearance::of(blueprint, joints, now, arm.tree().0);
         Some(Self {
             arm,
+            fingers_rest: (!fingers_swing).then_some(!with_fingers),
             began: now.clone(),
             clearance,
         })
@@ -73,9 +67,9 @@ impl Apart {
 
     /// Whether the next step may be taken, given whether the drives are about to change their speed.
     pub(super) fn may_go_on(&self, joints: &[DrivenJoint], arm_accelerates: bool) -> bool {
-        fingers(joints).all(|index| joints[index].is_at_rest())
-            && (self.arm.rests() && !arm_accelerates
-                || self.clearance.is_clear(&self.arm.hand().pose))
+        (self.fingers_rest).is_none_or(|rest| rest == fingers_rest(joints))
+            && !self.arm.is_lost()
+            && (self.arm.rests() && !arm_accelerates || self.clearance.is_clear(self.arm.tree().1))
     }
 
     /// One time step.
@@ -106,4 +100,8 @@ impl Apart {
         self.arm.get(&mut now);
         now
     }
+}
+
+fn fingers_rest(joints: &[DrivenJoint]) -> bool {
+    fingers(joints).all(|index| joints[index].is_at_rest())
 }

@@ -1,53 +1,64 @@
-//! The arm by itself: joints that follow their servos, and where that takes the hand.
+//! The arm by itself, with fingers so heavy that they swing: joints that follow their servos, and where
+//! that takes the hand.
 //!
-//! Definition: angles `q`, speeds `v` and setpoints `u` of the arm's joints obey
+//! Definition: angles `q`, speeds `v` and setpoints `u` of the joints obey
 //!
 //! ```text
-//! M(q) v' = K (u - q) - D v - c(q, v)     K stiffness, D damping, M inertia of the arm,
-//!                                         c Coriolis and centrifugal torques (super::coriolis)
+//! M(q) v' = K (u - q) - D v - c(q, v) + y     K stiffness, D damping, M inertia,
+//!                                             c Coriolis and centrifugal torques (super::coriolis),
+//!                                             y dry friction of fingers, and stops (super::yielding)
 //! ```
 //!
 //! with each servo's torque limited to its range. They are integrated as the engine's `implicitfast`
-//! does: semi-implicit Euler with the damping taken implicitly, `(M + h D) dv = h (...)`,
-//! `v += dv`, `q += h v`. `M` is computed by composite bodies (Featherstone, "Rigid Body Dynamics
-//! Algorithms", 2008, chapter 6), anew every [`RENEWED_STEPS`] steps.
+//! does: `y` is found with these accelerations, then semi-implicit Euler with the damping of servos that
+//! are not at their limit taken implicitly, `(M + h D) dv = h (...)`, `v += dv`, `q += h v`. `M` is
+//! computed by composite bodies (Featherstone, "Rigid Body Dynamics Algorithms", 2008, chapter 6), anew
+//! every [`RENEWED_STEPS`] steps.
 //!
-//! Deviation from the full physics: fingers do not push the arm. Cost: some thousand operations a
-//! step, nothing when the arm rests.
+//! Deviation from the full physics: fingers that do not swing stay where they are and do not push the
+//! arm. Cost: some thousand operations a step, three times as many with fingers, nothing at rest.
 
 use super::ObjectState;
 use super::body::{Blueprint, Configuration};
-use super::chain::{Chain, Frames};
-use super::coriolis::take_off;
+use super::branches::Branches;
+use super::coriolis::Coriolis;
 use super::inertia::{Composite, segments};
 use super::joints::DrivenJoint;
+use super::tree::{Frames, Tree};
+use super::yielding::{Limits, Yielding};
 use crate::geometry::{cross, dot, subtract};
 use crate::scenario::Drive;
 
 /// How long one inertia in the world is used: 0.008 s at 2 ms, in which no joint turns by more than
 /// 0.004 rad.
 const RENEWED_STEPS: u32 = 4;
-/// Slower than this, with less torque left than this, the joints rest.
+/// Slower than this, with less torque left than this, the joints of the arm rest.
 const RESTS_RAD_S: f64 = 1e-6;
 const RESTS_NM: f64 = 5e-3;
+/// Slower than this fingers rest whose drives do: dry friction lets them creep.
+const FINGER_RESTS_RAD_S: f64 = 1e-4;
 
-/// One joint of the arm.
+/// One joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Servo {
     joint: usize,
+    drive: Drive,
     stiffness_nm_rad: f64,
     damping_nms_rad: f64,
     torque_limit_nm: f64,
     armature_kg_m2: f64,
     position_rad: f64,
     velocity_rad_s: f64,
+    /// Whether its torque is at its limit.
+    is_at_limit: bool,
 }
 
 /// The arm in motion.
 #[derive(Debug, Clone)]
 pub(super) struct Arm {
     servos: Vec<Servo>,
-    chain: Chain,
+    tree: Tree,
+    branches: Branches,
     /// What turns with each joint and not with the next, in the frame behind it and in the world.
     segments: Vec<Composite>,
     placed: Vec<Composite>,
@@ -55,45 +66,96 @@ pub(super) struct Arm {
     /// the engine after a step belongs to the time before it.
     frames: Frames,
     hand_before: ObjectState,
-    /// Lower triangular factor of `M + h D`, by rows.
+    /// Lower triangle of `M`, by rows, and the factor of `M + h D`.
+    inertia: Vec<f64>,
     factor: Vec<f64>,
     factor_age: u32,
     right: Vec<f64>,
+    coriolis: Coriolis,
+    yielding: Yielding,
     rests: bool,
+    is_lost: bool,
 }
 
 impl Arm {
-    /// Takes over from a configuration.
-    pub(super) fn new(blueprint: &Blueprint, joints: &[DrivenJoint], now: &Configuration) -> Self {
-        let chain = Chain::to_hand(&blueprint.scenario, joints);
-        let servos: Vec<Servo> = (chain.joints())
-            .filter_map(|joint| servo(blueprint, joints, now, joint))
+    /// Takes over from a configuration; `None` if no joint of the arm carries the hand.
+    pub(super) fn new(
+        blueprint: &Blueprint,
+        joints: &[DrivenJoint],
+        now: &Configuration,
+        with_fingers: bool,
+    ) -> Option<Self> {
+        let scenario = &blueprint.scenario;
+        let moves = |joint: &DrivenJoint| joint.drive == Drive::Arm || with_fingers;
+        let tree = Tree::new(scenario, joints, now, moves)?;
+        let servos = tree.nodes.iter();
+        let servos: Option<Vec<Servo>> = servos
+            .map(|node| servo(blueprint, joints, now, node.joint))
             .collect();
-        let frames =
-            chain.follow(|index| (servos[index].position_rad, servos[index].velocity_rad_s));
-        let segments = segments(blueprint, joints, now);
-        Self {
-            factor: vec![0.0; servos.len() * servos.len()],
+        let servos = servos?;
+        let branches = Branches::new(tree.nodes.iter().map(|node| node.parent).collect());
+        let count = servos.len();
+        let mut arm = Self {
+            segments: segments(blueprint, joints, now, &tree),
+            inertia: vec![0.0; count * count],
+            factor: vec![0.0; count * count],
             factor_age: RENEWED_STEPS,
-            placed: Vec::with_capacity(servos.len()),
-            right: vec![0.0; servos.len()],
-            hand_before: frames.hand,
+            placed: Vec::with_capacity(count),
+            right: vec![0.0; count],
+            coriolis: Coriolis::default(),
+            frames: tree.frames(),
+            hand_before: now.object,
+            yielding: Yielding::new(Vec::new()),
             rests: false,
-            frames,
-            segments,
-            chain,
+            is_lost: false,
+            branches,
+            tree,
             servos,
-        }
+        };
+        arm.yielding = arm.limits(blueprint, joints);
+        arm.follow();
+        arm.hand_before = arm.frames.hand;
+        Some(arm)
+    }
+
+    /// Dry friction of fingers, and stops.
+    fn limits(&mut self, blueprint: &Blueprint, joints: &[DrivenJoint]) -> Yielding {
+        let hand = &blueprint.parameters.hand;
+        let count = self.servos.len();
+        self.tree.follow_into(|_| (0.0, 0.0), &mut self.frames);
+        self.renew_inertia();
+        let mut factor = self.inertia.clone();
+        self.branches.factorise(&mut factor);
+        let limits = |(index, servo): (usize, &Servo)| {
+            let mut inverse = vec![0.0; count];
+            inverse[index] = 1.0;
+            self.branches.solve(&factor, &mut inverse);
+            Limits {
+                friction_nm: match servo.drive {
+                    Drive::Arm => 0.0,
+                    Drive::Hand => hand.friction_loss_nm,
+                },
+                range_rad: joints[servo.joint].range_rad,
+                stop_secs: hand.stop_time_constant_secs,
+                inverse_inertia: inverse[index],
+            }
+        };
+        Yielding::new(self.servos.iter().enumerate().map(limits).collect())
     }
 
     /// One time step towards the setpoints.
     pub(super) fn step(&mut self, joints: &[DrivenJoint], step_secs: f64) {
         self.hand_before = self.frames.hand;
         self.torques(joints);
-        let is_still = |(servo, torque_nm): (&Servo, &f64)| {
-            servo.velocity_rad_s.abs() < RESTS_RAD_S
-                && torque_nm.abs() < RESTS_NM
-                && joints[servo.joint].is_at_target()
+        let is_still = |(servo, torque_nm): (&Servo, &f64)| match servo.drive {
+            Drive::Arm => {
+                servo.velocity_rad_s.abs() < RESTS_RAD_S
+                    && torque_nm.abs() < RESTS_NM
+                    && joints[servo.joint].is_at_target()
+            }
+            Drive::Hand => {
+                servo.velocity_rad_s.abs() < FINGER_RESTS_RAD_S && joints[servo.joint].is_at_rest()
+            }
         };
         let rested = self.rests;
         self.rests = self.servos.iter().zip(&self.right).all(is_still);
@@ -105,18 +167,27 @@ impl Arm {
         } else {
             self.accelerate(step_secs);
         }
+        self.follow();
+    }
+
+    fn follow(&mut self) {
         let servos = &self.servos;
         let state = |index: usize| (servos[index].position_rad, servos[index].velocity_rad_s);
-        self.chain.follow_into(state, &mut self.frames);
+        self.tree.follow_into(state, &mut self.frames);
     }
 
     /// Writes the joints' torques into the right side.
     fn torques(&mut self, joints: &[DrivenJoint]) {
-        for (index, servo) in self.servos.iter().enumerate() {
+        for (index, servo) in self.servos.iter_mut().enumerate() {
             let ahead_rad = joints[servo.joint].setpoint.position_rad() - servo.position_rad;
-            let torque_nm = (servo.stiffness_nm_rad * ahead_rad
-                - servo.damping_nms_rad * servo.velocity_rad_s)
-                .clamp(-servo.torque_limit_nm, servo.torque_limit_nm);
+            let wanted_nm =
+                servo.stiffness_nm_rad * ahead_rad - servo.damping_nms_rad * servo.velocity_rad_s;
+            let torque_nm = wanted_nm.clamp(-servo.torque_limit_nm, servo.torque_limit_nm);
+            let is_at_limit = torque_nm != wanted_nm;
+            if is_at_limit != servo.is_at_limit {
+                servo.is_at_limit = is_at_limit;
+                self.factor_age = RENEWED_STEPS;
+            }
             self.right[index] = torque_nm;
         }
     }
@@ -127,10 +198,18 @@ impl Arm {
         }
         self.factor_age += 1;
         let servos = &self.servos;
-        take_off(&mut self.right, &self.frames.axes, &self.placed, |index| {
-            servos[index].velocity_rad_s
-        });
-        solve(&self.factor, &mut self.right);
+        let state = |index: usize| (servos[index].position_rad, servos[index].velocity_rad_s);
+        self.coriolis.take_off(
+            &mut self.right,
+            &self.branches,
+            &self.frames.axes,
+            &self.placed,
+            |index| state(index).1,
+        );
+        let (branches, inertia) = (&self.branches, &self.inertia);
+        let found = (self.yielding).push(branches, inertia, state, &mut self.right);
+        self.is_lost |= !found;
+        self.branches.solve(&self.factor, &mut self.right);
         for (servo, acceleration_rad_s2) in self.servos.iter_mut().zip(&self.right) {
             servo.velocity_rad_s += step_secs * acceleration_rad_s2;
             servo.position_rad += step_secs * servo.velocity_rad_s;
@@ -139,31 +218,58 @@ impl Arm {
 
     /// Computes and factors the inertia at the present angles.
     fn renew(&mut self, step_secs: f64) {
+        self.renew_inertia();
+        self.factor.copy_from_slice(&self.inertia);
+        let count = self.servos.len();
+        for (joint, servo) in self.servos.iter().enumerate() {
+            if !servo.is_at_limit {
+                self.factor[joint * count + joint] += step_secs * servo.damping_nms_rad;
+            }
+        }
+        self.branches.factorise(&mut self.factor);
+        self.yielding.renew();
+        self.factor_age = 0;
+    }
+
+    /// Computes the inertia at the frames as they are.
+    fn renew_inertia(&mut self) {
         let placed = self.segments.iter().zip(&self.frames.joints);
         self.placed.clear();
         self.placed
             .extend(placed.map(|(segment, frame)| segment.placed(frame)));
         let count = self.servos.len();
-        let mut beyond = Composite::default();
+        let mut beyond = self.placed.clone();
         for j in (0..count).rev() {
-            beyond.add(&self.placed[j]);
-            let (at_m, axis) = self.frames.axes[j];
-            let (momentum, about_origin) = beyond.momenta(axis, cross(at_m, axis));
-            for i in 0..=j {
-                let (at_m, axis) = self.frames.axes[i];
-                let inertia = dot(axis, subtract(about_origin, cross(at_m, momentum)));
-                self.factor[j * count + i] = inertia;
+            if let Some(parent) = self.branches.parent(j) {
+                let own = beyond[j];
+                beyond[parent].add(&own);
             }
-            let servo = &self.servos[j];
-            self.factor[j * count + j] += servo.armature_kg_m2 + step_secs * servo.damping_nms_rad;
+            let (at_m, axis) = self.frames.axes[j];
+            let (momentum, about_origin) = beyond[j].momenta(axis, cross(at_m, axis));
+            let along = |joint: usize| {
+                let (at_m, axis) = self.frames.axes[joint];
+                dot(axis, subtract(about_origin, cross(at_m, momentum)))
+            };
+            self.inertia[j * count + j] = along(j) + self.servos[j].armature_kg_m2;
+            for i in self.branches.inwards(j) {
+                self.inertia[j * count + i] = along(i);
+            }
         }
-        factorise(&mut self.factor, count);
-        self.factor_age = 0;
     }
 
     /// Whether it does not move.
     pub(super) fn rests(&self) -> bool {
         self.rests
+    }
+
+    /// Whether the pushes of dry friction and stops were not found.
+    pub(super) fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
+    /// The joints' tree, and where they are.
+    pub(super) fn tree(&self) -> (&Tree, &Frames) {
+        (&self.tree, &self.frames)
     }
 
     /// The angle of a joint of the arm.
@@ -184,11 +290,6 @@ impl Arm {
     pub(super) fn hand_before(&self) -> ObjectState {
         self.hand_before
     }
-
-    /// The hand's frame as it is now.
-    pub(super) fn hand(&self) -> ObjectState {
-        self.frames.hand
-    }
 }
 
 fn servo(
@@ -199,46 +300,19 @@ fn servo(
 ) -> Option<Servo> {
     let links = &blueprint.scenario.bodies;
     let link = links.iter().find(|link| link.name == joints[joint].name)?;
-    let drive = link.joint.as_ref().filter(|it| it.drive == Drive::Arm)?;
+    let drive = link.joint.as_ref()?;
+    let (robot, hand) = (&blueprint.scenario.robot, &blueprint.parameters.hand);
+    let is_arm = drive.drive == Drive::Arm;
+    let pick = |of_arm: f64, of_hand: f64| if is_arm { of_arm } else { of_hand };
     Some(Servo {
         joint,
-        stiffness_nm_rad: drive.stiffness_nm_rad,
-        damping_nms_rad: drive.damping_nms_rad,
-        torque_limit_nm: drive.effort_limit_nm,
-        armature_kg_m2: blueprint.scenario.robot.joint_armature_kg_m2,
+        drive: drive.drive,
+        stiffness_nm_rad: pick(drive.stiffness_nm_rad, hand.stiffness_nm_rad),
+        damping_nms_rad: pick(drive.damping_nms_rad, hand.damping_nms_rad),
+        torque_limit_nm: pick(drive.effort_limit_nm, hand.torque_limit_nm),
+        armature_kg_m2: pick(robot.joint_armature_kg_m2, robot.finger_armature_kg_m2),
         position_rad: now.positions_rad[joint],
         velocity_rad_s: now.velocities_rad_s[joint],
+        is_at_limit: false,
     })
-}
-
-/// Replaces the lower triangle of a symmetric positive definite matrix by its Cholesky factor.
-fn factorise(matrix: &mut [f64], count: usize) {
-    for row in 0..count {
-        for column in 0..=row {
-            let inner: f64 = (0..column)
-                .map(|k| matrix[row * count + k] * matrix[column * count + k])
-                .sum();
-            let rest = matrix[row * count + column] - inner;
-            matrix[row * count + column] = if row == column {
-                rest.sqrt()
-            } else {
-                rest / matrix[column * count + column]
-            };
-        }
-    }
-}
-
-/// Solves with a Cholesky factor, in place.
-fn solve(factor: &[f64], right: &mut [f64]) {
-    let count = right.len();
-    for row in 0..count {
-        let inner: f64 = (0..row).map(|k| factor[row * count + k] * right[k]).sum();
-        right[row] = (right[row] - inner) / factor[row * count + row];
-    }
-    for row in (0..count).rev() {
-        let inner: f64 = (row + 1..count)
-            .map(|k| factor[k * count + row] * right[k])
-            .sum();
-        right[row] = (right[row] - inner) / factor[row * count + row];
-    }
 }

@@ -186,11 +186,6 @@ impl Body {
         self.moving(self.object)
     }
 
-    /// Where a named link is.
-    pub(super) fn link(&self, name: &str) -> Option<Pose> {
-        Some(self.moving(self.simulation.body(name)?).pose)
-    }
-
     fn moving(&self, body: BodyId) -> ObjectState {
         let (spin_rad_s, velocity_m_s) = self.simulation.body_velocity(body);
         ObjectState {

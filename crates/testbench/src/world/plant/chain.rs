@@ -21,17 +21,6 @@ struct Stretch {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chain(Vec<Stretch>);
 
-/// Where the chain's joints and its end are.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Frames {
-    /// The frame behind each joint.
-    pub(super) joints: Vec<Pose>,
-    /// A point on each joint's axis and its unit direction.
-    pub(super) axes: Vec<(Vector, Vector)>,
-    /// The chain's end, with its motion.
-    pub(super) hand: ObjectState,
-}
-
 impl Chain {
     pub(super) fn to_hand(scenario: &Scenario, joints: &[DrivenJoint]) -> Self {
         let mut links = Vec::new();
@@ -60,38 +49,9 @@ impl Chain {
         self.0.iter().filter_map(|stretch| Some(stretch.turns?.0))
     }
 
-    /// The frames; `state` gives angle and speed of the chain's joints, counted outwards.
-    pub(super) fn follow(&self, state: impl Fn(usize) -> (f64, f64)) -> Frames {
-        let mut frames = Frames {
-            joints: Vec::new(),
-            axes: Vec::new(),
-            hand: ObjectState::at_rest(identity()),
-        };
-        self.follow_into(state, &mut frames);
-        frames
-    }
-
-    /// As [`Self::follow`], into frames that are there.
-    pub(super) fn follow_into(&self, state: impl Fn(usize) -> (f64, f64), frames: &mut Frames) {
-        frames.joints.clear();
-        frames.axes.clear();
-        frames.hand = self.walk(state, |frame, axis| {
-            frames.axes.push((frame.position_m, axis));
-            frames.joints.push(*frame);
-        });
-    }
-
-    /// The chain's end, with its motion.
+    /// The chain's end, with its motion; `state` gives angle and speed of the chain's joints, counted
+    /// outwards.
     pub(super) fn hand(&self, state: impl Fn(usize) -> (f64, f64)) -> ObjectState {
-        self.walk(state, |_, _| {})
-    }
-
-    /// Goes outwards; shows the frame behind each joint and the direction of its axis.
-    fn walk(
-        &self,
-        state: impl Fn(usize) -> (f64, f64),
-        mut show: impl FnMut(&Pose, Vector),
-    ) -> ObjectState {
         let mut frame = identity();
         let (mut spin, mut velocity) = ([0.0; 3], [0.0; 3]);
         for (index, stretch) in self.0.iter().enumerate() {
@@ -103,7 +63,6 @@ impl Chain {
                 let in_world = rotate(next.orientation, axis);
                 spin = add(spin, scale(speed_rad_s, in_world));
                 next.orientation = compose(next.orientation, about(axis, angle_rad));
-                show(&next, in_world);
             }
             frame = next;
         }
@@ -123,7 +82,7 @@ pub(super) fn identity() -> Pose {
     }
 }
 
-fn unit(axis: Vector) -> Vector {
+pub(super) fn unit(axis: Vector) -> Vector {
     scale(1.0 / norm(axis), axis)
 }
 

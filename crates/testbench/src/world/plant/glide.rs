@@ -13,7 +13,7 @@
 //!
 //! Fingers so heavy that they swing take longer for all of this: a burst lasts until their dry friction
 //! has settled ([`DRY_FRICTION_SETTLES_SECS`]), a glide ends before one of them comes upon the object
-//! ([`UNMET`]), and while a pull has bent them they are left to the whole model.
+//! ([`super::approach`]), and while a pull has bent them they are left to the whole model.
 //!
 //! Accuracy: where the rate changes by `c` over `m` steps, a glide of `g` steps is wrong by `c g^2 / 2 m`;
 //! where it changes by `c` more or less than its slope foretold, by `c g^3 / 3 m^2`. The next glide is as
@@ -24,13 +24,14 @@
 //! Cost: nothing in a step of a glide, until somebody asks where things are.
 
 use super::ObjectState;
-use super::body::{Body, Configuration};
+use super::approach::Approach;
+use super::body::{Blueprint, Body, Configuration};
 use super::chain::Chain;
 use super::joints::DrivenJoint;
 use crate::geometry::{
     Pose, Quaternion, add, compose, inverse, norm, rotation_between, subtract, turned_by,
 };
-use crate::scenario::{Drive, Scenario};
+use crate::scenario::Drive;
 use crate::world::human::Wrench;
 
 /// Steps of the whole model between two glides.
@@ -54,9 +55,6 @@ const ALLOWED_ARM_RAD: f64 = 10.0 * ALLOWED_M / 0.8;
 /// the friction that a pull has to overcome, by which of 283 untuned pairs of episodes 6 lost a false
 /// negative of the pressure sensor and none gained one.
 const DRY_FRICTION_SETTLES_SECS: f64 = 0.04;
-/// How far heavy fingers may go on towards the object, and it in the hand, in what a glide may be wrong
-/// by: some twenty micrometres, less than a grip presses into a pad.
-const UNMET: f64 = 20.0;
 /// A force on the object that differs by less from the burst's is the same.
 const SAME_NEWTONS: f64 = 5e-3;
 const SAME_NM: f64 = 2e-4;
@@ -126,11 +124,13 @@ pub(super) struct Glide {
     /// Whether fingers are so heavy that they swing, and the steps of a burst while such ones hold it.
     fingers_swing: bool,
     heavy_burst_steps: u32,
+    approach: Option<Approach>,
     /// What a glide may be wrong by.
     allowed: Slow,
     rates: Slow,
     /// How much the rates change in a step, where that is regular; else 0.
     slopes: Slow,
+    fastest: Slow,
     /// The rates at the end of the burst before and how much they changed in a step until then, and the
     /// steps of the whole model since.
     reference: Option<Slow>,
@@ -146,17 +146,21 @@ pub(super) struct Glide {
 }
 
 impl Glide {
-    pub(super) fn new(scenario: &Scenario, joints: &[DrivenJoint], fingers_swing: bool) -> Self {
+    pub(super) fn new(blueprint: &Blueprint, joints: &[DrivenJoint], fingers_swing: bool) -> Self {
+        let scenario = &blueprint.scenario;
         let chain = Chain::to_hand(scenario, joints);
         let step_secs = scenario.simulation.time_step_secs;
+        let began = Configuration {
+            positions_rad: vec![0.0; joints.len()],
+            velocities_rad_s: vec![0.0; joints.len()],
+            object: ObjectState::at_rest(super::chain::identity()),
+        };
+        let approach = fingers_swing.then(|| Approach::new(blueprint, joints, &began));
         Self {
             chain_joints: chain.joints().collect(),
             chain,
-            began: Configuration {
-                positions_rad: vec![0.0; joints.len()],
-                velocities_rad_s: vec![0.0; joints.len()],
-                object: ObjectState::at_rest(super::chain::identity()),
-            },
+            approach: approach.flatten(),
+            began,
             began_at: Step::default(),
             seen_rad: Vec::new(),
             seen_object: None,
@@ -165,6 +169,7 @@ impl Glide {
             allowed: allowed(joints),
             rates: Slow::new(),
             slopes: Slow::new(),
+            fastest: Slow::new(),
             reference: None,
             reference_slopes: None,
             watched_steps: 0,
@@ -275,7 +280,12 @@ impl Glide {
         }
         let passed = f64::from(glided + self.watched_steps);
         let most = f64::from(if glided > 0 { 2 * glided } else { FIRST_STEPS });
-        let steps = self.foresee(passed).min(most).min(self.unmet_steps());
+        let steps = self.foresee(passed).min(most);
+        let steps = steps.min(if steps < SHORTEST_STEPS {
+            steps
+        } else {
+            self.unmet_steps()
+        });
         self.watched_steps = 0;
         self.last_glide_steps = 0;
         if steps >= SHORTEST_STEPS {
@@ -286,15 +296,15 @@ impl Glide {
 
     /// In how many steps no finger comes upon the object unforeseen: those that swing may still be on
     /// their way to it while others hold it already.
-    fn unmet_steps(&self) -> f64 {
-        if !self.fingers_swing {
+    fn unmet_steps(&mut self) -> f64 {
+        let Some(approach) = &mut self.approach else {
             return f64::INFINITY;
-        }
-        let ways = self.rates.iter().zip(&self.allowed);
-        let most = ways
-            .map(|(rate, allowed)| rate.abs() / allowed)
-            .fold(0.0, f64::max);
-        UNMET / most
+        };
+        let slopes = self.rates.iter().zip(&self.slopes);
+        self.fastest.clear();
+        self.fastest
+            .extend(slopes.map(|(rate, slope)| rate.abs() + LONGEST_STEPS * slope.abs()));
+        approach.steps(&self.began, &self.fastest)
     }
 
     /// Compares the rates with those of `passed` steps before, and with what these foretold; says how

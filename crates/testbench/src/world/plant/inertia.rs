@@ -4,12 +4,9 @@
 //! that composites add up (Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 2.13).
 
 use super::body::{Blueprint, Configuration};
-use super::chain::{frame_in_parent, identity};
 use super::joints::DrivenJoint;
-use crate::geometry::{
-    IDENTITY, Pose, Vector, about, add, compose, cross, dot, inverse, rotate, scale, subtract,
-};
-use crate::scenario::{Body as Link, Drive};
+use super::tree::Tree;
+use crate::geometry::{IDENTITY, Pose, Vector, add, cross, dot, inverse, rotate, scale, subtract};
 
 /// Mass, first moment and inertia about a frame's origin, by rows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -21,6 +18,7 @@ pub(super) struct Composite {
 
 impl Composite {
     /// Takes in another composite of the same frame.
+    #[inline]
     pub(super) fn add(&mut self, other: &Self) {
         self.mass_kg += other.mass_kg;
         self.first_kg_m = add(self.first_kg_m, other.first_kg_m);
@@ -53,34 +51,50 @@ impl Composite {
 
     /// The same composite in the outer frame in which its own stands at `pose`.
     pub(super) fn placed(&self, pose: &Pose) -> Self {
-        let (turn, shift) = (|v| rotate(pose.orientation, v), pose.position_m);
-        let first = turn(self.first_kg_m);
-        let row = |axis: usize| {
-            let mut unit = [0.0; 3];
-            unit[axis] = 1.0;
-            let turned = turn(self.times(rotate(inverse(pose.orientation), unit)));
-            // Parallel axes for a shift by s of a body with first moment f: the inertia gains
-            // (2 f.s + m s.s) 1 - (f s' + s f' + m s s').
-            let trace = 2.0 * dot(first, shift) + self.mass_kg * dot(shift, shift);
-            let along = add(
-                scale(first[axis] + self.mass_kg * shift[axis], shift),
-                scale(shift[axis], first),
-            );
-            add(turned, subtract(scale(trace, unit), along))
-        };
+        let shift = pose.position_m;
+        // The columns of the rotation's matrix R; R I R' has the entry u . (I v) for rows u and v.
+        let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|unit| rotate(pose.orientation, unit));
+        let rows: [Vector; 3] =
+            std::array::from_fn(|row| [columns[0][row], columns[1][row], columns[2][row]]);
+        let across = [
+            self.times(rows[0]),
+            self.times(rows[1]),
+            self.times(rows[2]),
+        ];
+        let first = [
+            dot(rows[0], self.first_kg_m),
+            dot(rows[1], self.first_kg_m),
+            dot(rows[2], self.first_kg_m),
+        ];
+        // Parallel axes for a shift by s of a body with first moment f: the inertia gains
+        // (2 f.s + m s.s) 1 - (f s' + s f' + m s s').
+        let trace = 2.0 * dot(first, shift) + self.mass_kg * dot(shift, shift);
+        let mut about_origin_kg_m2 = [[0.0; 3]; 3];
+        for (row, entries) in about_origin_kg_m2.iter_mut().enumerate() {
+            for (column, entry) in entries.iter_mut().enumerate() {
+                *entry = dot(rows[row], across[column])
+                    - first[row] * shift[column]
+                    - shift[row] * (first[column] + self.mass_kg * shift[column]);
+            }
+            entries[row] += trace;
+        }
         Self {
             mass_kg: self.mass_kg,
             first_kg_m: add(first, scale(self.mass_kg, shift)),
-            about_origin_kg_m2: [row(0), row(1), row(2)],
+            about_origin_kg_m2,
         }
     }
 
+    #[inline]
     fn times(&self, vector: Vector) -> Vector {
-        self.about_origin_kg_m2.map(|row| dot(row, vector))
+        let [x, y, z] = self.about_origin_kg_m2;
+        [dot(x, vector), dot(y, vector), dot(z, vector)]
     }
 
     /// Momentum, and angular momentum about the origin, when it turns at `spin_rad_s` and what of it
     /// is at the origin moves at `origin_m_s`.
+    #[inline]
     pub(super) fn momenta(&self, spin_rad_s: Vector, origin_m_s: Vector) -> (Vector, Vector) {
         (
             add(
@@ -92,49 +106,31 @@ impl Composite {
     }
 }
 
-/// For each joint of the arm what turns with it and not with the next, in the frame behind it; the
-/// fingers stand as they do `now`.
+/// For each joint of a tree what turns with it and not with the next, in the frame behind it.
 pub(super) fn segments(
     blueprint: &Blueprint,
     joints: &[DrivenJoint],
     now: &Configuration,
+    tree: &Tree,
 ) -> Vec<Composite> {
-    let links = &blueprint.scenario.bodies;
-    let arm = joints.iter().filter(|joint| joint.drive == Drive::Arm);
-    let segment = |joint: &DrivenJoint| {
-        let mut sum = Composite::default();
-        let mut open: Vec<(&Link, Pose)> = (links.iter())
-            .filter(|link| link.name == joint.name)
-            .map(|link| (link, identity()))
-            .collect();
-        while let Some((link, frame)) = open.pop() {
-            let centre = frame.then(&Pose {
-                position_m: link.shape_position_m,
-                orientation: IDENTITY,
-            });
-            let moments = crate::model::link_inertia_kg_m2(&blueprint.parameters, link);
-            sum.add(&Composite::body(link.mass_kg, moments, &centre));
-            for child in links.iter().filter(|it| it.parent == link.name) {
-                let place = joints.iter().position(|joint| joint.name == child.name);
-                if place.is_some_and(|place| joints[place].drive == Drive::Arm) {
-                    continue;
-                }
-                let mut pose = frame.then(&frame_in_parent(child));
-                if let (Some(place), Some(joint)) = (place, &child.joint) {
-                    let turn = about(joint.axis, now.positions_rad[place]);
-                    pose.orientation = compose(pose.orientation, turn);
-                }
-                open.push((child, pose));
-            }
-        }
-        sum
-    };
-    arm.map(segment).collect()
+    let mut segments = vec![Composite::default(); tree.nodes.len()];
+    for link in &blueprint.scenario.bodies {
+        let (node, frame) = tree.place_of(&blueprint.scenario, joints, now, link);
+        let Some(node) = node else { continue };
+        let centre = frame.then(&Pose {
+            position_m: link.shape_position_m,
+            orientation: IDENTITY,
+        });
+        let moments = crate::model::link_inertia_kg_m2(&blueprint.parameters, link);
+        segments[node].add(&Composite::body(link.mass_kg, moments, &centre));
+    }
+    segments
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::about;
 
     #[test]
     fn a_composite_moved_on_is_the_body_moved_on() {

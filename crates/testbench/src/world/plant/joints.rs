@@ -12,7 +12,7 @@ use crate::scenario::{ArmParameters, Drive, HandPositions, Scenario};
 pub(super) struct DrivenJoint {
     pub(super) name: String,
     pub(super) drive: Drive,
-    range_rad: [f64; 2],
+    pub(super) range_rad: [f64; 2],
     speed_limit_rad_s: f64,
     speed_rad_s: f64,
     acceleration_rad_s2: f64,
