@@ -5,6 +5,7 @@
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
 //! * [`scheduler()`] gives the scheduler that attains the value, with the memory it needs, and the chain it induces;
+//! * [`distribution`] has the probabilities of all states of a chain, at times and in the long run;
 //! * [`Stop`] ends a check early with the bounds reached so far;
 //! * [`sample_path`] draws a random path, the same for the same seed;
 //! * [`paths`] has witnesses: the most probable and the shortest path to a goal, paths that take every
