@@ -1,4 +1,7 @@
-//! Tools: the same episodes with half the time step, and in the other engine.
+//! Tools: the same episodes with half the time step, by the full physics, and in the other engine.
+//!
+//! Half the time step is a question to the full physics, whether a scenario's episodes are simulated by it or
+//! by the fast one; where they are simulated by the fast one, they are compared with the full one, too.
 //!
 //! An episode with the same seed draws the same numbers, so the verdicts are paired: only episodes with two
 //! verdicts speak, and what counts is whether they go one way (a sign test). Contact is chaotic: single
@@ -30,6 +33,13 @@ struct Pair {
     failed: [Option<FailureKind>; 2],
     /// What was said then.
     words: [String; 2],
+}
+
+/// What is run again.
+struct Changes<'a> {
+    bench: &'a OpenBench,
+    entry: &'a Entry,
+    episodes: u64,
 }
 
 impl Diagnosing<'_> {
@@ -67,24 +77,21 @@ impl Diagnosing<'_> {
     ) -> Result<(), Problem> {
         let library = self.setting.physics_library.as_deref();
         let bench = OpenBench::of_entry(self.study, entry, library)?;
-        let (stimulus, key) = match &entry.work {
+        let (stimulus, key, fast) = match &entry.work {
             Work::SimulateScene { test, .. } => {
                 let mut tests = bench.own_tests().iter();
                 let wanted =
                     |t: &&stimulus::AbstractTest| test.as_ref().is_none_or(|n| n == &t.name);
-                (tests.find(wanted).cloned(), "simulation.time_step_secs")
+                let test = tests.find(wanted).cloned();
+                (test, "simulation.time_step_secs", None)
             }
             _ => (
                 bench.own_tests().first().cloned(),
                 "scenario.simulation.time_step_secs",
+                Some("scenario.simulation.fast"),
             ),
         };
-        let step_secs = key
-            .split('.')
-            .try_fold(toml::Value::Table(bench.data().clone()), |value, part| {
-                value.get(part).cloned()
-            });
-        let step_secs = step_secs.and_then(|value| value.as_float());
+        let step_secs = value_at(&bench, key).and_then(|value| value.as_float());
         let (Some(test), Some(step_secs)) = (stimulus, step_secs) else {
             let said = "it has no time step that can be set";
             gathered
@@ -92,21 +99,56 @@ impl Diagnosing<'_> {
                 .push(format!("half the time step of {}: {said}", entry.id));
             return Ok(());
         };
-        let whole = Stimulus::of(test);
-        let mut half = whole.clone();
-        half.settings.insert(key.into(), (step_secs / 2.0).into());
-        let run = |changed: usize, seed: u64| {
-            let stimulus = [&whole, &half][changed];
-            bench.run(stimulus, seed, &self.setting.interrupt)
-        };
-        let pairs = self.pairs(entry, episodes, "half the time step", &run)?;
-        let asset = SuspectAsset {
+        let is_true =
+            |key: &&str| value_at(&bench, key).and_then(|value| value.as_bool()) == Some(true);
+        let fast = fast.filter(is_true);
+        let own = Stimulus::of(test);
+        let [whole, half] = steps_of(&own, (key, step_secs), fast);
+        let asset = |part: String| SuspectAsset {
             kind: SuspectKind::TimeStep,
             file: file_of(entry),
-            part: Some(format!("{key} = {step_secs}")),
+            part: Some(part),
             evidence: vec![entry.id.clone()],
         };
-        self.compared(entry, &asset, "half the time step", &pairs, gathered)
+        let changes = Changes {
+            bench: &bench,
+            entry,
+            episodes,
+        };
+        let part = asset(format!("{key} = {step_secs}"));
+        self.changed(
+            &changes,
+            [&whole, &half],
+            "half the time step",
+            &part,
+            gathered,
+        )?;
+        if let Some(key) = fast {
+            let part = asset(format!("{key} = true"));
+            self.changed(
+                &changes,
+                [&own, &whole],
+                "the full physics",
+                &part,
+                gathered,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// The episodes of a bench under one stimulus and another.
+    fn changed(
+        &self,
+        of: &Changes<'_>,
+        stimuli: [&Stimulus; 2],
+        changed: &str,
+        asset: &SuspectAsset,
+        gathered: &mut Gathered,
+    ) -> Result<(), Problem> {
+        let run =
+            |which: usize, seed: u64| of.bench.run(stimuli[which], seed, &self.setting.interrupt);
+        let pairs = self.pairs(of.entry, of.episodes, changed, &run)?;
+        self.compared(of.entry, asset, changed, &pairs, gathered)
     }
 
     fn other_engine(
@@ -302,6 +344,24 @@ fn violated(pair: &Pair, at: usize) -> [bool; 2] {
     [0, 1].map(|which| pair.verdicts[which].get(at) == Some(&Verdict::Violated))
 }
 
+/// A stimulus with the whole time step and with half of it, both by the full physics; `fast` is the key by
+/// which it would be the fast one.
+fn steps_of(own: &Stimulus, (key, step_secs): (&str, f64), fast: Option<&str>) -> [Stimulus; 2] {
+    let mut whole = own.clone();
+    let full = fast.map(|key| (key.to_owned(), false.into()));
+    whole.settings.extend(full);
+    let mut half = whole.clone();
+    half.settings.insert(key.into(), (step_secs / 2.0).into());
+    [whole, half]
+}
+
+/// A value of a bench's data.
+fn value_at(bench: &OpenBench, key: &str) -> Option<toml::Value> {
+    let data = toml::Value::Table(bench.data().clone());
+    key.split('.')
+        .try_fold(data, |value, part| value.get(part).cloned())
+}
+
 fn file_of(entry: &Entry) -> Option<String> {
     let path = match &entry.work {
         Work::Simulate { scenario, .. } => scenario,
@@ -309,4 +369,25 @@ fn file_of(entry: &Entry) -> Option<String> {
         _ => return None,
     };
     Some(path.to_string_lossy().replace('\\', "/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_the_time_step_is_asked_of_the_full_physics() {
+        let test = "name = \"t\"\nactions = []";
+        let own = Stimulus::of(toml::from_str(test).expect("a test"));
+        let fast = "scenario.simulation.fast";
+        let [whole, half] = steps_of(&own, ("scenario.simulation.step", 0.002), Some(fast));
+        for stimulus in [&whole, &half] {
+            assert_eq!(stimulus.settings[fast], false.into());
+        }
+        assert!(!whole.settings.contains_key("scenario.simulation.step"));
+        assert_eq!(half.settings["scenario.simulation.step"], 0.001.into());
+        // Where it is the full physics anyway, nothing else is set.
+        let [whole, _] = steps_of(&own, ("simulation.step", 0.002), None);
+        assert_eq!(whole.settings, own.settings);
+    }
 }
