@@ -53,6 +53,7 @@ pub mod design;
 pub mod draws;
 pub mod equivalence;
 pub mod fisher;
+mod gauss_grid;
 pub mod heterogeneity;
 pub mod interval;
 pub mod kruskal_wallis;
