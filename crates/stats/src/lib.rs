@@ -79,7 +79,7 @@ pub use clustered::{
     ClusterMethod, ClusteredRate, clustered_rate, clustered_rate_among, clustered_test_above,
     clustered_test_below,
 };
-pub use combination::{BETWEEN, ScatteredRate, power_prior, scattered_rate};
+pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use common_correlation::CommonCorrelation;
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};
