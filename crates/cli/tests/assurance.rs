@@ -412,6 +412,30 @@ fn gsn2x_finds_no_fault_in_the_arguments() {
 }
 
 #[test]
+#[ignore = "needs python3 with the package `in-toto-attestation` in PATH"]
+fn the_in_toto_package_reads_the_statements_whole() {
+    // A field that is not of the format is an error of `Parse`; `validate` holds the statement against the specification.
+    const READ: &str = "import json, sys\n\
+        from google.protobuf import json_format\n\
+        from in_toto_attestation.v1 import statement_pb2\n\
+        from in_toto_attestation.v1.statement import Statement\n\
+        for name in sys.argv[1:]:\n    \
+            given = json.load(open(name))\n    \
+            read = json_format.Parse(json.dumps(given), statement_pb2.Statement())\n    \
+            Statement.copy_from_pb(read).validate()\n    \
+            assert json.loads(json_format.MessageToJson(read)) == given, name\n";
+    let study = ran();
+    assert_eq!(study.run(&["assure", "study"]).code, 0);
+    let names = ["study", "evidence/E1", "evidence/E2"];
+    let files = names.map(|name| study.path(&format!("results/assurance/{name}.intoto.json")));
+    let files = files.map(|file| file.display().to_string());
+    let mut arguments = vec!["-c", READ];
+    arguments.extend(files.iter().map(String::as_str));
+    let output = judged_by("python3", &arguments);
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
 #[ignore = "needs python3 with the package `prov` in PATH"]
 fn the_prov_package_reads_the_provenance_whole() {
     const READ: &str = "import json, sys\n\

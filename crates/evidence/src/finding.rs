@@ -74,7 +74,7 @@ pub struct Spread {
     /// What would be left of the variance if all other constants were known, 0 to 1.
     #[serde(default)]
     pub total: Option<f64>,
-    /// Standard error of `total`, and about that of `share`.
+    /// The larger error of `share` and `total`: a standard error, or what quadrature leaves open.
     #[serde(default)]
     pub error: Option<f64>,
 }

@@ -145,7 +145,7 @@ impl CredibleInterval {
     /// let constants = [(7, 98), (2, 100)].map(|(successes, trials)| {
     ///     BetaPosterior::jeffreys(Sample { successes, trials })
     /// });
-    /// let design = SharesDesign::new(&constants, 500, 1);
+    /// let design = SharesDesign::new(&constants, 2000, 1);
     /// let values: Vec<f64> = design.rows().iter().map(|x| (1.0 - x[0]) * (1.0 - x[1])).collect();
     /// let found = CredibleInterval::of_design(&["p", "q"], &design, &values, Confidence::P95)?;
     /// assert_eq!(found.spread[0].constant, "p");
@@ -169,9 +169,7 @@ impl CredibleInterval {
                 error: Some(share.total_error.max(share.first_order_error)),
             })
             .collect();
-        // Each row, exchanged columns or not, is a draw of the constants.
-        let draws = stats::Draws::new(values)?;
-        Ok(Self::of_draws(&draws, values.len(), spread, level))
+        Ok(Self::of_draws(&found.draws, values.len(), spread, level))
     }
 
     fn of_draws(

@@ -88,7 +88,7 @@ pub struct Conclusion {
     /// In one or two sentences, with figures.
     pub statement: String,
     /// What all current techniques support together ("at least …"), at the
-    /// study's simultaneous confidence.
+    /// study's confidence: that all rates are at least this.
     pub common_lower_bound: Option<f64>,
     /// The evidence on which it rests: the current one of each technique.
     pub rests_on: Vec<String>,

@@ -36,6 +36,9 @@ use crate::special::normal_cdf;
 /// differ between 0.78 and 0.96 are as far apart as it expects at most.
 pub const BETWEEN: f64 = 0.5;
 
+/// What the prior gives 0.3 % to be exceeded.
+pub const MOST_BETWEEN: f64 = 3.0 * BETWEEN;
+
 /// Nodes of the integral over that standard deviation.
 const NODES: usize = 250;
 
@@ -52,6 +55,17 @@ pub struct ScatteredRate {
     pub rate: f64,
     /// Its credible interval, equal-tailed.
     pub interval: Interval,
+    /// Posterior median of the standard deviation between the log-odds.
+    pub between: f64,
+}
+
+impl ScatteredRate {
+    /// Whether the samples are further apart than the prior says that they can be ([`MOST_BETWEEN`]). Then the prior
+    /// holds them together against their counts, and the interval is far too narrow: nothing may be said of a mean.
+    #[must_use]
+    pub fn is_beyond_the_prior(&self) -> bool {
+        self.between > MOST_BETWEEN
+    }
 }
 
 /// The posterior of one common rate, each sample entering with its weight.
@@ -130,6 +144,7 @@ pub fn scattered_rate(
             low: logistic(mean.quantile(tail)),
             high: logistic(mean.quantile(1.0 - tail)),
         },
+        between: mean.median_between(),
     })
 }
 
@@ -139,6 +154,8 @@ struct Mixture {
 }
 
 struct Part {
+    /// The standard deviation between the log-odds.
+    between: f64,
     weight: f64,
     mean: f64,
     deviation: f64,
@@ -189,6 +206,17 @@ impl Mixture {
         self.parts.iter().map(below).sum()
     }
 
+    /// The parts ascend in it.
+    fn median_between(&self) -> f64 {
+        let mut below = 0.0;
+        let mut parts = self.parts.iter();
+        let half = parts.find(|part| {
+            below += part.weight;
+            below >= 0.5
+        });
+        half.map_or(0.0, |part| part.between)
+    }
+
     fn quantile(&self, level: f64) -> f64 {
         let reach = |part: &Part| {
             (
@@ -226,6 +254,7 @@ fn at(log_odds: &[f64], variances: &[f64], between: f64) -> (Part, f64) {
         log_likelihood -= 0.5 * (y - mean).powi(2) / (v + between);
     }
     let part = Part {
+        between: between.sqrt(),
         weight: 0.0,
         mean,
         deviation: (1.0 / total).sqrt(),
@@ -258,6 +287,38 @@ mod tests {
 
     /// Quadrature of the posterior by scipy 1.17 (`integrate.quad` over the standard deviation between samples,
     /// piece by piece to a relative error of 1e-12, `optimize.brentq` for the quantiles).
+    /// Two counts of 10^8 without a failure, or one, beside 99 of 100: with the prior against them, the mean would be
+    /// said to lie above 0.9999.
+    #[test]
+    fn samples_that_the_prior_cannot_hold_together_are_told() {
+        let of = |counts: &[(u64, u64)]| {
+            let sample = |(successes, trials): &(u64, u64)| {
+                let sample = crate::counts::Sample {
+                    successes: *successes,
+                    trials: *trials,
+                };
+                (sample.into(), 1.0)
+            };
+            let samples: Vec<(EffectiveSample, f64)> = counts.iter().map(sample).collect();
+            scattered_rate(&samples, Confidence::P95).unwrap()
+        };
+        let far = of(&[(T, T), (T - 1, T), (99, 100)]);
+        assert!(
+            far.interval.low > 0.9999 && far.is_beyond_the_prior(),
+            "{far:?}"
+        );
+        for near in [
+            [(88, 100), (439, 500)],
+            [(78, 100), (96, 100)],
+            [(0, 5), (5, 5)],
+        ] {
+            let near = of(&near);
+            assert!(!near.is_beyond_the_prior(), "{near:?}");
+        }
+    }
+
+    const T: u64 = 100_000_000;
+
     #[test]
     fn reference_values() {
         let close = |found: f64, expected: f64| {

@@ -55,6 +55,12 @@ impl Draws {
         Ok(Self { sorted })
     }
 
+    /// How many draws have weight.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.sorted.len()
+    }
+
     /// The weighted mean.
     #[must_use]
     pub fn mean(&self) -> f64 {

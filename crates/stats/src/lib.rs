@@ -53,6 +53,7 @@ pub mod design;
 pub mod draws;
 pub mod equivalence;
 pub mod fisher;
+mod gauss_grid;
 pub mod heterogeneity;
 pub mod interval;
 pub mod kruskal_wallis;
@@ -78,7 +79,7 @@ pub use clustered::{
     ClusterMethod, ClusteredRate, clustered_rate, clustered_rate_among, clustered_test_above,
     clustered_test_below,
 };
-pub use combination::{BETWEEN, ScatteredRate, power_prior, scattered_rate};
+pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use common_correlation::CommonCorrelation;
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 pub use design::{design, design_from, posterior_design};

@@ -103,7 +103,8 @@ fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
             (
                 spread.constant.as_str(),
                 if varies {
-                    spread.total.unwrap_or(0.0).max(spread.share)
+                    // What the share's error leaves open counts as bearing, too.
+                    spread.total.unwrap_or(0.0).max(spread.share) + spread.error.unwrap_or(0.0)
                 } else {
                     0.0
                 },

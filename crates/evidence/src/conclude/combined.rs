@@ -10,11 +10,13 @@
 //! * The rates may be one (Cochran's Q has a p-value of at least [`SCATTER`]): a power prior, that
 //!   is the beta posterior of all weighted counts, and its credible interval.
 //! * They scatter: random effects, and the credible interval of the mean rate.
+//! * They are further apart than the prior of the random effects allows for ([`stats::MOST_BETWEEN`]): nothing is
+//!   combined, because that prior would hold them together against their counts.
 //! * There is one piece: its own interval.
 //! * Two pieces conflict: nothing is combined.
 //!
 //! Beside it stands the sound common statement, which combines nothing: what every current piece
-//! supports, all at once, at the study's level (see `conclude`).
+//! supports, at the study's level (see `conclude`).
 //!
 //! The verdict against the threshold: *satisfied* when the rate is shown to meet it at the study's level, *violated*
 //! when it is shown to miss it, *undecided* else. Both are one-sided statements, as in a conclusion: of one piece by
@@ -151,7 +153,7 @@ fn combined(
     let pieces = current(study.evidence, requirement, &quantity);
     let among = among_current(comparisons, &quantity, &pieces);
     let mut result = blank(requirement, pieces.is_empty());
-    result.common = common(study, &pieces, requirement, lineage, &quantity);
+    result.common = common(study, &pieces, requirement);
     let chosen = chosen(&pieces, lineage, &quantity, weights, &mut result);
     say_what_is_older(study.evidence, requirement, &quantity, &pieces, &mut result);
     let both = |c: &&&Comparison| {
@@ -189,13 +191,10 @@ fn common(
     study: &Study<'_>,
     pieces: &[Piece<'_>],
     requirement: &Requirement,
-    lineage: &Lineage<'_>,
-    quantity: &Subject,
 ) -> Option<CommonBound> {
     let direction = asked(requirement).direction;
-    let all_independent = independent(pieces, lineage, quantity).len() == pieces.len();
     let confidence = study.levels.confidence;
-    let value = common_bound(pieces, direction, confidence, all_independent)?;
+    let value = common_bound(pieces, direction, confidence)?;
     let pieces: Vec<String> = pieces.iter().map(|p| p.evidence.id.clone()).collect();
     Some(CommonBound {
         direction,
@@ -231,7 +230,15 @@ fn together_in_words(result: &Combined, confidence: Confidence) -> String {
             Verdict::Conflicting => {
                 format!("Nothing is combined: {who} are independent and conflict.")
             }
-            _ => "Nothing is combined: no independent evidence is counted.".to_owned(),
+            _ if ids.is_empty() => {
+                "Nothing is combined: no independent evidence is counted.".to_owned()
+            }
+            _ => {
+                let p = p_value(result.p_heterogeneity.unwrap_or(1.0));
+                format!(
+                    "Nothing is combined: {who} scatter too far for one mean (p {p} of one rate)."
+                )
+            }
         };
     };
     let level = percent(confidence.level());
@@ -392,6 +399,9 @@ fn estimate(
     let at = |confidence: Confidence| -> Option<(f64, stats::Interval)> {
         let (rate, interval) = if is_scattered {
             let mean = stats::scattered_rate(&counts, confidence).ok()?;
+            if mean.is_beyond_the_prior() {
+                return None;
+            }
             (mean.rate, mean.interval)
         } else {
             let posterior = stats::power_prior(&counts).ok()?;

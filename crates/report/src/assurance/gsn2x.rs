@@ -13,7 +13,7 @@ const WRAP: usize = 45;
 /// The argument as one YAML document.
 ///
 /// Solutions carry two further attributes, which gsn2x shows on request
-/// (`gsn2x -l evidence -l blake3`): the identifier of the evidence, and the
+/// (`gsn2x -l=evidence -l=blake3`): the identifier of the evidence, and the
 /// hash of all its inputs. Their links lead to its in-toto statement.
 pub fn yaml(argument: &Argument) -> String {
     let mut text = format!(

@@ -220,7 +220,7 @@ fn measure_detail(measure: &Measure) -> Markup {
                                 @if i > 0 { ", " }
                                 code { (spread.constant) } " " (share(spread))
                             }
-                            " (Sobol' indices of first order with their standard errors)."
+                            " (Sobol' indices of first order with their errors)."
                             @if let Some(first) = credible.spread.first() {
                                 " Measuring " code { (first.constant) } " better would narrow it most."
                             }

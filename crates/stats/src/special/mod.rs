@@ -6,13 +6,14 @@
 //! small p-value.
 
 mod beta;
+mod beta_integral;
 mod density;
 mod gamma;
 mod normal;
 mod student;
 
-pub(crate) use beta::power_over_beta;
 pub use beta::{beta_cdf, beta_density, beta_quantile, beta_quantile_upper, beta_sf};
+pub(crate) use beta::{beta_tails, power_over_beta};
 pub(crate) use density::deviance_of_sum;
 pub use density::{binomial_pmf, deviance, hypergeometric_pmf, stirling_error};
 pub use gamma::{chi_squared_sf, gamma_p, gamma_q, ln_gamma};

@@ -6,14 +6,14 @@
 //! of the others. The posterior of a probability is that of the model's answer
 //! when the constants are drawn from theirs. It is found from the answers
 //! at the points of a low-discrepancy design, all questions on the same points
-//! (common random numbers), laid out so that each constant's share in the variance follows
-//! (Sobol' indices, `stats::propagation`). Where the answers are rational functions of the constants
+//! (common random numbers), and at the nodes of quadrature rules from which each constant's share in the variance
+//! follows (Sobol' indices, `stats::propagation`). Where the answers are rational functions of the constants
 //! (`checker::parametric`), these are found once and evaluated at each point, at more of them if floating point
 //! suffices; else the model is solved at each.
 //!
 //! # Guarantee
 //! None but convergence: the quantiles are estimates from the design's points, and the shares come with their
-//! standard error. Beside them stand robust bounds, which hold (see [`super::robust`]).
+//! error. Beside them stand robust bounds, which hold (see [`super::robust`]).
 
 use super::answer::{answer, explore};
 use super::{Compiled, CountedConstant, MAX_STATES, unplaced};
@@ -26,15 +26,21 @@ use prism_lang::{Constants, Number, Value};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Base rows of the design: a model is solved at twice as many points, and at as many more for each
-/// constant, whose share is found so.
-const BASE: usize = 250;
-
-/// The same where functions are evaluated in floating point, which costs nearly nothing.
-const BASE_OF_FUNCTIONS: usize = 8192;
+/// Points at which functions are evaluated where floating point suffices for them, which costs nearly nothing, for each
+/// constant and two more.
+const POINTS_OF_FUNCTIONS: usize = 8192;
 
 /// A change of a probability below this is rounding.
 const NO_EFFECT: f64 = 1e-9;
+
+/// Points at which a model is solved: as many as draws of its constants give quantiles, with those of a grid that
+/// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged.
+fn solves(constants: usize) -> usize {
+    match constants {
+        0..=6 => 1000 + 100 * constants,
+        _ => 250 * (constants + 2),
+    }
+}
 
 impl Compiled<'_> {
     /// Which failure modes, through constants that are held, bear on which
@@ -84,11 +90,13 @@ impl Compiled<'_> {
             .iter()
             .map(|posterior| posterior.mean())
             .collect();
-        let base = match &functions {
-            Some(functions) if functions.is_quick_at(&means) => BASE_OF_FUNCTIONS,
-            _ => BASE,
+        let evaluations = match &functions {
+            Some(functions) if functions.is_quick_at(&means) => {
+                POINTS_OF_FUNCTIONS * (posteriors.len() + 2)
+            }
+            _ => solves(posteriors.len()),
         };
-        let design = stats::SharesDesign::new(&posteriors, base, self.study.about.seed);
+        let design = stats::SharesDesign::new(&posteriors, evaluations, self.study.about.seed);
         let stage = begin(
             &format!("{id}: uncertainty of its constants"),
             design.rows().len() as u64,
