@@ -88,7 +88,7 @@ impl SharesDesign {
     /// let success: Vec<f64> = design.rows().iter().map(|x| (1.0 - x[0]) * (1.0 - x[1])).collect();
     /// let result = design.analyse(&success)?;
     /// assert_eq!(result.draws.interval(Confidence::P95).to_string(), "[0.8363, 0.9511]");
-    /// assert!((result.shares[0].total - 0.7513).abs() < 1e-4);
+    /// assert!((result.shares[0].total - 0.7672).abs() < 1e-4);
     /// # Ok::<(), stats::StatsError>(())
     /// ```
     #[must_use]
