@@ -425,14 +425,16 @@ impl Engine for Exact {
     }
 
     fn contrary(value: &Rational) -> Rational {
-        exact::indicator(true) - value
+        exact::indicator(true).sub(value)
     }
 
     fn mean<'a>(
         transitions: impl Iterator<Item = (&'a Rational, &'a Rational)>,
         _: &Context<'_>,
     ) -> Rational {
-        transitions.map(|(p, value)| p * value).sum()
+        transitions.fold(exact::indicator(false), |sum, (p, value)| {
+            sum.add(&p.mul(value))
+        })
     }
 
     fn reachability(

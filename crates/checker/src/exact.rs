@@ -6,8 +6,7 @@
 //! Guarantee: exact. Cost: as there in the number of operations, but numbers grow with the number of
 //! states on a path, so that large models with many different probabilities take long.
 
-use num_traits::{One, Zero};
-use prism_lang::Rational;
+use prism_lang::{Arithmetic, Rational};
 
 use crate::answer::{CheckError, Options};
 use crate::elimination::{GivenUp, System};
@@ -77,8 +76,8 @@ fn system(
         for (target, p) in matrix.row(*state as usize) {
             match local[target] {
                 u32::MAX => {
-                    exit += p;
-                    value += p * &x[target];
+                    exit = exit.add(p);
+                    value = value.add(&p.mul(&x[target]));
                 }
                 _ if target == *state as usize => {}
                 position => row.push((position, p.clone())),

@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use num_traits::{One, Pow, Signed, ToPrimitive, Zero};
 
 use crate::number::{Number, Rational};
+use crate::rational;
 
 /// Largest size, in bits, of numerator or denominator of a rational power.
 const MAX_POWER_BITS: u64 = 1 << 24;
@@ -124,16 +125,16 @@ impl Arithmetic for Rational {
         crate::number::rational_to_f64(self)
     }
     fn add(&self, other: &Self) -> Self {
-        self + other
+        rational::sum(self, other)
     }
     fn sub(&self, other: &Self) -> Self {
-        self - other
+        rational::difference(self, other)
     }
     fn mul(&self, other: &Self) -> Self {
-        self * other
+        rational::product(self, other)
     }
     fn div(&self, other: &Self) -> Option<Self> {
-        (!Zero::is_zero(other)).then(|| self / other)
+        (!Zero::is_zero(other)).then(|| rational::quotient(self, other))
     }
     fn pow(&self, exponent: &Self) -> Option<Self> {
         if !exponent.is_integer() {
@@ -182,16 +183,28 @@ impl Arithmetic for Number {
         Number::to_f64(self)
     }
     fn add(&self, other: &Self) -> Self {
-        self.combine(other, |a, b| Some(a + b), |a, b| Some(a + b))
-            .unwrap_or_else(|| Self::from_approximate(f64::NAN))
+        self.combine(
+            other,
+            |a, b| Some(Arithmetic::add(a, b)),
+            |a, b| Some(a + b),
+        )
+        .unwrap_or_else(|| Self::from_approximate(f64::NAN))
     }
     fn sub(&self, other: &Self) -> Self {
-        self.combine(other, |a, b| Some(a - b), |a, b| Some(a - b))
-            .unwrap_or_else(|| Self::from_approximate(f64::NAN))
+        self.combine(
+            other,
+            |a, b| Some(Arithmetic::sub(a, b)),
+            |a, b| Some(a - b),
+        )
+        .unwrap_or_else(|| Self::from_approximate(f64::NAN))
     }
     fn mul(&self, other: &Self) -> Self {
-        self.combine(other, |a, b| Some(a * b), |a, b| Some(a * b))
-            .unwrap_or_else(|| Self::from_approximate(f64::NAN))
+        self.combine(
+            other,
+            |a, b| Some(Arithmetic::mul(a, b)),
+            |a, b| Some(a * b),
+        )
+        .unwrap_or_else(|| Self::from_approximate(f64::NAN))
     }
     fn div(&self, other: &Self) -> Option<Self> {
         if Arithmetic::is_zero(other) {

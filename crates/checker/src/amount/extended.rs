@@ -62,7 +62,7 @@ impl Amount for Extended {
 
     fn add(&self, other: &Self) -> Self {
         match (self, other) {
-            (Finite(a), Finite(b)) => Finite(a + b),
+            (Finite(a), Finite(b)) => Finite(Arithmetic::add(a, b)),
             (Undefined, _) | (_, Undefined) => Undefined,
             (Infinite, MinusInfinite) | (MinusInfinite, Infinite) => Undefined,
             (Finite(_), infinite) | (infinite, _) => infinite.clone(),
@@ -80,7 +80,7 @@ impl Amount for Extended {
 
     fn mul(&self, other: &Self) -> Self {
         match (self, other) {
-            (Finite(a), Finite(b)) => Finite(a * b),
+            (Finite(a), Finite(b)) => Finite(Arithmetic::mul(a, b)),
             (Undefined, _) | (_, Undefined) => Undefined,
             _ if self.sign() == Ordering::Equal || other.sign() == Ordering::Equal => Undefined,
             _ if self.sign() == other.sign() => Infinite,

@@ -4,8 +4,8 @@
 //! rule, which never cycles (Bland 1977, "New finite pivoting rules for the simplex method"). Guarantee: exact.
 //! Cost: exponential in the worst case; here there are few rows.
 
-use num_traits::{Signed, Zero};
-use prism_lang::Rational;
+use num_traits::Signed;
+use prism_lang::{Arithmetic, Rational};
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,14 +82,17 @@ impl Tableau {
         self.basis
             .iter()
             .zip(&self.rhs)
-            .map(|(j, value)| &cost[*j] * value)
-            .sum()
+            .fold(Rational::zero(), |sum, (j, value)| {
+                sum.add(&cost[*j].mul(value))
+            })
     }
 
     fn reduced(&self, cost: &[Rational], column: usize) -> Rational {
         let pairs = self.basis.iter().zip(&self.rows);
-        let used: Rational = pairs.map(|(j, row)| &cost[*j] * &row[column]).sum();
-        &cost[column] - used
+        let used = pairs.fold(Rational::zero(), |sum, (j, row)| {
+            sum.add(&cost[*j].mul(&row[column]))
+        });
+        cost[column].sub(&used)
     }
 
     /// Pivots until no column before `columns` improves; nothing if the value has no end.
@@ -127,9 +130,9 @@ impl Tableau {
             let factor = row[entering].clone();
             if other != place && !factor.is_zero() {
                 for (value, of_pivot) in row.iter_mut().zip(&pivot) {
-                    *value -= &factor * of_pivot;
+                    *value = value.sub(&factor.mul(of_pivot));
                 }
-                self.rhs[other] -= &factor * &rhs;
+                self.rhs[other] = self.rhs[other].sub(&factor.mul(&rhs));
             }
         }
         self.basis[place] = entering;

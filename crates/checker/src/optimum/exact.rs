@@ -5,8 +5,7 @@
 //! strictly better, until none is. Guarantee: exact. Cost: few rounds on most models, exponentially many in
 //! the worst case; numbers grow with the number of states.
 
-use num_traits::{One, Zero};
-use prism_lang::Rational;
+use prism_lang::{Arithmetic, Rational};
 
 use super::policy::leaving_component;
 use super::sound::no_choice;
@@ -91,7 +90,7 @@ impl Solver<'_> {
             for (target, p) in self.problem.matrix.row(*row) {
                 match self.position[target] {
                     u32::MAX => {
-                        exit += p;
+                        exit = exit.add(p);
                         value = value.add(&Extended::Finite(p.clone()).mul(&self.values[target]));
                     }
                     place => entries.push((place, p.clone())),
@@ -147,7 +146,7 @@ impl Solver<'_> {
             0.0,
         );
         let total: Rational = self.problem.matrix.row(row).map(|(_, p)| p).sum();
-        match total.is_one() {
+        match total == Rational::one() {
             true => sum,
             false => sum.div(&Extended::Finite(total)),
         }
