@@ -3,13 +3,13 @@
 //! *Definition.* From a distribution over the states (by default equal probabilities of the initial ones), the probability of
 //! being in each state after `k` steps (`dtmc`), at time `t` (`ctmc`), or its share of the time in the long run.
 //!
-//! *Method.* Steps: `y' = y P`. Time: uniformisation (Jensen 1953), as in [`crate::transient`] but forward, so that one sequence of
-//! vectors serves all states and all times: the sum of `w_k y_k` with the weights of each time. Long run: the expected visits of
-//! the transient states say how probable each bottom component is, and those between two visits to one of its states which share
-//! of the time is spent where, both by elimination ([`crate::elimination`]), which loses no digits to subtraction.
+//! *Method.* Steps: `y' = y P`. Time: uniformisation (Jensen 1953), as in the crate's module `transient` but forward, so that one
+//! sequence of vectors serves all states and all times: the sum of `w_k y_k` with the weights of each time. Long run: the expected
+//! visits of the transient states say how probable each bottom component is, and those between two visits to one of its states
+//! which share of the time is spent where, both by elimination (module `elimination`), which loses no digits to subtraction.
 //!
 //! *Guarantee.* Bounds: all terms are positive, so relative errors add up; uniformisation is cut where what is left of the weights
-//! is below [`CUT`], which is added to the upper bounds. Cost: entries times steps, or times about `q t`; that of an elimination.
+//! is below `CUT`, which is added to the upper bounds. Cost: entries times steps, or times about `q t`; that of an elimination.
 
 use prism_lang::Number;
 use prism_lang::resolved::ModelType;
