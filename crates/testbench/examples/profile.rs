@@ -88,8 +88,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("case-studies/handover/simulation");
     let engine = Engine::load(&root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0"))?;
-    let full = std::fs::read_to_string(folder.join("scenario.toml"))?;
-    let fast = full.replacen("[simulation]", "[simulation]\nfast = true", 1);
+    let text = std::fs::read_to_string(folder.join("scenario.toml"))?;
+    let physics = |fast: bool| -> Result<String, toml::de::Error> {
+        let mut scenario: toml::Table = text.parse()?;
+        if let Some(toml::Value::Table(table)) = scenario.get_mut("simulation") {
+            table.insert("fast".to_owned(), fast.into());
+        }
+        Ok(scenario.to_string())
+    };
+    let (full, fast) = (physics(false)?, physics(true)?);
     let parameters = std::fs::read_to_string(folder.join(format!("{set}.toml")))?;
     let scenarios = match std::env::var("CAMPAIGN_FAST").as_deref() {
         Ok("both") => vec![full, fast],

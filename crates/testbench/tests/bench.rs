@@ -13,7 +13,7 @@ use trace::Trace;
 fn bench() -> Option<HandoverBench> {
     let engine = common::engine()?;
     let (scenario, parameters) = (
-        common::handover_file("scenario.toml"),
+        common::scenario_text(false),
         common::handover_file("tuned.toml"),
     );
     Some(HandoverBench::new(&engine, &scenario, &parameters).expect("the case study is sound"))
@@ -273,7 +273,7 @@ fn with_its_draws_as_settings_a_run_is_the_same_whatever_the_seed_would_draw() {
     };
     for (parameters, expected) in [("untuned.toml", 9), ("tuned.toml", 1)] {
         let (scenario, parameters) = (
-            common::handover_file("scenario.toml"),
+            common::scenario_text(false),
             common::handover_file(parameters),
         );
         let bench = HandoverBench::new(&engine, &scenario, &parameters).expect("sound");

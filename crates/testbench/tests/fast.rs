@@ -126,8 +126,7 @@ fn a_fast_run_is_repeated_on_any_thread_and_continued_bit_for_bit() {
 
 /// Runs episode 2 of a set, on two threads and from each of these moments on, and compares all bits.
 fn continued(engine: &Engine, set: &str, moments: &[f64]) {
-    let scenario = common::handover_file("scenario.toml");
-    let scenario = scenario.replacen("[simulation]", "[simulation]\nfast = true", 1);
+    let scenario = common::scenario_text(true);
     let parameters = common::handover_file(&format!("{set}.toml"));
     let bench = HandoverBench::new(engine, &scenario, &parameters).expect("sound");
     let stimulus = bench.own_test("typical use").expect("it is there");

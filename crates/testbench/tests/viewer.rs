@@ -43,7 +43,7 @@ fn the_handover_is_seen_as_it_is_recorded_and_recorded_as_if_unseen() {
         return;
     };
     let (scenario, parameters) = (
-        common::handover_file("scenario.toml"),
+        common::scenario_text(false),
         common::handover_file("tuned.toml"),
     );
     let bench = HandoverBench::new(&engine, &scenario, &parameters).expect("sound");

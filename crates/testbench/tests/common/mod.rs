@@ -26,9 +26,19 @@ pub fn handover_file(name: &str) -> String {
     std::fs::read_to_string(path).expect("the case study's file is there")
 }
 
-/// The handover's scenario.
+/// The handover's scenario as text, in the full or the fast physics whichever of them the study has.
+pub fn scenario_text(fast: bool) -> String {
+    let text = handover_file("scenario.toml");
+    let lines = text.lines().filter(|line| !line.starts_with("fast = "));
+    let text: String = lines.map(|line| format!("{line}\n")).collect();
+    let table = "[simulation]\n";
+    assert!(text.contains(table), "the scenario has `{table}`");
+    text.replacen(table, &format!("{table}fast = {fast}\n"), 1)
+}
+
+/// The handover's scenario in the full physics.
 pub fn scenario() -> Scenario {
-    Scenario::parse(&handover_file("scenario.toml")).expect("the scenario is sound")
+    Scenario::parse(&scenario_text(false)).expect("the scenario is sound")
 }
 
 /// A parameter set of the handover.
