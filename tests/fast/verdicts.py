@@ -17,7 +17,9 @@ of them does, and
   design", Statistics in Medicine 17, 1998): are the rates the same within MARGIN points? Where it is
   inside, two one-sided tests at 5 % say so.
 
-Ends with 1 if a corrected p is below 0.05 or an interval reaches beyond the margin. Needs pyarrow.
+Ends with 1 if a corrected p is below 0.05 or an interval reaches beyond the margin; with `--most N`,
+where there are too few episodes for either, if more than N differ in some verdict or none are paired.
+Needs pyarrow.
 """
 
 import math
@@ -99,9 +101,12 @@ def robustness(pairs, monitors):
             print(f"robustness of {monitor}: differs by {middle:.2e} in the median, {most:.2e} at most")
 
 
-def main(first, second):
+def main(first, second, most=None):
     tables = [table(path) for path in (first, second)]
     pairs = [[side[seed] for side in tables] for seed in tables[0] if seed in tables[1]]
+    if not pairs:
+        print(f"{first} and {second} have no episode of the same seed")
+        return 1
     monitors = [name[: -len(".verdict")] for name in pairs[0][0] if name.endswith(".verdict")]
     rows = list(comparisons(pairs, monitors))
     tested = [mcnemar(*only) for *_, only in rows if any(only)]
@@ -124,10 +129,14 @@ def main(first, second):
         f"every rate is the same within {100 * widest:.2f} points"
     )
     robustness(pairs, monitors)
-    return int(worst < 0.05 or widest > MARGIN)
+    return int(worst < 0.05 or widest > MARGIN if most is None else differ > most)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    sys.exit(main(*sys.argv[1:]))
+    match sys.argv[1:]:
+        case [first, second]:
+            sys.exit(main(first, second))
+        case [first, second, "--most", most] if most.isdecimal():
+            sys.exit(main(first, second, int(most)))
+        case _:
+            sys.exit(__doc__)
