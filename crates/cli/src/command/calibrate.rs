@@ -20,7 +20,7 @@ use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use counts::Reality;
 use evidence::{CalibrationReport, FileReport, Likeness, LineageReport};
-use file::{CODE, CalibrationText, merge, quoted};
+use file::{CODE, CalibrationText, in_full_physics, merge, quoted, written};
 use std::path::{Path, PathBuf};
 use stimulus::Space;
 use testbench::SimError;
@@ -39,7 +39,10 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
     let level = confidence(text.confidence)?;
     let reality = Reality::read(&study, &source, &text)?;
     let base = base_parameters(&study, &source, &text)?;
-    let scenario = Source::read(&study.folder.join(&text.scenario))?;
+    let mut scenario = Source::read(&study.folder.join(&text.scenario))?;
+    if text.full_physics {
+        scenario = in_full_physics(scenario)?;
+    }
     let library = setting.physics_library.as_deref();
     let bench = TestBench::new(&scenario, &base, &text.test, library)?;
     let space = text.space();
@@ -188,10 +191,6 @@ pub fn kept_calibration(
         }
     }
     Ok(Some(report))
-}
-
-fn written(table: &Table) -> Result<String, Problem> {
-    toml::to_string(table).map_err(|error| Problem::new("cannot-write", error.to_string()))
 }
 
 /// Fails unless the middle of the space can be simulated, and both ends of each parameter.

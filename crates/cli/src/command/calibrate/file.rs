@@ -22,6 +22,9 @@ pub struct CalibrationText {
     pub scenario: PathBuf,
     /// The parameters to begin with, relative to the study.
     pub parameters: PathBuf,
+    /// Whether episodes are of the full physics, whatever the scenario's `simulation.fast` says.
+    #[serde(default)]
+    pub full_physics: bool,
     /// The abstract test that episodes enact.
     pub test: String,
     /// The evidence whose counts are to be reproduced.
@@ -238,6 +241,26 @@ impl CalibrationText {
     }
 }
 
+/// The scenario in the full physics; its own text if that is so already.
+pub fn in_full_physics(scenario: Source) -> Result<Source, Problem> {
+    let mut table: Table =
+        toml::from_str(&scenario.text).map_err(|error| Problem::from_toml(&scenario, &error))?;
+    let simulation = table.get_mut("simulation").and_then(Value::as_table_mut);
+    match simulation.and_then(|it| it.get_mut("fast")) {
+        Some(fast @ Value::Boolean(true)) => *fast = false.into(),
+        _ => return Ok(scenario),
+    }
+    Ok(Source {
+        text: written(&table)?,
+        name: format!("{} in the full physics", scenario.name),
+    })
+}
+
+/// A table as text.
+pub fn written(table: &Table) -> Result<String, Problem> {
+    toml::to_string(table).map_err(|error| Problem::new("cannot-write", error.to_string()))
+}
+
 /// Replaces values of `into` by those of `known`, table by table; the key that
 /// `into` does not have is the error.
 pub fn merge(into: &mut Table, known: &Table) -> Result<(), String> {
@@ -263,6 +286,28 @@ fn is_kind(key: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_full_physics_is_asked_for_where_it_is_not_on() {
+        let of = |text: &str| {
+            let name = "scenario.toml".into();
+            in_full_physics(Source {
+                text: text.into(),
+                name,
+            })
+            .unwrap()
+        };
+        let fast = "name = \"x\"\n[simulation]\nfast = true\nstep = 0.002\n";
+        let table: Table = toml::from_str(&of(fast).text).unwrap();
+        let full: Table = toml::from_str(&fast.replace("true", "false")).unwrap();
+        assert_eq!(table, full);
+        for same in [
+            &fast.replace("true", "false"),
+            "[simulation]\nstep = 0.002\n",
+        ] {
+            assert_eq!(of(same).text, same);
+        }
+    }
 
     #[test]
     fn what_is_known_replaces_values_and_whole_distributions() {

@@ -108,9 +108,13 @@ impl Written<'_> {
 
     fn origin(&self, text: &mut String) -> std::fmt::Result {
         let lineage = self.lineage;
+        let physics = match self.about.full_physics {
+            true => " in the full physics",
+            false => "",
+        };
         writeln!(
             text,
-            "# Made with {}, {} episodes and the study's seed {}, from (BLAKE3):",
+            "# Made with {}{physics}, {} episodes and the study's seed {}, from (BLAKE3):",
             self.engine, self.episodes, lineage.seed
         )?;
         for it in std::iter::once(&lineage.calibration).chain(&lineage.files) {
