@@ -1,5 +1,7 @@
 //! Who is suspected first, on the handover's first three pieces of evidence and on planted faults.
 
+mod odd;
+
 use evidence::*;
 use stats::{Confidence, Sample, wilson};
 
