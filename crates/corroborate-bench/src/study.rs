@@ -481,6 +481,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         description_gaps: Vec::new(),
         failures: Vec::new(),
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }

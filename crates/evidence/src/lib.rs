@@ -63,7 +63,8 @@ pub use fit::{
 };
 pub use interval::Interval;
 pub use ledger::{
-    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult, TakenCorrelation,
+    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, RepeatedRows, StudyResult,
+    TakenCorrelation,
 };
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use synthesis::{Synthesis, synthesise};

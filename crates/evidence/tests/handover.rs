@@ -94,6 +94,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }

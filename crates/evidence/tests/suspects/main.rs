@@ -99,6 +99,7 @@ fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> 
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: text(),
     }
 }
