@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::published;
 use crate::study::{Entry, Study, Work};
+use crate::technique::experiment::repeated;
 use crate::technique::{Influence, Produced};
 use evidence::{
     Asset, Clue, Cost, Evidence, Inaccuracy, Matter, Measure, StudyResult, Subject, SuspectAsset,
@@ -74,6 +75,7 @@ pub fn piece(
             description_gaps: produced.description_gaps,
             failures: produced.failures,
             clusters: produced.clusters,
+            shared_rows: Vec::new(),
             inputs,
         },
         cost,
@@ -123,6 +125,7 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         drifted.extend(piece.drifted);
         declared.extend(piece.influences);
     }
+    repeated::find(study, &mut evidence)?;
     let levels = evidence::Levels::new(study.about.confidence, study.about.agreement)
         .map_err(|error| Problem::new("bad-level", error.to_string()))?;
     let influences = declared

@@ -134,3 +134,60 @@ fn results_of_other_files_are_not_diagnosed() {
         "{said:?}"
     );
 }
+
+/// Two experiments, told in tables of which the second has ten rows of the first among its own.
+fn told_twice(repeated: bool) -> (Said, Value) {
+    let study = Study::new();
+    let row = |session: u64, salt: u64| {
+        let successes = 20 + (session * 7 + salt * session * session) % 11;
+        let missed = "M ".repeat(30 - successes as usize);
+        format!(
+            "{session},{},{successes},30,{missed}\n",
+            20 + (session * salt) % 9
+        )
+    };
+    let table = |rows: String| format!("session,age,successes,attempts,failure_modes\n{rows}");
+    let first: String = (1..=11).map(|session| row(session, 1)).collect();
+    let second: String = (1..=13)
+        .map(|session| match repeated && session <= 10 {
+            true => row(session, 1),
+            false => row(session, 4),
+        })
+        .collect();
+    study.write("first.csv", table(first));
+    study.write("second.csv", table(second));
+    let entry = |id: &str, file: &str| {
+        format!(
+            "\n[[evidence]]\nid = \"{id}\"\ntitle = \"{id}\"\ntechnique = \"experiment\"\n\
+             conditions = \"typical\"\ntables.cohort = \"{file}\"\nchanged = \"Sessions.\"\n"
+        )
+    };
+    let ledger = support::read(&study.path("ledger.toml"));
+    let ledger = ledger + &entry("A", "first.csv") + &entry("B", "second.csv");
+    study.write("ledger.toml", ledger);
+    let said = study.run(&["run", "study", "--quiet"]);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let verified = study.run(&["verify", "study/results"]);
+    assert_eq!(verified.code, 0, "{verified:?}");
+    let result = support::read(&study.path("results/study.json"));
+    (said, serde_json::from_str(&result).expect("JSON"))
+}
+
+#[test]
+fn rows_that_two_tables_share_are_no_two_experiments() {
+    for repeated in [true, false] {
+        let (_, result) = told_twice(repeated);
+        let comparisons = result["comparisons"].as_array().expect("comparisons");
+        let ours = |c: &&Value| c["left"] == "A" && c["right"] == "B";
+        let pairs: Vec<&Value> = comparisons.iter().filter(ours).collect();
+        let is_counted = |c: &&Value| !c["p_difference"].is_null();
+        let pairs: Vec<&Value> = pairs.into_iter().filter(is_counted).collect();
+        assert!(!pairs.is_empty());
+        for pair in pairs {
+            assert_eq!(pair["independent"], !repeated, "{pair}");
+            let reason = pair["reason"].as_str().expect("a reason");
+            let said = "10 of the 11 rows that `first.csv` and `second.csv` both have are the same";
+            assert_eq!(reason.contains(said), repeated, "{reason}");
+        }
+    }
+}

@@ -2,10 +2,11 @@
 
 use crate::coverage::{Kind, coverage};
 use crate::family::Family;
-use crate::fault::Fault;
+use crate::fault::{Fault, Site};
+use crate::matrix::site;
 use crate::random::Random;
 use crate::repair::{Repair, repair};
-use crate::score::{Score, score};
+use crate::score::{Powers, Score, score};
 use crate::study::{LEVEL, Synthetic};
 use crate::trials::Told;
 use evidence::Outcome;
@@ -58,6 +59,8 @@ impl Plan {
 /// One study's result.
 #[derive(Clone, Debug)]
 pub struct Line {
+    /// Its number, from which it can be made again.
+    pub number: u64,
     /// Its family.
     pub family: Family,
     /// Whether the formal model's constants were counted.
@@ -66,6 +69,8 @@ pub struct Line {
     pub told: Told,
     /// Its score.
     pub score: Score,
+    /// Where its suspects are, the first three of them, with their scores.
+    pub accused: Vec<(Site, f64)>,
     /// What came of the first proposal, where something was planted.
     pub repair: Repair,
     /// Its intervals, where nothing was planted.
@@ -135,8 +140,11 @@ fn jobs(plan: &Plan) -> Vec<(Family, Fault)> {
 fn one(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Line, String> {
     let study = Synthetic::new(family, fault, seed, number)?;
     let mut random = Random::new(seed ^ 0x5eed, number);
+    let first = study.suspects.iter().take(3);
     Ok(Line {
+        number,
         family,
+        accused: first.map(|it| (site(it), it.score)).collect(),
         counted_constants: study.setup.rig.is_some(),
         told: study.setup.cohort.told,
         score: score(&study),
@@ -147,6 +155,34 @@ fn one(family: Family, fault: Fault, seed: u64, number: u64) -> Result<Line, Str
             _ => Vec::new(),
         },
     })
+}
+
+impl Line {
+    /// What of a planted fault was missed, for somebody who looks at misses one by one; `None` if nothing was.
+    #[must_use]
+    pub fn missed(&self) -> Option<String> {
+        let score = &self.score;
+        let is_repaired = matches!(self.repair, Repair::Repaired | Repair::NotRepairable);
+        let is_first = score.rank == Some(1);
+        if !score.fault.is_conflict() || score.found && is_first && is_repaired {
+            return None;
+        }
+        let Powers {
+            known,
+            learned,
+            of_all,
+        } = score.theory;
+        Some(format!(
+            "study {} ({}, {}): found {} (power {known:.3}, {learned:.3}, {of_all:.3}), suspect {:?} of {:?}, {:?}",
+            self.number,
+            self.family.name(),
+            score.fault.name(),
+            score.found,
+            score.rank,
+            self.accused,
+            self.repair
+        ))
+    }
 }
 
 fn one_comparison(study: &Synthetic, random: &mut Random) -> Option<(bool, bool)> {

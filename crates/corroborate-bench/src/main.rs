@@ -1,14 +1,16 @@
 //! The benchmark as a command.
 //!
-//! `corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER]` prints the tables, and writes each as CSV to the folder.
+//! `corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER]
+//! [--misses]` prints the tables, and writes each as CSV to the folder; with `--misses`, to standard error a line for each
+//! study whose fault was not found, not the first suspect, or not repaired.
 
-use corroborate_bench::bench::{Plan, run};
+use corroborate_bench::bench::{Line, Plan, run};
 use corroborate_bench::family::Family;
 use corroborate_bench::table::tables;
 use std::path::Path;
 use std::process::ExitCode;
 
-const USAGE: &str = "usage: corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER]";
+const USAGE: &str = "usage: corroborate-bench [--small] [--seed NUMBER] [--without-case-studies] [--only FAMILY] [--to FOLDER] [--misses]";
 
 fn seed(text: Option<String>) -> Result<u64, String> {
     let seed = text.and_then(|text| text.parse().ok());
@@ -33,7 +35,7 @@ fn main() -> ExitCode {
 
 fn benchmark() -> Result<(), String> {
     let mut plan = Plan::FULL;
-    let mut folder = None;
+    let (mut folder, mut misses) = (None, false);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
@@ -41,6 +43,7 @@ fn benchmark() -> Result<(), String> {
             "--seed" => plan.seed = seed(arguments.next())?,
             "--without-case-studies" => (plan.handover, plan.corridor) = (0, 0),
             "--only" => plan.only = Some(family(arguments.next())?),
+            "--misses" => misses = true,
             "--to" => folder = Some(arguments.next().ok_or(USAGE)?),
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }
@@ -51,6 +54,9 @@ fn benchmark() -> Result<(), String> {
             eprintln!("{done} of {all} studies");
         }
     })?;
+    for missed in lines.iter().filter(|_| misses).filter_map(Line::missed) {
+        eprintln!("{missed}");
+    }
     let mut page = format!("{} studies, seed {}.\n", lines.len(), plan.seed);
     for table in tables(&lines) {
         page.push_str(&format!("\n{}", table.markdown()));

@@ -9,8 +9,8 @@ use crate::study::ids;
 use crate::task::{Run, Task};
 use crate::texts::STEP_KEY;
 use evidence::{
-    Cell, CellPlace, Clue, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset, SuspectKind,
-    Symptom, Technique, Traces, VerdictCounts, strength,
+    Cell, CellPlace, Clue, HALF_STEP, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset,
+    SuspectKind, Symptom, Technique, Traces, VerdictCounts, strength,
 };
 use stats::Confidence;
 
@@ -152,7 +152,7 @@ fn clue(
         explanation: String::new(),
         symptom: Symptom::RunsOtherwise {
             subject: subject.clone(),
-            changed: "half the time step".into(),
+            changed: HALF_STEP.into(),
             violated: [count(&|a, _| a), count(&|_, b| b)],
             episodes: pairs.len() as u64,
             differing: mended + broken,

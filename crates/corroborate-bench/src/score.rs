@@ -76,7 +76,7 @@ fn touches(study: &Synthetic, comparison: &Comparison) -> bool {
 }
 
 /// Faults that show without a comparison: two forms on the same runs, two methods on the same model,
-/// a failure mode that a model cannot express.
+/// a failure mode that a model cannot express, be it the model that is wrong or, on strong evidence, the one that shows it.
 fn otherwise_found(study: &Synthetic) -> bool {
     let subjects = &study.planted.subjects;
     match study.planted.site {
@@ -91,6 +91,12 @@ fn otherwise_found(study: &Synthetic) -> bool {
             .iter()
             .flat_map(|suspect| &suspect.symptoms)
             .any(|symptom| matches!(symptom, Symptom::MissingMode { mode, .. } if subjects[0].id() == mode)),
+        Some(Site::Simulation) if study.planted.fault == Fault::ExtraBehaviour => study
+            .suspects
+            .iter()
+            .filter(|suspect| site(suspect) == Site::Simulation && suspect.is_strong())
+            .flat_map(|suspect| &suspect.symptoms)
+            .any(|symptom| matches!(symptom, Symptom::RateDiffers { subject, .. } if subject == &subjects[0])),
         _ => false,
     }
 }

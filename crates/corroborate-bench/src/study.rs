@@ -208,7 +208,8 @@ fn ledger(
     let mut cells = if setup.family == Family::Handover {
         Vec::new()
     } else {
-        of_paths(&assets.formal, assets, level, &mut Stream::Paths.open(seed))?
+        let (described, _) = described(setup, assets)?;
+        of_paths(&described, assets, level, &mut Stream::Paths.open(seed))?
     };
     let mut campaign = |id: &str, stream: Stream, task: &Task, runs: usize| {
         let technique = match stream {
@@ -324,18 +325,17 @@ fn rig_evidence(
     Ok(Some(rig))
 }
 
-/// The formal model's text, and its constants that were set to tests of stages alone.
-///
-/// # Errors
-/// What is wrong with the text of the handover's model.
-pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), String> {
+/// The task that the formal model describes, and its constants that were set to tests of stages alone.
+fn described(setup: &Setup, assets: &Assets) -> Result<(Task, Counted), String> {
     let mut task = assets.formal.clone();
     let mut counted = Vec::new();
     for (place, sample) in setup.rig.iter().flatten().enumerate() {
         let stage = &mut task.stages[place];
-        if sample.trials > 0 && stage.can_fail {
+        let (parameter, is_complement) = setup.constant(place);
+        // What was set to other counts since is so in the task.
+        let is_set = assets.set_to.iter().any(|it| it.parameter == parameter);
+        if sample.trials > 0 && stage.can_fail && !is_set {
             stage.fails = sample.successes as f64 / sample.trials as f64;
-            let (parameter, is_complement) = setup.constant(place);
             let set_to = SetTo {
                 parameter,
                 is_complement,
@@ -346,6 +346,15 @@ pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), 
             counted.push((set_to, sample.into()));
         }
     }
+    Ok((task, counted))
+}
+
+/// The formal model's text, and its constants that were set to tests of stages alone.
+///
+/// # Errors
+/// What is wrong with the text of the handover's model.
+pub fn formal_text(setup: &Setup, assets: &Assets) -> Result<(String, Counted), String> {
+    let (task, counted) = described(setup, assets)?;
     let text = match (&assets.formal_text, setup.family) {
         (Some(text), _) => text.clone(),
         (None, Family::Handover) => handover(&task)?,
@@ -472,6 +481,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         description_gaps: Vec::new(),
         failures: Vec::new(),
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }

@@ -128,6 +128,7 @@ fn piece(
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }

@@ -165,6 +165,7 @@ impl<'a> Study<'a> {
 ///     description_gaps: vec![],
 ///     failures: vec![],
 ///     clusters: None,
+///     shared_rows: Vec::new(),
 ///     inputs: String::new(),
 /// };
 /// let ledger = [

@@ -12,7 +12,7 @@
 //! |---|---|
 //! | not covered | there is no current evidence |
 //! | conflicting | two current pieces conflict and stand differently, or one supports and one denies |
-//! | violated | an independent piece denies |
+//! | violated | an independent piece denies; or none of this, and one under other conditions does (`elsewhere`) |
 //! | satisfied | an independent piece supports and no current piece denies |
 //! | undecided | else |
 //!
@@ -53,11 +53,13 @@
 //!
 //! # Guarantee
 //! A verdict *violated* or *satisfied* that rests on counts is wrong with probability at most
-//! `alpha`, over the sampling of the independent pieces. It speaks of the stated conditions.
+//! `alpha`, over the sampling of the independent pieces. *Satisfied* speaks of the conditions of those pieces, which the
+//! report names; *violated* of some condition that the study declares.
 
 pub(crate) mod alone;
 pub(crate) mod combined;
 pub(crate) mod coverage;
+mod elsewhere;
 mod stand;
 pub(crate) mod threshold;
 
@@ -108,26 +110,43 @@ fn conclusion(
         value: 1.0,
     });
     let independent = independent(&pieces, lineage, &quantity);
-    let level = study.levels.confidence.simultaneous(independent.len());
-    let stands: Vec<Stand> = pieces
-        .iter()
-        .map(|piece| Stand::of(&piece.evidence.id, &piece.belief, threshold, level))
-        .collect();
+    let elsewhere = elsewhere::elsewhere(study.evidence, requirement, &quantity, &pieces);
+    let judged = independent.len() + elsewhere.len();
+    let level = study.levels.confidence.simultaneous(judged);
+    let stand = |piece: &Piece| Stand::of(&piece.evidence.id, &piece.belief, threshold, level);
+    let stands: Vec<Stand> = pieces.iter().map(stand).collect();
+    let mut denied: Vec<Stand> = elsewhere.iter().map(stand).collect();
+    denied.retain(|stand| stand.standing == Standing::Denies);
     let among = among_current(comparisons, &quantity, &pieces);
-    let verdict = verdict(&stands, &independent, &among);
+    let verdict = match verdict(&stands, &independent, &among) {
+        Verdict::Satisfied | Verdict::Undecided if !denied.is_empty() => Verdict::Violated,
+        verdict => verdict,
+    };
     let bound = common_bound(&pieces, threshold.direction, study.levels.confidence);
     Conclusion {
         requirement: requirement.id.clone(),
         verdict,
-        statement: statement(verdict, &pieces, &stands, &among, threshold, bound, study),
+        statement: statement(
+            verdict,
+            &pieces,
+            [&stands, &denied],
+            &among,
+            threshold,
+            bound,
+            study,
+        ),
         common_lower_bound: bound.filter(|_| threshold.direction == Direction::AtLeast),
-        rests_on: pieces
-            .iter()
-            .map(|piece| piece.evidence.id.clone())
-            .collect(),
+        rests_on: rests_on(&pieces, &denied),
         independent_agreement: agreement(&among, true),
         fitted_agreement: agreement(&among, false),
     }
+}
+
+/// The current evidence, and that which denies the requirement under other conditions.
+fn rests_on(pieces: &[Piece<'_>], denied: &[Stand]) -> Vec<String> {
+    let current = pieces.iter().map(|piece| &piece.evidence.id);
+    let denied = denied.iter().map(|stand| &stand.id);
+    current.chain(denied).cloned().collect()
 }
 
 /// The subject under which a requirement's quantity is compared.
@@ -237,17 +256,23 @@ pub(crate) fn current_evidence(
 ) -> Vec<usize> {
     let latest = latest_of_each_technique(evidence, &counts);
     let conditions = latest.first().map(|&index| &evidence[index].conditions);
-    let is_trial = |piece: &Evidence| {
-        matches!(
-            piece.technique,
-            Technique::Experiment | Technique::Operation
-        ) && Some(&piece.conditions) == conditions
+    let counts_too = |piece: &Evidence| {
+        is_trial(piece)
+            && Some(&piece.conditions) == conditions
             && stands_for_itself(piece)
             && counts(piece)
     };
     (0..evidence.len())
-        .filter(|index| latest.contains(index) || is_trial(&evidence[*index]))
+        .filter(|index| latest.contains(index) || counts_too(&evidence[*index]))
         .collect()
+}
+
+/// Whether it is of the robot itself: later trials do not take the place of earlier ones.
+fn is_trial(piece: &Evidence) -> bool {
+    matches!(
+        piece.technique,
+        Technique::Experiment | Technique::Operation
+    )
 }
 
 /// Positions of the pieces that rest on none of those accepted before, roots first.
@@ -336,7 +361,7 @@ fn common_bound(pieces: &[Piece<'_>], direction: Direction, level: Confidence) -
 fn statement(
     verdict: Verdict,
     pieces: &[Piece<'_>],
-    stands: &[Stand],
+    [stands, denied]: [&[Stand]; 2],
     among: &[&Comparison],
     threshold: Threshold,
     bound: Option<f64>,
@@ -347,6 +372,10 @@ fn statement(
     }
     let figures: Vec<String> = stands.iter().map(|stand| stand.words.clone()).collect();
     let mut words = format!("{} {}.", opening(verdict, threshold), list(&figures));
+    if !denied.is_empty() {
+        let figures: Vec<String> = denied.iter().map(|stand| stand.words.clone()).collect();
+        words.push_str(&format!(" Under other conditions {}.", list(&figures)));
+    }
     for conflict in among
         .iter()
         .filter(|comparison| comparison.outcome == Outcome::Conflicts)

@@ -30,6 +30,7 @@ mod contrast;
 mod forms;
 mod hidden;
 mod matter;
+mod names;
 mod ranking;
 mod rates;
 mod shared;
@@ -41,9 +42,10 @@ mod tool;
 pub use cells::{CellPlace, VerdictCounts};
 pub use contrast::{SameTraces, contrasts};
 pub use matter::{Clue, Matter, requirement_form, system_model};
+pub use names::mixed_up;
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, STRONG, strength};
 pub use suspect::{
-    Cell, Contrast, Diagnosis, Effort, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind,
-    Symptom, Traces, Witness,
+    Cell, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy, Suspect, SuspectAsset,
+    SuspectKind, Symptom, Traces, Witness,
 };

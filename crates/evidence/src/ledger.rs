@@ -135,8 +135,27 @@ pub struct Evidence {
     pub description_gaps: Vec<DescriptionGap>,
     /// Clustering of trials, for experiments by subject.
     pub clusters: Option<ClusterTests>,
+    /// Rows of its tables that earlier evidence has, too, beyond chance.
+    #[serde(default)]
+    pub shared_rows: Vec<RepeatedRows>,
     /// Hash of everything that the findings depend on, in hexadecimal.
     pub inputs: String,
+}
+
+/// Rows that the tables of two pieces of evidence have in common beyond chance: the same trials, or the same people's, told
+/// twice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RepeatedRows {
+    /// The earlier evidence.
+    pub with: String,
+    /// Its table, and the table of the piece itself, relative to the study's folder.
+    pub tables: [String; 2],
+    /// Rows that are the same.
+    pub same: u64,
+    /// Rows of which both tables have the key.
+    pub common: u64,
+    /// The probability of as many by chance, at most (`stats::shared_rows`).
+    pub chance: f64,
 }
 
 impl Evidence {

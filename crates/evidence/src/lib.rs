@@ -43,9 +43,9 @@ pub use conclude::threshold::Deciding;
 pub use conclude::{CERTAINTY, conclude};
 pub use description::DescriptionGap;
 pub use diagnose::{
-    CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, JudgedBy, Matter, Rate,
-    STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces, VerdictCounts,
-    Witness, contrasts, rank, requirement_form, strength, system_model,
+    CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy,
+    Matter, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces,
+    VerdictCounts, Witness, contrasts, mixed_up, rank, requirement_form, strength, system_model,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
@@ -63,7 +63,8 @@ pub use fit::{
 };
 pub use interval::Interval;
 pub use ledger::{
-    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, StudyResult, TakenCorrelation,
+    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, RepeatedRows, StudyResult,
+    TakenCorrelation,
 };
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use synthesis::{Synthesis, synthesise};

@@ -88,6 +88,7 @@ fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }

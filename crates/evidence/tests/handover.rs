@@ -94,6 +94,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: String::new(),
     }
 }
@@ -318,7 +319,11 @@ fn judged() -> &'static Judged {
 }
 
 fn judge() -> Judged {
-    let (requirements, failure_modes, evidence) = (requirements(), failure_modes(), ledger());
+    judge_of(ledger())
+}
+
+fn judge_of(evidence: Vec<Evidence>) -> Judged {
+    let (requirements, failure_modes) = (requirements(), failure_modes());
     let influences = Influences::learn(&evidence);
     let study = Study {
         requirements: &requirements,
@@ -548,4 +553,51 @@ fn the_same_ledger_gives_the_same_result() {
     assert_eq!(first.comparisons, second.comparisons);
     assert_eq!(first.conclusions, second.conclusions);
     assert_eq!(first.gaps, second.gaps);
+}
+
+/// A requirement is asked under all conditions: what denies it elsewhere is part of the conclusion, and nothing else is.
+#[test]
+fn what_denies_a_requirement_under_other_conditions_is_concluded() {
+    let elsewhere = |id: &str, conditions: &str, passed| {
+        let mut piece = piece(
+            id,
+            Technique::Simulation,
+            vec![counted(requirement("2"), passed, 100, None)],
+        );
+        piece.conditions = conditions.to_owned();
+        piece
+    };
+    let with = |pieces: Vec<Evidence>| {
+        let mut evidence = ledger();
+        evidence.extend(pieces);
+        judge_of(evidence)
+    };
+    let as_before = judged().conclusion("2");
+    assert_eq!(as_before.verdict, Verdict::Satisfied);
+    let found = with(vec![
+        elsewhere("crowd-old", "crowded", 100),
+        elsewhere("crowd", "crowded", 3),
+        elsewhere("night", "dark", 100),
+    ]);
+    let denied = found.conclusion("2");
+    assert_eq!(denied.verdict, Verdict::Violated, "{denied:?}");
+    let said = "Under other conditions crowd has 3 of 100";
+    assert!(denied.statement.contains(said), "{}", denied.statement);
+    let mut rests_on = as_before.rests_on.clone();
+    rests_on.push("crowd".to_owned());
+    assert_eq!(denied.rests_on, rests_on);
+    // No rates are compared across conditions, and what was mended there stands no more.
+    assert_eq!(
+        denied.independent_agreement,
+        as_before.independent_agreement
+    );
+    let mended = with(vec![
+        elsewhere("crowd", "crowded", 3),
+        elsewhere("crowd-2", "crowded", 100),
+    ]);
+    assert_eq!(mended.conclusion("2").verdict, Verdict::Satisfied);
+    assert_eq!(
+        mended.conclusion("1a").verdict,
+        found.conclusion("1a").verdict
+    );
 }

@@ -12,9 +12,7 @@
 //! | simulation | its parameters fitted to the counts of the failure modes that it is named for, if it is likelier than not the odd one out |
 //! | data | two names change places, if that explains what the table differs in |
 //!
-//! *Two names* `a`, `b` of a table were mixed up if the strengths (see [`evidence::strength`]) with which its two rates
-//! differ from those of all other evidence sum to at least [`MIXED_UP`] as they are, and to less than [`evidence::STRONG`] for
-//! every other piece once they are exchanged; of several pairs the one that explains most.
+//! *Two names* of a table were mixed up as [`evidence::mixed_up`] defines it.
 //!
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
@@ -26,10 +24,7 @@ use crate::form_change::FormChange;
 use crate::model_change::{Changed, ModelChange};
 use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
-use evidence::{Evidence, Measure, Rate, STRONG, Subject, Suspect, SuspectKind, Symptom, strength};
-
-/// From how many decades on an exchange of names is offered.
-const MIXED_UP: f64 = 2.0;
+use evidence::{Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, mixed_up};
 
 /// The part of the margin that may be left of a step's error.
 const LEFT_OF_MARGIN: f64 = 0.1;
@@ -343,11 +338,11 @@ impl<'g> Ground<'g> {
                 subject,
                 violated,
                 episodes,
+                differing,
                 ..
             } => {
-                let rate = |count: u64| count as f64 / (*episodes).max(1) as f64;
                 let allowed = LEFT_OF_MARGIN * self.margin(subject);
-                Some(steps(rate(violated[0]), rate(violated[1]), allowed))
+                Some(steps(*violated, *differing, *episodes, allowed))
             }
             _ => None,
         });
@@ -431,52 +426,13 @@ impl<'g> Ground<'g> {
     fn of_data(&self, suspect: &Suspect) -> Vec<Offer> {
         let pieces = self.pieces(suspect);
         let offers = pieces.filter_map(|piece| {
-            let modes = self.mixed_up(piece)?;
+            let modes = mixed_up(self.evidence, piece, &|subject| self.margin(subject))?;
+            let modes = modes.map(|mode| mode.id().to_owned());
             Some(Offer::Text {
                 evidence: piece.id.clone(),
                 change: TextChange::Names { modes },
             })
         });
         offers.collect()
-    }
-
-    /// The two failure modes of a table whose names were mixed up, if the others say so.
-    fn mixed_up(&self, piece: &Evidence) -> Option<[String; 2]> {
-        let modes: Vec<(&Subject, Rate)> = piece
-            .findings
-            .iter()
-            .filter(|finding| matches!(finding.subject, Subject::FailureMode(_)))
-            .filter_map(|finding| Some((&finding.subject, Rate::of(&finding.measure)?)))
-            .collect();
-        let mut best: Option<(f64, [String; 2])> = None;
-        for (place, (a, of_a)) in modes.iter().enumerate() {
-            for (b, of_b) in &modes[place + 1..] {
-                let (now, _) = self.against_others(piece, [(a, *of_a), (b, *of_b)]);
-                let (then, worst) = self.against_others(piece, [(a, *of_b), (b, *of_a)]);
-                let explains = now - then;
-                let is_best = best.as_ref().is_none_or(|(most, _)| explains > *most);
-                if explains >= MIXED_UP && worst < STRONG && is_best {
-                    best = Some((explains, [a.id().to_owned(), b.id().to_owned()]));
-                }
-            }
-        }
-        best.map(|(_, modes)| modes)
-    }
-
-    /// How strongly rates differ from those of all other evidence: the sum, and the strongest.
-    fn against_others(&self, piece: &Evidence, rates: [(&Subject, Rate); 2]) -> (f64, f64) {
-        let (mut sum, mut most) = (0.0, 0.0_f64);
-        let others = self.evidence.iter().filter(|other| {
-            other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
-        });
-        for other in others {
-            for (subject, rate) in rates {
-                let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
-                let apart = theirs.map_or(0.0, |r| strength(r, rate, self.margin(subject)));
-                sum += apart;
-                most = most.max(apart);
-            }
-        }
-        (sum, most)
     }
 }

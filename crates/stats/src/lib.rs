@@ -15,6 +15,7 @@
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustered_rate`], [`CommonCorrelation`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
+//! | Do two tables repeat each other's rows? | [`shared_rows()`] |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
@@ -67,6 +68,7 @@ mod quadrature;
 mod ranks;
 pub mod score;
 pub mod sequential;
+pub mod shared_rows;
 pub mod spearman;
 pub mod special;
 
@@ -100,4 +102,5 @@ pub use propagation::{
 };
 pub use score::score_equivalence;
 pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
+pub use shared_rows::{SharedRows, shared_rows};
 pub use spearman::{Spearman, spearman, spearman_exact};

@@ -12,6 +12,7 @@
 
 mod alike;
 mod by_subject;
+pub mod repeated;
 mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;

@@ -283,6 +283,7 @@ mod tests {
             description_gaps: vec![],
             failures: vec![],
             clusters: None,
+            shared_rows: Vec::new(),
             inputs: String::new(),
         }
     }
@@ -348,6 +349,40 @@ mod tests {
         // Another content of the same name, and contents that are not known.
         assert_eq!(words("A", "D"), None);
         assert_eq!(words("D", "E"), None);
+    }
+
+    /// Two tables with the same people's rows, and nothing declared.
+    #[test]
+    fn rows_that_are_shared_undeclared_are_found() {
+        let mut second = piece("B", &[]);
+        second.shared_rows = vec![crate::RepeatedRows {
+            with: "A".to_owned(),
+            tables: ["a.csv".to_owned(), "b.csv".to_owned()],
+            same: 11,
+            common: 12,
+            chance: 2e-8,
+        }];
+        let ledger = [
+            piece("A", &[]),
+            second,
+            piece("C", &[("B", mode("slip"))]),
+            piece("D", &[]),
+        ];
+        let influences = Influences::default();
+        let lineage = Lineage::new(&ledger, &influences);
+        let words = |first, second| lineage.dependence(first, second, &mode("slip"));
+        let said = words("B", "A").unwrap();
+        assert!(
+            said.starts_with("11 of the 12 rows that `a.csv` and `b.csv` both have are the same"),
+            "{said}"
+        );
+        assert_eq!(words("A", "B").as_deref(), Some(said.as_str()));
+        assert!(
+            words("A", "C")
+                .unwrap()
+                .starts_with("they rest on A and B, and 11 of")
+        );
+        assert_eq!(words("A", "D"), None);
     }
 
     #[test]

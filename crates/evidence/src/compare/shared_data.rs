@@ -1,14 +1,15 @@
 //! Data that two pieces of evidence share though no lineage says so.
 //!
 //! # Definition
-//! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name.
+//! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name, or
+//! if a table of the one repeats rows of a table of the other beyond chance ([`crate::Evidence::shared_rows`]).
 //! Then some trials are the trials of both, so that they agree whatever the truth is.
 //!
 //! # Guarantee
-//! Files are compared whole: a table that repeats some rows of another is not found, nor is a recording that was written
-//! anew. Episodes of two entries of a ledger never have the same seeds, which follow from the entries' identifiers.
+//! Rows are compared of tables of people or sessions (`stats::shared_rows` has the chance); totals of which the tables do
+//! not say who did what are compared as whole files, and a recording that was written anew is not found. Episodes of two entries of a ledger never have the same seeds, which follow from the entries' identifiers.
 
-use crate::{AssetRole, Evidence};
+use crate::{AssetRole, Evidence, RepeatedRows};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What pairs of evidence share, in words, by their identifiers in order.
@@ -39,19 +40,35 @@ impl SharedData {
                 }
             }
         }
-        let in_words = shared.into_iter().map(|((first, second), files)| {
+        let repeated = evidence.iter().flat_map(|piece| {
+            let rows = piece.shared_rows.iter();
+            rows.map(|rows| (ordered(&piece.id, &rows.with), rows_in_words(rows)))
+        });
+        let whole = shared.into_iter().map(|((first, second), files)| {
             let pair = (first.to_owned(), second.to_owned());
             (pair, words(&files))
         });
-        Self(in_words.collect())
+        // Of a pair that shares a whole file, too, that is said.
+        Self(repeated.chain(whole).collect())
     }
 
     /// What two pieces share; `None` if nothing that is known.
     pub fn between(&self, first: &str, second: &str) -> Option<&str> {
-        let (first, second) = (first.min(second), first.max(second));
-        let key = (first.to_owned(), second.to_owned());
-        self.0.get(&key).map(String::as_str)
+        self.0.get(&ordered(first, second)).map(String::as_str)
     }
+}
+
+fn ordered(first: &str, second: &str) -> (String, String) {
+    (first.min(second).to_owned(), first.max(second).to_owned())
+}
+
+fn rows_in_words(rows: &RepeatedRows) -> String {
+    let [one, other] = &rows.tables;
+    format!(
+        "{} of the {} rows that `{one}` and `{other}` both have are the same (by chance with a probability of at most {:.1e}): \
+         the same trials or the same people",
+        rows.same, rows.common, rows.chance
+    )
 }
 
 fn words(files: &BTreeSet<(&str, &str)>) -> String {

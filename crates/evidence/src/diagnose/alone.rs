@@ -1,8 +1,12 @@
 //! Clues that follow from one piece of evidence: failure modes that its model cannot express although
 //! others show them, whose rate is 0 there; and methods that stopped outside bounds that hold.
+//!
+//! Where one piece alone shows such a failure mode, it may be the one that is wrong: the disagreement of strength `T` with
+//! "never" speaks against the model with `q T` and against that piece with `(1 - q) T`, `q` the probability that the model
+//! is the odd one out (`rates`). Where several show it, they are not all wrong.
 
 use super::matter::{Clue, Matter, name_of, rate_in_words, system_model};
-use super::rates::{counts_of, figure, solver};
+use super::rates::{NAMED, counts_of, figure, solver};
 use super::strength::{Rate, strength};
 use super::suspect::Symptom;
 use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique};
@@ -20,19 +24,15 @@ impl Matter<'_> {
                 };
                 if piece.technique == Technique::ModelChecking {
                     clues.extend(self.missing_mode(piece, mode, &finding.subject, reason));
+                    clues.extend(self.shown_alone(piece, &finding.subject));
                 }
             }
         }
         clues
     }
 
-    fn missing_mode(
-        &self,
-        piece: &Evidence,
-        mode: &str,
-        subject: &Subject,
-        reason: &str,
-    ) -> Option<Clue> {
+    /// What shows a failure mode that a model cannot express: how strongly against never, the strongest first.
+    fn shown(&self, piece: &Evidence, subject: &Subject) -> Vec<(f64, &Evidence)> {
         let margin = self.margin(subject);
         let others = self.speaking().filter(|e| e.conditions == piece.conditions);
         let mut shown: Vec<(f64, &Evidence)> = others
@@ -44,12 +44,46 @@ impl Matter<'_> {
             })
             .collect();
         shown.sort_by(|a, b| b.0.total_cmp(&a.0));
+        shown
+    }
+
+    /// The probability that a model is the odd one out, and not the one piece that shows what it cannot express.
+    fn is_odd(&self, model: &Evidence, shows: &Evidence, subject: &Subject) -> f64 {
+        let odds =
+            self.apart(shows, model, subject, None) - self.apart(model, model, subject, None);
+        1.0 / (1.0 + odds.exp())
+    }
+
+    /// The clue against the only piece that shows a failure mode.
+    fn shown_alone(&self, model: &Evidence, subject: &Subject) -> Option<Clue> {
+        let shown = self.shown(model, subject);
+        let [(whole, shows)] = shown[..] else {
+            return None;
+        };
+        let share = 1.0 - self.is_odd(model, shows, subject);
+        let mut clue =
+            (share >= NAMED).then(|| self.of_system(shows, model, subject, (whole, share)))?;
+        clue.title = format!("{} alone shows {}", shows.id, name_of(subject));
+        clue.explanation = format!(
+            "{}, and {} has no such failure: a disagreement of {whole:.1} decades, with probability {share:.2} the odd one \
+             out.",
+            rate_in_words(shows, subject),
+            model.id
+        );
+        Some(clue)
+    }
+
+    fn missing_mode(
+        &self,
+        piece: &Evidence,
+        mode: &str,
+        subject: &Subject,
+        reason: &str,
+    ) -> Option<Clue> {
+        let shown = self.shown(piece, subject);
         let (whole, most) = *shown.first()?;
-        // The others may say that it is those that show it who are wrong.
-        let odds = self.apart(most, piece, subject, None) - self.apart(piece, piece, subject, None);
-        // Where several show it, they are not all wrong.
         let score = match shown.len() {
-            1 => whole / (1.0 + odds.exp()),
+            1 => whole * self.is_odd(piece, most, subject),
             _ => whole,
         };
         let words: Vec<String> = shown

@@ -8,6 +8,8 @@
 //!
 //! * *tool*: with the answer of a method whose bounds hold in place of one without, `T_s` is left; the
 //!   solver's share is `T - T_s`;
+//! * *names*: with two names of a table exchanged, where they were mixed up (`names`), `T_n` is left, and the table's share
+//!   is `T_s - T_n`;
 //! * *requirement model*: like is compared with like: property with property (cells A and B or C),
 //!   monitor with monitor (D and E or F), and each reading of one piece with the other piece. Under the
 //!   other form a computed value is moved by what the two forms differ by on the same sampled paths. Of these
@@ -32,7 +34,7 @@ use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Techn
 const MODELS: f64 = 2.0;
 
 /// The least probability of being the odd one out at which a piece is named.
-const NAMED: f64 = 0.01;
+pub(super) const NAMED: f64 = 0.01;
 
 /// How much likelier a model is wrong than the real system's data, as a natural logarithm.
 const DATA: f64 = std::f64::consts::LN_10;
@@ -71,6 +73,15 @@ impl<'a> Matter<'a> {
                 left = rest;
                 clues.push(clue);
             }
+        }
+        for (piece, against) in [(one, other), (other, one)] {
+            if let Some((clue, rest)) = self.of_names(piece, against, subject, left) {
+                left = rest;
+                clues.push(clue);
+            }
+        }
+        if left < STRONG && !clues.is_empty() {
+            return clues;
         }
         let like = self.like_for_like(one, other, subject);
         if let Some(like) = like.filter(|like| left - like.left >= STRONG) {
@@ -308,7 +319,7 @@ impl<'a> Matter<'a> {
         named.map(clue).collect()
     }
 
-    fn of_system(
+    pub(super) fn of_system(
         &self,
         piece: &Evidence,
         against: &Evidence,

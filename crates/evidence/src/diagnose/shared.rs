@@ -6,17 +6,25 @@
 //! conflict of strength `T'` is left with the rate that they then have: the violations are scaled by
 //! `after / before`. The part `p (T - T')` speaks against the tool, and `p T'` against the model.
 //!
-//! Source: the method of difference (J. S. Mill, 1843), as in [`super::rates`].
+//! Half the step takes away but half of an error of first order. Where the halved step is itself strong evidence (at least
+//! [`STRONG`]), the rate without any error of the step lies between `after` (an error of high order) and
+//! `2 after - before` (one of first order), and `T'` is the least that is left for a rate in between: what no order of
+//! the error explains.
+//!
+//! # Source and guarantee
+//! The method of difference (J. S. Mill, 1843), as in [`super::rates`]; L. F. Richardson, "The approximate arithmetical
+//! solution by finite differences" (1911), for the limit of small steps. A step whose effect is not beyond chance is
+//! never extrapolated, so that what chance does to chaotic episodes is not doubled.
 
 use super::matter::{Clue, Matter};
-use super::strength::{Rate, strength};
-use super::suspect::Symptom;
+use super::strength::{Rate, STRONG, strength};
+use super::suspect::{HALF_STEP, Symptom};
 use crate::{Evidence, Inaccuracy, Subject};
 
 /// Moves to the tools what of the system models' clues goes away with another step or engine.
 pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
     for tool in 0..clues.len() {
-        let Some((evidence, scale)) = otherwise(&clues[tool]) else {
+        let Some((evidence, scales)) = otherwise(&clues[tool]) else {
             continue;
         };
         let subject = clues[tool].subject.clone();
@@ -25,7 +33,7 @@ pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
             {
                 continue;
             }
-            let Some(left) = left(matter, &clues[model], &evidence, scale) else {
+            let Some(left) = left(matter, &clues[model], &evidence, &scales) else {
                 continue;
             };
             let gone = clues[model].score * (1.0 - left);
@@ -35,21 +43,34 @@ pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
     }
 }
 
-/// Whose episodes a clue says come out otherwise, and by which factor violations change.
-fn otherwise(clue: &Clue) -> Option<(String, f64)> {
+/// Places between the rates at half the step and without error of the step at which a conflict is looked at.
+const PLACES: u32 = 16;
+
+/// Whose episodes a clue says come out otherwise, and by which factors violations may change.
+fn otherwise(clue: &Clue) -> Option<(String, Vec<f64>)> {
     let Symptom::RunsOtherwise {
         violated: [before, after],
+        changed,
         ..
-    } = clue.symptom
+    } = &clue.symptom
     else {
         return None;
     };
     let evidence = clue.asset.evidence.first()?.clone();
-    (before > 0).then(|| (evidence, after as f64 / before as f64))
+    let (before, after) = (*before as f64, *after as f64);
+    let places = match changed == HALF_STEP && clue.score >= STRONG {
+        true => PLACES,
+        false => 0,
+    };
+    let scale = |place: u32| {
+        let more = (after - before) * f64::from(place) / f64::from(PLACES);
+        ((after + more) / before).max(0.0)
+    };
+    (before > 0.0).then(|| (evidence, (0..=places).map(scale).collect()))
 }
 
-/// The share of a conflict that is left.
-fn left(matter: &Matter<'_>, clue: &Clue, evidence: &str, scale: f64) -> Option<f64> {
+/// The share of a conflict that is left, at the least.
+fn left(matter: &Matter<'_>, clue: &Clue, evidence: &str, scales: &[f64]) -> Option<f64> {
     let Symptom::RateDiffers {
         evidence: ours,
         others,
@@ -64,13 +85,13 @@ fn left(matter: &Matter<'_>, clue: &Clue, evidence: &str, scale: f64) -> Option<
     let (piece, other) = (matter.piece(ours)?, matter.piece(&others.first()?.0)?);
     let subject = &clue.subject;
     let margin = matter.margin(subject);
-    let theirs = rate(other, subject)?;
-    let whole = strength(rate(piece, subject)?, theirs, margin);
-    let rest = strength(
-        scaled(rate(piece, subject)?, subject, scale),
-        theirs,
-        margin,
-    );
+    let (own, theirs) = (rate(piece, subject)?, rate(other, subject)?);
+    let whole = strength(own, theirs, margin);
+    let rests = scales.iter().map(|scale| {
+        let rate = scaled(own, subject, *scale);
+        strength(rate, theirs, margin)
+    });
+    let rest = rests.fold(f64::INFINITY, f64::min);
     (whole > 0.0).then(|| (rest / whole).min(1.0))
 }
 

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// The name of a figure: the probability that an asset is the odd one out of a conflict.
 pub(super) const ODD_ONE_OUT: &str = "probability of being the odd one out";
 
+/// What was changed in episodes that were run again with half the time step ([`Symptom::RunsOtherwise`]).
+pub const HALF_STEP: &str = "half the time step";
+
 /// What kind of thing is suspected.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
@@ -136,7 +139,7 @@ pub enum Symptom {
     RunsOtherwise {
         /// Of what.
         subject: Subject,
-        /// What was changed: `half the time step`, or the other engine's name.
+        /// What was changed: [`HALF_STEP`], the full physics, or the other engine's name.
         changed: String,
         /// Episodes that were violated (or a failure mode's occurrences) before and after.
         violated: [u64; 2],

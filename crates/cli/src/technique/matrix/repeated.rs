@@ -17,8 +17,8 @@ use crate::technique::exploration::OpenBench;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::{Campaign, Seeds};
 use evidence::{
-    Clue, FailureKind, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom, Witness,
-    strength,
+    Clue, FailureKind, HALF_STEP, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom,
+    Witness, strength,
 };
 use rayon::prelude::*;
 use stimulus::Stimulus;
@@ -116,13 +116,7 @@ impl Diagnosing<'_> {
             episodes,
         };
         let part = asset(format!("{key} = {step_secs}"));
-        self.changed(
-            &changes,
-            [&whole, &half],
-            "half the time step",
-            &part,
-            gathered,
-        )?;
+        self.changed(&changes, [&whole, &half], HALF_STEP, &part, gathered)?;
         if let Some(key) = fast {
             let part = asset(format!("{key} = true"));
             self.changed(

@@ -1,5 +1,7 @@
 //! Who is suspected first, on the handover's first three pieces of evidence and on planted faults.
 
+mod odd;
+
 use evidence::*;
 use stats::{Confidence, Sample, wilson};
 
@@ -97,6 +99,7 @@ fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> 
         description_gaps: vec![],
         failures: vec![],
         clusters: None,
+        shared_rows: Vec::new(),
         inputs: text(),
     }
 }

@@ -1,0 +1,131 @@
+//! Two ways to fail whose names were mixed up in a table.
+//!
+//! # Definition
+//! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
+//! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
+//! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
+//! most. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
+//!
+//! # Source and guarantee
+//! One exchange in place of two wrong rates: the fewer things have to be wrong, the likelier (the method of difference, as
+//! in [`super::rates`]). Both rates have to fit where the other stood, in all other evidence, which a single wrong rate
+//! never makes them do beyond chance.
+
+use super::matter::{Clue, Matter, name_of, system_model};
+use super::rates::figure;
+use super::strength::{Rate, STRONG, strength};
+use super::suspect::Symptom;
+use crate::{Evidence, Inaccuracy, Subject, Technique};
+
+/// From how many decades on an exchange of names explains something.
+const MIXED_UP: f64 = 2.0;
+
+/// The two failure modes of a piece whose names were mixed up, if the other evidence says so.
+pub fn mixed_up<'p>(
+    evidence: &[Evidence],
+    piece: &'p Evidence,
+    margin: &dyn Fn(&Subject) -> f64,
+) -> Option<[&'p Subject; 2]> {
+    let modes: Vec<(&Subject, Rate)> = piece
+        .findings
+        .iter()
+        .filter(|finding| matches!(finding.subject, Subject::FailureMode(_)))
+        .filter_map(|finding| Some((&finding.subject, Rate::of(&finding.measure)?)))
+        .collect();
+    let against = |rates| against_others(evidence, piece, rates, margin);
+    let mut best: Option<(f64, [&Subject; 2])> = None;
+    for (place, (a, of_a)) in modes.iter().enumerate() {
+        for (b, of_b) in &modes[place + 1..] {
+            let (now, _) = against([(a, *of_a), (b, *of_b)]);
+            let (then, worst) = against([(a, *of_b), (b, *of_a)]);
+            let explains = now - then;
+            let is_best = best.as_ref().is_none_or(|(most, _)| explains > *most);
+            if explains >= MIXED_UP && worst < STRONG && is_best {
+                best = Some((explains, [a, b]));
+            }
+        }
+    }
+    best.map(|(_, modes)| modes)
+}
+
+/// How strongly rates differ from those of all other evidence: the sum, and the strongest.
+fn against_others(
+    evidence: &[Evidence],
+    piece: &Evidence,
+    rates: [(&Subject, Rate); 2],
+    margin: &dyn Fn(&Subject) -> f64,
+) -> (f64, f64) {
+    let (mut sum, mut most) = (0.0, 0.0_f64);
+    let others = evidence.iter().filter(|other| {
+        other.id != piece.id && !other.intermediate && other.conditions == piece.conditions
+    });
+    for other in others {
+        for (subject, rate) in rates {
+            let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
+            let apart = theirs.map_or(0.0, |r| strength(r, rate, margin(subject)));
+            sum += apart;
+            most = most.max(apart);
+        }
+    }
+    (sum, most)
+}
+
+impl Matter<'_> {
+    /// What of a conflict goes away if a table's two names are exchanged: the clue, and what is left.
+    pub(super) fn of_names(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+        whole: f64,
+    ) -> Option<(Clue, f64)> {
+        let is_table = piece.technique == Technique::Experiment || piece.published;
+        let margin = |subject: &Subject| self.margin(subject);
+        let modes = is_table
+            .then(|| mixed_up(self.evidence, piece, &margin))
+            .flatten()?;
+        let other = match modes {
+            [a, b] if a == subject => b,
+            [a, b] if b == subject => a,
+            _ => return None,
+        };
+        let exchanged = Rate::of(&piece.finding(other)?.measure)?;
+        let theirs = Rate::of(&against.finding(subject)?.measure)?;
+        let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
+        let value = piece.finding(subject)?.measure.estimate()?;
+        let clue = Clue {
+            inaccuracy: Inaccuracy::SystemModel,
+            asset: system_model(piece),
+            subject: subject.clone(),
+            score: whole - rest,
+            title: format!(
+                "{} has {} and {} the wrong way round",
+                piece.id,
+                name_of(modes[0]),
+                name_of(modes[1])
+            ),
+            explanation: format!(
+                "With the counts of {} and {} exchanged {} agrees with all other evidence on both; of the conflict with \
+                 {} ({whole:.1} decades) {rest:.1} are left.",
+                name_of(modes[0]),
+                name_of(modes[1]),
+                piece.id,
+                against.id
+            ),
+            symptom: Symptom::RateDiffers {
+                subject: subject.clone(),
+                evidence: piece.id.clone(),
+                value,
+                others: vec![super::rates::counts_of(against, subject)],
+            },
+            figures: vec![
+                figure("conflict, decades", whole),
+                figure("left of it with the names exchanged, decades", rest),
+            ],
+            witnesses: Vec::new(),
+            ruled_out: Vec::new(),
+            resolved_by: None,
+        };
+        Some((clue, rest))
+    }
+}

@@ -1,0 +1,167 @@
+//! One fault in place of several: names that were mixed up, a failure that one piece alone shows, a step whose error is of
+//! first order.
+
+use super::*;
+
+fn suspects(ledger: &[Evidence], conflicts: &[Comparison], more: Vec<Clue>) -> Vec<Suspect> {
+    let (requirements, failure_modes) = (requirements(), modes());
+    let matter = Matter {
+        requirements: &requirements,
+        failure_modes: &failure_modes,
+        evidence: ledger,
+        comparisons: conflicts,
+        cells: &[],
+        study: "handover",
+    };
+    rank(&matter, more)
+}
+
+/// A model with two rates, a simulation with counts of both, and a table.
+fn with_table(model: [f64; 2], table: [u64; 2]) -> Vec<Evidence> {
+    let [grip, pressure] = [mode("grip"), mode("pressure")];
+    let formal = vec![
+        computed(grip.clone(), model[0]),
+        computed(pressure.clone(), model[1]),
+    ];
+    let simulated = vec![
+        counted(grip.clone(), 7, 100),
+        counted(pressure.clone(), 2, 84),
+    ];
+    let told = vec![
+        counted(grip, table[0], 161),
+        counted(pressure, table[1], 200),
+    ];
+    vec![
+        piece("M", Technique::ModelChecking, "m.prism", formal),
+        piece("S", Technique::Simulation, "s.toml", simulated),
+        piece("X", Technique::Experiment, "x.csv", told),
+    ]
+}
+
+#[test]
+fn one_exchange_of_names_is_likelier_than_two_wrong_rates() {
+    let both = [
+        conflict(mode("grip"), "M", "X"),
+        conflict(mode("pressure"), "M", "X"),
+    ];
+    let found = suspects(&with_table([0.146, 0.014], [3, 25]), &both, vec![]);
+    assert_eq!(found[0].asset.kind, SuspectKind::Data, "{found:?}");
+    assert!(
+        found[0].title.contains("the wrong way round"),
+        "{}",
+        found[0].title
+    );
+    assert!(found[0].score > 2.0 && found.len() == 1, "{found:?}");
+    // One wrong rate is no exchange, whichever of the two is it.
+    for (model, table) in [([0.146, 0.125], [3, 25]), ([0.146, 0.014], [23, 25])] {
+        let ledger = with_table(model, table);
+        let margin = |_: &Subject| 0.05;
+        assert_eq!(mixed_up(&ledger, &ledger[2], &margin), None);
+        let found = suspects(&ledger, &both, vec![]);
+        assert!(
+            found.iter().all(|s| !s.title.contains("wrong way")),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn who_alone_shows_a_failure_may_be_the_one_that_is_wrong() {
+    let ledger = |experiments: u64| {
+        [
+            piece(
+                "M",
+                Technique::ModelChecking,
+                "m.prism",
+                vec![missing("grip")],
+            ),
+            piece(
+                "S",
+                Technique::Simulation,
+                "s.toml",
+                vec![counted(mode("grip"), 15, 85)],
+            ),
+            piece(
+                "X",
+                Technique::Experiment,
+                "x.csv",
+                vec![counted(mode("grip"), experiments, 90)],
+            ),
+        ]
+    };
+    let found = suspects(&ledger(0), &[], vec![]);
+    assert_eq!(found[0].asset.kind, SuspectKind::Simulation, "{found:?}");
+    assert!(found[0].is_strong() && found[0].odd_one_out() > Some(0.9));
+    let argument = "15 of 85 in S, and M has no such failure";
+    assert!(
+        found[0].explanation.starts_with(argument),
+        "{}",
+        found[0].explanation
+    );
+    // What the experiments show, too, the model lacks.
+    let found = suspects(&ledger(15), &[], vec![]);
+    assert_eq!(found[0].asset.kind, SuspectKind::FormalModel, "{found:?}");
+    assert_eq!(found.len(), 1, "{found:?}");
+}
+
+/// Of an error of first order half is left at half the step: what is extrapolated speaks against the step, if the step
+/// has an effect beyond chance.
+#[test]
+fn the_rest_of_an_error_of_first_order_is_the_steps() {
+    let ledger = [
+        piece(
+            "M",
+            Technique::ModelChecking,
+            "m.prism",
+            vec![computed(mode("grip"), 0.04)],
+        ),
+        piece(
+            "S",
+            Technique::Simulation,
+            "s.toml",
+            vec![counted(mode("grip"), 24, 100)],
+        ),
+    ];
+    let conflicts = [conflict(mode("grip"), "M", "S")];
+    let shares = |changed: &str, score: f64| {
+        let clue = Clue {
+            inaccuracy: Inaccuracy::Tool,
+            asset: SuspectAsset {
+                kind: SuspectKind::TimeStep,
+                file: None,
+                part: Some("time_step_secs = 0.01".into()),
+                evidence: vec!["S".into()],
+            },
+            subject: mode("grip"),
+            score,
+            title: "S comes out otherwise".into(),
+            explanation: String::new(),
+            symptom: Symptom::RunsOtherwise {
+                subject: mode("grip"),
+                changed: changed.into(),
+                violated: [24, 18],
+                episodes: 100,
+                differing: 6,
+            },
+            figures: vec![],
+            witnesses: vec![],
+            ruled_out: vec![],
+            resolved_by: None,
+        };
+        let found = suspects(&ledger, &conflicts, vec![clue]);
+        let of = |kind| {
+            let suspect = found.iter().find(|s| s.asset.kind == kind);
+            suspect.map_or(0.0, |s| s.score)
+        };
+        [SuspectKind::TimeStep, SuspectKind::Simulation].map(of)
+    };
+    let ([step, model], [by_chance, rest]) = (shares(HALF_STEP, 1.2), shares(HALF_STEP, 0.4));
+    assert!(
+        step > by_chance && model < rest,
+        "{step} {model} {by_chance} {rest}"
+    );
+    // Whatever is extrapolated, the two add up to what the simulation had.
+    assert!((step + model - by_chance - rest).abs() < 1e-9);
+    // Nothing is halved in another engine.
+    assert_eq!(shares("the full physics", 1.2)[1], rest);
+}
