@@ -1,18 +1,19 @@
-//! Variants as a user meets them: a model's constants, and files that are wrong.
+//! Variants as a user meets them: a model's constants, simulators' settings, and files that are wrong.
 
 mod support;
 
 use serde_json::Value;
-use support::program::{Said, Study};
+use support::program::{Said, Study, corroborate};
 use support::simulation::{handover, library, simulating};
 use support::{copy_study, read, root, schema};
 
 const MODEL: &str = "\
 dtmc
 const double pLoses = 0.1;
+const int tries = 1;
 module robot
   s : [0..2] init 0;
-  [] s=0 -> 1-pLoses : (s'=1) + pLoses : (s'=2);
+  [] s=0 -> 1-pow(pLoses, tries) : (s'=1) + pow(pLoses, tries) : (s'=2);
   [] s>0 -> true;
 endmodule
 ";
@@ -97,26 +98,31 @@ fn json(said: &Said) -> Value {
 
 #[test]
 fn a_models_gain_has_the_interval_of_its_constants_posterior() {
-    let study = study(VARIANT);
-    let said = study.run(&["what-if", "study", "--points", "2000", "--format", "json"]);
-    assert_eq!(said.code, 0, "{said:?}");
-    let report = json(&said);
-    let schema: Value =
-        serde_json::from_str(&read(&root().join("schemas/what-if.schema.json"))).expect("a schema");
-    let violations = schema::violations(&schema, &report);
-    assert!(violations.is_empty(), "{violations:?}");
-    let rows = report["variants"][0]["rows"].as_array().expect("rows");
-    assert_eq!(rows.len(), 2);
-    let gain = &rows[0]["gain"];
-    let number = |value: &Value| value.as_f64().expect("a number");
-    assert!((number(&gain["before"]) - 0.9).abs() < 1e-9, "{gain}");
-    assert!((number(&gain["after"]) - 0.99).abs() < 1e-9, "{gain}");
-    // p - p^2 grows with p below one half, so its quantiles are those of p.
-    // scipy.stats.beta(2.5, 18.5).ppf([0.025, 0.975]) = 0.0213725, 0.2838533.
-    let (low, high) = (&gain["interval"]["low"], &gain["interval"]["high"]);
-    assert!((number(low) - 0.0209157).abs() < 0.001, "{gain}");
-    assert!((number(high) - 0.2032806).abs() < 0.002, "{gain}");
-    assert_eq!(rows[1]["gain"]["kind"], "not-expressible");
+    let squared = "{ pLoses = \"pLoses^2\" }";
+    assert!(VARIANT.contains(squared));
+    for constants in [squared, "{ tries = \"tries + 1\" }"] {
+        let study = study(&VARIANT.replace(squared, constants));
+        let said = study.run(&["what-if", "study", "--points", "2000", "--format", "json"]);
+        assert_eq!(said.code, 0, "{said:?}");
+        let report = json(&said);
+        let schema: Value =
+            serde_json::from_str(&read(&root().join("schemas/what-if.schema.json")))
+                .expect("a schema");
+        let violations = schema::violations(&schema, &report);
+        assert!(violations.is_empty(), "{violations:?}");
+        let rows = report["variants"][0]["rows"].as_array().expect("rows");
+        assert_eq!(rows.len(), 2);
+        let gain = &rows[0]["gain"];
+        let number = |value: &Value| value.as_f64().expect("a number");
+        assert!((number(&gain["before"]) - 0.9).abs() < 1e-9, "{gain}");
+        assert!((number(&gain["after"]) - 0.99).abs() < 1e-9, "{gain}");
+        // p - p^2 grows with p below one half, so its quantiles are those of p.
+        // scipy.stats.beta(2.5, 18.5).ppf([0.025, 0.975]) = 0.0213725, 0.2838533.
+        let (low, high) = (&gain["interval"]["low"], &gain["interval"]["high"]);
+        assert!((number(low) - 0.0209157).abs() < 0.001, "{gain}");
+        assert!((number(high) - 0.2032806).abs() < 0.002, "{gain}");
+        assert_eq!(rows[1]["gain"]["kind"], "not-expressible");
+    }
 }
 
 #[test]
@@ -124,6 +130,11 @@ fn wrong_variants_are_said_with_their_place() {
     for (old, new, wanted) in [
         ("evidence = \"E2\"", "evidence = \"E9\"", "E9"),
         ("{ pLoses =", "{ pWins =", "pWins"),
+        (
+            "{ pLoses = \"pLoses^2\" }",
+            "{ tries = \"tries / 2\" }",
+            "whole number",
+        ),
         ("\"pLoses^2\"", "\"pLoses +\"", "second.toml"),
         ("subjects = [\"R1\"]", "subjects = [\"R7\"]", "R7"),
         ("cannot = \"Nobody has tried.\"", "", "cannot"),
@@ -138,6 +149,101 @@ fn wrong_variants_are_said_with_their_place() {
     let said = study(VARIANT).run(&["what-if", "study", "--variant", "third try"]);
     assert_eq!(said.code, 2);
     assert!(said.talk.contains("second try"), "{}", said.talk);
+}
+
+const SLOWER: &str = "\
+name = \"slower\"
+meaning = \"It drives at two thirds of the speed.\"
+subjects = [\"stops\", \"clear\"]
+
+[[change]]
+evidence = \"sim\"
+settings = { \"cart.speed_cm_per_s\" = 100 }
+";
+
+/// The study of a simulator that is a command, with a variant.
+fn carts(variant: &str) -> tempfile::TempDir {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    copy_study(&root().join("conformance/command"), folder.path());
+    let file = folder.path().join("variants/slower.toml");
+    std::fs::create_dir_all(folder.path().join("variants")).expect("made");
+    std::fs::write(file, variant).expect("written");
+    folder
+}
+
+/// A variant in a simulator that is a command is what its stimulus would make of the same seeds.
+#[test]
+fn another_simulators_gain_is_that_of_its_stimulus() {
+    let folder = carts(SLOWER);
+    let said = corroborate(
+        folder.path(),
+        &["what-if", ".", "--episodes", "12", "--format", "json"],
+    );
+    assert_eq!(said.code, 0, "{said:?}");
+    let kept = "as it is: 12 of 12 are there";
+    assert!(said.talk.contains(kept), "{}", said.talk);
+    let report = json(&said);
+    let rows = report["variants"][0]["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2, "{report}");
+
+    let stimulus = folder.path().join("stimulus.toml");
+    let counted = || {
+        let runs = tempfile::TempDir::new().expect("a folder");
+        let out = runs.path().join("runs");
+        let out = out.to_str().expect("a path");
+        let arguments = [
+            "simulate", ".", "sim", "-n", "12", "--out", out, "--format", "json",
+        ];
+        let shown = json(&corroborate(folder.path(), &arguments));
+        ["stops", "clear"].map(|id| {
+            let estimates = shown["estimates"].as_array().expect("estimates");
+            let one = estimates.iter().find(|it| it["subject"]["id"] == id);
+            let count = |key: &str| one.expect("an estimate")[key].as_f64().expect("a number");
+            count("count") / count("trials")
+        })
+    };
+    let before = counted();
+    let changed = read(&stimulus).replace("= 150", "= 100");
+    std::fs::write(&stimulus, changed).expect("written");
+    let after = counted();
+    assert!(before[0] < after[0], "{before:?} {after:?}");
+    for (row, (before, after)) in rows.iter().zip(before.into_iter().zip(after)) {
+        let gain = &row["gain"];
+        let close =
+            |value: &Value, wanted: f64| (value.as_f64().expect("a number") - wanted).abs() < 1e-12;
+        assert!(
+            close(&gain["before"], before) && close(&gain["after"], after),
+            "{row} {before} {after}"
+        );
+    }
+}
+
+/// A key that the simulator may not know would look like no gain, and a rig is not moved for a prediction.
+#[test]
+fn what_no_simulator_can_be_asked_is_refused() {
+    for (old, new, study, wanted) in [
+        ("speed_cm", "sped_cm", "", "did you mean `speed_cm_per_s`"),
+        (
+            "name = \"slower\"",
+            "name = \"slower\"",
+            "experiment",
+            "cannot",
+        ),
+    ] {
+        let folder = carts(&SLOWER.replacen(old, new, 1));
+        let ledger = folder.path().join("ledger.toml");
+        if !study.is_empty() {
+            let text = read(&ledger).replace("\"simulation\"", &format!("\"{study}\""));
+            std::fs::write(&ledger, text).expect("written");
+        }
+        let said = corroborate(folder.path(), &["what-if", ".", "--episodes", "2"]);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(
+            said.talk.contains(wanted) && said.talk.contains("slower.toml"),
+            "{}",
+            said.talk
+        );
+    }
 }
 
 /// Each of the handover's variants keys something that exists, and paired runs

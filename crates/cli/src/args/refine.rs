@@ -54,9 +54,11 @@ pub struct Refine {
 Examples:
   corroborate what-if case-studies/handover
   corroborate what-if case-studies/handover --variant 'gentler reset' --episodes 500
+  corroborate what-if case-studies/corridor
 
 Each file STUDY/variants/*.toml is a variant: constants of a formal model as
-expressions over their values, keys of a simulation's scenario and parameters.
+expressions over their values, keys of a simulation's data: of its scenario and
+parameters, of its scene, of the stimulus of a simulator that is a command.
 It is tried in each technique that can express it, on the same draws as the
 assets as they are: the same points of the constants' posteriors, the same
 seeds. Printed is the predicted gain with its interval, and where techniques

@@ -12,7 +12,7 @@ use crate::store::{Inputs, program_hash};
 use crate::study::{Entry, Study, Work};
 use crate::technique;
 use crate::technique::campaign::{
-    Campaigning, Finished, OutsideCommand, Source, Until, judged_by, parse_until, words_of,
+    Campaigning, Finished, Simulator, Source, Until, judged_by, parse_until, words_of,
 };
 use crate::technique::simulation::{Campaign, Seeds, record_with};
 use evidence::{Alone, Verdict};
@@ -20,71 +20,21 @@ use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 use ros2_table::Ros2Table;
 use std::path::{Path, PathBuf};
 
-/// What is simulated.
-enum Simulator {
-    Bench(Box<Campaign>),
-    Command(Box<OutsideCommand>),
-}
-
-impl Simulator {
-    /// The simulator of an entry, and how many episodes the ledger asks for.
-    fn of(
-        study: &Study,
-        entry: &Entry,
-        engine: EngineChoice,
-        setting: &Setting,
-    ) -> Result<(Self, u64), Problem> {
-        let library = setting.physics_library.as_deref();
-        let in_rapier = engine == EngineChoice::Rapier;
-        let (campaign, episodes) = match &entry.work {
-            Work::SimulateScene {
-                scene,
-                test,
-                episodes,
-            } if in_rapier => (
-                Campaign::of_scene_in_rapier(study, scene, test.as_deref())?,
-                *episodes,
-            ),
-            _ if in_rapier => return Err(super::engines::one_engine(entry)),
-            Work::Simulate {
-                scenario,
-                parameters,
-                episodes,
-            } => (
-                Campaign::new(study, scenario, parameters, library)?,
-                *episodes,
-            ),
-            Work::SimulateScene {
-                scene,
-                test,
-                episodes,
-            } => (
-                Campaign::of_scene(study, scene, test.as_deref(), library)?,
-                *episodes,
-            ),
-            Work::Command {
-                command, episodes, ..
-            } => {
-                let command = OutsideCommand::new(study, command)?;
-                return Ok((Self::Command(Box::new(command)), *episodes));
-            }
-            _ => {
-                return Err(Problem::new(
-                    "not-a-simulation",
-                    format!("`{}` is no simulation of this study", entry.id),
-                )
-                .remedy("name an entry of the ledger with a scenario, a scene or a command"));
-            }
-        };
-        Ok((Self::Bench(Box::new(campaign)), episodes))
+/// The simulator of an entry, in the engine that is asked for.
+fn simulator_of(
+    study: &Study,
+    entry: &Entry,
+    engine: EngineChoice,
+    library: Option<&Path>,
+) -> Result<Simulator, Problem> {
+    if engine != EngineChoice::Rapier {
+        return Simulator::of_entry(study, entry, library);
     }
-
-    fn source(&self) -> Source<'_> {
-        match self {
-            Self::Bench(campaign) => Source::Bench(campaign),
-            Self::Command(command) => Source::Command(command),
-        }
-    }
+    let Work::SimulateScene { scene, test, .. } = &entry.work else {
+        return Err(super::engines::one_engine(entry));
+    };
+    let campaign = Campaign::of_scene_in_rapier(study, scene, test.as_deref())?;
+    Ok(Simulator::Bench(Box::new(campaign)))
 }
 
 /// Simulates and records.
@@ -92,14 +42,15 @@ pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
-    let (simulator, episodes) = Simulator::of(&study, entry, arguments.engine, setting)?;
+    let library = setting.physics_library.as_deref();
+    let simulator = simulator_of(&study, entry, arguments.engine, library)?;
     let called = Called {
         study: &study,
         entry,
         arguments,
         setting,
         seeds: Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id),
-        count: arguments.episodes.unwrap_or(episodes),
+        count: arguments.episodes.unwrap_or_else(|| entry.work.episodes()),
     };
     match arguments.form {
         RecordingForm::Corroborate => called.campaign(simulator.source()),

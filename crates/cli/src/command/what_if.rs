@@ -7,7 +7,7 @@ use crate::problem::{Problem, did_you_mean};
 use crate::study::{Entry, Study, Work};
 use crate::technique::confidence;
 use crate::technique::model_checking::Compiled;
-use crate::what_if::file::{ChangeText, Read, subject_of, variants};
+use crate::what_if::file::{ChangeText, Read, is_simulated, subject_of, variants};
 use crate::what_if::formal::Base;
 use crate::what_if::report::{
     ChangeReport, Gain, Row, VariantFailures, VariantReport, WhatIfReport, parted,
@@ -116,6 +116,7 @@ impl<'a> Trial<'a> {
                     subject,
                     evidence: entry.id.clone(),
                     technique: entry.work.technique(),
+                    conditions: entry.conditions.clone(),
                     gain,
                 });
             }
@@ -143,7 +144,7 @@ impl<'a> Trial<'a> {
     ) -> Result<Vec<(Subject, Gain)>, Problem> {
         match (&entry.work, &change.cannot) {
             (Work::Check { .. }, None) => self.formal(read, change, entry, wanted, bases),
-            (Work::Simulate { .. }, None) => {
+            (work, None) if is_simulated(work) => {
                 self.simulated(read, change, entry, wanted, bases, failures)
             }
             (_, reason) => {
@@ -209,7 +210,6 @@ impl<'a> Trial<'a> {
             count: self.arguments.episodes,
             library: self.setting.physics_library.as_deref(),
             interrupt: &self.setting.interrupt,
-            folder: self.study.folder.join("results/what-if"),
         };
         let begin = |what: &str| {
             let title = format!("{}: {what}", entry.id);

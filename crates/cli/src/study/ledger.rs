@@ -186,6 +186,16 @@ impl Work {
         }
     }
 
+    /// How many episodes it asks for; 0 of what has none.
+    pub fn episodes(&self) -> u64 {
+        match self {
+            Work::Simulate { episodes, .. }
+            | Work::SimulateScene { episodes, .. }
+            | Work::Command { episodes, .. } => *episodes,
+            Work::Check { .. } | Work::Read { .. } | Work::Judge { .. } => 0,
+        }
+    }
+
     /// Whether counts are read instead of produced.
     pub fn is_read(&self) -> bool {
         matches!(self, Work::Read { .. })

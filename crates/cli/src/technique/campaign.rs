@@ -16,6 +16,7 @@ mod ordered;
 mod outside;
 mod record;
 mod recount;
+mod simulator;
 mod table;
 mod tally;
 mod until;
@@ -29,6 +30,7 @@ pub use failing::{is_of_physics, kind_of, words_of};
 pub use online::OnLine;
 pub use outside::OutsideCommand;
 pub use recount::{form_verdicts, records_judged_by, recount};
+pub use simulator::Simulator;
 pub use tally::{Intervals, Tally, anytime, monitors};
 pub use until::{Until, parse as parse_until};
 
@@ -39,6 +41,7 @@ use crate::technique::Produced;
 use crate::technique::judging::inputs_of;
 use crate::technique::simulation::episode_name;
 use evidence::{DescriptionGap, Tool};
+use stimulus::Stimulus;
 
 impl Source<'_> {
     /// What an episode depends on, besides its seed and this program.
@@ -54,6 +57,14 @@ impl Source<'_> {
         match self {
             Source::Bench(_) => episode_name(number),
             Source::Command(command) => command.recording_name(number),
+        }
+    }
+
+    /// What is done in each episode.
+    pub fn stimulus(&self) -> &Stimulus {
+        match self {
+            Source::Bench(campaign) => campaign.stimulus(),
+            Source::Command(command) => command.stimulus(),
         }
     }
 

@@ -25,7 +25,7 @@ use crate::study::{FormText, Method, Study, quoted_names};
 use crate::talk::{Interrupt, Stage};
 use checker::state_space::StateSpace;
 use evidence::{Cost, Finding, Measure, Subject, Tool};
-use prism_lang::{Constants, Diagnostic, Property, Rational, Value, resolved};
+use prism_lang::{Constants, Diagnostic, Number, Property, Rational, Value, resolved};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
@@ -376,6 +376,26 @@ impl<'a> Compiled<'a> {
             Value::Int(value) => Some(*value as f64),
             Value::Bool(_) => None,
         }
+    }
+
+    /// Whether a constant of the model is declared to be a whole number.
+    pub fn is_whole(&self, name: &str) -> bool {
+        matches!(self.model.constant(name), Some(Value::Int(_)))
+    }
+
+    /// The model with other values for some constants.
+    fn model_at(&self, constants: &[(String, f64)]) -> Result<resolved::Model, Problem> {
+        let mut overrides = Constants::new();
+        for (name, value) in constants {
+            let whole = self.is_whole(name) && value.fract() == 0.0 && value.abs() < 2_f64.powi(53);
+            let value = match whole {
+                true => Value::Int(*value as i64),
+                false => Value::Double(Number::from_approximate(*value)),
+            };
+            overrides.set(name.clone(), value);
+        }
+        prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
+            .map_err(|found| unplaced(&found))
     }
 }
 

@@ -192,11 +192,11 @@ impl Campaign {
     }
 
     /// What is done in each episode.
-    pub fn stimulus(&self) -> Option<&Stimulus> {
-        Some(match &self.bench {
+    pub fn stimulus(&self) -> &Stimulus {
+        match &self.bench {
             Bench::Handover(handover) => &handover.stimulus,
             Bench::Scene(scene) => scene.stimulus(),
-        })
+        }
     }
 
     /// The numbers that an episode draws once from its seed.

@@ -2,7 +2,7 @@
 
 use crate::problem::{Problem, Source};
 use crate::study::{Entry, Study, Work};
-use evidence::Subject;
+use evidence::{Subject, Technique};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -36,7 +36,8 @@ pub struct ChangeText {
     /// New definitions of a model's constants, over the values that they have.
     #[serde(default)]
     pub constants: BTreeMap<String, Spanned<String>>,
-    /// New values in a simulation's data: `scenario.…` or `parameters.…`.
+    /// New values in a simulation's data: `scenario.…` or `parameters.…` of the handover, any of a scene's, what the
+    /// stimulus of a command sets.
     #[serde(default)]
     pub settings: Settings,
     /// Why it cannot be expressed there.
@@ -112,6 +113,15 @@ pub fn subject_of(
     })
 }
 
+/// Whether episodes of it can be run as often as wanted; a rig moves, so it is not run for a prediction.
+pub fn is_simulated(work: &Work) -> bool {
+    match work {
+        Work::Simulate { .. } | Work::SimulateScene { .. } => true,
+        Work::Command { technique, .. } => *technique == Technique::Simulation,
+        _ => false,
+    }
+}
+
 /// A change has to be one that its evidence can have.
 fn fits(source: &Source, change: &ChangeText, entry: &Entry) -> Result<(), Problem> {
     let parts = (
@@ -119,12 +129,13 @@ fn fits(source: &Source, change: &ChangeText, entry: &Entry) -> Result<(), Probl
         !change.constants.is_empty(),
         !change.settings.is_empty(),
     );
-    let remedy = match (&entry.work, parts) {
-        (Work::Check { .. }, (false, true, false))
-        | (Work::Simulate { .. }, (false, false, true))
-        | (_, (true, false, false)) => return Ok(()),
-        (Work::Check { .. }, _) => "give `constants` of the model, or say in `cannot` why not",
-        (Work::Simulate { .. }, _) => "give `settings`, or say in `cannot` why not",
+    let is_checked = matches!(entry.work, Work::Check { .. });
+    let remedy = match parts {
+        (true, false, false) => return Ok(()),
+        (false, true, false) if is_checked => return Ok(()),
+        (false, false, true) if is_simulated(&entry.work) => return Ok(()),
+        _ if is_checked => "give `constants` of the model, or say in `cannot` why not",
+        _ if is_simulated(&entry.work) => "give `settings`, or say in `cannot` why not",
         _ => "say in `cannot` why it is not tried there",
     };
     let message = format!("the change of {} cannot be made there", entry.id);

@@ -129,10 +129,10 @@ impl<'a> Base<'a> {
             after,
             gain: after - before,
             interval,
-            how: format!(
-                "the same {} points of the constants' posteriors",
-                varied.len()
-            ),
+            how: match varied.len() {
+                0 => "no constant is estimated from counts".to_owned(),
+                points => format!("the same {points} points of the constants' posteriors"),
+            },
             p_value: None,
         })
     }
@@ -158,6 +158,12 @@ impl<'a> Base<'a> {
             let value = self.value(expression.get_ref(), point).map_err(|reason| {
                 wrong(reason, "write an expression over the model's constants")
             })?;
+            if self.compiled.is_whole(name) && value.fract() != 0.0 {
+                let reason = format!(
+                    "`{name}` is a whole number in the model, and the variant gives it {value}"
+                );
+                return Err(wrong(reason, "round it: `floor(...)`, `ceil(...)`"));
+            }
             varied.retain(|(other, _)| other != name);
             varied.push((name.clone(), value));
         }

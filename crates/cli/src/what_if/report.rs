@@ -63,6 +63,8 @@ pub struct Row {
     pub evidence: String,
     /// Its technique.
     pub technique: Technique,
+    /// The conditions under which it holds.
+    pub conditions: String,
     /// What it predicts.
     pub gain: Gain,
 }
@@ -93,7 +95,7 @@ pub enum Gain {
     },
 }
 
-/// Pairs of rows on one subject whose intervals do not overlap.
+/// Pairs of rows on one subject under the same conditions whose intervals do not overlap.
 pub fn parted(rows: &[Row]) -> Vec<String> {
     let known = |row: &Row| match &row.gain {
         Gain::Known {
@@ -106,7 +108,7 @@ pub fn parted(rows: &[Row]) -> Vec<String> {
     let mut found = Vec::new();
     for (place, left) in rows.iter().enumerate() {
         for right in &rows[place + 1..] {
-            if left.subject != right.subject {
+            if (&left.subject, &left.conditions) != (&right.subject, &right.conditions) {
                 continue;
             }
             if let (Some((a, first)), Some((b, second))) = (known(left), known(right))
@@ -184,7 +186,10 @@ fn row_words(row: &Row, confidence: f64) -> String {
                     it.high
                 )
             });
-            let p = p_value.map_or(String::new(), |p| format!(", p {p:.3}"));
+            let p = p_value.map_or(String::new(), |p| match p < 0.001 {
+                true => ", p < 0.001".to_owned(),
+                false => format!(", p {p:.3}"),
+            });
             format!(
                 "{name:<28} {evidence:<6} {before:.4} -> {after:.4}  {gain:+.4} {interval} ({how}{p})"
             )
@@ -208,6 +213,7 @@ mod tests {
             subject: Subject::Requirement("1a".into()),
             evidence: evidence.into(),
             technique: Technique::Simulation,
+            conditions: "typical".into(),
             gain: Gain::Known {
                 before: 0.5,
                 after: 0.5 + low,
@@ -223,5 +229,10 @@ mod tests {
     fn gains_part_where_their_intervals_do_not_overlap() {
         assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.1, 0.2)]).len(), 0);
         assert_eq!(parted(&[row("A", 0.0, 0.1), row("B", 0.11, 0.2)]).len(), 1);
+        let elsewhere = Row {
+            conditions: "crossing".into(),
+            ..row("B", 0.11, 0.2)
+        };
+        assert_eq!(parted(&[row("A", 0.0, 0.1), elsewhere]).len(), 0);
     }
 }

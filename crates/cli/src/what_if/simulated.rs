@@ -1,29 +1,35 @@
-//! A variant in a simulation.
+//! A variant in a simulation: of the handover, of a scene, or of a simulator that is a command.
 //!
 //! # Definition
-//! The same episodes (the same seeds, which are those of the evidence) are run
-//! with the scenario and parameters as they are and with the variant's; as they
-//! are, those that `run` keeps with the evidence are not run again, unless a
+//! The same episodes (the same seeds and the same test, which are those of the
+//! evidence) are run as they are and with the variant's settings over the
+//! bench's data, or over those of a command's stimulus; as they are, those that
+//! `run` keeps with the evidence are not run again, unless a
 //! failure ended them. A run
 //! counts for a subject if it was covered both times. The interval is that of
 //! matched pairs (Agresti and Min 2005), the p-value McNemar's exact one.
+//! Neither rests on the seed's fixing what a run draws: if it does not, the
+//! pairs are two independent samples, and the interval is wider.
 
 use super::file::{ChangeText, Read};
 use super::report::Gain;
-use crate::problem::{self, Problem, write_whole};
+use crate::problem::Problem;
 use crate::store::{is_stage_of, program_hash};
-use crate::study::{Entry, Study, Work};
+use crate::study::{Entry, Study};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::campaign::{
-    FailureCounts, OnLine, Source, ended, episode_inputs, judged_by, records_judged_by, stops,
+    FailureCounts, OnLine, Simulator, Source, ended, episode_inputs, judged_by, records_judged_by,
+    stops,
 };
+use crate::technique::exploration::OpenBench;
 use crate::technique::judging::Judges;
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use evidence::{FailureKind, Interval, Subject};
 use rayon::prelude::*;
 use stats::paired::Pairs;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use stimulus::Stimulus;
 use temporal::monitor::Verdict;
 
 /// What episodes showed.
@@ -49,40 +55,29 @@ pub struct Episodes<'a> {
     pub library: Option<&'a Path>,
     /// Whether the user wants to stop.
     pub interrupt: &'a Interrupt,
-    /// Where variants' data are written.
-    pub folder: PathBuf,
 }
 
 impl Episodes<'_> {
-    fn files(&self) -> Result<(&Path, &Path), Problem> {
-        match &self.entry.work {
-            Work::Simulate {
-                scenario,
-                parameters,
-                ..
-            } => Ok((scenario, parameters)),
-            _ => Err(Problem::new(
-                "not-a-simulation",
-                format!("`{}` has no scenario and parameters", self.entry.id),
-            )
-            .remedy("name an entry of the ledger with a `scenario` and `parameters`")),
-        }
-    }
-
     /// The verdicts of the entry as it is.
     pub fn as_it_is(&self, subjects: &[Subject], stage: &Stage) -> Result<Verdicts, Problem> {
-        let (scenario, parameters) = self.files()?;
-        let campaign = Campaign::new(self.study, scenario, parameters, self.library)?;
-        let kept = self.kept(&campaign, subjects)?;
+        let simulator = Simulator::of_entry(self.study, self.entry, self.library)?;
+        let kept = self.kept(simulator.source(), subjects)?;
         stage.skip(kept.len() as u64);
-        self.run(&campaign, &kept, subjects, stage)
+        let bench = OpenBench::of_entry(self.study, self.entry, self.library)?;
+        self.run(
+            &bench,
+            simulator.source().stimulus(),
+            &kept,
+            subjects,
+            stage,
+        )
     }
 
     /// The verdicts of the episodes that the study's results hold, by number: of this program, these files and monitors.
-    fn kept(&self, campaign: &Campaign, subjects: &[Subject]) -> Result<Kept, Problem> {
+    fn kept(&self, source: Source<'_>, subjects: &[Subject]) -> Result<Kept, Problem> {
         let folder = self.study.folder.join("results/episodes");
         let folder = folder.join(&self.entry.id);
-        let (source, program) = (Source::Bench(campaign), program_hash()?);
+        let program = program_hash()?;
         let inputs = episode_inputs(self.study, self.entry, source, &program);
         if !is_stage_of(&folder, &inputs.hash()) {
             return Ok(Kept::new());
@@ -115,59 +110,63 @@ impl Episodes<'_> {
         subjects: &[Subject],
         stage: &Stage,
     ) -> Result<Verdicts, Problem> {
-        let (scenario, parameters) = self.files()?;
-        let mut data = toml::Table::new();
-        for (key, file) in [("scenario", scenario), ("parameters", parameters)] {
-            let source = problem::Source::read(&self.study.folder.join(file))?;
-            let table: toml::Table =
-                toml::from_str(&source.text).map_err(|e| Problem::from_toml(&source, &e))?;
-            data.insert(key.into(), table.into());
-        }
-        stimulus::apply(&mut data, &change.settings).map_err(|error| {
-            Problem::new(super::file::CODE, error.to_string())
+        let bench = OpenBench::of_entry(self.study, self.entry, self.library)?;
+        let simulator = Simulator::of_entry(self.study, self.entry, self.library)?;
+        let mut varied = simulator.source().stimulus().clone();
+        // Another simulator may pass over a key that it does not know, which would look like no gain; so it has to be one
+        // that its stimulus sets already.
+        let refused = match bench.is_outside() {
+            true => {
+                let applied = stimulus::apply(&mut bench.data().clone(), &change.settings);
+                applied.err().map(|error| {
+                    let remedy = "the stimulus of the ledger has to set the key to what it is now";
+                    (error.to_string(), remedy)
+                })
+            }
+            false => None,
+        };
+        varied.settings.extend(change.settings.clone());
+        let refused = refused.or_else(|| {
+            let reason = bench.refuses(&varied)?;
+            Some((reason, "correct the keys in `settings`"))
+        });
+        if let Some((reason, remedy)) = refused {
+            return Err(Problem::new(super::file::CODE, reason)
                 .at(&read.source, change.evidence.span())
-                .remedy("correct the keys in `settings`")
-        })?;
-        let folder = self.folder.join(file_name(&read.variant.name));
-        let mut paths = Vec::new();
-        for key in ["scenario", "parameters"] {
-            let table = data
-                .remove(key)
-                .unwrap_or(toml::Value::Table(toml::Table::new()));
-            let text = toml::to_string(&table)
-                .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
-            let path = folder.join(format!("{}-{key}.toml", self.entry.id));
-            write_whole(&path, text.as_bytes())?;
-            // Paths are taken from the study's folder.
-            paths.push(std::path::absolute(&path).map_err(|e| Problem::cannot_read(&path, &e))?);
+                .remedy(remedy));
         }
-        let campaign = Campaign::new(self.study, &paths[0], &paths[1], self.library)?;
-        self.run(&campaign, &Kept::new(), subjects, stage)
+        self.run(&bench, &varied, &Kept::new(), subjects, stage)
     }
 
     /// Runs the episodes that are not among `kept`.
     fn run(
         &self,
-        campaign: &Campaign,
+        bench: &OpenBench,
+        stimulus: &Stimulus,
         kept: &Kept,
         subjects: &[Subject],
         stage: &Stage,
     ) -> Result<Verdicts, Problem> {
         let judges = Judges::new(self.study, |subject| subjects.contains(subject))?;
-        let layout = campaign.layout()?;
+        let numbers = 1..=self.count;
+        let layout = match numbers.clone().all(|number| kept.contains_key(&number)) {
+            true => None,
+            false => Some(bench.layout(self.interrupt)?),
+        };
         let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
-        let rows: Vec<(Vec<Verdict>, Option<FailureKind>, String)> = (1..=self.count)
+        let rows: Vec<(Vec<Verdict>, Option<FailureKind>, String)> = numbers
             .into_par_iter()
             .map(|number| {
                 if self.interrupt.is_set() {
                     return Err(Problem::interrupted());
                 }
-                if let Some(verdicts) = kept.get(&number) {
-                    return Ok((verdicts.clone(), None, String::new()));
-                }
-                let mut on_line = OnLine::new(&[&judges], &layout, false)?;
+                let (None, Some(layout)) = (kept.get(&number), &layout) else {
+                    let verdicts = kept.get(&number).cloned().unwrap_or_default();
+                    return Ok((verdicts, None, String::new()));
+                };
+                let mut on_line = OnLine::new(&[&judges], layout, false)?;
                 let seed = seeds.of(number);
-                let run = campaign.attempt(seed, &mut on_line, self.interrupt);
+                let run = bench.watched(stimulus, seed, &mut on_line, self.interrupt);
                 let run = ended(run, seed, number == 1)?;
                 stage.advance();
                 let Some(recorded) = run.recorded else {
@@ -249,12 +248,4 @@ fn counted(subject: &Subject, before: &[Verdict], after: &[Verdict]) -> (Pairs, 
         pairs.only_second += u64::from(new && !old);
     }
     (pairs, first, second)
-}
-
-fn file_name(name: &str) -> String {
-    let safe = |c: char| match c.is_ascii_alphanumeric() {
-        true => c.to_ascii_lowercase(),
-        false => '-',
-    };
-    name.chars().map(safe).collect()
 }

@@ -33,7 +33,7 @@ pub fn write(
     };
     let partial = path.with_extension("partial");
     let file = BufWriter::new(File::create(&partial).map_err(fail)?);
-    let stimulus = stimulus_of(plan);
+    let stimulus = plan.source.stimulus();
     let about = [
         ("study", plan.study.about.title.as_str()),
         ("evidence", plan.id),
@@ -76,18 +76,7 @@ fn drawn_in(plan: &Campaigning<'_>, number: u64) -> Result<BTreeMap<String, f64>
     Ok(drawn.map(|it| (it.key, it.value)).collect())
 }
 
-fn stimulus_of<'a>(plan: &Campaigning<'a>) -> Option<&'a Stimulus> {
-    match plan.source {
-        Source::Bench(campaign) => campaign.stimulus(),
-        Source::Command(command) => Some(command.stimulus()),
-    }
-}
-
-fn columns(
-    stimulus: Option<&Stimulus>,
-    drawn: &[String],
-    monitors: &[Monitored],
-) -> Vec<ParquetColumn> {
+fn columns(stimulus: &Stimulus, drawn: &[String], monitors: &[Monitored]) -> Vec<ParquetColumn> {
     use ParquetType::{Bool, Double, Text, U64};
     let mut columns = vec![
         ParquetColumn::new("episode", U64).meaning("the episode's number"),
@@ -104,7 +93,7 @@ fn columns(
             .optional()
             .meaning("its file, if it is kept"),
     ];
-    for (key, setting) in stimulus.iter().flat_map(|it| &it.settings) {
+    for (key, setting) in &stimulus.settings {
         let kind = match setting {
             Setting::Bool(_) => Bool,
             Setting::Number(_) => Double,
@@ -150,7 +139,7 @@ fn columns_of(monitor: &Monitored) -> [ParquetColumn; OF_MONITOR] {
 fn row<'a>(
     record: &'a EpisodeRecord,
     recording: Option<&'a str>,
-    stimulus: Option<&'a Stimulus>,
+    stimulus: &'a Stimulus,
     drawn: &[Option<f64>],
 ) -> Vec<Cell<'a>> {
     let text = |text: Option<&'a str>| text.map_or(Cell::Missing, Cell::Text);
@@ -158,12 +147,12 @@ fn row<'a>(
     let mut row = vec![
         Cell::U64(record.number),
         Cell::U64(record.seed),
-        text(stimulus.map(|it| it.test.name.as_str())),
+        Cell::Text(&stimulus.test.name),
         Cell::Text(&record.end),
         double(record.simulated_secs),
         text(recording),
     ];
-    for setting in stimulus.iter().flat_map(|it| it.settings.values()) {
+    for setting in stimulus.settings.values() {
         row.push(match setting {
             Setting::Bool(value) => Cell::Bool(*value),
             Setting::Number(value) => Cell::Double(*value),

@@ -1,10 +1,9 @@
 //! A requirement's probability with other values for some constants.
 
 use super::answer::{answer, explore};
-use super::{Compiled, MAX_STATES, unplaced};
+use super::{Compiled, MAX_STATES};
 use crate::problem::Problem;
 use crate::study::Method;
-use prism_lang::{Constants, Number, Value};
 
 impl Compiled<'_> {
     /// The probability of the subject with identifier `id`, by the sound
@@ -20,15 +19,7 @@ impl Compiled<'_> {
         let Some(question) = question.filter(|q| q.opportunity.is_none()) else {
             return Ok(None);
         };
-        let mut overrides = Constants::new();
-        for (name, value) in constants {
-            overrides.set(
-                name.clone(),
-                Value::Double(Number::from_approximate(*value)),
-            );
-        }
-        let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
-            .map_err(|found| unplaced(&found))?;
+        let model = self.model_at(constants)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
         let property = self.property(&model, question.property)?;
         let answer = answer(&property, Method::Sound, &space, None, cancel)?;

@@ -1,11 +1,10 @@
 //! The values of all questions at one set of constants, without uncertainty.
 
 use super::answer::{answer, explore};
-use super::{Compiled, MAX_STATES, unplaced};
+use super::{Compiled, MAX_STATES};
 use crate::problem::Problem;
 use crate::study::{FormText, Method};
 use evidence::Subject;
-use prism_lang::{Constants, Number, Value};
 use std::collections::BTreeMap;
 
 impl Compiled<'_> {
@@ -17,13 +16,7 @@ impl Compiled<'_> {
         constants: &[(String, f64)],
         cancel: &(dyn Fn() -> bool + Sync),
     ) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
-        let mut overrides = Constants::new();
-        for (name, value) in constants {
-            let number = Number::from_approximate(*value);
-            overrides.set(name.clone(), Value::Double(number));
-        }
-        let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
-            .map_err(|found| unplaced(&found))?;
+        let model = self.model_at(constants)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
         let mut known: BTreeMap<&str, f64> = BTreeMap::new();
         let mut values = BTreeMap::new();

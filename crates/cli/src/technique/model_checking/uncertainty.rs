@@ -16,13 +16,12 @@
 //! error. Beside them stand robust bounds, which hold (see [`super::robust`]).
 
 use super::answer::{answer, explore};
-use super::{Compiled, CountedConstant, MAX_STATES, unplaced};
+use super::{Compiled, CountedConstant, MAX_STATES};
 use crate::problem::Problem;
 use crate::study::{FormText, Method};
 use crate::talk::{Interrupt, Stage};
 use crate::technique::Influence;
 use evidence::{CredibleInterval, Finding, Measure, Subject};
-use prism_lang::{Constants, Number, Value};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -150,15 +149,9 @@ impl Compiled<'_> {
         point: &[f64],
         cancel: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<Option<f64>>, Problem> {
-        let mut overrides = Constants::new();
-        for (constant, value) in counted.iter().zip(point) {
-            overrides.set(
-                constant.name.clone(),
-                Value::Double(Number::from_approximate(*value)),
-            );
-        }
-        let model = prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
-            .map_err(|found| unplaced(&found))?;
+        let names = counted.iter().map(|constant| constant.name.clone());
+        let point: Vec<(String, f64)> = names.zip(point.iter().copied()).collect();
+        let model = self.model_at(&point)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
         let value = |text: &FormText| -> Result<f64, Problem> {
             let property = self.property(&model, text)?;
