@@ -10,6 +10,7 @@ mod peers;
 mod rare;
 mod recordings;
 mod refine;
+pub mod refused;
 mod replay;
 mod simulate;
 mod watch;
@@ -64,7 +65,7 @@ pub enum Command {
     /// Produce a study's evidence, compare it, and write the report.
     Run(Run),
     /// Check properties of a model in the PRISM language.
-    Check(Check),
+    Check(Box<Check>),
     /// Lay out models and property files anew; comments stay.
     Format(FormatFiles),
     /// Run episodes of a study's simulation and record them.

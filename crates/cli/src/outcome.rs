@@ -12,17 +12,20 @@ pub enum Outcome {
     Inconclusive,
     /// The work is done but some of its data could not be kept or read.
     DataLost,
+    /// Part of the input means nothing; what was asked besides is answered.
+    Wrong,
     /// A requirement is violated, or evidence conflicts.
     Violated,
 }
 
 impl Outcome {
-    /// The exit code: 0, 1, 3 or 130. (2 is an error of the call or the
-    /// input, 101 a bug of ours.)
+    /// The exit code: 0, 1, 2, 3 or 130. (2 is also that of errors that end
+    /// a command, 101 a bug of ours.)
     pub fn exit_code(self) -> u8 {
         match self {
             Outcome::Holds => 0,
             Outcome::Violated => 1,
+            Outcome::Wrong => 2,
             Outcome::Interrupted => 130,
             Outcome::Inconclusive | Outcome::DataLost => 3,
         }

@@ -146,7 +146,7 @@ fn ctrl_c_while_exploring_says_how_far_it_came() {
 }
 
 #[test]
-fn a_limit_of_memory_ends_every_kind_of_work_with_a_message() {
+fn a_limit_of_memory_or_time_ends_every_kind_of_work_with_a_message() {
     let folder = folder();
     let coin =
         "dtmc const double p; module coin s:[0..9]; [] s<9 -> p:(s'=s+1) + 1-p:(s'=0); endmodule";
@@ -157,12 +157,15 @@ fn a_limit_of_memory_ends_every_kind_of_work_with_a_message() {
         &["-const", "p=0.5", "--certify"],
         &["--param", "p=0:1"],
     ] {
-        let mut arguments = vec!["check", "coin.prism", "P=? [ F<=20 s=9 ]"];
-        arguments.extend(["--memory-limit", "0.000001"]);
-        arguments.extend(more);
-        let said = corroborate(folder.path(), &arguments);
-        assert_eq!(said.code, 3, "{said:?}");
-        assert!(said.talk.contains("raise --memory-limit"), "{said:?}");
+        for (limit, value) in [("--memory-limit", "0.000001"), ("--timeout", "0.000001")] {
+            let mut arguments = vec!["check", "coin.prism", "P=? [ F<=20 s=9 ]"];
+            arguments.extend([limit, value]);
+            arguments.extend(more);
+            let said = corroborate(folder.path(), &arguments);
+            assert_eq!(said.code, 3, "{said:?}");
+            let remedy = format!("raise {limit}");
+            assert!(said.talk.contains(&remedy), "{said:?}");
+        }
     }
     // A limit of states is one for who asks for it.
     let arguments = ["check", "coin.prism", "P=? [ F s=9 ]", "-const", "p=0.5"];

@@ -2,12 +2,14 @@
 //!
 //! Flags that have the same meaning here are rewritten to ours. Those that choose a numerical method that is here, too,
 //! choose it, unless another flag asks for exact or interval arithmetic. Flags that choose among PRISM's engines and data
-//! structures change no answer: they are noted and have no effect. Flags that would change an answer and that we do not have are left as they are, and are errors.
+//! structures change no answer: they are noted and have no effect. Flags that would change an answer and that we do not have are errors, each with its reason
+//! ([`refused`](super::refused)), and so are words behind one dash that nobody knows, which are named as a whole.
 
+use super::refused;
 use std::ffi::OsString;
 
 /// Flags with the same meaning, and ours.
-const SAME: [(&str, &[&str]); 42] = [
+const SAME: [(&str, &[&str]); 43] = [
     ("-const", &["--const"]),
     ("-param", &["--param"]),
     ("-pf", &["--pf"]),
@@ -50,6 +52,7 @@ const SAME: [(&str, &[&str]); 42] = [
     ("-exporttransient", &["--export-transient"]),
     ("-exporttr", &["--export-transient"]),
     ("-importinitdist", &["--import-initial"]),
+    ("-timeout", &["--timeout"]),
 ];
 
 /// Flags that choose a numerical method, and ours.
@@ -78,7 +81,7 @@ const IMPORTS: [(&str, &str); 4] = [
 ];
 
 /// Flags without a value that change no answer.
-const WITHOUT_EFFECT: [&str; 62] = [
+const WITHOUT_EFFECT: [&str; 66] = [
     "-mtbdd",
     "-m",
     "-sparse",
@@ -141,10 +144,14 @@ const WITHOUT_EFFECT: [&str; 62] = [
     "-exportordered",
     "-ordered",
     "-zerorewardcheck",
+    "-unordered",
+    "-exportunordered",
+    "-explicitbuildtest",
+    "-ng",
 ];
 
 /// Flags with a value that change no answer.
-const VALUE_WITHOUT_EFFECT: [&str; 53] = [
+const VALUE_WITHOUT_EFFECT: [&str; 56] = [
     "-transientmethod",
     "-paretoepsilon",
     "-multimaxpoints",
@@ -198,7 +205,13 @@ const VALUE_WITHOUT_EFFECT: [&str; 53] = [
     "-ptamethod",
     "-simvar",
     "-simmaxrwd",
+    "-sorl",
+    "-sormax",
+    "-ddtrace",
 ];
+
+/// Two numbers follow it; it changes no answer, states that stand for each other being found without it.
+const SYMMETRY: &str = "-symm";
 
 /// Rewrites the flags of a `check`; other commands are left as they are.
 pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
@@ -264,11 +277,20 @@ pub fn with_peers_spelling(arguments: impl Iterator<Item = OsString>) -> Vec<OsS
         // `check -h` alone asks for help.
         let without =
             method.is_some() || WITHOUT_EFFECT.contains(&text) && (text != "-h" || has_model);
-        if without || VALUE_WITHOUT_EFFECT.contains(&text) {
+        if without || VALUE_WITHOUT_EFFECT.contains(&text) || text == SYMMETRY {
             rewritten.push(OsString::from(format!("--without-effect={text}")));
-            if !without {
-                given.next();
-            }
+            let values = match text {
+                _ if without => 0,
+                SYMMETRY => 2,
+                _ => 1,
+            };
+            given.by_ref().take(values).for_each(|_| {});
+            continue;
+        }
+        let values = refused::values(text).or_else(|| is_word_of_peers(text).then_some(0));
+        if let Some(values) = values {
+            rewritten.push(OsString::from(format!("--refused={text}")));
+            given.by_ref().take(values).for_each(|_| {});
             continue;
         }
         has_model |= !is_flag(argument);
@@ -288,6 +310,12 @@ fn kind_of_export(flag: &str) -> Option<&'static str> {
         "-exporttransdot" => Some("dot-plain"),
         _ => None,
     }
+}
+
+/// Whether it is a word behind one dash, and so no row of flags of one letter; `-cN=3` gives a constant.
+fn is_word_of_peers(text: &str) -> bool {
+    let word = text.strip_prefix('-').filter(|word| word.len() > 2);
+    word.is_some_and(|word| !word.starts_with('c') && word.chars().all(char::is_alphabetic))
 }
 
 fn is_flag(argument: &OsString) -> bool {
@@ -408,10 +436,12 @@ mod tests {
         assert_eq!(found, ours);
         assert_eq!(rewritten(&["check", "-h"]), ["check", "-h"]);
         assert_eq!(rewritten(&["run", "s", "-h"]), ["run", "s", "-h"]);
-        // What would change an answer is not swallowed.
-        assert_eq!(
-            rewritten(&["check", "m.pm", "-nofixdl"]),
-            ["check", "m.pm", "-nofixdl"]
-        );
+        let found = rewritten(&["check", "m.pm", "-symm", "1", "2", "p.props"]);
+        assert_eq!(found[2..], ["--without-effect=-symm", "p.props"]);
+        // What would change an answer is not swallowed, and a word is not taken for letters.
+        let found = rewritten(&["check", "m.pm", "-nofixdl", "-simpath", "9", "stdout"]);
+        assert_eq!(found[2..], ["--refused=-nofixdl", "--refused=-simpath"]);
+        let found = rewritten(&["check", "m.pm", "-vesion", "-cN=3", "-c", "p=1"]);
+        assert_eq!(found[2..], ["--refused=-vesion", "-cN=3", "-c", "p=1"]);
     }
 }

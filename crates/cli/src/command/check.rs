@@ -17,7 +17,7 @@ mod results;
 mod strategy;
 
 use super::{Done, Setting, json};
-use crate::args::{Check, CheckFormat, Termination};
+use crate::args::{Check, CheckFormat, Termination, refused};
 use crate::outcome::Outcome;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
@@ -53,6 +53,7 @@ struct Work<'a> {
 
 /// Checks properties of a model, for each valuation of its constants.
 pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
+    refuse(arguments)?;
     let experiment = constants(&arguments.constants)?;
     say_what_has_no_effect(arguments, setting);
     let texts = properties::read(arguments)?;
@@ -89,6 +90,17 @@ pub fn check(arguments: &Check, setting: &Setting) -> Result<Done, Problem> {
     })
 }
 
+/// Flags of PRISM's that are not taken.
+fn refuse(arguments: &Check) -> Result<(), Problem> {
+    match arguments.refused.first() {
+        None => Ok(()),
+        Some(flag) => {
+            let problem = Problem::new("refused-flag", format!("{flag} is not taken"));
+            Err(problem.remedy(refused::reason(flag)))
+        }
+    }
+}
+
 fn say_what_has_no_effect(arguments: &Check, setting: &Setting) {
     for flag in &arguments.without_effect {
         let why = match flag.as_str() {
@@ -98,6 +110,10 @@ fn say_what_has_no_effect(arguments: &Check, setting: &Setting) {
                 "another flag asks for answers that are no estimates"
             }
             "-sim" => "the answers are computed, not estimated from samples",
+            "-noprobchecks" => "probabilities are always checked",
+            "-javamaxmem" | "-javastack" | "-cuddmaxmem" => "--memory-limit is the limit here",
+            "-symm" => "states that stand for each other are found without it",
+            "-verbose" | "-v" | "-extraddinfo" | "-extrareachinfo" => "there is no more to be said",
             _ => "our bounds hold by any method, in any data structure",
         };
         setting
@@ -530,6 +546,8 @@ fn outcome(report: &CheckReport) -> Outcome {
         Outcome::Interrupted
     } else if any(&|p| p.result.as_deref() == Some("false")) {
         Outcome::Violated
+    } else if any(&|p| p.is_wrong) {
+        Outcome::Wrong
     } else if report.distributions.iter().any(|d| d.error.is_some())
         || any(&|p| p.error.is_some() || p.certificate.as_ref().is_some_and(|c| !c.is_good()))
     {

@@ -1,4 +1,4 @@
-//! What ends a check before all is answered: an interruption, or the limit of memory.
+//! What ends a check before all is answered: an interruption, or the limit of memory or of time.
 //!
 //! What is being solved then gives the bounds that it has reached ([`checker::Stop`]), answers stay, and what was not
 //! begun says so.
@@ -12,12 +12,15 @@ use crate::study::Method;
 use crate::talk::Interrupt;
 use checker::{Bounds, CheckError};
 use std::cell::Cell;
+use std::time::{Duration, Instant};
 
 /// Whether to end, and why.
 #[derive(Debug)]
 pub(super) struct Ending {
     interrupt: Interrupt,
     memory: Memory,
+    /// How long it may take, and until when.
+    time: Option<(Duration, Instant)>,
 }
 
 impl Ending {
@@ -25,12 +28,18 @@ impl Ending {
         Self {
             interrupt: interrupt.clone(),
             memory: Memory::new(arguments.memory_limit),
+            time: (arguments.timeout)
+                .and_then(|limit| Some((limit, Instant::now().checked_add(limit)?))),
         }
     }
 
     /// Whether to end.
     pub fn is_due(&self) -> bool {
-        self.interrupt.is_set() || self.memory.is_passed()
+        self.interrupt.is_set() || self.memory.is_passed() || self.is_late()
+    }
+
+    fn is_late(&self) -> bool {
+        self.time.is_some_and(|(_, end)| Instant::now() >= end)
     }
 
     /// Whether to end without the bounds that were reached.
@@ -42,13 +51,31 @@ impl Ending {
     pub fn reason(&self) -> &'static str {
         match self.interrupt.is_set() {
             true => "interrupted",
-            false => "ended by the limit of memory",
+            false if self.memory.is_passed() => "ended by the limit of memory",
+            false => "ended by the limit of time",
         }
     }
 
     /// The problem of a command that ended early.
     pub fn problem(&self) -> Problem {
-        self.memory.instead_of(Problem::interrupted())
+        self.instead_of(Problem::interrupted())
+    }
+
+    /// What ended the work, in place of an interruption; what that says of how far the work came is kept.
+    fn instead_of(&self, problem: Problem) -> Problem {
+        let problem = self.memory.instead_of(problem);
+        match self.time {
+            Some((limit, _)) if problem.is_interruption() && !self.interrupt.is_set() => {
+                let doing = problem.message().split_once(" while ");
+                let doing = doing.map_or(String::new(), |(_, doing)| format!(" while {doing}"));
+                let secs = limit.as_secs_f64();
+                let message = format!("the {secs} s that it may take are over{doing}");
+                Problem::undecided("time-limit", message).remedy(
+                    "raise --timeout, or make the model smaller, for example by its constants",
+                )
+            }
+            _ => problem,
+        }
     }
 
     /// Explores by `explore`, which is told whether to go on; an early end says how far it came.
@@ -65,7 +92,7 @@ impl Ending {
             true => {
                 let states = found.get();
                 let doing = format!("states were explored ({states} had been found)");
-                (self.memory).instead_of(Problem::interrupted_while(&doing))
+                self.instead_of(Problem::interrupted_while(&doing))
             }
             false => problem,
         })

@@ -166,11 +166,14 @@ pub struct PropertyReport {
     pub error: Option<String>,
     /// Whether that is because it is not supported.
     pub unsupported: bool,
-    /// If the command had to end before there was an answer (interrupted, or by its limit of memory): `stopped` while the
+    /// If the command had to end before there was an answer (interrupted, or by its limit of memory or time): `stopped` while the
     /// property was checked, with the bounds reached so far if there are some, or `not begun`.
     pub unfinished: Option<String>,
     /// Seconds for the answer.
     pub check_secs: f64,
+    /// Whether the property means nothing over the model, so that the input has to be mended.
+    #[serde(skip)]
+    pub(super) is_wrong: bool,
     /// Which valuation of constants it belongs to.
     #[serde(skip)]
     pub(super) valuation: usize,
@@ -265,6 +268,7 @@ pub(super) fn property_report(
 pub(super) fn wrong_report(prop_idx: usize, wrong: &Wrong, method: Method) -> PropertyReport {
     let mut report = empty(prop_idx, wrong.name.clone(), wrong.text.clone(), method);
     report.unsupported = wrong.unsupported;
+    report.is_wrong = !wrong.unsupported;
     report.error = Some(wrong.message.clone());
     report
 }
@@ -300,6 +304,7 @@ pub(super) fn empty(
         unsupported: false,
         unfinished: None,
         check_secs: 0.0,
+        is_wrong: false,
         valuation: 0,
     }
 }

@@ -4,6 +4,9 @@ use super::form::{Built, CheckReport, DistributionReport, PropertyReport, Witnes
 use crate::problem::Problem;
 use checker::AnswerValue;
 
+/// Sizes of numbers that are written without an exponent.
+const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
+
 /// A value, as PRISM writes it.
 pub(super) fn value(value: &AnswerValue) -> String {
     match value {
@@ -25,13 +28,16 @@ pub(super) fn value(value: &AnswerValue) -> String {
     }
 }
 
-fn number(value: f64) -> String {
+/// A number, with an exponent where a reader would have to count zeros.
+pub(super) fn number(value: f64) -> String {
     if value == f64::INFINITY {
         "Infinity".to_owned()
     } else if value == f64::NEG_INFINITY {
         "-Infinity".to_owned()
-    } else {
+    } else if value == 0.0 || PLAIN.contains(&value.abs()) {
         value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }
 
@@ -193,7 +199,9 @@ fn in_brackets(property: &PropertyReport) -> String {
     let mut parts = Vec::new();
     match (property.guarantee.as_deref(), property.low, property.high) {
         (Some("exact"), ..) => parts.push("exact".to_owned()),
-        (Some(_), Some(low), Some(high)) => parts.push(format!("between {low} and {high}")),
+        (Some(_), Some(low), Some(high)) => {
+            parts.push(format!("between {} and {}", number(low), number(high)))
+        }
         (Some("estimated"), ..) => parts.push("estimated".to_owned()),
         _ => {}
     }
