@@ -3,11 +3,12 @@
 //! *Method.* Bottom-up over the states that were read anew. What happens within steps is computed backward in intervals
 //! ([`steps`]); what happens within a time, by uniformisation in intervals ([`timed`]); what is reached, or earned before,
 //! is asked of an [`Oracle`], which need not be trusted: its bounds count only if all inequalities hold ([`inequalities`]).
+//! Several bounds in time in one formula cut time into segments ([`windows`](crate::windows)).
 //! Linear temporal logic becomes reachability in a product with machines ([`product`](super::product)); averages are bounded by gain and bias,
 //! totals by inequalities ([`average`], [`total`]); conditions are restarts ([`conditional`](crate::conditional)), and of all
 //! or some paths sets of states are the fixpoints of their definitions ([`quantifiers`](crate::quantifiers)); several
 //! objectives have bounds by weights and mixtures ([`multi`](crate::multi)). Truth values of nested operators follow from the bounds; where these
-//! leave one open, nothing is certified.
+//! leave one open, from the values themselves ([`exact`]), or nothing is certified.
 //!
 //! Guarantee: exact where inequalities are checked, containment where intervals are computed. Nothing is shared with the
 //! solver but the parser and the meaning of expressions.
@@ -24,7 +25,7 @@ use num_traits::Zero;
 use prism_lang::ast::BinaryOp;
 use prism_lang::property::{Property, StateFormula};
 use prism_lang::resolved::{Model, ModelType};
-use prism_lang::{Comparison, Rational};
+use prism_lang::{Comparison, Number, Rational};
 
 use crate::Certified;
 use crate::failure::Failure;
@@ -33,6 +34,7 @@ use crate::interval::Interval;
 use crate::question::{holds, unsupported};
 use crate::reading::{Choice, Part, Reading};
 
+mod exact;
 mod filters;
 mod paths;
 mod quantities;
@@ -43,6 +45,12 @@ pub trait Oracle {
     /// Bounds for a problem, one of each kind for every state; wider ones each time it is asked again about the same
     /// problem (`attempt` counts from 0). Nothing if there are no (more) bounds.
     fn bounds(&mut self, problem: &Problem<'_>, attempt: u32) -> Option<Bounds>;
+
+    /// The values themselves, one for every state, none where it is infinite. Asked only where bounds leave a comparison
+    /// open; nothing if they are not to be had.
+    fn exact(&mut self, _problem: &Problem<'_>) -> Option<Vec<Option<Rational>>> {
+        None
+    }
 
     /// Whether to go on, which is asked now and then.
     fn go_on(&self) -> bool {
@@ -92,11 +100,12 @@ impl<'a> Evaluator<'a> {
                 let values = self.path(path, maximise)?;
                 let truth = match bound {
                     None => None,
-                    Some((comparison, bound)) => Some(all(
-                        &values[initial.clone()],
-                        *comparison,
-                        &Interval::of_number(bound),
-                    )?),
+                    Some((comparison, bound)) => {
+                        let initial = &values[initial.clone()];
+                        let exact = |evaluator: &mut Self| evaluator.exact_path(path, maximise);
+                        let truths = self.compared(initial, (*comparison, bound), exact)?;
+                        Some(truths.iter().all(|holds| *holds))
+                    }
                 };
                 (values, truth)
             }
@@ -123,6 +132,7 @@ impl<'a> Evaluator<'a> {
                     high: greatest.high,
                     ends: [least, greatest],
                     truth: None,
+                    curve: None,
                     states: reading.states.len(),
                     inequalities: self.inequalities,
                 });
@@ -140,6 +150,7 @@ impl<'a> Evaluator<'a> {
             high: ends[1].high,
             ends,
             truth,
+            curve: None,
             states: reading.states.len(),
             inequalities: self.inequalities,
         })
@@ -206,8 +217,9 @@ impl<'a> Evaluator<'a> {
             | StateFormula::LongRun { .. } => self.bounded(formula, false),
             StateFormula::SomeScheduler(inner) => self.bounded(inner, true),
             StateFormula::Compare(operator, a, b) => {
-                let (a, b) = (self.numbers(a)?, self.numbers(b)?);
-                (a.iter().zip(&b))
+                let pairs = (self.numbers(a)?, self.numbers(b)?);
+                let each = pairs.0.iter().zip(&pairs.1);
+                let truths: Result<Vec<bool>, Failure> = each
                     .map(|(a, b)| match operator {
                         BinaryOp::Less => decided(a, Comparison::Less, b),
                         BinaryOp::LessEqual => decided(a, Comparison::LessEqual, b),
@@ -215,9 +227,26 @@ impl<'a> Evaluator<'a> {
                         BinaryOp::GreaterEqual => decided(a, Comparison::GreaterEqual, b),
                         BinaryOp::NotEqual if a.high < b.low || b.high < a.low => Ok(true),
                         BinaryOp::Equal if a.high < b.low || b.high < a.low => Ok(false),
+                        // Both are known exactly.
+                        BinaryOp::Equal | BinaryOp::NotEqual if a == b && a.low == a.high => {
+                            Ok(*operator == BinaryOp::Equal)
+                        }
                         _ => Err(open()),
                     })
-                    .collect()
+                    .collect();
+                if truths.is_ok() {
+                    return truths;
+                }
+                let (a, b) = (self.exact_numbers(a)?, self.exact_numbers(b)?);
+                let holds = |(a, b): (&exact::Exact, &exact::Exact)| match operator {
+                    BinaryOp::Less => exact::compared(a, Comparison::Less, b),
+                    BinaryOp::LessEqual => exact::compared(a, Comparison::LessEqual, b),
+                    BinaryOp::Greater => exact::compared(a, Comparison::Greater, b),
+                    BinaryOp::GreaterEqual => exact::compared(a, Comparison::GreaterEqual, b),
+                    BinaryOp::NotEqual => a != b,
+                    _ => a == b,
+                };
+                Ok(a.iter().zip(&b).map(holds).collect())
             }
             StateFormula::Filter(filter) => self.filter_truths(filter),
             StateFormula::Exists(path) => self.some_path(path, false),
@@ -229,23 +258,51 @@ impl<'a> Evaluator<'a> {
     }
 
     fn bounded(&mut self, formula: &StateFormula, by_some: bool) -> Result<Vec<bool>, Failure> {
-        let (values, comparison, bound) = match formula {
+        match formula {
             StateFormula::Probability { bound, path } => {
-                let values = self.path(path, worst(bound.0) != by_some)?;
-                (values, bound.0, Interval::of_number(&bound.1))
+                let maximise = worst(bound.0) != by_some;
+                let values = self.path(path, maximise)?;
+                let bound = (bound.0, &bound.1);
+                self.compared(&values, bound, |evaluator| {
+                    evaluator.exact_path(path, maximise)
+                })
             }
             StateFormula::Reward { bound, reward } => {
-                let values = self.reward(reward, worst(bound.0) != by_some)?;
-                (values, bound.0, Interval::of_number(&bound.1))
+                let maximise = worst(bound.0) != by_some;
+                let values = self.reward(reward, maximise)?;
+                let bound = (bound.0, &bound.1);
+                self.compared(&values, bound, |evaluator| {
+                    evaluator.exact_reward(reward, maximise)
+                })
             }
             StateFormula::LongRun { bound, states } => {
                 let values = self.share(states)?;
-                (values, bound.0, Interval::of_number(&bound.1))
+                self.compared(&values, (bound.0, &bound.1), |_| Err(open()))
             }
-            _ => return Err(unsupported("a strategy of several operators")),
+            _ => Err(unsupported("a strategy of several operators")),
+        }
+    }
+
+    /// Whether values, those of the first states, meet a bound; where intervals cannot tell, by the numbers themselves.
+    fn compared(
+        &mut self,
+        values: &[Interval],
+        (comparison, bound): (Comparison, &Number),
+        exact: impl FnOnce(&mut Self) -> Result<Vec<exact::Exact>, Failure>,
+    ) -> Result<Vec<bool>, Failure> {
+        let interval = Interval::of_number(bound);
+        let decide = |value: &Interval| decided(value, comparison, &interval);
+        let truths: Vec<Option<bool>> = values.iter().map(|value| decide(value).ok()).collect();
+        if let Some(truths) = truths.iter().copied().collect() {
+            return Ok(truths);
+        }
+        let bound = Some(bound.exact().cloned().ok_or_else(open)?);
+        let exact = exact(self)?;
+        let each = truths.iter().zip(&exact);
+        let truth = |(truth, value): (&Option<bool>, &exact::Exact)| {
+            truth.unwrap_or_else(|| exact::compared(value, comparison, &bound))
         };
-        let decide = |value: &Interval| decided(value, comparison, &bound);
-        values.iter().map(decide).collect()
+        Ok(each.map(truth).collect())
     }
 }
 
@@ -271,14 +328,6 @@ fn decided(value: &Interval, comparison: Comparison, bound: &Interval) -> Result
         Comparison::Greater => below.map(|below| !below).or(no_more.then_some(false)),
     }
     .ok_or_else(open)
-}
-
-fn all(values: &[Interval], comparison: Comparison, bound: &Interval) -> Result<bool, Failure> {
-    let mut all = true;
-    for value in values {
-        all &= decided(value, comparison, bound)?;
-    }
-    Ok(all)
 }
 
 pub(crate) fn open() -> Failure {

@@ -126,6 +126,18 @@ pub(crate) fn quotient(
     choices: &[Vec<Choice>],
     components: &[Vec<usize>],
 ) -> (Vec<usize>, Vec<Vec<Choice>>) {
+    let (class, choices, _) = quotient_of(choices, components);
+    (class, choices)
+}
+
+/// A choice by its state and its place there.
+pub(crate) type Origin = (usize, usize);
+
+/// The same, and where each of the choices comes from.
+pub(crate) fn quotient_of(
+    choices: &[Vec<Choice>],
+    components: &[Vec<usize>],
+) -> (Vec<usize>, Vec<Vec<Choice>>, Vec<Vec<Origin>>) {
     let mut class = vec![NONE; choices.len()];
     for (number, component) in components.iter().enumerate() {
         component.iter().for_each(|state| class[*state] = number);
@@ -136,14 +148,18 @@ pub(crate) fn quotient(
         classes += 1;
     }
     let mut all = vec![Vec::new(); classes];
+    let mut origins = vec![Vec::new(); classes];
     for (state, choices) in choices.iter().enumerate() {
         let own = class[state];
-        let leaves = choices.iter().map(|choice| by_class(choice, &class));
-        all[own].extend(leaves.filter(|choice| {
-            own >= components.len() || choice.outcomes.iter().any(|(to, _)| *to != own)
-        }));
+        for (place, choice) in choices.iter().enumerate() {
+            let choice = by_class(choice, &class);
+            if own >= components.len() || choice.outcomes.iter().any(|(to, _)| *to != own) {
+                all[own].push(choice);
+                origins[own].push((state, place));
+            }
+        }
     }
-    (class, all)
+    (class, all, origins)
 }
 
 /// A choice by classes.

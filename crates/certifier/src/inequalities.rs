@@ -65,6 +65,8 @@ pub struct Problem<'a> {
 struct Checker<'a> {
     problem: Problem<'a>,
     bounds: &'a Bounds,
+    /// The values themselves, where they are claimed; the bounds are then what is next to them.
+    exact: Option<&'a [Option<Rational>]>,
     incoming: Incoming,
     count: u64,
 }
@@ -77,16 +79,44 @@ pub fn check_problem(problem: Problem<'_>, bounds: &Bounds) -> Result<u64, (usiz
     let mut checker = Checker {
         problem,
         bounds,
+        exact: None,
         incoming: Incoming::new(problem.choices),
         count: 0,
     };
-    checker.ends()?;
-    for side in [Side::Lower, Side::Upper] {
-        let meets = checker.inductive(side)?;
-        checker.progress(side, &meets)?;
+    checker.all()
+}
+
+/// Checks that these are the values themselves (none: infinite), as both bounds at once; says how many inequalities hold.
+///
+/// # Errors
+/// The first that does not hold: the number of the state, and what does not hold there.
+pub fn check_exact(
+    problem: Problem<'_>,
+    values: &[Option<Rational>],
+) -> Result<u64, (usize, String)> {
+    if values.len() != problem.choices.len() {
+        return Err(broken(0, "the values are not as many as the states"));
     }
-    checker.infinite()?;
-    Ok(checker.count)
+    // Which are positive, and which infinite, is all that is asked of these.
+    let near = |value: &Option<Rational>| match value {
+        None => f64::INFINITY,
+        Some(value) if value.is_positive() => rational_to_f64(value).max(f64::MIN_POSITIVE),
+        Some(value) => rational_to_f64(value),
+    };
+    let near: Vec<f64> = values.iter().map(near).collect();
+    let bounds = Bounds {
+        lower: near.clone(),
+        upper: near,
+        scheduler: None,
+    };
+    let mut checker = Checker {
+        problem,
+        bounds: &bounds,
+        exact: Some(values),
+        incoming: Incoming::new(problem.choices),
+        count: 0,
+    };
+    checker.all()
 }
 
 /// Checks all inequalities; says how many.
@@ -108,6 +138,16 @@ pub fn check(reading: &Reading, question: &Question, bounds: &Bounds) -> Result<
 }
 
 impl Checker<'_> {
+    fn all(&mut self) -> Result<u64, Broken> {
+        self.ends()?;
+        for side in [Side::Lower, Side::Upper] {
+            let meets = self.inductive(side)?;
+            self.progress(side, &meets)?;
+        }
+        self.infinite()?;
+        Ok(self.count)
+    }
+
     fn values(&self, side: Side) -> &[f64] {
         match side {
             Side::Lower => &self.bounds.lower,
@@ -135,7 +175,8 @@ impl Checker<'_> {
                 (_, true) => 0.0,
                 _ => continue,
             };
-            if low > value || high < value {
+            let is_other = |exact: &[Option<Rational>]| exact[state] != Rational::from_float(value);
+            if low > value || high < value || self.exact.is_some_and(is_other) {
                 return Err(broken(
                     state,
                     "the value is known, and not between the bounds",
@@ -197,7 +238,13 @@ impl Checker<'_> {
             (Side::Lower, true, _) | (Side::Lower, _, true) => true,
             (Side::Upper, true, _) => true,
             (Side::Upper, false, true) => false,
-            _ => compared(side, own, choice, values, self.problem.is_reward),
+            _ => match self.exact {
+                None => compared(side, own, choice, values, self.problem.is_reward),
+                Some(exact) => {
+                    let of = |state: usize| exact[state].clone().unwrap_or_else(Rational::zero);
+                    met(side, &of(state), choice, of, self.problem.is_reward)
+                }
+            },
         }
     }
 
@@ -357,16 +404,32 @@ fn compared(side: Side, own: f64, choice: &Choice, values: &[f64], is_reward: bo
 
 fn exactly(side: Side, own: f64, choice: &Choice, values: &[f64], is_reward: bool) -> bool {
     let exact = |value: f64| Rational::from_float(value).unwrap_or_else(Rational::zero);
+    met(
+        side,
+        &exact(own),
+        choice,
+        |state| exact(values[state]),
+        is_reward,
+    )
+}
+
+/// The same for rational numbers.
+fn met(
+    side: Side,
+    own: &Rational,
+    choice: &Choice,
+    value: impl Fn(usize) -> Rational,
+    is_reward: bool,
+) -> bool {
     let mut sum = match is_reward {
         true => choice.reward.clone(),
         false => Rational::zero(),
     };
     for (target, p) in &choice.outcomes {
-        sum += p * exact(values[*target]);
+        sum += p * value(*target);
     }
-    let difference = exact(own) - sum;
     match side {
-        Side::Upper => !difference.is_negative(),
-        Side::Lower => !difference.is_positive(),
+        Side::Upper => *own >= sum,
+        Side::Lower => *own <= sum,
     }
 }

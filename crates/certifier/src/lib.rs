@@ -48,10 +48,12 @@ mod reading;
 mod steps;
 mod timed;
 mod total;
+mod windows;
 
 pub use evaluate::Oracle;
 pub use failure::Failure;
 pub use interval::Interval;
+pub use multi::Curve;
 pub use question::Question;
 pub use reading::{Choice, Reading};
 
@@ -88,6 +90,8 @@ pub struct Certified {
     pub ends: [Interval; 2],
     /// Whether the property holds in all initial states, if it is true or false.
     pub truth: Option<bool>,
+    /// What two objectives can have together, if that was asked.
+    pub curve: Option<Curve>,
     /// How many states were read.
     pub states: usize,
     /// How many inequalities were checked.
@@ -128,6 +132,7 @@ pub fn certify(
         high: ends[1].high,
         ends,
         truth: None,
+        curve: None,
         states: reading.states.len(),
         inequalities,
     })

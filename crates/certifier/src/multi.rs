@@ -19,7 +19,9 @@
 //!
 //! Source: Forejt, Kwiatkowska and Parker 2012, "Pareto Curves for Probabilistic Model Checking"; Etessami, Kwiatkowska,
 //! Vardi and Yannakakis 2008. Trusted: [`crate::formula`]. Cost: a problem for each objective and weight. Guarantee: that
-//! of reachability and of directed rounding. Corners of two optima, and totals without bound, are refused.
+//! of reachability and of directed rounding.
+//!
+//! What is earned for ever ([`mod@total`]) is shown in rationals, two optima by a curve ([`mod@curve`]).
 //!
 //! [`average`]: crate::average
 
@@ -32,7 +34,6 @@ use prism_lang::{Comparison, Rational};
 
 use crate::Certified;
 use crate::evaluate::{Evaluator, open};
-use crate::explicit::{end_components, quotient};
 use crate::failure::Failure;
 use crate::formula::{Condition, Machine};
 use crate::inequalities::Problem;
@@ -42,7 +43,12 @@ use crate::question::unsupported;
 use crate::reading::{Choice, Part};
 use crate::steps::Row;
 
+mod curve;
+mod end;
 mod mixture;
+mod total;
+pub use curve::Curve;
+use end::End;
 use mixture::{Mixture, mixture};
 
 /// Most objectives, since what can hold together is tried for every set of them.
@@ -68,15 +74,8 @@ enum Kind {
     Path(Condition),
     /// What each choice of each state of the model earns, and within how many steps.
     Reward(Vec<Vec<Interval>>, u64),
-}
-
-/// The product after the last step that earns, its components as classes.
-struct End {
-    product: Product,
-    class: Vec<usize>,
-    choices: Vec<Vec<Choice>>,
-    /// Which path formulas can hold together in each component, as bits.
-    together: Vec<Vec<u32>>,
+    /// The same for ever; negative if it should be small.
+    Total(Vec<Vec<Rational>>),
 }
 
 /// What is shown for some weights: the greatest weighted sum, and what a scheduler gives each objective.
@@ -101,13 +100,25 @@ impl Evaluator<'_> {
             ));
         }
         let optima = goals.iter().filter(|goal| goal.bound.is_none()).count();
-        if optima > 1 || goals.len() > MOST_OBJECTIVES {
-            return Err(unsupported("a Pareto curve, or so many objectives"));
+        let is_curve = optima == 2 && goals.len() == 2;
+        if (optima > 1 && !is_curve) || goals.len() > MOST_OBJECTIVES {
+            return Err(unsupported("so many objectives"));
         }
         // What is asked for comes first; if all is required, the first.
         goals.sort_by_key(|goal| goal.bound.is_some());
         let product = Product::new(&reading.choices, &mut machines, &sets)?;
-        let end = End::new(product, &goals, &machines);
+        let end = End::new(product, &goals, &machines)?;
+        if is_curve {
+            return Ok(Certified {
+                low: f64::NEG_INFINITY,
+                high: f64::INFINITY,
+                ends: [Interval::ANY; 2],
+                truth: None,
+                curve: Some(self.curve(&goals, &end)?),
+                states: reading.states.len(),
+                inequalities: self.inequalities,
+            });
+        }
         let found = self.search(&goals, &end)?;
         let bound = goals[0].bound.clone();
         let (value, truth) = match (found, bound) {
@@ -130,6 +141,7 @@ impl Evaluator<'_> {
             high: value.high,
             ends: [value; 2],
             truth,
+            curve: None,
             states: reading.states.len(),
             inequalities: self.inequalities,
         })
@@ -174,7 +186,7 @@ impl Evaluator<'_> {
                 let exact = match (&kind, contrary) {
                     (_, false) => exact,
                     (Kind::Path(_), true) => Rational::one() - exact,
-                    (Kind::Reward(..), true) => -exact,
+                    (_, true) => -exact,
                 };
                 let is_strict = matches!(comparison, Comparison::Less | Comparison::Greater);
                 Some((exact, is_strict))
@@ -189,13 +201,26 @@ impl Evaluator<'_> {
 
     fn earned_by_choice(&mut self, reward: &RewardQuery, opposite: bool) -> Result<Kind, Failure> {
         let steps = match (&reward.objective, reward.divisor) {
-            (RewardObjective::Cumulative(Horizon::Steps(steps)), None) => *steps,
-            _ => return Err(unsupported("an objective other than `P` and `C<=`")),
+            (RewardObjective::Cumulative(Horizon::Steps(steps)), None) => Some(*steps),
+            (RewardObjective::Total, None) => None,
+            _ => return Err(unsupported("an objective other than `P`, `C` and `C<=`")),
+        };
+        let reading = self.earning(Some(reward.structure), Part::All)?;
+        let Some(steps) = steps else {
+            if reading.loses {
+                return Err(unsupported("a negative reward among several objectives"));
+            }
+            let signed = |choice: &Choice| match opposite {
+                true => -choice.reward.clone(),
+                false => choice.reward.clone(),
+            };
+            let earned = reading.choices.iter();
+            let earned = earned.map(|choices| choices.iter().map(signed).collect());
+            return Ok(Kind::Total(earned.collect()));
         };
         if steps > MOST_STEPS {
             return Err(unsupported("so many steps of several objectives"));
         }
-        let reading = self.earning(Some(reward.structure), Part::All)?;
         let earned = |choice: &Choice| match opposite {
             true => Interval::of(&-choice.reward.clone()),
             false => Interval::of(&choice.reward),
@@ -261,6 +286,7 @@ impl Evaluator<'_> {
                 Kind::Reward(earned, steps) if step < *steps => {
                     earned[end.product.state[state]][choice]
                 }
+                Kind::Total(earned) => Interval::of(&earned[end.product.state[state]][choice]),
                 _ => Interval::ZERO,
             };
             let before = (sum.clone(), vectors.clone());
@@ -300,6 +326,14 @@ impl Evaluator<'_> {
         end: &End,
         weights: &[f64],
     ) -> Result<(Vec<Interval>, Vec<Vec<Interval>>), Failure> {
+        let by_state = |values: &[Interval]| -> Vec<Interval> {
+            end.class.iter().map(|class| values[*class]).collect()
+        };
+        if goals.iter().any(|goal| matches!(goal.kind, Kind::Total(_))) {
+            let (sum, vectors) = self.earning_for_ever(goals, end, weights)?;
+            let vectors = vectors.iter().map(|values| by_state(values));
+            return Ok((by_state(&sum), vectors.collect()));
+        }
         let worth = |bits: u32| -> Rational {
             let inside = (0..goals.len()).filter(|place| bits >> place & 1 == 1);
             inside.map(|place| exact(weights[place])).sum()
@@ -308,9 +342,6 @@ impl Evaluator<'_> {
         let paths = (0..goals.len()).filter(|place| is_path(&goals[*place]));
         let all = worth(paths.fold(0, |bits, place| bits | 1 << place));
         let states = end.class.len();
-        let by_state = |values: &[Interval]| -> Vec<Interval> {
-            end.class.iter().map(|class| values[*class]).collect()
-        };
         // Which formulas are best in each component.
         let chosen: Vec<u32> = (end.together.iter())
             .map(|together| {
@@ -385,7 +416,7 @@ impl Evaluator<'_> {
 impl Goal {
     fn horizon(&self) -> u64 {
         match self.kind {
-            Kind::Path(_) => 0,
+            Kind::Path(_) | Kind::Total(_) => 0,
             Kind::Reward(_, steps) => steps,
         }
     }
@@ -401,70 +432,6 @@ fn asked(goal: &Goal, value: &Interval) -> Interval {
             low: -value.high,
             high: -value.low,
         },
-    }
-}
-
-impl End {
-    fn new(product: Product, goals: &[Goal], machines: &[Machine]) -> Self {
-        let everywhere = vec![true; product.choices.len()];
-        let components = end_components(&product.choices, &everywhere, &|_| true);
-        let mut together = vec![Vec::new(); components.len()];
-        for bits in 0..1u32 << goals.len() {
-            let mut all = Vec::new();
-            for place in (0..goals.len()).filter(|place| bits >> place & 1 == 1) {
-                match &goals[place].kind {
-                    Kind::Path(condition) => all.push(condition.clone()),
-                    Kind::Reward(..) => {}
-                }
-            }
-            if all.len() != bits.count_ones() as usize {
-                continue;
-            }
-            let accepting = product.accepting(&Condition::And(all), machines);
-            for (component, together) in components.iter().zip(&mut together) {
-                if component.iter().any(|state| accepting[*state]) {
-                    together.push(bits);
-                }
-            }
-        }
-        let (class, choices) = quotient(&product.choices, &components);
-        Self {
-            product,
-            class,
-            choices,
-            together,
-        }
-    }
-
-    /// The classes' choices, of which some are kept (none: the one to stay); each component may stay, and is then in the goal with its
-    /// share. The goal is the last state but one.
-    fn stopping(
-        &self,
-        shares: &[Rational],
-        keep: impl Fn(usize, Option<usize>) -> bool,
-    ) -> Vec<Vec<Choice>> {
-        let (goal, sink) = (self.choices.len(), self.choices.len() + 1);
-        let mut all = Vec::with_capacity(sink + 1);
-        for (class, choices) in self.choices.iter().enumerate() {
-            let leaving = choices.iter().enumerate();
-            let leaving = leaving.filter(|(place, _)| keep(class, Some(*place)));
-            let mut own: Vec<Choice> = leaving.map(|(_, choice)| choice.clone()).collect();
-            if let (Some(share), true) = (shares.get(class), keep(class, None)) {
-                let outcomes = [(goal, share.clone()), (sink, Rational::one() - share)];
-                own.push(Choice {
-                    outcomes: (outcomes.into_iter().filter(|(_, p)| !p.is_zero())).collect(),
-                    reward: Rational::zero(),
-                });
-            }
-            all.push(own);
-        }
-        for end in [goal, sink] {
-            all.push(vec![Choice {
-                outcomes: vec![(end, Rational::one())],
-                reward: Rational::zero(),
-            }]);
-        }
-        all
     }
 }
 

@@ -103,6 +103,16 @@ impl Product {
 
     /// Where almost all paths, by some scheduler that stays, meet the condition.
     pub fn accepting(&self, condition: &Condition, machines: &[Machine]) -> Vec<bool> {
+        self.accepting_by(condition, machines, &|_| true)
+    }
+
+    /// The same where only some choices may be used to stay.
+    pub fn accepting_by(
+        &self,
+        condition: &Condition,
+        machines: &[Machine],
+        usable: &dyn Fn(&Choice) -> bool,
+    ) -> Vec<bool> {
         let marked = |state: usize, machine: &usize| {
             machines[*machine].is_marked(self.machines[state][*machine])
         };
@@ -111,7 +121,7 @@ impl Product {
             let within: Vec<bool> = (0..accepting.len())
                 .map(|state| !clause.not_again.iter().any(|m| marked(state, m)))
                 .collect();
-            for component in end_components(&self.choices, &within, &|_| true) {
+            for component in end_components(&self.choices, &within, usable) {
                 let recurs = |machine: &usize| component.iter().any(|s| marked(*s, machine));
                 if clause.again.iter().all(recurs) {
                     component.iter().for_each(|state| accepting[*state] = true);
@@ -130,6 +140,23 @@ impl Evaluator<'_> {
         sets: &[Vec<bool>],
         maximise: bool,
     ) -> Result<Vec<Interval>, Failure> {
+        let (product, accepting, contrary) = self.product(formula, sets, maximise)?;
+        let everywhere = vec![true; accepting.len()];
+        let values = self.reached(&product.choices, &everywhere, &accepting, true)?;
+        let value = |start: &usize| match contrary {
+            true => values[*start].contrary(),
+            false => values[*start],
+        };
+        Ok(product.start.iter().map(value).collect())
+    }
+
+    /// The product in which a formula holds iff, in the end, certain states are reached, and which; or its contrary.
+    pub(crate) fn product(
+        &mut self,
+        formula: &Formula,
+        sets: &[Vec<bool>],
+        maximise: bool,
+    ) -> Result<(Product, Vec<bool>, bool), Failure> {
         let contrary = !maximise && !self.is_chain();
         let mut machines = Vec::new();
         let condition = match contrary {
@@ -139,13 +166,7 @@ impl Evaluator<'_> {
         let reading = self.reading()?;
         let product = Product::new(&reading.choices, &mut machines, sets)?;
         let accepting = product.accepting(&condition, &machines);
-        let everywhere = vec![true; accepting.len()];
-        let values = self.reached(&product.choices, &everywhere, &accepting, true)?;
-        let value = |start: &usize| match contrary {
-            true => values[*start].contrary(),
-            false => values[*start],
-        };
-        Ok(product.start.iter().map(value).collect())
+        Ok((product, accepting, contrary))
     }
 
     /// What is earned before a co-safe formula is decided to hold.

@@ -27,9 +27,17 @@ const MOST_WORK: f64 = 3e9;
 /// Weights below this are left out.
 const VANISHING: f64 = 1e-24;
 
+/// `left U[begin,end] right`, counted from the start; without `end` for ever.
+pub(crate) struct Window {
+    pub left: Vec<bool>,
+    pub right: Vec<bool>,
+    pub begin: Rational,
+    pub end: Option<Rational>,
+}
+
 impl Evaluator<'_> {
-    /// The probability of a formula with a bound in time.
-    pub(crate) fn timed_path(&mut self, path: &Path) -> Result<Vec<Interval>, Failure> {
+    /// An operator with a bound in time between sets of states, and whether its contrary is meant.
+    pub(crate) fn window(&mut self, path: &Path) -> Result<(Window, bool), Failure> {
         let Path::Timed {
             operator,
             left,
@@ -39,11 +47,9 @@ impl Evaluator<'_> {
         else {
             return Err(unsupported("a formula without a bound in time"));
         };
-        let reading = self.reading()?;
+        let states = self.reading()?.states.len();
         let mut sets = Vec::new();
-        let states = reading.states.len();
-        let several =
-            || unsupported("a bound in time within a formula of several temporal operators");
+        let several = || unsupported("a bound in time around another temporal operator");
         let mut set = |evaluator: &mut Self, path: &Path| {
             let formula = evaluator.formula(path, &mut sets)?;
             as_set(&formula, &sets, states).ok_or_else(several)
@@ -65,34 +71,51 @@ impl Evaluator<'_> {
                 true,
             ),
         };
-        let start = match &interval.lower {
-            None => Rational::zero(),
-            Some((time, _)) => exact(time)?,
+        let time = |bound: &Option<(Number, bool)>| {
+            let bound = bound.as_ref().map(|(time, _)| exact(time));
+            bound.transpose()
         };
-        let mut values = match &interval.upper {
+        let window = Window {
+            left,
+            right,
+            begin: time(&interval.lower)?.unwrap_or_else(Rational::zero),
+            end: time(&interval.upper)?,
+        };
+        Ok((window, contrary))
+    }
+
+    /// The probability of a formula with a bound in time.
+    pub(crate) fn timed_path(&mut self, path: &Path) -> Result<Vec<Interval>, Failure> {
+        let (window, contrary) = self.window(path)?;
+        let Window {
+            left,
+            right,
+            begin,
+            end,
+        } = window;
+        let reading = self.reading()?;
+        let chain = (&reading.choices[..], &reading.rate[..]);
+        let mut values = match end {
             None => self.reached(&reading.choices, &left, &right, true)?,
-            Some((end, _)) => {
-                let time = exact(end)? - &start;
-                let number = |holds: &bool| {
-                    if *holds {
-                        Interval::ONE
-                    } else {
-                        Interval::ZERO
-                    }
+            Some(end) => {
+                let time = end - &begin;
+                let number = |holds: &bool| match holds {
+                    true => Interval::ONE,
+                    false => Interval::ZERO,
                 };
                 let x = right.iter().map(number).collect();
-                after(&reading, &|s| left[s] && !right[s], x, None, &time, &|| {
-                    self.oracle.go_on()
-                })?
+                let is_open = |s: usize| left[s] && !right[s];
+                after(chain, &is_open, x, None, &time, &|| self.oracle.go_on())?
             }
         };
-        if !start.is_zero() {
+        if !begin.is_zero() {
             for (value, left) in values.iter_mut().zip(&left) {
                 if !left {
                     *value = Interval::ZERO;
                 }
             }
-            values = after(&reading, &|s| left[s], values, None, &start, &|| {
+            let is_open = |s: usize| left[s];
+            values = after(chain, &is_open, values, None, &begin, &|| {
                 self.oracle.go_on()
             })?;
         }
@@ -110,7 +133,8 @@ impl Evaluator<'_> {
         start: Vec<Interval>,
         time: &Number,
     ) -> Result<Vec<Interval>, Failure> {
-        after(reading, &|_| true, start, None, &exact(time)?, &|| {
+        let chain = (&reading.choices[..], &reading.rate[..]);
+        after(chain, &|_| true, start, None, &exact(time)?, &|| {
             self.oracle.go_on()
         })
     }
@@ -125,14 +149,10 @@ impl Evaluator<'_> {
             .map(|(choices, rate)| Interval::of(&(&choices[0].reward * rate)))
             .collect();
         let start = vec![Interval::ZERO; reading.states.len()];
-        after(
-            reading,
-            &|_| true,
-            start,
-            Some(rates),
-            &exact(time)?,
-            &|| self.oracle.go_on(),
-        )
+        let chain = (&reading.choices[..], &reading.rate[..]);
+        after(chain, &|_| true, start, Some(rates), &exact(time)?, &|| {
+            self.oracle.go_on()
+        })
     }
 }
 
@@ -141,10 +161,10 @@ fn exact(time: &Number) -> Result<Rational, Failure> {
     exact.ok_or_else(|| unsupported("a time that is no rational number"))
 }
 
-/// The expectation of `x` after a time, and of what is earned until then, if `rates` are given; states that are not active
-/// are left no more.
-fn after(
-    reading: &Reading,
+/// The expectation of `x` after a time in a chain (of each state the only choice, and the rate of its steps), and of what is
+/// earned until then, if `rates` are given; states that are not active are left no more.
+pub(crate) fn after(
+    (steps, rate): (&[Vec<Choice>], &[Rational]),
     active: &dyn Fn(usize) -> bool,
     mut x: Vec<Interval>,
     rates: Option<Vec<Interval>>,
@@ -158,13 +178,16 @@ fn after(
     let fastest = states
         .clone()
         .filter(|s| active(*s))
-        .map(|s| &reading.rate[s])
+        .map(|s| &rate[s])
         .max();
     let Some(fastest) = fastest.cloned() else {
         return Ok(x);
     };
     let choices: Vec<Vec<Choice>> = states
-        .map(|state| vec![uniformised(reading, state, active(state), &fastest)])
+        .map(|state| {
+            let own = (&steps[state][0], &rate[state]);
+            vec![uniformised(own, state, active(state), &fastest)]
+        })
         .collect();
     let rows = Rows::new(&choices);
     let expected = rational_to_f64(&(&fastest * time));
@@ -201,15 +224,19 @@ fn after(
 }
 
 /// The steps of a state at the fastest rate.
-fn uniformised(reading: &Reading, state: usize, is_active: bool, fastest: &Rational) -> Choice {
-    let own = &reading.choices[state][0];
+fn uniformised(
+    (own, rate): (&Choice, &Rational),
+    state: usize,
+    is_active: bool,
+    fastest: &Rational,
+) -> Choice {
     let stay = match is_active {
-        true => Rational::one() - &reading.rate[state] / fastest,
+        true => Rational::one() - rate / fastest,
         false => Rational::one(),
     };
     let mut outcomes = Vec::new();
     if is_active {
-        let p = |p: &Rational| p * &reading.rate[state] / fastest;
+        let p = |p: &Rational| p * rate / fastest;
         outcomes.extend(own.outcomes.iter().map(|(target, own)| (*target, p(own))));
     }
     match outcomes.iter_mut().find(|(target, _)| *target == state) {

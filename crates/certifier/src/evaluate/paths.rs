@@ -3,6 +3,7 @@
 use prism_lang::property::{Path, TimeBound};
 
 use super::{ATTEMPTS, Evaluator};
+use crate::explicit::possible;
 use crate::failure::Failure;
 use crate::formula::Formula;
 use crate::inequalities::{Bounds, Problem, check_problem};
@@ -17,6 +18,9 @@ impl Evaluator<'_> {
         self.needs_probabilities()?;
         if let Path::Timed { .. } = path {
             return self.timed_path(path);
+        }
+        if path.has_time_bound() {
+            return self.in_windows(path);
         }
         let mut sets = Vec::new();
         let formula = self.formula(path, &mut sets)?;
@@ -39,13 +43,12 @@ impl Evaluator<'_> {
             }
             Formula::Until(left, right, first, last) => {
                 if let (Some(left), Some(right)) = (set(left), set(right)) {
-                    return self.until(&left, &right, (*first, *last), maximise);
+                    return self.until(&left, &right, (*first, *last), maximise, false);
                 }
             }
             Formula::Release(left, right, first, last) => {
                 if let (Some(left), Some(right)) = (set(&left.negated()), set(&right.negated())) {
-                    let values = self.until(&left, &right, (*first, *last), !maximise)?;
-                    return Ok(values.iter().map(Interval::contrary).collect());
+                    return self.until(&left, &right, (*first, *last), !maximise, true);
                 }
             }
             _ => {}
@@ -53,45 +56,73 @@ impl Evaluator<'_> {
         self.on_product(&formula, &sets, maximise)
     }
 
+    /// The probability of an until formula, or that of its contrary, which keeps its digits where it is small. Which of the
+    /// schedulers count is said of the formula.
     fn until(
         &mut self,
         left: &[bool],
         right: &[bool],
         (first, last): (u64, Option<u64>),
         maximise: bool,
+        contrary: bool,
     ) -> Result<Vec<Interval>, Failure> {
         let reading = self.reading()?;
-        let number = |holds: &bool| {
-            if *holds {
-                Interval::ONE
-            } else {
-                Interval::ZERO
-            }
+        let number = |holds: bool| match holds != contrary {
+            true => Interval::ONE,
+            false => Interval::ZERO,
         };
         let rows = Rows::new(&reading.choices);
+        let best = maximise != contrary;
         let mut values = match last {
-            None => self.reached(&reading.choices, left, right, maximise)?,
-            Some(last) if last < first => vec![Interval::ZERO; right.len()],
+            None => self.until_ever(&reading.choices, (left, right), maximise, contrary)?,
+            Some(last) if last < first => vec![number(false); right.len()],
             Some(last) => {
-                let start = right.iter().map(number).collect();
+                let start = right.iter().map(|holds| number(*holds)).collect();
                 let open = |state: usize| left[state] && !right[state];
                 let go_on = || self.oracle.go_on();
-                rows.back(start, last - first, maximise, &open, false, &go_on)?
+                rows.back(start, last - first, best, &open, false, &go_on)?
             }
         };
         if first > 0 {
             // At the step before, `left` must hold, whether `right` does or not.
             for _ in 0..first {
                 let go_on = || self.oracle.go_on();
-                values = rows.back(values, 1, maximise, &|state| left[state], false, &go_on)?;
+                values = rows.back(values, 1, best, &|state| left[state], false, &go_on)?;
                 for (value, left) in values.iter_mut().zip(left) {
                     if !left {
-                        *value = Interval::ZERO;
+                        *value = number(false);
                     }
                 }
             }
         }
         Ok(values)
+    }
+
+    /// The same without bounds.
+    fn until_ever(
+        &mut self,
+        choices: &[Vec<Choice>],
+        (left, right): (&[bool], &[bool]),
+        maximise: bool,
+        contrary: bool,
+    ) -> Result<Vec<Interval>, Failure> {
+        if !contrary {
+            return self.reached(choices, left, right, maximise);
+        }
+        if !self.is_chain() {
+            let values = self.reached(choices, left, right, maximise)?;
+            return Ok(values.iter().map(Interval::contrary).collect());
+        }
+        // A chain almost surely comes to the target, or to where it can no longer be reached.
+        let open = |state: usize| left[state] && !right[state];
+        let cut: Vec<Vec<Choice>> = (choices.iter().enumerate())
+            .map(|(state, own)| if open(state) { own.clone() } else { Vec::new() })
+            .collect();
+        let missed: Vec<bool> = (possible(&cut, right).iter())
+            .map(|possible| !possible)
+            .collect();
+        let waits: Vec<bool> = right.iter().map(|holds| !holds).collect();
+        self.reached(choices, &waits, &missed, true)
     }
 
     /// The probability of passing through `left` to `right`, shown by inequalities.
@@ -155,19 +186,13 @@ impl Evaluator<'_> {
         Ok(match path {
             Path::State(state) => {
                 let set = self.truths(state)?;
-                // What holds everywhere is still to be read: `X true` is decided one step later.
-                if !set.contains(&true) {
-                    Formula::False
-                } else {
-                    let known = sets.iter().position(|known| *known == set);
-                    Formula::Set(
-                        known.unwrap_or_else(|| {
-                            sets.push(set);
-                            sets.len() - 1
-                        }),
-                        true,
-                    )
-                }
+                // What holds everywhere, or nowhere, is still to be read: `X true` is decided one step later.
+                let known = sets.iter().position(|known| *known == set);
+                let number = known.unwrap_or_else(|| {
+                    sets.push(set);
+                    sets.len() - 1
+                });
+                Formula::Set(number, true)
             }
             Path::Not(a) => self.formula(a, sets)?.negated(),
             Path::And(a, b) => Formula::And(vec![self.formula(a, sets)?, self.formula(b, sets)?]),
@@ -203,7 +228,7 @@ impl Evaluator<'_> {
             }
             Path::Timed { .. } => {
                 return Err(unsupported(
-                    "a bound in time within a formula of several temporal operators",
+                    "a bound in time within another temporal operator",
                 ));
             }
         })

@@ -96,6 +96,10 @@ impl Evaluator<'_> {
             Quantity::Call(Function::Ceil, arguments) if arguments.len() == 1 => {
                 Ok(rounded(&self.numbers(&arguments[0])?, f64::ceil))
             }
+            Quantity::Call(Function::Round, arguments) if arguments.len() == 1 => {
+                Ok(rounded(&self.numbers(&arguments[0])?, half_up))
+            }
+            Quantity::Call(Function::Log, _) => Err(unsupported("a logarithm of a property")),
             Quantity::Call(..) => Err(unsupported("this function of a property")),
             Quantity::Filter(filter) => self.filtered(filter),
         }
@@ -235,17 +239,41 @@ impl Evaluator<'_> {
 /// The greatest exponent of a power.
 const MOST_FACTORS: f64 = 64.0;
 
-/// A power with an integer for exponent, as a product.
-fn power(base: &Interval, exponent: &Interval) -> Result<Interval, Failure> {
-    let times = exponent.low;
-    if exponent.high != times || times.fract() != 0.0 || times.abs() > MOST_FACTORS {
-        return Err(unsupported("a power whose exponent is no small integer"));
+/// A power as a product of the base, or of its root.
+fn power(own: &Interval, exponent: &Interval) -> Result<Interval, Failure> {
+    let mut times = exponent.low;
+    let (is_known, is_whole) = (exponent.high == times, times.fract() == 0.0);
+    let root = Interval {
+        low: own.low.sqrt().next_down().max(0.0),
+        high: own.high.sqrt().next_up(),
+    };
+    let base = match is_whole {
+        true => own,
+        false => &root,
+    };
+    if !is_whole {
+        times *= 2.0;
+    }
+    let has_root = is_whole || own.low >= 0.0;
+    if !is_known || !has_root || times.fract() != 0.0 || times.abs() > MOST_FACTORS {
+        return Err(unsupported(
+            "a power whose exponent is no small integer or half of one",
+        ));
     }
     let product = (0..times.abs() as u32).fold(Interval::ONE, |product, _| product.mul(base));
     Ok(match times < 0.0 {
         true => Interval::ONE.div(&product).unwrap_or(Interval::ANY),
         false => product,
     })
+}
+
+/// The nearest integer; the difference to the one below is exact.
+fn half_up(x: f64) -> f64 {
+    let below = x.floor();
+    match x - below >= 0.5 {
+        true => below + 1.0,
+        false => below,
+    }
 }
 
 /// The integers to which the ends are rounded.

@@ -1,6 +1,7 @@
 //! `check --certify`: each answer checked again by code that shares nothing with the solver (crate `certifier`).
 
 use super::ending::Ending;
+use super::print::number as text_of;
 use super::properties::Asked;
 use super::{CheckReport, PropertyReport};
 use crate::args::Check;
@@ -8,11 +9,13 @@ use crate::problem::Problem;
 use certifier::inequalities::{self, Bounds};
 use certifier::{Certified, Failure, Oracle, certify_by};
 use checker::state_space::{Csr, Rewards, StateSpace, TransitionRewards};
-use checker::{CheckError, Options};
+use checker::{AnswerValue, CheckError, Options};
 use prism_lang::ast::Optimum;
 use prism_lang::property::{Quantity, RewardObjective, RewardQuery};
 use prism_lang::resolved::{self, ModelType};
-use prism_lang::{NamedProperty, Path, Property, StateFormula, TimeBound, rational_to_f64};
+use prism_lang::{
+    NamedProperty, Path, Property, Rational, StateFormula, TimeBound, rational_to_f64,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -133,7 +136,7 @@ impl Oracle for Solver<'_> {
 
     fn bounds(&mut self, problem: &inequalities::Problem<'_>, attempt: u32) -> Option<Bounds> {
         let slack = *SLACKS.get(attempt as usize)?;
-        let (space, property) = asked_of_the_solver(problem);
+        let (space, property) = asked_of_the_solver(problem, vec![0], rational_to_f64);
         match checker::bounds_of_states(&space, &property, self.options, slack) {
             Ok(bounds) => Some(Bounds {
                 lower: bounds.lower,
@@ -150,14 +153,36 @@ impl Oracle for Solver<'_> {
             }
         }
     }
+
+    fn exact(&mut self, problem: &inequalities::Problem<'_>) -> Option<Vec<Option<Rational>>> {
+        let everywhere = (0..problem.choices.len()).collect();
+        let (space, property) = asked_of_the_solver(problem, everywhere, Rational::clone);
+        match checker::check_exact(&space, &property, self.options) {
+            Ok(answer) => (answer.initial.into_iter())
+                .map(|of| match of.value {
+                    AnswerValue::Exact(value) => Some(Some(value)),
+                    AnswerValue::Number(f64::INFINITY) => Some(None),
+                    _ => None,
+                })
+                .collect(),
+            Err(CheckError::Cancelled) => {
+                self.is_cancelled = true;
+                None
+            }
+            Err(_) => None,
+        }
+    }
 }
 
 /// A problem as a state space without variables and a property of it.
-fn asked_of_the_solver(problem: &inequalities::Problem<'_>) -> (StateSpace<f64>, Property) {
+fn asked_of_the_solver<N>(
+    problem: &inequalities::Problem<'_>,
+    initial: Vec<usize>,
+    number: impl Fn(&Rational) -> N,
+) -> (StateSpace<N>, Property) {
     let is_chain = problem.choices.iter().all(|choices| choices.len() == 1);
     let rows = problem.choices.iter().flatten().map(|choice| {
-        let entry =
-            |(target, p): &(usize, prism_lang::Rational)| (*target as u32, rational_to_f64(p));
+        let entry = |(target, p): &(usize, Rational)| (*target as u32, number(p));
         choice.outcomes.iter().map(entry).collect()
     });
     let matrix = Csr::from_rows(rows.collect());
@@ -176,7 +201,7 @@ fn asked_of_the_solver(problem: &inequalities::Problem<'_>) -> (StateSpace<f64>,
         ("target".to_owned(), problem.target.to_vec()),
         ("waits".to_owned(), waits),
     ];
-    let mut space = StateSpace::from_parts(kind, matrix, choice_start, vec![0], labels);
+    let mut space = StateSpace::from_parts(kind, matrix, choice_start, initial, labels);
     let label = |name: &str| StateFormula::Label(name.to_owned());
     let path = |name: &str| Box::new(Path::State(Box::new(label(name))));
     let optimum = match problem.maximise {
@@ -195,14 +220,16 @@ fn asked_of_the_solver(problem: &inequalities::Problem<'_>) -> (StateSpace<f64>,
         },
         true => {
             let earned = problem.choices.iter().flatten();
-            let earned: Vec<f64> = earned
-                .map(|choice| rational_to_f64(&choice.reward))
-                .collect();
+            let earned: Vec<N> = earned.map(|choice| number(&choice.reward)).collect();
+            let nothing = problem
+                .choices
+                .iter()
+                .map(|_| number(&Rational::from_integer(0.into())));
             let rewards = match is_chain {
                 true => Rewards::of_states(earned),
                 false => Rewards {
                     transition: TransitionRewards::Row(earned),
-                    ..Rewards::of_states(vec![0.0; problem.choices.len()])
+                    ..Rewards::of_states(nothing.collect())
                 },
             };
             space = space.with_rewards(None, rewards);
@@ -240,6 +267,12 @@ fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
         (Some("NaN"), _) => (low > f64::NEG_INFINITY).then_some(false),
         (Some("Infinity"), _) if low == f64::INFINITY => Some(true),
         (Some("Infinity"), _) => (high < f64::INFINITY).then_some(false),
+        (Some(text), _) if certified.curve.is_some() => {
+            let (curve, corners) = (certified.curve.as_ref(), corners(text));
+            curve
+                .zip(corners)
+                .and_then(|(curve, corners)| curve.has_corners(&corners))
+        }
         (Some(text), _) if text.starts_with('[') => several(report, text, certified),
         _ => match (report.low.or(report.value), report.high.or(report.value)) {
             (Some(from), Some(to)) if from > high || to < low => Some(false),
@@ -249,12 +282,28 @@ fn judged(report: &PropertyReport, certified: &Certified) -> CertificateReport {
     };
     let (status, why) = match why {
         Some(true) => ("certified", None),
+        Some(false) if certified.curve.is_some() => {
+            let why = "schedulers are shown to attain more, or less, than these corners";
+            ("refuted", Some(why.to_owned()))
+        }
+        None if certified.curve.is_some() => {
+            let why = "the curve is not shown closely enough";
+            ("not certified", Some(why.to_owned()))
+        }
         Some(false) => {
-            let why = format!("the value is shown to lie between {low} and {high}");
+            let why = format!(
+                "the value is shown to lie between {} and {}",
+                text_of(low),
+                text_of(high)
+            );
             ("refuted", Some(why))
         }
         None => {
-            let why = format!("the value is shown to lie between {low} and {high} only");
+            let why = format!(
+                "the value is shown to lie between {} and {} only",
+                text_of(low),
+                text_of(high)
+            );
             ("not certified", Some(why))
         }
     };
@@ -293,6 +342,16 @@ fn several(report: &PropertyReport, text: &str, certified: &Certified) -> Option
     narrow.then_some(true)
 }
 
+/// The corners of a curve, `[(a,b),(c,d)]`, as the answer is printed.
+fn corners(text: &str) -> Option<Vec<[f64; 2]>> {
+    let pairs = text.strip_prefix("[(")?.strip_suffix(")]")?.split("),(");
+    let pair = |pair: &str| {
+        let (a, b) = pair.split_once(',')?;
+        Some([number(a.trim())?, number(b.trim())?])
+    };
+    pairs.map(pair).collect()
+}
+
 /// A number as answers print it.
 fn number(text: &str) -> Option<f64> {
     match text {
@@ -315,8 +374,11 @@ pub(super) fn text(certificate: &CertificateReport) -> String {
     let mut line = format!("Certificate: {}", certificate.status);
     if let (Some(low), Some(high)) = (certificate.low, certificate.high) {
         line.push_str(&format!(
-            ", between {low} and {high} ({} inequalities in {} states)",
-            certificate.inequalities, certificate.states
+            ", between {} and {} ({} inequalities in {} states)",
+            text_of(low),
+            text_of(high),
+            certificate.inequalities,
+            certificate.states
         ));
     }
     if let Some(why) = &certificate.why {
@@ -335,7 +397,8 @@ mod tests {
     const MODEL: &str = "mdp module m s : [0..3];
         [a] s=0 -> 1/3:(s'=1) + 2/3:(s'=2); [b] s=0 -> 1/2:(s'=0) + 1/2:(s'=2);
         [a] s=1 -> (s'=3); [b] s=1 -> (s'=1); [] s=3 -> (s'=1); [] s=2 -> true; endmodule
-        rewards s=1 : 1; s=3 : 2; s=0 : 1; endrewards";
+        rewards s=1 : 1; s=3 : 2; s=0 : 1; endrewards
+        rewards \"once\" s=0 : 1; [a] s=0 : 1; endrewards";
 
     #[test]
     fn answers_of_each_kind_are_certified_and_altered_ones_refuted() {
@@ -371,6 +434,12 @@ mod tests {
             "filter(max, Pmax=? [ F s=3 ], s!=1)",
             "P>=0.3 [ F s=1 ]",
             "Rmax=? [ S ] > 0.2 & P<=0.4 [ F s=3 ]",
+            "multi(Pmax=? [ F s=3 ], Pmax=? [ F s=2 ])",
+            "multi(R{\"once\"}min=? [ C ], P>=0.2 [ F s=3 ])",
+            "multi(R{\"once\"}min=? [ C ], Pmax=? [ F s=3 ])",
+            // Bounds that are met exactly.
+            "P>=1/3 [ F s=3 ] & P<=1/3 [ F s=3 ]",
+            "filter(forall, P<=1/9 [ F<=2 s=3 ], s=2)",
         ] {
             let asked = parse_properties(text).into_result().unwrap();
             let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
@@ -387,6 +456,9 @@ mod tests {
                 Some("false") => report.result = Some("true".into()),
                 Some("NaN") => {
                     (report.result, report.value) = (Some("0.5".into()), Some(0.5));
+                }
+                Some(curve) if curve.starts_with("[(") => {
+                    report.result = Some(curve.replacen("[(", "[(1.01,1.01),(", 1));
                 }
                 Some(range) if range.starts_with('[') => {
                     report.result = Some("[0,0.51]".into());
