@@ -31,7 +31,8 @@
 //! # Guarantee
 //! The bounds hold, rounding included (each mean is widened by more than its error). All transitions
 //! keep a positive lower bound, else the model is refused: so all chains within have the same graph, and
-//! every open state is left almost surely, however rows are chosen.
+//! every open state is left almost surely, however rows are chosen. A constant whose interval begins at 0 or ends at 1 is
+//! followed up to there: bounds hold for the limit, and at the end itself unless a loop is then never left.
 
 mod corners;
 mod degrees;

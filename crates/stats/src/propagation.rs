@@ -255,7 +255,9 @@ pub fn paired_difference(first: &[f64], second: &[f64]) -> Result<Draws, StatsEr
 
 /// Intervals that hold all inputs at once with `confidence`: the box over which a robust answer
 /// is sought. Each interval is at the level `confidence^(1/k)` (Z. Sidak, 1967), which is exact
-/// for independent inputs.
+/// for independent inputs. Tails are equal, but an interval begins at 0 (ends at 1) where the density
+/// is unbounded, so for 0 (or all) of n under Jeffreys' prior; it then holds more than its level
+/// (Brown, Cai and DasGupta, 2001).
 ///
 /// ```
 /// use stats::{BetaPosterior, Confidence, Sample, credible_box, extremes_at_corners};
@@ -273,9 +275,20 @@ pub fn credible_box(inputs: &[BetaPosterior], confidence: Confidence) -> Vec<Int
     let tail = -0.5 * ((-confidence.alpha()).ln_1p() / count).exp_m1();
     inputs
         .iter()
-        .map(|input| Interval {
-            low: input.quantile(tail),
-            high: input.quantile_upper(tail),
+        .map(|input| {
+            let (alpha, beta) = input.parameters();
+            Interval {
+                low: if alpha < 1.0 {
+                    0.0
+                } else {
+                    input.quantile(tail)
+                },
+                high: if beta < 1.0 {
+                    1.0
+                } else {
+                    input.quantile_upper(tail)
+                },
+            }
         })
         .collect()
 }
@@ -480,6 +493,17 @@ mod tests {
         let held: f64 = all.iter().map(Interval::width).product();
         assert!((held - 0.95).abs() < 1e-12, "{held}");
         assert!(credible_box(&[], Confidence::P95).is_empty());
+        let none_and_all = [(0, 50), (20, 20)].map(|(successes, trials)| {
+            BetaPosterior::jeffreys(crate::Sample { successes, trials })
+        });
+        let ends = credible_box(&none_and_all, Confidence::P95);
+        assert_eq!((ends[0].low, ends[1].high), (0.0, 1.0));
+        let tail = |interval: &Interval, input: &BetaPosterior| {
+            input.probability_between(interval.low, interval.high)
+        };
+        let held = tail(&ends[0], &none_and_all[0]) * tail(&ends[1], &none_and_all[1]);
+        // Two one-sided tails of (1 - sqrt(0.95)) / 2 each.
+        assert!((held - (1.0 - 0.5 * (1.0 - 0.95_f64.sqrt())).powi(2)).abs() < 1e-12);
         let bounds = extremes_at_corners(&all, |x| x[0] * (1.0 - x[1]) + x[2]).unwrap();
         let (low, high) = (all[0].low, all[0].high);
         assert!((bounds.low - (low * (1.0 - high) + low)).abs() < 1e-15);

@@ -8,6 +8,10 @@ use prism_lang::resolved::ModelType;
 use prism_lang::{Constants, Number, Rational, Value, ast, resolve_with};
 use std::fmt;
 
+/// How near to 0 a constant comes whose interval begins there: products of six such constants can still be represented, and
+/// what is missed is far below what each mean is widened by.
+const NEXT_TO_ZERO: f64 = 1e-50;
+
 /// Constants beyond which corners are too many.
 const MOST_CONSTANTS: usize = 10;
 
@@ -20,6 +24,22 @@ pub struct ConstantRange {
     pub low: f64,
     /// Largest value.
     pub high: f64,
+}
+
+impl ConstantRange {
+    /// The ends at which the model is explored: 0 and 1 are approached, since transitions vanish there.
+    fn explored_ends(&self) -> (f64, f64) {
+        let is_interval = self.low < self.high;
+        let low = match is_interval && self.low == 0.0 {
+            true => NEXT_TO_ZERO.min(self.high),
+            false => self.low,
+        };
+        let high = match is_interval && self.high == 1.0 {
+            true => 1.0_f64.next_down().max(low),
+            false => self.high,
+        };
+        (low, high)
+    }
 }
 
 /// Why there is no interval model.
@@ -112,11 +132,8 @@ fn explored(
 ) -> Result<StateSpace<f64>, IntervalModelError> {
     let mut overrides = Constants::new();
     for (place, constant) in constants.iter().enumerate() {
-        let end = if corner >> place & 1 == 1 {
-            constant.high
-        } else {
-            constant.low
-        };
+        let (low, high) = constant.explored_ends();
+        let end = if corner >> place & 1 == 1 { high } else { low };
         let exact = Rational::from_float(end).ok_or_else(|| {
             IntervalModelError::Box(format!("`{}` has no finite end", constant.name))
         })?;

@@ -304,6 +304,51 @@ fn what_is_no_polynomial_without_squares_is_refused() {
     assert!(both.contains("take `a` together"), "{both}");
 }
 
+/// 0 of n leaves an interval from 0, n of n one to 1: what the model says there is within the bounds, and they are as near as
+/// elsewhere.
+#[test]
+fn intervals_begin_at_0_and_end_at_1() {
+    let tree = tree(
+        "dtmc const double p = 0.1; const double q = 0.9;
+        module m s : [0..3];
+          [] s=0 -> p:(s'=1) + 1-p:(s'=2);
+          [] s=1 -> q:(s'=2) + 1-q:(s'=3);
+        endmodule",
+    );
+    let range = |name: &str, low, high| ConstantRange {
+        name: name.into(),
+        low,
+        high,
+    };
+    let ranges = [range("p", 0.0, 0.2), range("q", 0.7, 1.0)];
+    let model = IntervalModel::new(&tree, &ranges, 100, &|| false).unwrap();
+    for (text, least, most) in [
+        ("P=? [ F s=2 ]", 0.94, 1.0),
+        ("P=? [ F s=1 ]", 0.0, 0.2),
+        ("P=? [ F s=3 ]", 0.0, 0.06),
+    ] {
+        let (_, property) = property_of(&tree, &[], text);
+        let (low, high) = bounds(&model, &property);
+        assert!(low <= least && most <= high, "{text}: {low} {high}");
+        assert!(
+            least - low < 1e-13 && high - most < 1e-13,
+            "{text}: {low} {high}"
+        );
+        for given in [[("p", 0.0), ("q", 1.0)], [("p", 0.2), ("q", 1.0)]] {
+            let (resolved, property) = property_of(&tree, &given, text);
+            let space = explore::<f64>(&resolved).unwrap();
+            let answer = check_space(&space, &property, &Options::default()).unwrap();
+            let AnswerValue::Number(value) = answer.value else {
+                panic!()
+            };
+            assert!(
+                low <= value && value <= high,
+                "{text}: {low} {value} {high}"
+            );
+        }
+    }
+}
+
 #[test]
 fn rows_without_probabilities_are_refused() {
     let row = |low, high| vec![vec![(0, Range { low, high })]];
