@@ -28,9 +28,9 @@
 //!   [] state=0 -> 0.9:(state'=1) + 0.01:(state'=2) + 0.09:(state'=0);
 //!   [] state>0 -> true;
 //! endmodule";
-//! let model = resolve(&parse_model(text).tree, &Constants::new()).expect("a correct model");
-//! let properties = parse_properties("P=? [ F state=1 ]").tree;
-//! let properties = resolve_properties(&properties, &model, &Constants::new()).expect("correct");
+//! let model = resolve(&parse_model(text).into_result()?, &Constants::new())?;
+//! let properties = parse_properties("P=? [ F state=1 ]").into_result()?;
+//! let properties = resolve_properties(&properties, &model, &Constants::new())?;
 //!
 //! let space = explore::<f64>(&model)?;
 //! let answer = check(&space, &model, &properties[0].property, &Options::default())?;

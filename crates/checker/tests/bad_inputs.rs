@@ -157,7 +157,7 @@ fn each_error_has_a_remedy() {
             let tree = parse_model(&text).tree;
             found = prism_lang::resolve(&tree, &Constants::new())
                 .err()
-                .unwrap_or_default();
+                .map_or_else(Vec::new, |found| found.to_vec());
         }
         for diagnostic in found {
             let place = format!("{}: {}", path.display(), diagnostic.message);

@@ -119,7 +119,7 @@ fn one(
             if about.is_empty() && wanted.name.is_some() {
                 return ("resolved", detail);
             }
-            let shown = if about.is_empty() { &found } else { &about };
+            let shown = if about.is_empty() { &found[..] } else { &about };
             ("refused", format!("{detail}\t{}", first_error(text, shown)))
         }
     }

@@ -1,6 +1,7 @@
 //! Places in a text, and what is wrong there.
 
 use std::fmt;
+use std::ops::Deref;
 
 /// A half-open range of byte offsets in the text that was parsed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
@@ -121,6 +122,75 @@ impl fmt::Display for Diagnostic {
 
 impl std::error::Error for Diagnostic {}
 
+/// All that is wrong with a text, in the order of the places: what reading gives instead of a result. It is a slice of
+/// [`Diagnostic`]s, and an error by itself.
+///
+/// ```
+/// use prism_lang::{Constants, parse_model, resolve};
+/// let text = "dtmc\nmodule m x : [0..1];\n  [] y=0 -> true; endmodule";
+/// let mistakes = resolve(&parse_model(text).tree, &Constants::new()).unwrap_err();
+/// assert_eq!(mistakes[0].span.of(text), "y");
+/// assert!(mistakes.in_text(text).starts_with("3:6: "));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostics(Vec<Diagnostic>);
+
+impl Diagnostics {
+    /// A line for each, with the line and column (from 1) of its place in the text that was read.
+    #[must_use]
+    pub fn in_text(&self, text: &str) -> String {
+        let lines = self.iter().map(|diagnostic| {
+            let (line, column) = line_and_column(text, diagnostic.span.start);
+            format!("{line}:{column}: {diagnostic}\n")
+        });
+        lines.collect()
+    }
+}
+
+impl From<Vec<Diagnostic>> for Diagnostics {
+    fn from(diagnostics: Vec<Diagnostic>) -> Self {
+        Self(diagnostics)
+    }
+}
+
+impl Deref for Diagnostics {
+    type Target = [Diagnostic];
+
+    fn deref(&self) -> &[Diagnostic] {
+        &self.0
+    }
+}
+
+impl IntoIterator for Diagnostics {
+    type Item = Diagnostic;
+    type IntoIter = std::vec::IntoIter<Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a Diagnostics {
+    type Item = &'a Diagnostic;
+    type IntoIter = std::slice::Iter<'a, Diagnostic>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, diagnostic) in self.iter().enumerate() {
+            let between = if place == 0 { "" } else { "\n" };
+            write!(f, "{between}{diagnostic}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
 /// A tree together with everything that was found wrong while reading it.
 ///
 /// Parsing never fails: the tree holds what could be understood, and `diagnostics` all mistakes.
@@ -139,9 +209,12 @@ impl<T> Parsed<T> {
     }
 
     /// The tree if there is no error, else all diagnostics.
-    pub fn into_result(self) -> Result<T, Vec<Diagnostic>> {
+    ///
+    /// # Errors
+    /// All diagnostics, if one of them is an error.
+    pub fn into_result(self) -> Result<T, Diagnostics> {
         if self.has_errors() {
-            Err(self.diagnostics)
+            Err(self.diagnostics.into())
         } else {
             Ok(self.tree)
         }

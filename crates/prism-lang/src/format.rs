@@ -12,7 +12,7 @@ mod items;
 mod layout;
 mod spacing;
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lexer::{Token, tokenize};
 use items::{Item, Kind};
 use layout::Layout;
@@ -33,7 +33,7 @@ const INDENT: usize = 2;
 ///
 /// # Errors
 /// The mistakes of a text that does not parse: where its items end is not known.
-pub fn format_model(text: &str) -> Result<String, Vec<Diagnostic>> {
+pub fn format_model(text: &str) -> Result<String, Diagnostics> {
     without_errors(crate::parse_model(text).diagnostics)?;
     let (tokens, _) = tokenize(text);
     let items = items::of_model(&tokens);
@@ -50,7 +50,7 @@ pub fn format_model(text: &str) -> Result<String, Vec<Diagnostic>> {
 ///
 /// # Errors
 /// The mistakes of a text that does not parse.
-pub fn format_properties(text: &str) -> Result<String, Vec<Diagnostic>> {
+pub fn format_properties(text: &str) -> Result<String, Diagnostics> {
     let parsed = crate::parse_properties(text);
     without_errors(parsed.diagnostics)?;
     let (tokens, _) = tokenize(text);
@@ -58,12 +58,12 @@ pub fn format_properties(text: &str) -> Result<String, Vec<Diagnostic>> {
     Ok(Page::of(text, &tokens).write(&items))
 }
 
-fn without_errors(diagnostics: Vec<Diagnostic>) -> Result<(), Vec<Diagnostic>> {
+fn without_errors(diagnostics: Vec<Diagnostic>) -> Result<(), Diagnostics> {
     match diagnostics
         .iter()
         .any(|diagnostic| diagnostic.severity == Severity::Error)
     {
-        true => Err(diagnostics),
+        true => Err(diagnostics.into()),
         false => Ok(()),
     }
 }

@@ -18,19 +18,20 @@
 //!     endmodule
 //!     label \"heads\" = side=1;
 //! ";
-//! let given = Constants::parse("p=0.3").unwrap();
-//! let model = resolve(&parse_model(text).into_result().unwrap(), &given).unwrap();
+//! let given = Constants::parse("p=0.3")?;
+//! let model = resolve(&parse_model(text).into_result()?, &given)?;
 //! let update = &model.modules[0].commands[0].updates[1];
-//! assert_eq!(update.probability.eval_number::<f64>(&[0]).unwrap(), 0.7);
+//! assert_eq!(update.probability.eval_number::<f64>(&[0])?, 0.7);
 //!
-//! let file = parse_properties("P>=0.25 [ F<=1 \"heads\" ]").into_result().unwrap();
-//! let properties = resolve_properties(&file, &model, &given).unwrap();
+//! let file = parse_properties("P>=0.25 [ F<=1 \"heads\" ]").into_result()?;
+//! let properties = resolve_properties(&file, &model, &given)?;
 //! assert!(matches!(properties[0].property, Property::Probability { bound: Some(_), .. }));
 //!
 //! // Mistakes come with a place and a remedy.
 //! let mistake = &parse_model("dtmc modul m endmodule").diagnostics[0];
 //! assert_eq!(mistake.span.of("dtmc modul m endmodule"), "modul");
 //! assert_eq!(mistake.remedy.as_deref(), Some("Did you mean `module`?"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # What is supported
@@ -75,7 +76,7 @@ pub mod resolved;
 mod suggest;
 
 pub use arithmetic::Arithmetic;
-pub use diagnostic::{Diagnostic, Parsed, Severity, Span, line_and_column};
+pub use diagnostic::{Diagnostic, Diagnostics, Parsed, Severity, Span, line_and_column};
 pub use eval::{EvalError, EvalErrorKind};
 pub use experiment::Experiment;
 pub use expr::{Expr, ExprKind, Function, VarIndex};

@@ -2,7 +2,8 @@
 
 use prism_lang::resolved::Model;
 use prism_lang::{
-    Constants, Diagnostic, parse_model, parse_properties, resolve, resolve_properties, resolve_with,
+    Constants, Diagnostic, Diagnostics, parse_model, parse_properties, resolve, resolve_properties,
+    resolve_with,
 };
 
 const CATALOGUE: &str = include_str!("diagnostics.md");
@@ -85,7 +86,7 @@ fn the_catalogue_of_mistakes_is_true() {
     );
 }
 
-fn codes<T>(result: Result<T, Vec<Diagnostic>>) -> Vec<&'static str> {
+fn codes<T>(result: Result<T, Diagnostics>) -> Vec<&'static str> {
     match result {
         Ok(_) => Vec::new(),
         Err(diagnostics) => diagnostics.iter().map(|d| d.code).collect(),

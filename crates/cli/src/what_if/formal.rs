@@ -184,7 +184,7 @@ impl<'a> Base<'a> {
         text.push_str(&format!(
             "const double {RESULT} = {expression};\nmodule m\n  m_ : bool init false;\nendmodule\n"
         ));
-        let words = |found: Vec<prism_lang::Diagnostic>| {
+        let words = |found: prism_lang::Diagnostics| {
             let all: Vec<String> = found.into_iter().map(|d| d.message).collect();
             all.join("; ")
         };

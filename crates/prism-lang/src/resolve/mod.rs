@@ -23,7 +23,7 @@ mod variables;
 use std::collections::BTreeSet;
 
 use crate::ast::{self, Type};
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Diagnostics, Span};
 use crate::expr::Expr;
 use crate::number::Constants;
 use crate::resolved::{Constant, Init, Model, Parameter, Variable};
@@ -45,7 +45,7 @@ use scope::{Renaming, Scope, Symbol};
 /// assert_eq!(model.variables[0].name, "x");
 /// # Ok::<(), prism_lang::ConstantsError>(())
 /// ```
-pub fn resolve(model: &ast::Model, given: &Constants) -> Result<Model, Vec<Diagnostic>> {
+pub fn resolve(model: &ast::Model, given: &Constants) -> Result<Model, Diagnostics> {
     resolve_with(model, given, &Constants::new())
 }
 
@@ -57,7 +57,7 @@ pub fn resolve_with(
     model: &ast::Model,
     given: &Constants,
     overrides: &Constants,
-) -> Result<Model, Vec<Diagnostic>> {
+) -> Result<Model, Diagnostics> {
     resolve_open(model, given, overrides, &[])
 }
 
@@ -82,7 +82,7 @@ pub fn resolve_open(
     given: &Constants,
     overrides: &Constants,
     open: &[&str],
-) -> Result<Model, Vec<Diagnostic>> {
+) -> Result<Model, Diagnostics> {
     let mut resolver = Resolver {
         scope: Scope::new(),
         variables: Vec::new(),
@@ -107,7 +107,7 @@ pub fn resolve_open(
     }
     let diagnostics = told;
     if diagnostics.iter().any(Diagnostic::is_error) {
-        return Err(diagnostics);
+        return Err(diagnostics.into());
     }
     match resolved {
         Some(mut model) => {
@@ -115,7 +115,7 @@ pub fn resolve_open(
             Ok(model)
         }
         // What the parser could not read leaves no diagnostic here.
-        None => Err(vec![unreadable()]),
+        None => Err(vec![unreadable()].into()),
     }
 }
 

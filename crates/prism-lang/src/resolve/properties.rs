@@ -6,7 +6,7 @@ use super::formula::{Formula, Size};
 use super::scope::{Renaming, Scope, Symbol};
 use super::unreadable;
 use crate::ast::{self, ExprKind, Type};
-use crate::diagnostic::{Diagnostic, Span};
+use crate::diagnostic::{Diagnostic, Diagnostics, Span};
 use crate::number::Constants;
 use crate::property::{NamedProperty, Property, Quantity, StateFormula};
 use crate::resolved::{Model, VariableKind};
@@ -34,7 +34,7 @@ pub fn resolve_properties(
     properties: &ast::PropertyFile,
     model: &Model,
     given: &Constants,
-) -> Result<Vec<NamedProperty>, Vec<Diagnostic>> {
+) -> Result<Vec<NamedProperty>, Diagnostics> {
     let mut resolver = PropertyResolver {
         scope: model_scope(model),
         model,
@@ -53,10 +53,10 @@ pub fn resolve_properties(
     let mut diagnostics = resolver.scope.diagnostics;
     if !diagnostics.is_empty() {
         diagnostics.sort_by_key(|d| (d.span.start, d.span.end));
-        return Err(diagnostics);
+        return Err(diagnostics.into());
     }
     let resolved: Option<Vec<_>> = resolved.into_iter().collect();
-    resolved.ok_or_else(|| vec![unreadable()])
+    resolved.ok_or_else(|| vec![unreadable()].into())
 }
 
 /// The names that a model gives to its properties.

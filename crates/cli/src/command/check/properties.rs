@@ -8,7 +8,7 @@ use crate::args::Check;
 use crate::problem::{Problem, Source};
 use crate::study::Method;
 use prism_lang::ast::PropertyFile;
-use prism_lang::{Constants, Diagnostic, NamedProperty, resolved};
+use prism_lang::{Constants, Diagnostics, NamedProperty, resolved};
 use std::path::Path;
 
 /// A property that was asked for.
@@ -116,10 +116,10 @@ fn resolve(
 ) -> Result<Vec<Asked>, Problem> {
     let mut all: Vec<Option<Asked>> = tree.properties.iter().map(|_| None).collect();
     let mut places: Vec<usize> = (0..all.len()).collect();
-    let mut first: Option<Vec<Diagnostic>> = None;
+    let mut first: Option<Diagnostics> = None;
     loop {
         let found = match prism_lang::resolve_properties(&tree, model, given) {
-            Ok(resolved) if resolved.is_empty() && first.is_some() => Vec::new(),
+            Ok(resolved) if resolved.is_empty() && first.is_some() => Vec::new().into(),
             Ok(resolved) => {
                 for (place, property) in places.iter().zip(resolved) {
                     all[*place] = Some(Asked::Property(Box::new(property)));
