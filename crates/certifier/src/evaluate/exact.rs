@@ -3,7 +3,7 @@
 //! *Definition.* Values are rational where what is asked is reached, or earned before a target, or happens within steps. A
 //! value that equals the bound it is compared with, as 1/6 does in `P>=1/6 [ .. ]`, lies in every interval around it; so
 //! the number itself is asked of the oracle, and counts only if it solves all equations
-//! ([`check_exact`](crate::inequalities::check_exact)). Steps are taken back in rationals.
+//! (`check_exact` of the module `inequalities`). Steps are taken back in rationals.
 //!
 //! Cost: that of exact solving, asked for only where intervals leave a comparison open; numbers grow with the steps, of
 //! which few are taken. Guarantee: exact.

@@ -2,8 +2,9 @@
 //!
 //! Flags that have the same meaning here are rewritten to ours. Those that choose a numerical method that is here, too,
 //! choose it, unless another flag asks for exact or interval arithmetic. Flags that choose among PRISM's engines and data
-//! structures change no answer: they are noted and have no effect. Flags that would change an answer and that we do not have are errors, each with its reason
-//! (module `refused`), and so are words behind one dash that nobody knows, which are named as a whole.
+//! structures change no answer: they are noted and have no effect. Flags that would change an answer and that we do not have
+//! are errors, each with its reason (module `refused`), and so are words behind one dash that nobody knows, which are named
+//! as a whole.
 
 use super::refused;
 use std::ffi::OsString;
