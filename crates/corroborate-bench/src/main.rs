@@ -48,6 +48,11 @@ fn benchmark() -> Result<(), String> {
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }
     }
+    // Before the work, so that nothing is lost for want of a folder.
+    if let Some(folder) = &folder {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| format!("cannot create {folder}: {error}"))?;
+    }
     // Talk goes to standard error: a line for each study of a case study, whose models take long, else for each tenth.
     let lines = run(&plan, &|done, all| {
         if all < 200 || done % (all / 10) == 0 || done == all {
