@@ -48,10 +48,10 @@ fn benchmark() -> Result<(), String> {
             other => return Err(format!("unknown argument `{other}`; {USAGE}")),
         }
     }
-    // Before the work, so that nothing is lost for want of a folder.
+    // Tried before the work, which would be lost for want of a folder.
     if let Some(folder) = &folder {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| format!("cannot create {folder}: {error}"))?;
+        let path = Path::new(folder).join("targets.csv");
+        trace::write_file(&path, b"").map_err(|error| error.to_string())?;
     }
     // Talk goes to standard error: a line for each study of a case study, whose models take long, else for each tenth.
     let lines = run(&plan, &|done, all| {
