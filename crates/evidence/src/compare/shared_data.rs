@@ -7,7 +7,8 @@
 //!
 //! # Guarantee
 //! Rows are compared of tables of people or sessions (`stats::shared_rows` has the chance); totals of which the tables do
-//! not say who did what are compared as whole files, and a recording that was written anew is not found. Episodes of two entries of a ledger never have the same seeds, which follow from the entries' identifiers.
+//! not say who did what are compared as whole files, and a recording that was written anew is not found. Episodes of two
+//! entries of a ledger never have the same seeds, which follow from the entries' identifiers.
 
 use crate::{AssetRole, Evidence, RepeatedRows};
 use std::collections::{BTreeMap, BTreeSet};
