@@ -9,6 +9,7 @@ mod command;
 mod corroboration;
 mod explain;
 mod forms;
+mod memory;
 mod outcome;
 mod problem;
 mod published;

@@ -84,10 +84,10 @@
 //!   dry friction and stops, while they are sent elsewhere, or if they are so heavy for that friction that
 //!   they swing (those of the untuned parameters have 0.1 kg m2).
 //! * Steady motion, in which every drive of the arm speeds up as it did, or not at all, the fingers'
-//!   rest and nobody's force changes: bursts of two steps of the whole model alternate with glides of at
+//!   rest and nobody's force changes: bursts of four steps of the whole model alternate with glides of at
 //!   most 40, in which the joints, and the object in the hand, go on at the rates measured, and at the
 //!   rates' own change where that is regular. A glide is so long that a change of these rates as great
-//!   as was not foreseen since the last one moves nothing by more than a micrometre (the hand by ten).
+//!   as was not foreseen since the last one moves nothing by more than a fifth of a micrometre (the hand by two).
 //!   With fingers that swing bursts take 0.04 s, until their dry friction has settled, and there are
 //!   glides only while they hold the object, none in which one of them comes upon it or squeezes it, none
 //!   under a pull and for 0.7 s (the untuned) after it.

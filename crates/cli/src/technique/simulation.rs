@@ -7,6 +7,7 @@
 use super::bench::SceneCampaign;
 use super::campaign::{Intervals, Tally, monitors};
 use super::judging::{Judgement, Judges};
+use crate::memory;
 use crate::problem::{Problem, Source};
 use crate::store::Inputs;
 use crate::study::Study;
@@ -323,10 +324,12 @@ pub fn load_engine(library: Option<&Path>) -> Result<Engine, Problem> {
             )
             .remedy("start the program as `./corroborate`, which fetches it, or set CORROBORATE_MUJOCO to its path"));
     };
-    Engine::load(library).map_err(|error| {
+    let engine = Engine::load(library).map_err(|error| {
         Problem::new("no-physics-library", error.to_string())
             .remedy("run `tools/mujoco`, which fetches the version that is needed")
-    })
+    })?;
+    memory::give_large_blocks_back();
+    Ok(engine)
 }
 
 /// The seeds of a piece of evidence's episodes.
