@@ -1,7 +1,7 @@
 """Compares two campaigns of the same seeds, episode by episode: every verdict of every monitor.
 
-    corroborate simulate STUDY E4 -n 500 --keep none --out full
-    corroborate simulate COPY_WITH_FAST_PHYSICS E4 -n 500 --keep none --out fast
+    corroborate simulate COPY_WITH_FULL_PHYSICS E4 -n 1000 --keep none --out full
+    corroborate simulate STUDY E4 -n 1000 --keep none --out fast
     python3 tests/fast/verdicts.py full fast
 
 Each side is such a table, or a folder in which all are read (`episodes.parquet`,

@@ -418,13 +418,36 @@ fn read_parameters(path: &Path) -> Result<(Parameters, String), Problem> {
 }
 
 fn scenario_problem(source: &Source, error: &ScenarioError) -> Problem {
-    Problem::new("bad-scenario", format!("{}: {error}", source.name))
+    let said = error.to_string();
+    let problem = Problem::new(
+        "bad-scenario",
+        format!("{}: {}", source.name, said.trim_end()),
+    );
+    match error {
+        ScenarioError::Syntax { .. } => problem.remedy(
+            "correct that place of the file; `corroborate explain scenario` and `corroborate explain parameters` say what is in it",
+        ),
+        _ => problem,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
+
+    #[test]
+    fn an_empty_scenario_is_refused_with_what_it_lacks_and_a_remedy() {
+        let source = Source {
+            name: "scenario.toml".to_owned(),
+            text: String::new(),
+        };
+        let error = Scenario::parse(&source.text).expect_err("it is empty");
+        let said = scenario_problem(&source, &error).render(false);
+        for part in ["scenario.toml: ", "missing field `name`", "explain scenario"] {
+            assert!(said.contains(part), "{said}");
+        }
+    }
 
     #[test]
     fn seeds_differ_between_episodes_and_evidence_and_never_change() {
