@@ -444,7 +444,11 @@ mod tests {
         };
         let error = Scenario::parse(&source.text).expect_err("it is empty");
         let said = scenario_problem(&source, &error).render(false);
-        for part in ["scenario.toml: ", "missing field `name`", "explain scenario"] {
+        for part in [
+            "scenario.toml: ",
+            "missing field `name`",
+            "explain scenario",
+        ] {
             assert!(said.contains(part), "{said}");
         }
     }
