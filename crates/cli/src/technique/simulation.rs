@@ -127,8 +127,9 @@ impl Campaign {
             version: self.engine.1.clone(),
             settings: match &self.bench {
                 Bench::Handover(handover) => {
-                    let step_secs = handover.scenario.simulation.time_step_secs;
-                    format!("time step {step_secs} s")
+                    let settings = &handover.scenario.simulation;
+                    let physics = if settings.fast { ", fast physics" } else { "" };
+                    format!("time step {} s{physics}", settings.time_step_secs)
                 }
                 Bench::Scene(scene) => scene.settings(),
             },
