@@ -13,7 +13,8 @@
 const LARGE_BYTES: libc::c_int = 64 * 1024;
 
 /// From now on, gives large blocks back to the system as soon as they are free; says whether the C
-/// library does so. It costs a system call each, so things stay as they are where the physics library is not loaded.
+/// library does so. It costs a system call each, so things stay as they are where the physics library is
+/// not loaded.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub(crate) fn give_large_blocks_back() -> bool {
     // SAFETY: `mallopt` takes two numbers and sets a parameter under the allocator's own lock, so that any

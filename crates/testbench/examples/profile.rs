@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release -p testbench --example profile -- tuned 20 [first seed]`
 //!
-//! The full physics alone; with `CAMPAIGN_FAST=1` the fast one alone; with `CAMPAIGN_FAST=both` the full and the fast one
-//! take turns, seed by seed, and the last line is how many times less time the fast one takes.
+//! The full physics alone; with `CAMPAIGN_FAST=1` the fast one alone; with `CAMPAIGN_FAST=both` the two take
+//! turns, seed by seed, and the last line is how many times less time the fast one takes.
 
 use std::collections::BTreeMap;
 use std::error::Error;

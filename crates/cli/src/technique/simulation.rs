@@ -408,24 +408,24 @@ pub fn findings(
 
 fn read_scenario(path: &Path) -> Result<(Scenario, String), Problem> {
     let source = Source::read(path)?;
-    let scenario = Scenario::parse(&source.text).map_err(|e| scenario_problem(&source, &e))?;
+    let scenario = Scenario::parse(&source.text);
+    let scenario = scenario.map_err(|error| scenario_problem(&source.name, &error.into()))?;
     Ok((scenario, source.text))
 }
 
 fn read_parameters(path: &Path) -> Result<(Parameters, String), Problem> {
     let source = Source::read(path)?;
-    let parameters = Parameters::parse(&source.text).map_err(|e| scenario_problem(&source, &e))?;
+    let parameters = Parameters::parse(&source.text);
+    let parameters = parameters.map_err(|error| scenario_problem(&source.name, &error.into()))?;
     Ok((parameters, source.text))
 }
 
-fn scenario_problem(source: &Source, error: &ScenarioError) -> Problem {
+/// What is wrong with the scenario or the parameters in these files.
+pub fn scenario_problem(files: &str, error: &SimError) -> Problem {
     let said = error.to_string();
-    let problem = Problem::new(
-        "bad-scenario",
-        format!("{}: {}", source.name, said.trim_end()),
-    );
+    let problem = Problem::new("bad-scenario", format!("{files}: {}", said.trim_end()));
     match error {
-        ScenarioError::Syntax { .. } => problem.remedy(
+        SimError::Scenario(ScenarioError::Syntax { .. }) => problem.remedy(
             "correct that place of the file; `corroborate explain scenario` and `corroborate explain parameters` say what is in it",
         ),
         _ => problem,
@@ -444,7 +444,7 @@ mod tests {
             text: String::new(),
         };
         let error = Scenario::parse(&source.text).expect_err("it is empty");
-        let said = scenario_problem(&source, &error).render(false);
+        let said = scenario_problem(&source.name, &error.into()).render(false);
         for part in [
             "scenario.toml: ",
             "missing field `name`",

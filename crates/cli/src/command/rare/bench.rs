@@ -5,7 +5,7 @@ use crate::problem::{Problem, Source};
 use crate::store::{Inputs, program_hash};
 use crate::study::Study;
 use crate::technique::bench::SceneCampaign;
-use crate::technique::simulation::load_engine;
+use crate::technique::simulation::{load_engine, scenario_problem};
 use std::path::Path;
 use stimulus::{Space, Stimulus};
 use testbench::{HandoverBench, SimError};
@@ -101,11 +101,11 @@ impl TestBench {
         let bench =
             HandoverBench::new(&engine, &scenario.text, &parameters.text).map_err(|error| {
                 let names = format!("{}, {}", scenario.name, parameters.name);
-                Problem::new("bad-scenario", format!("{names}: {error}"))
+                scenario_problem(&names, &error)
             })?;
         let test = bench
             .own_test(test)
-            .map_err(|error| Problem::new("bad-scenario", format!("{}: {error}", scenario.name)))?;
+            .map_err(|error| scenario_problem(&scenario.name, &error))?;
         Ok(Self {
             engine: format!("MuJoCo {}", engine.version()),
             bench,

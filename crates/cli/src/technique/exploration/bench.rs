@@ -7,7 +7,7 @@ use crate::study::{BenchFiles, CommandText, Entry, Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::bench::SceneCampaign;
 use crate::technique::campaign::is_of_physics;
-use crate::technique::simulation::load_engine;
+use crate::technique::simulation::{load_engine, scenario_problem};
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
 use testbench::{
@@ -270,10 +270,8 @@ fn handover(
     let scenario = Source::read(&study.folder.join(scenario))?;
     let parameters = Source::read(&study.folder.join(parameters))?;
     let bench = HandoverBench::new(engine, &scenario.text, &parameters.text).map_err(|error| {
-        Problem::new(
-            "bad-scenario",
-            format!("{} with {}: {error}", scenario.name, parameters.name),
-        )
+        let files = format!("{} with {}", scenario.name, parameters.name);
+        scenario_problem(&files, &error)
     })?;
     let tests = bench.data()["scenario"].get("abstract_test").cloned();
     let tests = tests.unwrap_or_else(|| toml::Value::Array(Vec::new()));
