@@ -300,6 +300,27 @@ impl fmt::Display for StatsError {
 
 impl std::error::Error for StatsError {}
 
+/// Whole counts near effective ones, for exact tests: both neighbours of the successes at the effective size rounded
+/// down. The counts themselves where trials are independent.
+#[must_use]
+pub fn whole_counts(sample: Sample, effective: EffectiveSample) -> Vec<Sample> {
+    if effective.trials >= sample.trials as f64 {
+        return vec![sample];
+    }
+    let trials = effective.trials.floor().max(1.0);
+    let successes = trials * effective.successes / effective.trials;
+    let whole = |successes: f64| Sample {
+        successes: successes as u64,
+        trials: trials as u64,
+    };
+    let (below, above) = (whole(successes.floor()), whole(successes.ceil()));
+    if below == above {
+        vec![below]
+    } else {
+        vec![below, above]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -354,6 +375,42 @@ mod tests {
         let each = Confidence::P95.simultaneous_if_independent(3).level();
         assert!(
             (each.powi(3) - 0.95).abs() < 1e-15 && each < Confidence::P95.simultaneous(3).level()
+        );
+    }
+
+    #[test]
+    fn whole_counts_are_neighbours() {
+        let sample = Sample {
+            successes: 88,
+            trials: 100,
+        };
+        let effective = EffectiveSample::at_size(sample, 55.3).unwrap();
+        let whole = whole_counts(sample, effective);
+        assert_eq!(
+            whole,
+            [
+                Sample {
+                    successes: 48,
+                    trials: 55
+                },
+                Sample {
+                    successes: 49,
+                    trials: 55
+                }
+            ]
+        );
+        assert_eq!(whole_counts(sample, sample.into()), [sample]);
+        let none = Sample {
+            successes: 0,
+            trials: 7,
+        };
+        let effective = EffectiveSample::at_size(none, 0.4).unwrap();
+        assert_eq!(
+            whole_counts(none, effective),
+            [Sample {
+                successes: 0,
+                trials: 1
+            }]
         );
     }
 }

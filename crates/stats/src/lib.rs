@@ -10,18 +10,22 @@
 //! | What does `s` of `n` say of a rate? | [`IntervalMethod`], [`wilson`], [`BetaPosterior`] |
 //! | Is the rate below, above, at a threshold? | [`binomial_test_below`], [`binomial_test_above`], [`binomial_test_two_sided`] |
 //! | Do two rates differ, and by how much? | [`fisher_exact`], [`boschloo_exact`], [`difference_interval`], [`Difference`] |
-//! | Do two rates agree within a margin? | [`tost`], [`score_equivalence`], [`probability_within`] |
+//! | Do two rates agree within a margin? | [`exact_equivalence()`], [`tost`], [`score_equivalence`], [`probability_within`] |
 //! | Do several rates agree, and what are they together? | [`heterogeneity()`], [`chi_squared_homogeneity`], [`pool`], [`power_prior`], [`scattered_rate`] |
 //! | Many tests at once? | [`holm`], [`Confidence::simultaneous`] |
 //! | Are trials of one person alike? | [`clustered_rate`], [`CommonCorrelation`], [`clustering`], [`BetaBinomial`], [`ClusterRobust`], [`EffectiveSample`] |
 //! | Does a group or an ordering matter? | [`kruskal_wallis()`], [`kruskal_wallis_exact`], [`spearman()`], [`spearman_exact`] |
-//! | Do two tables repeat each other's rows? | [`shared_rows()`] |
+//! | Do two tables repeat each other's rows? | [`shared_rows()`], [`renamed_rows()`], [`rows_by_chance`], [`contents_by_chance`] |
+//! | Is a number or a count copied from another? | [`constant_by_chance`], [`count_by_chance`], [`any_coincidence`] |
+//! | Do like outcomes stand together in time? | [`runs_test`] |
+//! | From which clustering on does a decision fall? | [`critical_correlation`] |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
+//! | What may be said when trials are added and the question is asked again? | [`continued_above`], [`continued_p`], [`continued_interval`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
 //!
 //! ```
-//! use stats::{Confidence, DifferenceVariance, Sample, fisher_exact, tost, wilson};
+//! use stats::{Confidence, Sample, exact_equivalence, fisher_exact, wilson};
 //!
 //! let experiment = Sample::new(88, 100)?;
 //! let simulation = Sample::new(439, 500)?;
@@ -31,9 +35,7 @@
 //!
 //! // No difference is shown, and neither is agreement within 5 points; within 10 points it is.
 //! assert!(fisher_exact(experiment, simulation) > 0.05);
-//! let p_value = |margin| {
-//!     tost(experiment, simulation, margin, DifferenceVariance::AgrestiCaffo).map(|t| t.p_value())
-//! };
+//! let p_value = |margin| exact_equivalence(experiment, simulation, margin);
 //! assert!(p_value(0.05) > Some(0.05));
 //! assert!(p_value(0.10) < Some(0.05));
 //! # Ok::<(), stats::StatsError>(())
@@ -41,18 +43,22 @@
 //!
 //! Each module opens with its definitions, their source, and the guarantee they come with.
 
+pub mod alike_trials;
 pub mod beta_binomial;
 pub mod binomial;
 pub mod boschloo;
 pub mod cluster;
 pub mod cluster_robust;
 pub mod clustered;
+pub mod coincidence;
 pub mod combination;
 pub mod common_correlation;
+pub mod continuation;
 pub mod counts;
 pub mod design;
 pub mod draws;
 pub mod equivalence;
+pub mod exact_equivalence;
 pub mod fisher;
 mod gauss_grid;
 pub mod heterogeneity;
@@ -66,12 +72,15 @@ pub mod predictive;
 pub mod propagation;
 mod quadrature;
 mod ranks;
+pub mod renamed_rows;
+pub mod runs;
 pub mod score;
 pub mod sequential;
 pub mod shared_rows;
 pub mod spearman;
 pub mod special;
 
+pub use alike_trials::{critical_correlation, kish_design_effect};
 pub use beta_binomial::BetaBinomial;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use boschloo::boschloo_exact;
@@ -81,12 +90,21 @@ pub use clustered::{
     ClusterMethod, ClusteredRate, clustered_rate, clustered_rate_among, clustered_test_above,
     clustered_test_below,
 };
+pub use coincidence::{
+    Possible, any_coincidence, coincidences, constant_by_chance, contents_by_chance,
+    count_by_chance, quotient_by_chance, rows_by_chance, several_coincidences,
+};
 pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use common_correlation::CommonCorrelation;
-pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
+pub use continuation::{
+    ScoredLook, continued_above, continued_below, continued_interval, continued_lower_limit,
+    continued_p, continued_rejects, continued_upper_limit,
+};
+pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError, whole_counts};
 pub use design::{design, design_from, posterior_design};
 pub use draws::{Draws, VarianceShare, variance_shares};
 pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval, tost};
+pub use exact_equivalence::exact_equivalence;
 pub use fisher::fisher_exact;
 pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
@@ -100,6 +118,8 @@ pub use predictive::Predictive;
 pub use propagation::{
     Propagated, Shares, SharesDesign, credible_box, extremes_at_corners, paired_difference,
 };
+pub use renamed_rows::{RenamedRows, Unnamed, renamed_rows};
+pub use runs::{Runs, runs_test};
 pub use score::score_equivalence;
 pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
 pub use shared_rows::{SharedRows, shared_rows};

@@ -1,0 +1,425 @@
+//! Tests that stay valid when trials are added and the same question is asked again.
+//!
+//! # Definition
+//! The trials between two looks are a *stage*. A test at level `a` starts with the conditional error `b = a`: the
+//! probability, under the null hypothesis and given all that was seen, of ever rejecting it from here on. A stage gives
+//! a p-value `u` of its own, uniform (or larger) given the past if the hypothesis is true, and turns `b` into
+//!
+//! ```text
+//! b' = 1                     if u <= r b              rejected at this look
+//! b' = min(1, k u^-s)        else,    k such that  integral over (r b, 1] of min(1, k u^-s) du = (1 - r) b
+//! ```
+//!
+//! so that `b'` has mean `b`: it is a martingale between 0 and 1 that starts at `a`, and reaches 1 with probability at
+//! most `a` whatever the number of looks and however the size of the next stage is chosen from all that was seen. The
+//! hypothesis is rejected at the first look with `b' = 1`. The *p-value under continuation* is the least `a` at which it
+//! would be rejected by now; `b'` grows with `a` at every `u`, so that the tests of all levels are nested.
+//!
+//! `r = 1 - (1 - R)^g` and `s = S sqrt(g)`, where `g` is the stage's information relative to all before it, at most 1 (1
+//! for the first stage); `R = 0.8` and `S = 1.8`. A first look at which a study ends costs a fifth of its level: its
+//! p-value is `u / R`. `k u^-s` is near to the conditional error of a test at the end of a stage as large as all so far.
+//!
+//! # Stages
+//! * *Counts against a threshold* ([`continued_above`], [`continued_below`]): the stage's own trials are binomial at the
+//!   threshold. An outcome `x` stands for the `u` between `P(X > x)` and `P(X >= x)`, and `b'` is the mean over these.
+//!   That is exact: nothing is lost to whole numbers but within the look that rejects. Monotone in `x`, so that it holds
+//!   for every rate beyond the threshold, too.
+//! * *Anything with a p-value at each look* ([`continued_p`]): of the p-value `P` of all trials at a look and their
+//!   information `I`, the score is `z sqrt(I)`, `z` the normal quantile of `1 - P`; the difference of two scores over the
+//!   root of the information between them is the stage's normal deviate. Two samples, equivalence and clustered counts
+//!   are tested so.
+//!
+//! # Source
+//! The conditional error principle: H.-H. Mueller and H. Schaefer, "A general statistical principle for changing a
+//! design any time during the course of a trial", Statistics in Medicine 23 (2004); M. Proschan and S. Hunsberger,
+//! "Designed extension of studies based on conditional power", Biometrics 51 (1995). Nested levels to p-values:
+//! W. Brannath, M. Posch and P. Bauer, "Recursive combination tests", JASA 97 (2002). Martingales: J. Ville (1939);
+//! G. Shafer, "Testing by betting", JRSS A 184 (2021). Deviation: the form of `b'` above is this project's, chosen so
+//! that it has a closed integral, for whatever stages come.
+//!
+//! # Guarantee
+//! Counts against a threshold: the probability of ever rejecting a true hypothesis at level `a` is at most `a`, exactly,
+//! for every rule of going on that looks only at what was seen (tested by the sum over all paths). By scores: as far as
+//! scores have independent normal increments, which counts have asymptotically; their error rates are not measured yet.
+//!
+//! Shares in percent of 4000 seeded studies that show the rate to be above 0.9 at a level of 5 %; 60 trials, doubled up to
+//! four times (`cargo run -p stats --release --example looking_again`; standard error at most 0.7). *Single*: each look is
+//! tested as if it was the only one.
+//!
+//! | rate | first look, single | any look, single | first look, continued | any look, continued |
+//! |---|---|---|---|---|
+//! | 0.9 (false) | 1.5 | 11.5 | 1.5 | 5.1 |
+//! | 0.95 (true) | 19.8 | 100.0 | 19.8 | 90.2 |
+
+use crate::binomial::binomial_test_above;
+use crate::counts::{Confidence, Interval, Sample};
+use crate::special::{normal_cdf, normal_quantile};
+
+/// Share of the conditional error that a look spends when it doubles the information, or is the first.
+pub const SHARE_OF_A_LOOK: f64 = 0.8;
+
+/// The exponent `s` of such a look.
+const STEEPNESS: f64 = 1.8;
+
+/// Deviates beyond this are no better evidence: their p-value is about 1e-300.
+const MOST_DEVIATE: f64 = 37.0;
+
+/// The trials between two looks, as far as a test sees them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// Its information relative to all before it, at most 1; 1 for the first.
+    growth: f64,
+    /// The p-values for which its outcome stands: from, to.
+    outcome: (f64, f64),
+}
+
+/// One look at all trials so far: the p-value that they would have if it was the only look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScoredLook {
+    /// The one-sided p-value of all trials so far.
+    pub p: f64,
+    /// Their information, in any unit, such as the effective number of trials.
+    pub information: f64,
+}
+
+/// What is spent at a look, and how the rest is kept.
+#[derive(Clone, Copy, Debug)]
+struct Spending {
+    /// Rejected up to here.
+    rejected: f64,
+    /// `b' = 1` up to here, too.
+    certain: f64,
+    /// `k` and `s` of the rest.
+    scale: f64,
+    steepness: f64,
+}
+
+impl Spending {
+    fn new(budget: f64, growth: f64) -> Self {
+        let share = 1.0 - (1.0 - SHARE_OF_A_LOOK).powf(growth);
+        let steepness = STEEPNESS * growth.sqrt();
+        let (rejected, kept) = (share * budget, (1.0 - share) * budget);
+        let scale = kept / power_integral(rejected, 1.0, steepness);
+        if scale <= rejected.powf(steepness) {
+            return Self {
+                rejected,
+                certain: rejected,
+                scale,
+                steepness,
+            };
+        }
+        // Capped at 1 up to a point at which the integral is as wanted.
+        let integral =
+            |end: f64| end - rejected + end.powf(steepness) * power_integral(end, 1.0, steepness);
+        let (mut low, mut high) = (rejected, 1.0);
+        for _ in 0..60 {
+            let middle = f64::midpoint(low, high);
+            if integral(middle) <= kept {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Self {
+            rejected,
+            certain: low,
+            scale: low.powf(steepness),
+            steepness,
+        }
+    }
+
+    /// The mean of `b'` over p-values from `low` to `high`.
+    fn mean(&self, low: f64, high: f64) -> f64 {
+        let end = self.certain.max(self.rejected);
+        if high <= end {
+            return 1.0;
+        }
+        if high <= low {
+            return (self.scale * high.powf(-self.steepness)).min(1.0);
+        }
+        let from = low.max(end);
+        let sure = (end - low).max(0.0);
+        let rest = self.scale * power_integral(from, high, self.steepness);
+        ((sure + rest) / (high - low)).min(LESS_THAN_CERTAIN)
+    }
+}
+
+/// A conditional error below this is none.
+const LEAST_BUDGET: f64 = 1e-100;
+
+/// What rounding must not make 1.
+const LESS_THAN_CERTAIN: f64 = 1.0 - f64::EPSILON;
+
+/// The integral of `u^-s` from `low` to `high`.
+fn power_integral(low: f64, high: f64, s: f64) -> f64 {
+    if (s - 1.0).abs() < 1e-9 {
+        return (high / low).ln();
+    }
+    (high.powf(1.0 - s) - low.powf(1.0 - s)) / (1.0 - s)
+}
+
+/// Whether a test at this level has rejected by the last stage.
+fn rejects(stages: &[Stage], level: f64) -> bool {
+    let mut budget = level;
+    for stage in stages {
+        if budget >= 1.0 {
+            return true;
+        }
+        if budget < LEAST_BUDGET {
+            return false;
+        }
+        let (low, high) = stage.outcome;
+        budget = Spending::new(budget, stage.growth).mean(low, high);
+    }
+    budget >= 1.0
+}
+
+/// The p-value under continuation of these stages: 1 without any.
+///
+/// It never rises from look to look, as a hypothesis once rejected stays so.
+#[must_use]
+pub fn p_of_stages(stages: &[Stage]) -> f64 {
+    if stages.is_empty() || !rejects(stages, LESS_THAN_CERTAIN) {
+        return 1.0;
+    }
+    // Geometric, since levels of interest are small.
+    let (mut low, mut high) = (LEAST_BUDGET.ln(), 0.0_f64);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if rejects(stages, middle.exp().min(LESS_THAN_CERTAIN)) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    high.exp().min(1.0)
+}
+
+/// The p-value under continuation of "the rate is at most the threshold", from the counts at each look, all trials so
+/// far, oldest look first. Looks that hold no new trials count as none; looks before one that does not contain them are
+/// not of the same sequence of trials, and left out.
+///
+/// ```
+/// use stats::{Sample, binomial_test_above, continuation::continued_above};
+/// let looks = [Sample::new(90, 100)?, Sample::new(188, 200)?];
+/// let once = continued_above(&looks[1..], 0.9);
+/// assert!((once - binomial_test_above(looks[1], 0.9) / 0.8).abs() < 1e-9);
+/// // Looking at the first hundred alone before cost something.
+/// assert!(continued_above(&looks, 0.9) > once);
+/// # Ok::<(), stats::StatsError>(())
+/// ```
+#[must_use]
+pub fn continued_above(looks: &[Sample], threshold: f64) -> f64 {
+    if threshold >= 1.0 {
+        return 1.0;
+    }
+    p_of_stages(&stages_of_counts(looks, threshold))
+}
+
+/// The same of "the rate is at least the threshold".
+#[must_use]
+pub fn continued_below(looks: &[Sample], threshold: f64) -> f64 {
+    if threshold <= 0.0 {
+        return 1.0;
+    }
+    let failures: Vec<Sample> = looks
+        .iter()
+        .map(|look| Sample {
+            successes: look.failures(),
+            trials: look.trials,
+        })
+        .collect();
+    p_of_stages(&stages_of_counts(&failures, 1.0 - threshold))
+}
+
+/// The stages between looks, against "the rate is at most the threshold".
+fn stages_of_counts(looks: &[Sample], threshold: f64) -> Vec<Stage> {
+    let mut before = Sample {
+        successes: 0,
+        trials: 0,
+    };
+    let mut stages = Vec::new();
+    for look in sequence(looks) {
+        let own = Sample {
+            successes: look.successes - before.successes,
+            trials: look.trials - before.trials,
+        };
+        let growth = match before.trials {
+            0 => 1.0,
+            trials => (own.trials as f64 / trials as f64).min(1.0),
+        };
+        stages.push(Stage {
+            growth,
+            outcome: outcome(own, threshold),
+        });
+        before = look;
+    }
+    stages
+}
+
+/// `P(X > x)` and `P(X >= x)` at the threshold.
+fn outcome(own: Sample, threshold: f64) -> (f64, f64) {
+    if threshold <= 0.0 {
+        // A success is impossible: it rejects.
+        return if own.successes > 0 {
+            (0.0, 0.0)
+        } else {
+            (0.0, 1.0)
+        };
+    }
+    let above = Sample {
+        successes: own.successes + 1,
+        trials: own.trials,
+    };
+    let low = if own.successes == own.trials {
+        0.0
+    } else {
+        binomial_test_above(above, threshold)
+    };
+    (low, binomial_test_above(own, threshold))
+}
+
+/// The looks that are of one sequence of trials with the last, each with more trials than the one before.
+///
+/// ```
+/// use stats::{Sample, continuation::sequence};
+/// let look = |successes, trials| Sample { successes, trials };
+/// // The second look is repeated, and the first is of other trials: they had more failures.
+/// let looks = [look(3, 10), look(9, 10), look(9, 10), look(18, 20)];
+/// assert_eq!(sequence(&looks), [look(9, 10), look(18, 20)]);
+/// ```
+#[must_use]
+pub fn sequence(looks: &[Sample]) -> Vec<Sample> {
+    let mut kept: Vec<Sample> = Vec::new();
+    for look in looks.iter().rev().filter(|look| look.is_informative()) {
+        let Some(next) = kept.last() else {
+            kept.push(*look);
+            continue;
+        };
+        if look == next {
+            continue;
+        }
+        if look.successes > next.successes || look.failures() > next.failures() {
+            break;
+        }
+        kept.push(*look);
+    }
+    kept.reverse();
+    kept
+}
+
+/// The p-value under continuation from the p-values that each look would have by itself, oldest first. Looks without
+/// more information than the one before change nothing but the p-value that the next is compared with.
+///
+/// ```
+/// use stats::continuation::{ScoredLook, continued_p};
+/// let once = continued_p(&[ScoredLook { p: 0.03, information: 50.0 }]);
+/// assert!((once - 0.03 / 0.8).abs() < 1e-9);
+/// let again = [(0.2, 50.0), (0.01, 100.0)].map(|(p, information)| ScoredLook { p, information });
+/// assert!(continued_p(&again) > 0.01 / 0.8);
+/// ```
+#[must_use]
+pub fn continued_p(looks: &[ScoredLook]) -> f64 {
+    p_of_stages(&stages_of_scores(looks))
+}
+
+/// Whether a test at this level has rejected by the last of these looks: as `continued_p(looks) <= level`, quicker.
+#[must_use]
+pub fn continued_rejects(looks: &[ScoredLook], level: f64) -> bool {
+    rejects(&stages_of_scores(looks), level)
+}
+
+fn stages_of_scores(looks: &[ScoredLook]) -> Vec<Stage> {
+    let (mut score, mut information) = (0.0, 0.0);
+    let mut stages: Vec<Stage> = Vec::new();
+    for look in looks {
+        let own = look.information - information;
+        // No new information: nothing is asked again.
+        if own.is_nan() || own <= 1e-9 * look.information {
+            continue;
+        }
+        let (now, u) = match stages.is_empty() {
+            // Exact at the first look, whatever the quantile's rounding.
+            true => (deviate(look.p) * look.information.sqrt(), look.p),
+            false => {
+                let now = deviate(look.p) * look.information.sqrt();
+                (now, normal_cdf(-(now - score) / own.sqrt()))
+            }
+        };
+        let growth = if information > 0.0 {
+            (own / information).min(1.0)
+        } else {
+            1.0
+        };
+        stages.push(Stage {
+            growth,
+            outcome: (u, u),
+        });
+        (score, information) = (now, look.information);
+    }
+    stages
+}
+
+fn deviate(p: f64) -> f64 {
+    if p <= 0.0 {
+        MOST_DEVIATE
+    } else if p >= 1.0 {
+        -MOST_DEVIATE
+    } else {
+        (-normal_quantile(p)).clamp(-MOST_DEVIATE, MOST_DEVIATE)
+    }
+}
+
+/// The rates that the looks do not exclude, at any look together: those of which neither "at most" nor "at least" is
+/// rejected at half the level's error each.
+///
+/// ```
+/// use stats::{Confidence, Sample, clopper_pearson, continuation::continued_interval};
+/// let now = Sample::new(88, 100)?;
+/// let (once, again) = (clopper_pearson(now, Confidence::P95), continued_interval(&[now], Confidence::P95));
+/// assert!(again.low < once.low && again.high > once.high && again.width() < 1.12 * once.width());
+/// # Ok::<(), stats::StatsError>(())
+/// ```
+#[must_use]
+pub fn continued_interval(looks: &[Sample], confidence: Confidence) -> Interval {
+    let error = 0.5 * confidence.alpha();
+    Interval {
+        low: continued_lower_limit(looks, error),
+        high: continued_upper_limit(looks, error),
+    }
+}
+
+/// The largest rate up to which all are excluded as too low, at this one-sided error.
+#[must_use]
+pub fn continued_lower_limit(looks: &[Sample], error: f64) -> f64 {
+    if looks.last().is_none_or(|look| look.successes == 0) {
+        return 0.0;
+    }
+    boundary(|rate| continued_above(looks, rate) <= error)
+}
+
+/// The least rate from which on all are excluded as too high, at this one-sided error.
+#[must_use]
+pub fn continued_upper_limit(looks: &[Sample], error: f64) -> f64 {
+    if looks.last().is_none_or(|look| look.failures() == 0) {
+        return 1.0;
+    }
+    1.0 - boundary(|rate| continued_below(looks, 1.0 - rate) <= error)
+}
+
+/// By halving: the end of the rates from 0 on for which it holds, from below.
+fn boundary(excluded: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..50 {
+        let middle = f64::midpoint(low, high);
+        if excluded(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests;
