@@ -62,6 +62,8 @@ pub struct TimeSettings {
     pub frame_wait_secs: f64,
     /// How long transforms are kept, in seconds.
     pub frame_history_secs: f64,
+    /// The widest gap, in seconds, between two samples of a transform that is interpolated over.
+    pub frame_gap_secs: f64,
 }
 
 impl Default for TimeSettings {
@@ -72,6 +74,7 @@ impl Default for TimeSettings {
             reorder_messages: 100_000,
             frame_wait_secs: 1.0,
             frame_history_secs: 10.0,
+            frame_gap_secs: 1.0,
         }
     }
 }

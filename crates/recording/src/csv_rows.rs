@@ -48,6 +48,8 @@ pub(crate) struct CsvReader<R> {
     /// The topic that the present row is to be given for next.
     next_topic: usize,
     nanos: i64,
+    /// The latest so far.
+    end_nanos: Option<i64>,
     message: Vec<u8>,
     has_ended: bool,
 }
@@ -210,6 +212,7 @@ impl<R: Read + Seek> CsvReader<R> {
             time_format: time_format.unwrap_or(TimeFormat::Date),
             losses: Vec::new(),
             nanos: 0,
+            end_nanos: None,
             message: Vec::new(),
             has_ended: false,
         })
@@ -243,6 +246,7 @@ impl<R: Read + Seek> CsvReader<R> {
             let time = self.rows.cell(self.time_column);
             if let Some(nanos) = self.time_format.nanos(&time) {
                 self.nanos = nanos;
+                self.end_nanos = self.end_nanos.max(Some(nanos));
                 return Ok(Some(()));
             }
             let column = &self.headers[self.time_column];
@@ -314,6 +318,10 @@ impl<R: Read + Seek> Reader for CsvReader<R> {
 
     fn losses(&self) -> &[Loss] {
         &self.losses
+    }
+
+    fn end_nanos(&self) -> Option<i64> {
+        self.end_nanos
     }
 
     fn complete(&self) -> bool {

@@ -226,6 +226,12 @@ impl Extractor {
         Ok(())
     }
 
+    /// Whether the last message has nothing at the path with this number.
+    #[must_use]
+    pub(crate) fn is_missing(&self, path: usize) -> bool {
+        matches!(self.cells.cells.get(path), Some(Cell::Missing) | None)
+    }
+
     /// Reads the values of a message as they are, texts as texts.
     ///
     /// # Errors

@@ -50,6 +50,8 @@ pub(crate) struct JsonLinesReader<R> {
     metadata: BTreeMap<String, String>,
     losses: Vec<Loss>,
     has_ended: bool,
+    /// The latest time so far.
+    end_nanos: Option<i64>,
 }
 
 /// The lines of a file.
@@ -211,6 +213,7 @@ impl<R: BufRead + Seek> JsonLinesReader<R> {
             metadata: BTreeMap::new(),
             losses: Vec::new(),
             has_ended: false,
+            end_nanos: None,
         };
         reader.find_time(options)?;
         reader.lines.rewind()?;
@@ -330,13 +333,16 @@ impl<R: BufRead + Seek> JsonLinesReader<R> {
     fn find_next(&mut self) -> Result<Option<(i64, TopicId)>, ReadError> {
         while self.lines.advance()?.is_some() {
             match self.read_line() {
-                Ok((nanos, topic)) => match self.by_name.get(&topic) {
-                    Some(&topic) if self.selected[topic.index()] => {
-                        return Ok(Some((nanos, topic)));
+                Ok((nanos, topic)) => {
+                    self.end_nanos = self.end_nanos.max(Some(nanos));
+                    match self.by_name.get(&topic) {
+                        Some(&topic) if self.selected[topic.index()] => {
+                            return Ok(Some((nanos, topic)));
+                        }
+                        Some(_) => {}
+                        None => self.note("the file changed while it was read".to_owned()),
                     }
-                    Some(_) => {}
-                    None => self.note("the file changed while it was read".to_owned()),
-                },
+                }
                 Err(problem) => self.note(problem),
             }
         }
@@ -369,6 +375,10 @@ impl<R: BufRead + Seek> Reader for JsonLinesReader<R> {
 
     fn losses(&self) -> &[Loss] {
         &self.losses
+    }
+
+    fn end_nanos(&self) -> Option<i64> {
+        self.end_nanos
     }
 
     fn complete(&self) -> bool {

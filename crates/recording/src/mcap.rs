@@ -61,6 +61,8 @@ pub(crate) struct McapReader<R> {
     is_finished: bool,
     is_checked: bool,
     in_time_order: bool,
+    /// When its last message was logged.
+    end_nanos: Option<i64>,
     /// What is still to be read, the next at the end.
     waiting: Vec<Segment>,
     /// What is read before that.
@@ -132,6 +134,10 @@ impl<R: Read + Seek + Send + 'static> Reader for McapReader<R> {
 
     fn losses(&self) -> &[Loss] {
         &self.losses
+    }
+
+    fn end_nanos(&self) -> Option<i64> {
+        self.end_nanos
     }
 
     fn complete(&self) -> bool {

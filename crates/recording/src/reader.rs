@@ -153,6 +153,12 @@ pub trait Reader {
     /// in the order of the file.
     fn in_time_order(&self) -> bool;
 
+    /// When the last message of all topics was logged, selected or not, as far as known: up to then
+    /// the recorder was at work. Final once [`Reader::next`] has given `None`.
+    fn end_nanos(&self) -> Option<i64> {
+        None
+    }
+
     /// Whether every message given so far was guarded by a checksum of the format, and passed. If
     /// not, a flipped bit inside a message cannot be told from data.
     fn checked(&self) -> bool {

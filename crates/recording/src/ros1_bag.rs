@@ -264,6 +264,10 @@ impl<R: Read + Seek> Reader for RosBagReader<R> {
         &self.losses
     }
 
+    fn end_nanos(&self) -> Option<i64> {
+        self.chunks.iter().map(|chunk| chunk.end_nanos).max()
+    }
+
     fn complete(&self) -> bool {
         self.losses.is_empty()
     }

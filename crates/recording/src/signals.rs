@@ -10,6 +10,12 @@
 //! old. Between two instants no value changes except those that are interpolated, which are then
 //! known at the next instant.
 //!
+//! Messages of one topic with one time are samples of their own ([`Moment::more`]): the first ones of
+//! all topics are taken together, then the second ones, and so on. A message is a sample of the signals
+//! that it holds; one without the element that a signal is picked by (`velocity[name='wrist']`) is not
+//! one of that signal's. [`SignalStream::sampled`] says of which signals an instant is a sample. Of
+//! signals that are interpolated, the last of several samples of one time counts.
+//!
 //! # Times
 //! Times from 10^8 s on (March 1973) are dates; their seconds are counted from the first message,
 //! because a double holds the seconds since 1970 only to 2 * 10^-7 s. Smaller ones are kept.

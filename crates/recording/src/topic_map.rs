@@ -61,6 +61,7 @@
 //! | `reorder` | how much later than others a message may come to be still put in order (`1 s`) |
 //! | `frame_wait` | how long to wait for a transform (`1 s`) |
 //! | `frame_history` | how long transforms are kept (`10 s`) |
+//! | `frame_gap` | the widest gap between two samples of a transform that is interpolated over; within a wider one it is missing (`1 s`) |
 //!
 //! Signals without an entry are looked up in the recording as they are written: `/topic.path`.
 

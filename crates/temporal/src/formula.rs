@@ -55,6 +55,11 @@
 //! | how often the requirement was put to the test | [`FormulaReport::triggered`]: how often the [`Formula::trigger`], or another formula given in the [`Settings`], became true |
 //! | why it is violated | [`Explanation`]: the atoms and times that by themselves force it |
 //!
+//! Of a trace from which samples are missing ([`FormulaJudge::lose`]) a verdict is given only if it is
+//! that of every trace in which they are put in. An instant can have several samples
+//! ([`FormulaJudge::step_instant`]); which samples a formula has is defined in
+//! [`semantics::signals`].
+//!
 //! Time is discrete or dense ([`TimeModel`]). In discrete time only samples count, so a formula
 //! may hold because nobody looked; in dense time signals keep their values between samples, or go in
 //! straight lines ([`Interpolation`]). Each has its engine ([`discrete`], [`dense`]), and both are
@@ -86,6 +91,7 @@ pub mod dense;
 pub mod discrete;
 mod explain;
 mod lexer;
+mod losses;
 pub mod ltl;
 mod monitor;
 mod parser;
@@ -96,7 +102,7 @@ pub mod semantics;
 mod settings;
 
 pub use ast::{AtomId, Bound, Formula, Interval, MAX_BOUND, TimeUnit, Window};
-pub use monitor::{FormulaJudge, FormulaMonitor};
+pub use monitor::{BothValues, FormulaJudge, FormulaMonitor};
 pub use parser::{AtomText, FormulaError, MAX_DEPTH, Parsed, parse};
 pub use print::FormulaText;
 pub use report::{Explanation, FormulaReport, Progress, Responsible, RobustnessBounds, StepError};

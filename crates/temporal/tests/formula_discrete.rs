@@ -95,6 +95,32 @@ impl<'f> Run<'f> {
         self.agrees();
     }
 
+    /// Several samples of one instant.
+    fn step_instant(&mut self, time_secs: f64, samples: &[[Option<bool>; 2]]) {
+        let count = self.formula.atom_count();
+        let value = |truth: &Option<bool>| match truth {
+            Some(true) => f64::INFINITY,
+            Some(false) => f64::NEG_INFINITY,
+            None => f64::NAN,
+        };
+        let values: Vec<Vec<f64>> = samples
+            .iter()
+            .map(|atoms| atoms[..count].iter().map(value).collect())
+            .collect();
+        let both: Vec<(&[Option<bool>], &[f64])> = samples
+            .iter()
+            .zip(&values)
+            .map(|(atoms, values)| (&atoms[..count], &values[..]))
+            .collect();
+        for atoms in samples {
+            self.word.push_truth(time_secs, atoms);
+        }
+        for judge in &mut self.judges {
+            judge.step_instant(time_secs, &both).unwrap();
+        }
+        self.agrees();
+    }
+
     /// What the engine would say now is what the definition says.
     fn agrees(&self) {
         for (judge, ending) in self.judges.iter().zip(ENDINGS) {
@@ -238,6 +264,54 @@ fn all_formulas_with_one_operator_on_all_words_of_four_samples() {
             all_words(&Run::new(&formula), &times[..3], &TRUTHS);
         }
     }
+}
+
+/// All ways to give the samples of these instants, so many each.
+fn all_instants(run: &Run<'_>, instants: &[(f64, usize)], samples: &[[Option<bool>; 2]]) {
+    let Some((&(time_secs, count), later)) = instants.split_first() else {
+        return;
+    };
+    let mut chosen = vec![vec![]];
+    for _ in 0..count {
+        let longer = |one: &Vec<[Option<bool>; 2]>| {
+            let one = one.clone();
+            let last = samples.iter().map(move |it| [&one[..], &[*it]].concat());
+            last.collect::<Vec<_>>()
+        };
+        chosen = chosen.iter().flat_map(longer).collect();
+    }
+    for chosen in chosen {
+        let mut run = run.clone();
+        run.step_instant(time_secs, &chosen);
+        all_instants(&run, later, samples);
+    }
+}
+
+#[test]
+fn all_formulas_with_one_operator_where_instants_have_several_samples() {
+    // Windows of 1 and 2 s end and begin exactly there.
+    let instants = [
+        [(0.0, 1), (1.0, 2), (2.0, 1)],
+        [(0.0, 2), (1.0, 1), (2.0, 2)],
+    ];
+    for seconds in [false, true] {
+        for formula in small_formulas(&intervals(seconds)) {
+            for instants in &instants {
+                all_instants(&Run::new(&formula), instants, &TRUTHS[..4]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_window_that_ends_where_two_samples_are_holds_both() {
+    let formula = parse("always[0, 1 s] a", &|_| None).unwrap().formula;
+    let mut run = Run::new(&formula);
+    let [yes, no] = [true, false].map(|a| [Some(a), None]);
+    run.step_instant(0.0, &[yes]);
+    run.step_instant(1.0, &[yes, no]);
+    let report = run.judges[3].clone().finish(true);
+    assert_eq!(report.verdict, Verdict::Violated);
 }
 
 /// Formulas with two operators, on all words of `length` samples: all, or those with some of the

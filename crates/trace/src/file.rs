@@ -88,6 +88,18 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     written.map_err(error)
 }
 
+/// Creates the folder at `path` with those above it; one that exists stays as it is.
+///
+/// # Errors
+/// [`FileError`] if the operating system refuses, for example because a file has that name.
+pub fn create_folder(path: &Path) -> Result<(), FileError> {
+    fs::create_dir_all(path).map_err(|source| FileError {
+        path: path.to_owned(),
+        writing: true,
+        source,
+    })
+}
+
 fn fill(mut file: File, content: &[u8]) -> io::Result<()> {
     file.write_all(content)?;
     // Some file systems report a full disk only here.

@@ -10,6 +10,7 @@
 //! | CSV tables of signals | [`read_csv_trace`], [`write_csv_trace`] |
 //! | CSV tables of anything | [`Table`] |
 //! | values at a time, with zero-order hold | [`Cursor`] |
+//! | all samples of a trace in order, several at one instant, too | [`Replay`] |
 //! | the latest values of a stream, and which are too old | [`Snapshot`] |
 //! | statements about signals, in text, with truth and robustness | [`Predicate`], [`Quantity`] |
 //! | names for such statements, and for limits with units | [`Vocabulary`], [`Parameters`] |
@@ -67,6 +68,7 @@ mod csv_trace;
 mod file;
 mod parameters;
 mod predicate;
+mod replay;
 mod sampling;
 mod signal;
 mod snapshot;
@@ -79,13 +81,14 @@ pub use channel::{Channel, Field, FieldKind, TraceError};
 pub use csv_trace::{
     CsvTraceError, CsvWriteError, read_csv_trace, table_of_trace, trace_of_table, write_csv_trace,
 };
-pub use file::{FileError, read_file, read_text, write_file};
+pub use file::{FileError, create_folder, read_file, read_text, write_file};
 pub use parameters::{ParameterError, ParameterErrorKind, Parameters};
 pub use predicate::{
     AxisBox, BoundPredicate, BoundQuantity, Comparison, ComparisonOperator, Constant,
     FrameMismatch, Measure, Predicate, PredicateError, PredicateErrorKind, PredicateLint,
     PredicateLintKind, Quantity, Threshold, ThresholdOrigin, axis_boxes,
 };
+pub use replay::{Replay, Sample};
 pub use sampling::{Sampling, SamplingError, Valuations, ticks};
 pub use signal::{Cursor, SignalIndex, SignalValues, Trace};
 pub use snapshot::Snapshot;

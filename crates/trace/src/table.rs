@@ -328,7 +328,8 @@ impl<'t> Column<'t> {
     }
 
     /// The line of the file at which row `row` begins, from 1; 0 if there is no such row.
-    pub(crate) fn line(&self, row: usize) -> u64 {
+    #[must_use]
+    pub fn line(&self, row: usize) -> u64 {
         self.table.lines.get(row).copied().unwrap_or(0)
     }
 }

@@ -94,6 +94,12 @@ impl FieldPath {
         })
     }
 
+    /// Whether it picks an element by what stands in or beside it, as `position[name='elbow']` does.
+    #[must_use]
+    pub fn is_keyed(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::Where(_)))
+    }
+
     /// The path as written.
     #[must_use]
     pub fn as_str(&self) -> &str {

@@ -109,6 +109,7 @@ impl<R: Read + Seek + Send + 'static> McapReader<R> {
             is_finished: !matches!(ending, Ending::Unfinished),
             is_checked: true,
             in_time_order: options.time_order,
+            end_nanos: None,
             waiting: Vec::new(),
             ahead: Ahead::new(Loader::new(source, options.record_bytes)),
             open: Vec::new(),
@@ -151,6 +152,11 @@ impl<R: Read + Seek + Send + 'static> McapReader<R> {
             statistics.channels as usize == self.topics.all.len()
                 && statistics.messages.len() <= self.topics.all.len()
         });
+        let ends = found
+            .segments
+            .iter()
+            .map(|it| super::walk::clamped(it.end_nanos));
+        self.end_nanos = ends.max();
         self.waiting = found.segments;
         self.judge_outside(outside, is_described);
         if knows_all && let Some(statistics) = summary.statistics {

@@ -39,6 +39,9 @@ pub(super) enum ColumnPlan {
 pub(super) struct RowPlan {
     /// The source whose row it is.
     pub source: usize,
+    /// What the columns have in common, if they need no transform: the elements that they are picked
+    /// from, and how long their values count. So a signal does not depend on which others are wanted.
+    pub group: String,
     pub columns: Vec<ColumnPlan>,
     /// For each column, the entry that asked for it, for errors.
     pub asked_by: Vec<(String, usize)>,
@@ -284,6 +287,7 @@ impl Binder<'_> {
         let source = self.add_source(&topic, columns.len(), treatment, entry, &signals);
         let row = RowPlan {
             source,
+            group: String::new(),
             asked_by: vec![(entry.name.clone(), entry.line); columns.len()],
             columns,
         };
@@ -415,7 +419,7 @@ impl Binder<'_> {
         self.binding.sources.len() - 1
     }
 
-    /// Adds columns that need no transform to the one row that all such columns of a topic share.
+    /// Adds columns that need no transform to the row that such columns of a topic share.
     fn plain(
         &mut self,
         topic: &str,
@@ -424,7 +428,9 @@ impl Binder<'_> {
         signals: &[SignalIndex],
     ) {
         let sources = &self.binding.sources;
-        let is_plain = |row: &RowPlan| sources[row.source].treatment == Treatment::Plain;
+        let group = group_of(entry, &columns);
+        let is_plain =
+            |row: &RowPlan| sources[row.source].treatment == Treatment::Plain && row.group == group;
         let rows = self.binding.topics.iter().filter(|plan| plan.name == topic);
         let known = rows
             .flat_map(|plan| &plan.rows)
@@ -434,6 +440,7 @@ impl Binder<'_> {
             let source = self.add_source(topic, 0, Treatment::Plain, entry, &[]);
             let row = RowPlan {
                 source,
+                group,
                 columns: Vec::new(),
                 asked_by: Vec::new(),
             };
@@ -467,6 +474,22 @@ impl Binder<'_> {
         });
         &mut topics[index]
     }
+}
+
+/// What columns must have in common with others to share a row with them.
+fn group_of(entry: &MappedSignal, columns: &[ColumnPlan]) -> String {
+    let paths = columns.iter().flat_map(|column| match column {
+        ColumnPlan::Number { path, .. }
+        | ColumnPlan::Bool { path }
+        | ColumnPlan::Name { path, .. } => std::slice::from_ref(path),
+        ColumnPlan::Norm { paths, .. } => &paths[..],
+        ColumnPlan::Frame { .. } => &[],
+    });
+    let keys = paths.flat_map(|path| path.split('[').skip(1));
+    let keys = keys.filter_map(|part| Some(part.rsplit_once(']')?.0));
+    let keys: BTreeSet<&str> = keys.filter(|key| key.contains('=')).collect();
+    let (interpolation, staleness) = (entry.interpolation, entry.staleness_secs);
+    format!("{keys:?} {interpolation:?} {staleness:?}")
 }
 
 fn output(entry: &MappedSignal, signal: SignalIndex, column: usize) -> Output {

@@ -31,6 +31,11 @@ pub(super) struct TopicDecoder {
 pub(super) struct Row {
     pub source: usize,
     pub values: Vec<f64>,
+    /// Whether the last message has none of the elements that are picked by a key: it is then none
+    /// of this row's. Several publishers can share a topic, each with elements of its own.
+    pub is_absent: bool,
+    /// The places of those elements among the numbers, if all columns are such.
+    keyed: Vec<usize>,
     columns: Vec<Column>,
 }
 
@@ -177,6 +182,9 @@ impl TopicDecoder {
             for (column, value) in row.columns.iter().zip(&mut row.values) {
                 *value = column.value(&self.raw, &self.values, frames, &mut decoded);
             }
+            let numbers = &self.numbers;
+            row.is_absent =
+                !row.keyed.is_empty() && row.keyed.iter().all(|at| numbers.is_missing(*at));
         }
         self.note_unlisted(&mut decoded);
         Ok(decoded)
@@ -221,6 +229,8 @@ impl Row {
         Ok(Row {
             source: plan.source,
             values: vec![f64::NAN; columns.len()],
+            is_absent: false,
+            keyed: keyed(&columns, numbers),
             columns,
         })
     }
@@ -320,6 +330,25 @@ impl Column {
                 _ => f64::NAN,
             },
         }
+    }
+}
+
+/// The places of what all columns pick by keys; none if a column is not picked so.
+fn keyed(columns: &[Column], numbers: &Paths) -> Vec<usize> {
+    let mut places = Vec::new();
+    for column in columns {
+        match column {
+            Column::Number { at, .. } | Column::Bool { at } | Column::Name { at, .. } => {
+                places.push(*at);
+            }
+            Column::Norm { at, .. } => places.extend(at),
+            Column::Fixed(_) | Column::Frame { .. } => {}
+        }
+    }
+    if places.iter().all(|at| numbers.paths[*at].is_keyed()) {
+        places
+    } else {
+        Vec::new()
     }
 }
 

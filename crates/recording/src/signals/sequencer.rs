@@ -67,10 +67,20 @@ pub(super) struct Sequencer {
     now_nanos: i64,
     finished: bool,
     at_once: bool,
+    /// Until when the recorder was at work, if that is known.
+    end_nanos: Option<i64>,
     /// The earliest time at which a value may become too old.
     next_expiry_nanos: i64,
     snapshot: Snapshot,
     changed: Vec<bool>,
+    /// For each signal, by channel and field: whether the last instant is one of its samples, and
+    /// whether its value has become too old since its last one.
+    sampled: Vec<Vec<bool>>,
+    dropped: Vec<Vec<bool>>,
+    /// The sources that have given a row to the last sample, and whether another sample of the same
+    /// instant follows.
+    seen: Vec<bool>,
+    more: bool,
     origin_nanos: Option<i64>,
 }
 
@@ -80,9 +90,17 @@ impl Sequencer {
         let sources = plans
             .into_iter()
             .map(|plan| Source::new(plan, &mut frames))
+            .collect::<Vec<_>>();
+        frames.bridge(time.frame_gap_secs);
+        let none: Vec<Vec<bool>> = (layout.channels.iter())
+            .map(|channel| vec![false; channel.fields.len()])
             .collect();
         let reorder_nanos = nanos_of_secs(time.reorder_secs);
         Sequencer {
+            seen: vec![false; sources.len()],
+            more: false,
+            sampled: none.clone(),
+            dropped: none,
             sources,
             incoming: ReorderBuffer::new(reorder_nanos, time.reorder_messages),
             outgoing: Outgoing::default(),
@@ -97,6 +115,7 @@ impl Sequencer {
             now_nanos: i64::MIN,
             finished: false,
             at_once: reorder_nanos == 0,
+            end_nanos: None,
             next_expiry_nanos: i64::MAX,
             snapshot: Snapshot::new(layout),
             changed: vec![false; layout.channels.len()],
@@ -150,9 +169,11 @@ impl Sequencer {
         self.new_static.extend(frame);
     }
 
-    /// Nothing more will arrive.
-    pub fn finish(&mut self) {
+    /// Nothing more will arrive; the recorder was at work until `end_nanos`, so that values that were
+    /// too old by then became so, whatever other signals are read.
+    pub fn finish(&mut self, end_nanos: Option<i64>) {
         self.finished = true;
+        self.end_nanos = end_nanos;
     }
 
     /// Moves to the next instant and gives its time in nanoseconds; `None` if more has to arrive
@@ -187,9 +208,28 @@ impl Sequencer {
                     self.resolve(notes);
                     self.close();
                 }
-                None => return Ok(None),
+                None => return self.old_by_the_end(),
             }
         }
+    }
+
+    /// Behind the last row, the next time at which a value became too old.
+    fn old_by_the_end(&mut self) -> Result<Option<i64>, TraceError> {
+        let Some(end_nanos) = self.end_nanos.filter(|_| self.finished) else {
+            return Ok(None);
+        };
+        if self.next_expiry_nanos > end_nanos {
+            return Ok(None);
+        }
+        self.begin_instant();
+        self.expire(end_nanos.saturating_add(1))
+    }
+
+    fn begin_instant(&mut self) {
+        self.changed.fill(false);
+        (self.sampled.iter_mut()).for_each(|fields| fields.fill(false));
+        self.seen.fill(false);
+        self.more = false;
     }
 
     /// Up to which time everything that matters is known.
@@ -242,8 +282,9 @@ impl Sequencer {
             Item::Transform(edge) => self.take_edge(time_nanos, &edge, notes),
         }
         self.resolve(notes);
-        for source in &mut self.sources {
-            source.look_for_gap(source.known_nanos(time_nanos), &mut self.outgoing);
+        for (index, source) in self.sources.iter_mut().enumerate() {
+            let known_nanos = source.known_nanos(time_nanos);
+            source.look_for_gap(index, known_nanos, true, &mut self.outgoing);
         }
     }
 
@@ -314,34 +355,48 @@ impl Sequencer {
             .queue
             .back()
             .map_or(i64::MIN, |(time, _)| *time);
-        for source in &mut self.sources {
+        for (index, source) in self.sources.iter_mut().enumerate() {
             let newest = source.samples.as_ref().and_then(Samples::newest_nanos);
             if newest.is_some_and(|newest| newest < last_nanos) {
-                source.look_for_gap(i64::MAX, &mut self.outgoing);
+                source.look_for_gap(index, i64::MAX, false, &mut self.outgoing);
             }
         }
     }
 
     /// Moves everything to the instant `time_nanos`, or to an earlier one at which a value becomes
-    /// too old.
+    /// too old. Where a source has several rows of that time, each is a sample of the instant: the
+    /// first rows of all sources are taken together, then the second ones, and so on.
     fn instant(&mut self, time_nanos: i64) -> Result<i64, TraceError> {
-        self.changed.fill(false);
+        self.begin_instant();
         self.log_nanos = time_nanos.saturating_add(self.log_behind_nanos);
         if self.next_expiry_nanos < time_nanos
             && let Some(expiry_nanos) = self.expire(time_nanos)?
         {
             return Ok(expiry_nanos);
         }
-        while let Some(item) = self.outgoing.pop_at(time_nanos) {
-            if let Ready::Row {
-                source,
-                slot,
-                behind_nanos,
-            } = item
-            {
-                self.log_nanos = time_nanos.saturating_add(behind_nanos);
-                self.log_behind_nanos = behind_nanos;
-                self.hold(source, slot, time_nanos)?;
+        loop {
+            self.more = self.outgoing.is_row_of(time_nanos, &self.seen);
+            if self.more {
+                break;
+            }
+            match self.outgoing.pop_at(time_nanos) {
+                None => break,
+                Some(Ready::Row {
+                    source,
+                    slot,
+                    behind_nanos,
+                }) => {
+                    self.log_nanos = time_nanos.saturating_add(behind_nanos);
+                    self.log_behind_nanos = behind_nanos;
+                    self.seen[source] = true;
+                    self.hold(source, slot, time_nanos)?;
+                }
+                Some(Ready::Touch { source, is_sample }) => {
+                    for output in &self.sources[source].plan.outputs {
+                        self.sampled[output.signal.channel][output.signal.field] |= is_sample;
+                        self.dropped[output.signal.channel][output.signal.field] = is_sample;
+                    }
+                }
             }
         }
         self.interpolate(time_nanos)?;
@@ -366,6 +421,8 @@ impl Sequencer {
         source.ready.free.push(slot);
         let row = &source.ready.values[slot * source.ready.width..][..source.ready.width];
         for (output, expiry) in source.plan.outputs.iter().zip(&mut source.expiry_nanos) {
+            self.sampled[output.signal.channel][output.signal.field] = true;
+            self.dropped[output.signal.channel][output.signal.field] = false;
             if output.interpolation == Interpolation::Linear {
                 continue;
             }
@@ -413,6 +470,8 @@ impl Sequencer {
                     self.snapshot
                         .update_field(output.signal, time_secs, f64::NAN)?;
                     self.changed[output.signal.channel] = true;
+                    self.sampled[output.signal.channel][output.signal.field] = true;
+                    self.dropped[output.signal.channel][output.signal.field] = true;
                     *expiry = i64::MAX;
                 }
             }
@@ -456,6 +515,27 @@ impl Sequencer {
     /// The values at the last instant.
     pub fn snapshot(&self) -> &Snapshot {
         &self.snapshot
+    }
+
+    /// For each signal, by channel and field, whether the last instant is one of its samples.
+    pub fn sampled(&self) -> &[Vec<bool>] {
+        &self.sampled
+    }
+
+    /// For each signal, whether its value has become too old since its last sample.
+    pub fn dropped(&self) -> &[Vec<bool>] {
+        &self.dropped
+    }
+
+    /// Whether another sample of the last instant follows.
+    pub fn more(&self) -> bool {
+        self.more
+    }
+
+    /// Whether any value can become too old.
+    pub fn can_drop(&self) -> bool {
+        let mut outputs = self.sources.iter().flat_map(|it| &it.plan.outputs);
+        outputs.any(|output| output.staleness_nanos.is_some())
     }
 
     /// For each channel of the layout, whether the last instant changed it.

@@ -17,8 +17,9 @@ pub(super) enum Ready {
         slot: usize,
         behind_nanos: i64,
     },
-    /// Linearly interpolated values end here.
-    Touch,
+    /// Linearly interpolated values of a source end here. At the end of the stream that is no sample,
+    /// since whether anything comes later depends on other signals.
+    Touch { source: usize, is_sample: bool },
 }
 
 /// Rows of one width, kept without allocating anew for each.
@@ -91,6 +92,12 @@ impl Outgoing {
         self.queue.front().map(|(time, _)| *time)
     }
 
+    /// Whether the next is of `time_nanos` or earlier, and a row of one of these sources.
+    pub fn is_row_of(&self, time_nanos: i64, sources: &[bool]) -> bool {
+        matches!(self.queue.front(), Some((time, Ready::Row { source, .. }))
+            if *time <= time_nanos && sources.get(*source).is_some_and(|it| *it))
+    }
+
     pub fn pop_at(&mut self, time_nanos: i64) -> Option<Ready> {
         if self.front_nanos()? > time_nanos {
             return None;
@@ -127,7 +134,7 @@ impl Source {
         (slot, behind_nanos): (usize, i64),
         outgoing: &mut Outgoing,
     ) {
-        self.look_for_gap(time_nanos, outgoing);
+        self.look_for_gap(index, time_nanos, true, outgoing);
         if let Some(samples) = &mut self.samples {
             samples.push(time_nanos, self.ready.get(slot));
             self.gap_seen = false;
@@ -144,14 +151,24 @@ impl Source {
 
     /// If no sample can come before `known_nanos`, and that is too far from the newest one, values
     /// are missing right behind that, which is an instant.
-    pub fn look_for_gap(&mut self, known_nanos: i64, outgoing: &mut Outgoing) {
+    pub fn look_for_gap(
+        &mut self,
+        index: usize,
+        known_nanos: i64,
+        is_sample: bool,
+        outgoing: &mut Outgoing,
+    ) {
         let newest = self.samples.as_ref().and_then(Samples::newest_nanos);
         if let Some(newest) = newest
             && !self.gap_seen
             && known_nanos.saturating_sub(newest) > self.bridged_nanos
         {
             self.gap_seen = true;
-            outgoing.push(newest.saturating_add(1), Ready::Touch);
+            let touch = Ready::Touch {
+                source: index,
+                is_sample,
+            };
+            outgoing.push(newest.saturating_add(1), touch);
         }
     }
 

@@ -39,6 +39,8 @@ pub struct Moment {
     /// transform, to within the delays of neighbouring messages. Equal to `time_nanos` by log
     /// time; otherwise it need not increase.
     pub log_nanos: i64,
+    /// Whether another sample of the same instant follows.
+    pub more: bool,
 }
 
 /// What [`SignalStream::poll`] found.
@@ -69,6 +71,7 @@ pub struct SignalStream {
     finished: bool,
     failed: Option<StreamError>,
     has_failed: bool,
+    neighbours: Vec<(u64, i64, i64)>,
 }
 
 impl fmt::Debug for SignalStream {
@@ -130,6 +133,7 @@ impl SignalStream {
             finished: false,
             failed: None,
             has_failed: false,
+            neighbours: Vec::new(),
         };
         stream.take_topics()?;
         stream.select();
@@ -263,6 +267,7 @@ impl SignalStream {
             time_secs: self.sequencer.secs(time_nanos),
             time_nanos,
             log_nanos: self.sequencer.log_nanos(),
+            more: self.sequencer.more(),
         }))
     }
 
@@ -299,6 +304,61 @@ impl SignalStream {
     #[must_use]
     pub fn changed(&self) -> &[bool] {
         self.sequencer.changed()
+    }
+
+    /// For each signal of the layout, by channel and field, whether the last instant is one of its
+    /// samples: the time of one of its messages, or one at which its value has become too old.
+    #[must_use]
+    pub fn sampled(&self) -> &[Vec<bool>] {
+        self.sequencer.sampled()
+    }
+
+    /// For each signal, whether its value has become too old since its last sample.
+    #[must_use]
+    pub fn dropped(&self) -> &[Vec<bool>] {
+        self.sequencer.dropped()
+    }
+
+    /// Whether any signal has a greatest age.
+    #[must_use]
+    pub fn can_drop(&self) -> bool {
+        self.sequencer.can_drop()
+    }
+
+    /// Until when the recorder was at work, in seconds from the origin; `None` if it is not known, and by
+    /// other times than log time. Final after the last instant.
+    #[must_use]
+    pub fn end_secs(&self) -> Option<f64> {
+        let end_nanos = self.reader.end_nanos()?;
+        (self.time.source == TimeSource::Log).then(|| self.sequencer.secs(end_nanos))
+    }
+
+    /// A time in nanoseconds of the chosen clock as seconds from [`SignalStream::origin_nanos`].
+    #[must_use]
+    pub fn secs(&self, time_nanos: i64) -> f64 {
+        self.sequencer.secs(time_nanos)
+    }
+
+    /// Which time counts.
+    #[must_use]
+    pub fn time_source(&self) -> TimeSource {
+        self.time.source
+    }
+
+    /// Finds out, while reading on, between which log times these places of the recording are, in
+    /// bytes from its beginning: see [`SignalStream::neighbours`].
+    pub fn find_neighbours(&mut self, offsets: Vec<u64>) {
+        self.neighbours = offsets
+            .into_iter()
+            .map(|it| (it, i64::MIN, i64::MAX))
+            .collect();
+    }
+
+    /// For each place asked for, the latest log time of a message before it in the file, and the
+    /// earliest of one behind it; `i64::MIN` and `i64::MAX` if there is none.
+    #[must_use]
+    pub fn neighbours(&self) -> &[(u64, i64, i64)] {
+        &self.neighbours
     }
 
     /// From where seconds are counted, in nanoseconds of the chosen clock: 0, or the first message
@@ -375,7 +435,11 @@ impl SignalStream {
         for message in std::mem::take(&mut self.waiting) {
             self.note_before_clock(message.topic, message.offset);
         }
-        self.sequencer.finish();
+        let end_nanos = match self.time.source {
+            TimeSource::Log => self.reader.end_nanos(),
+            _ => None,
+        };
+        self.sequencer.finish(end_nanos);
     }
 
     fn read_one(&mut self) -> Result<(), StreamError> {
@@ -384,6 +448,13 @@ impl SignalStream {
             self.finish();
             return Ok(());
         };
+        for (offset, before, after) in &mut self.neighbours {
+            if message.offset < *offset {
+                *before = (*before).max(message.log_nanos);
+            } else {
+                *after = (*after).min(message.log_nanos);
+            }
+        }
         if message.topic.index() < known && self.time.source != TimeSource::Clock {
             let Self {
                 topics,

@@ -75,6 +75,7 @@ impl Taking<'_> {
                     .add(StreamNoteKind::Undecodable, topic, message.offset, || {
                         problem
                     });
+                self.without_values(decoder, message, time_nanos);
                 return Ok(());
             }
         };
@@ -102,7 +103,7 @@ impl Taking<'_> {
             }
             _ => time_nanos,
         };
-        for row in decoder.rows() {
+        for row in decoder.rows().iter().filter(|row| !row.is_absent) {
             let taken = self
                 .sequencer
                 .row(row.source, time_nanos, message.log_nanos, &row.values);
@@ -116,6 +117,24 @@ impl Taking<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A message that cannot be understood is a sample without values, so that what it held is not
+    /// taken for what was there before. By header time it has none.
+    fn without_values(
+        &mut self,
+        decoder: &TopicDecoder,
+        message: &RawMessage<'_>,
+        time_nanos: i64,
+    ) {
+        if self.source == TimeSource::Header {
+            return;
+        }
+        for row in decoder.rows() {
+            let missing = vec![f64::NAN; row.values.len()];
+            // One that comes too late is noted as lost already.
+            let _ = (self.sequencer).row(row.source, time_nanos, message.log_nanos, &missing);
+        }
     }
 
     fn stamped(

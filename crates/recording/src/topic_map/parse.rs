@@ -107,6 +107,7 @@ impl Reader<'_> {
             reorder_secs: or(text.reorder, usual.reorder_secs),
             frame_wait_secs: or(text.frame_wait, usual.frame_wait_secs),
             frame_history_secs: or(text.frame_history, usual.frame_history_secs),
+            frame_gap_secs: or(text.frame_gap, usual.frame_gap_secs),
             ..usual
         }
     }

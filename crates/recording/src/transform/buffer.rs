@@ -29,6 +29,7 @@ pub struct TransformBuffer {
     ids: BTreeMap<String, FrameId>,
     histories: Vec<History>,
     history_secs: f64,
+    bridged_secs: f64,
     repeated: u64,
     /// Changes with every change of a parent, so that users can keep what depends on the tree.
     shape: u64,
@@ -55,9 +56,15 @@ impl TransformBuffer {
             } else {
                 0.0
             },
+            bridged_secs: f64::INFINITY,
             repeated: 0,
             shape: 0,
         }
+    }
+
+    /// Interpolates between samples that are at most `secs` apart; without this, between any.
+    pub fn bridge(&mut self, secs: f64) {
+        self.bridged_secs = secs;
     }
 
     /// The frame called `name`, which need not have appeared in a transform yet. A leading slash,
@@ -290,7 +297,8 @@ impl TransformBuffer {
         let mut poses = vec![(frame, Transform::IDENTITY)];
         let (mut current, mut pose) = (frame, Transform::IDENTITY);
         while current != until && poses.len() <= self.names.len() {
-            let stopped = match self.histories[current.0 as usize].at(time_secs) {
+            let stopped = match self.histories[current.0 as usize].at(time_secs, self.bridged_secs)
+            {
                 Found::Pose {
                     parent,
                     pose: pose_in_parent,
@@ -314,6 +322,12 @@ impl TransformBuffer {
                 Found::ParentChanges => Some(LookupError::ParentChanges {
                     frame: self.name(current).to_owned(),
                     time_secs,
+                }),
+                Found::TooWide { gap_secs } => Some(LookupError::TooWide {
+                    frame: self.name(current).to_owned(),
+                    time_secs,
+                    gap_secs,
+                    bridged_secs: self.bridged_secs,
                 }),
             };
             return Climb { poses, stopped };

@@ -115,6 +115,17 @@ pub enum LookupError {
         /// The time that was asked for, in seconds.
         time_secs: f64,
     },
+    /// The time lies between samples that are too far apart to interpolate between them.
+    TooWide {
+        /// The frame.
+        frame: String,
+        /// The time that was asked for, in seconds.
+        time_secs: f64,
+        /// How far apart they are.
+        gap_secs: f64,
+        /// How far apart they may be.
+        bridged_secs: f64,
+    },
 }
 
 impl LookupError {
@@ -123,7 +134,9 @@ impl LookupError {
     pub fn may_come(&self) -> bool {
         !matches!(
             self,
-            LookupError::TooEarly { .. } | LookupError::ParentChanges { .. }
+            LookupError::TooEarly { .. }
+                | LookupError::ParentChanges { .. }
+                | LookupError::TooWide { .. }
         )
     }
 }
@@ -173,6 +186,17 @@ impl fmt::Display for LookupError {
                 out,
                 "the pose of frame {frame} at {time_secs} s is not known, since its parent changes \
                  there"
+            ),
+            LookupError::TooWide {
+                frame,
+                time_secs,
+                gap_secs,
+                bridged_secs,
+            } => write!(
+                out,
+                "the pose of frame {frame} at {time_secs} s is not known: its samples are {gap_secs} s \
+                 apart there, and at most {bridged_secs} s are interpolated over; if the frame moves \
+                 slowly, raise frame_gap in [time] of the topic map"
             ),
         }
     }

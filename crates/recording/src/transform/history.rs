@@ -39,6 +39,10 @@ pub(super) enum Found {
         newest_secs: f64,
     },
     ParentChanges,
+    /// Between samples that are too far apart.
+    TooWide {
+        gap_secs: f64,
+    },
 }
 
 impl History {
@@ -96,7 +100,8 @@ impl History {
         }
     }
 
-    pub fn at(&self, time_secs: f64) -> Found {
+    /// The pose at a time; it is not interpolated between samples more than `bridged_secs` apart.
+    pub fn at(&self, time_secs: f64, bridged_secs: f64) -> Found {
         let (Some(oldest), Some(newest)) = (self.samples.front(), self.samples.back()) else {
             return Found::Root;
         };
@@ -130,6 +135,11 @@ impl History {
         }
         if before.parent != next.parent {
             return Found::ParentChanges;
+        }
+        let gap_secs = next.time_secs - before.time_secs;
+        // Times in seconds are rounded.
+        if gap_secs > bridged_secs + 1e-9 {
+            return Found::TooWide { gap_secs };
         }
         let u = (time_secs - before.time_secs) / (next.time_secs - before.time_secs);
         Found::Pose {

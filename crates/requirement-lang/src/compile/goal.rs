@@ -13,7 +13,8 @@ use super::build::{ALL, Numbering, eventually, not};
 use super::frame::Frame;
 use super::property::{Model, path, text};
 use super::{NotExpressible, check};
-use crate::sentence::Sentence;
+use crate::expression::Expression;
+use crate::sentence::{Sentence, Stage, Timing};
 
 /// Goals for a generator that searches the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,6 +51,28 @@ pub fn model_goal(sentence: &Sentence, model: &Model<'_>) -> Result<ModelGoal, N
         witness: format!("P>0 [ {reached} ]"),
         falsify: format!("P=? [ {} ]", text(&not(whole), &propositions)),
     })
+}
+
+/// The question for the probability that the trigger is reached, `P=? [ F trigger ]`, which a model may be able to answer
+/// although it cannot be asked for the response, or not within its time.
+///
+/// # Errors
+/// [`NotExpressible`] if the sentence has no meaning, or its trigger none in the model.
+pub fn trigger_probability(
+    sentence: &Sentence,
+    model: &Model<'_>,
+) -> Result<String, NotExpressible> {
+    check(sentence)?;
+    let trigger_alone = Sentence {
+        stages: vec![Stage {
+            timing: Timing::Immediately,
+            response: Expression::True,
+            ..sentence.stages[0].clone()
+        }],
+        ..sentence.clone()
+    };
+    let (reached, propositions) = path(&trigger_alone, model, Frame::trigger_reached)?;
+    Ok(format!("P=? [ {} ]", text(&reached, &propositions)))
 }
 
 /// The goals in simulation.

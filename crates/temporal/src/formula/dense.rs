@@ -71,6 +71,8 @@ pub struct DenseJudge {
     ending: Ending,
     first_secs: Option<f64>,
     last_secs: f64,
+    /// Whether an instant had several samples, so that places may be ahead of times.
+    is_ahead: bool,
     /// The place of the last sample: twice its time in nanoseconds since the first one.
     place: i64,
     samples: u64,
@@ -121,6 +123,7 @@ impl DenseMonitor {
             ending: self.ending,
             first_secs: None,
             last_secs: f64::NEG_INFINITY,
+            is_ahead: false,
             place: 0,
             samples: 0,
             truth: Bounded::new(&parts.formula, true),
@@ -190,6 +193,11 @@ impl DenseJudge {
     ) -> Result<Progress, StepError> {
         self.check(time_secs, truth.len())?;
         let place = self.check(time_secs, robustness.len())?;
+        self.hear_both(truth, robustness);
+        Ok(self.take(time_secs, place))
+    }
+
+    fn hear_both(&mut self, truth: &[Option<bool>], robustness: &[f64]) {
         self.truth_next.clear();
         self.truth_next
             .extend(truth.iter().map(|&truth| RobustnessBounds::of_truth(truth)));
@@ -199,7 +207,29 @@ impl DenseJudge {
                 .iter()
                 .map(|&value| RobustnessBounds::of_value(value)),
         );
-        Ok(self.take(time_secs, place))
+    }
+
+    /// Takes another sample of the last one's time, which is put a nanosecond behind it.
+    ///
+    /// # Errors
+    /// As [`DenseJudge::step`].
+    pub fn step_again(
+        &mut self,
+        truth: &[Option<bool>],
+        robustness: &[f64],
+    ) -> Result<Progress, StepError> {
+        if let Some(&found) = [truth.len(), robustness.len()]
+            .iter()
+            .find(|it| **it != self.atom_count)
+        {
+            return Err(StepError::AtomCount {
+                expected: self.atom_count,
+                found,
+            });
+        }
+        self.is_ahead = true;
+        self.hear_both(truth, robustness);
+        Ok(self.take(self.last_secs, self.place + 2))
     }
 
     /// The verdict, once no continuation can change it.
@@ -236,6 +266,13 @@ impl DenseJudge {
         let first_secs = self.first_secs.unwrap_or(time_secs);
         match nanos_since(first_secs, time_secs, last_nanos) {
             Some(nanos) if time_secs > self.last_secs => Ok(2 * nanos),
+            // Samples of one instant have reached beyond this one.
+            None if self.is_ahead
+                && time_secs > self.last_secs
+                && time_secs - first_secs <= 1e9 =>
+            {
+                Ok(self.place + 2)
+            }
             _ => Err(StepError::Time {
                 last_secs: self.last_secs,
                 time_secs,

@@ -6,6 +6,7 @@ use super::ast::Formula;
 use super::dense::{DenseJudge, DenseMonitor};
 use super::discrete::{DiscreteJudge, DiscreteMonitor};
 use super::explain::{Record, explain};
+use super::losses::{Across, Marked, across, stand_ins};
 use super::report::{FormulaReport, Progress, RobustnessBounds, StepError};
 use super::settings::{CompileError, Ending, Settings, TimeModel};
 use crate::monitor::Verdict;
@@ -34,6 +35,21 @@ pub struct FormulaMonitor {
     time: TimeModel,
     ending: Ending,
     record: Record,
+    losses: Option<Losses>,
+}
+
+/// How losses are dealt with, and how many atoms the formula has without its marks.
+#[derive(Debug, Clone, Copy)]
+struct Losses {
+    across: Across,
+    atom_count: usize,
+}
+
+impl Losses {
+    /// Whether samples are marked.
+    fn is_marked(self) -> bool {
+        matches!(self.across, Across::StandIns { .. })
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -50,7 +66,17 @@ pub struct FormulaJudge {
     time: TimeModel,
     ending: Ending,
     record: Record,
+    losses: Option<Losses>,
+    /// The time of the last sample.
+    last_secs: f64,
+    /// Whether there was a loss, whether one ended the trace, and whether nothing can be said for one.
+    has_lost: bool,
+    is_cut: bool,
+    is_void: bool,
 }
+
+/// One sample: the truth of each atom, and its robustness.
+pub type BothValues<'v> = (&'v [Option<bool>], &'v [f64]);
 
 #[derive(Debug, Clone)]
 enum Work {
@@ -75,6 +101,34 @@ impl FormulaMonitor {
     /// [`CompileError`] if an interval makes no sense, samples are spoken of in dense time, or the
     /// formula is too large.
     pub fn compile(formula: &Formula, settings: &Settings) -> Result<Self, CompileError> {
+        if !settings.losses {
+            return Self::compile_as_is(formula, settings, None);
+        }
+        let trigger = settings.trigger.as_ref().or_else(|| formula.trigger());
+        let atom_count = trigger.map_or(0, Formula::atom_count);
+        let losses = Losses {
+            across: across(formula, settings.time)?,
+            atom_count: formula.atom_count().max(atom_count),
+        };
+        if !losses.is_marked() {
+            return Self::compile_as_is(formula, settings, Some(losses));
+        }
+        let marked = Marked::new(losses.atom_count);
+        let settings = Settings {
+            trigger: trigger.map(|trigger| marked.trigger(trigger)),
+            ..settings.clone()
+        };
+        // The mark and the unknown atom are always among the atoms.
+        let all_atoms = marked.trigger(&Formula::atom(losses.atom_count));
+        let root = Formula::and(marked.root(formula), Formula::or(Formula::True, all_atoms));
+        Self::compile_as_is(&root, &settings, Some(losses))
+    }
+
+    fn compile_as_is(
+        formula: &Formula,
+        settings: &Settings,
+        losses: Option<Losses>,
+    ) -> Result<Self, CompileError> {
         let engine = match settings.time {
             TimeModel::Discrete => {
                 Engine::Discrete(Box::new(DiscreteMonitor::compile(formula, settings)?))
@@ -87,6 +141,7 @@ impl FormulaMonitor {
             time: settings.time,
             ending: settings.ending,
             record: Record::new(settings.explain_samples, formula.atom_count()),
+            losses,
         })
     }
 
@@ -103,6 +158,11 @@ impl FormulaMonitor {
             time: self.time,
             ending: self.ending,
             record: self.record.clone(),
+            losses: self.losses,
+            last_secs: f64::NEG_INFINITY,
+            has_lost: false,
+            is_cut: false,
+            is_void: false,
         }
     }
 }
@@ -117,6 +177,11 @@ impl FormulaJudge {
     /// [`StepError`] if the time is not finite or not after the last one, or there is not one value
     /// for each atom; the sample is not taken then.
     pub fn step(&mut self, time_secs: f64, atoms: &[f64]) -> Result<Progress, StepError> {
+        if self.losses.is_some() {
+            let truth = |value: &f64| RobustnessBounds::of_value(*value).truth();
+            let truths: Vec<Option<bool>> = atoms.iter().map(truth).collect();
+            return self.step_both(time_secs, &truths, atoms);
+        }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step(time_secs, atoms))?;
         self.keep(
@@ -138,6 +203,10 @@ impl FormulaJudge {
         time_secs: f64,
         atoms: &[Option<bool>],
     ) -> Result<Progress, StepError> {
+        if self.losses.is_some() {
+            let values: Vec<f64> = atoms.iter().map(|truth| value_of(*truth)).collect();
+            return self.step_both(time_secs, atoms, &values);
+        }
         let before = self.before();
         let progress = either!(&mut self.work, judge => judge.step_truth(time_secs, atoms))?;
         self.keep(before, time_secs, atoms.iter().copied());
@@ -155,11 +224,143 @@ impl FormulaJudge {
         truth: &[Option<bool>],
         robustness: &[f64],
     ) -> Result<Progress, StepError> {
+        self.step_instant(time_secs, &[(truth, robustness)])
+    }
+
+    /// Takes all samples of one instant, in their order, each with the truth and the robustness of
+    /// each atom. In discrete time they are samples of one time; in dense time each of them but the
+    /// last lasts for a nanosecond, and what comes within that is put behind it.
+    ///
+    /// # Errors
+    /// As [`FormulaJudge::step`].
+    pub fn step_instant(
+        &mut self,
+        time_secs: f64,
+        samples: &[BothValues<'_>],
+    ) -> Result<Progress, StepError> {
+        if self.is_cut {
+            return Ok(Progress {
+                verdict: self.verdict(),
+            });
+        }
+        match self.losses.filter(|losses| losses.is_marked()) {
+            None => self.take_instant(time_secs, samples),
+            Some(losses) => self.step_marked(time_secs, samples, losses, false),
+        }
+    }
+
+    /// As [`FormulaJudge::step_instant`], with the atoms that mark stand-ins.
+    fn step_marked(
+        &mut self,
+        time_secs: f64,
+        samples: &[BothValues<'_>],
+        losses: Losses,
+        is_stand_in: bool,
+    ) -> Result<Progress, StepError> {
+        let found = |(truth, values): &BothValues<'_>| [truth.len(), values.len()];
+        if let Some(found) = (samples.iter().flat_map(found)).find(|it| *it != losses.atom_count) {
+            return Err(StepError::AtomCount {
+                expected: losses.atom_count,
+                found,
+            });
+        }
+        let marks = [Some(is_stand_in), None];
+        let mark_values = marks.map(value_of);
+        let marked: Vec<(Vec<Option<bool>>, Vec<f64>)> = samples
+            .iter()
+            .map(|(truth, values)| ([*truth, &marks].concat(), [*values, &mark_values].concat()))
+            .collect();
+        let borrowed: Vec<BothValues<'_>> = (marked.iter())
+            .map(|(truth, values)| (&truth[..], &values[..]))
+            .collect();
+        self.take_instant(time_secs, &borrowed)
+    }
+
+    fn take_instant(
+        &mut self,
+        time_secs: f64,
+        samples: &[BothValues<'_>],
+    ) -> Result<Progress, StepError> {
         let before = self.before();
-        let progress =
-            either!(&mut self.work, judge => judge.step_both(time_secs, truth, robustness))?;
-        self.keep(before, time_secs, truth.iter().copied());
-        Ok(progress)
+        match &mut self.work {
+            Work::Discrete(judge) => {
+                match samples {
+                    [(truth, values)] => judge.step_both(time_secs, truth, values)?,
+                    _ => judge.step_instant(time_secs, samples)?,
+                };
+                for (truth, _) in samples {
+                    self.keep(before, time_secs, truth.iter().copied());
+                }
+            }
+            Work::Dense(_) => self.take_dense(time_secs, samples)?,
+        }
+        self.last_secs = time_secs;
+        Ok(Progress {
+            verdict: self.verdict(),
+        })
+    }
+
+    fn take_dense(&mut self, time_secs: f64, samples: &[BothValues<'_>]) -> Result<(), StepError> {
+        for (place, (truth, values)) in samples.iter().enumerate() {
+            let before = self.before();
+            let Work::Dense(judge) = &mut self.work else {
+                return Ok(());
+            };
+            match place {
+                0 => judge.step_both(time_secs, truth, values)?,
+                _ => judge.step_again(truth, values)?,
+            };
+            let at_secs = time_secs + place as f64 * 1e-9;
+            self.keep(before, at_secs, truth.iter().copied());
+        }
+        Ok(())
+    }
+
+    /// Samples may be missing between the last one and the next, which is at `next_secs`: such as were
+    /// taken between `from_secs` and `to_secs`. `truth` and `robustness` are what is known of the atoms
+    /// meanwhile. The formula must have been compiled with [`Settings::losses`]; otherwise, and where
+    /// it cannot be brought across, the trace counts as cut short here.
+    ///
+    /// # Errors
+    /// As [`FormulaJudge::step`].
+    pub fn lose(
+        &mut self,
+        (from_secs, to_secs): (f64, f64),
+        next_secs: f64,
+        (truth, robustness): BothValues<'_>,
+    ) -> Result<(), StepError> {
+        self.has_lost = true;
+        let Some(losses) = self.losses.filter(|_| !self.is_cut) else {
+            self.is_cut = true;
+            return Ok(());
+        };
+        let limits = match losses.across {
+            Across::Cut => None,
+            Across::Unknown => Some((0, f64::INFINITY)),
+            Across::StandIns {
+                count,
+                spacing_secs,
+            } => Some((count, spacing_secs)),
+        };
+        let times_secs = limits.and_then(|limits| {
+            stand_ins(limits, (from_secs, to_secs), (self.last_secs, next_secs))
+        });
+        let Some(times_secs) = times_secs else {
+            self.is_cut = true;
+            return Ok(());
+        };
+        if losses.across == Across::Unknown {
+            let unknown = (vec![None; truth.len()], vec![f64::NAN; robustness.len()]);
+            if let Some(first_secs) = times_secs.first() {
+                self.take_instant(*first_secs, &[(&unknown.0, &unknown.1)])?;
+            }
+            return Ok(());
+        }
+        for same in times_secs.chunk_by(|one, other| one == other) {
+            let samples = vec![(truth, robustness); same.len()];
+            self.step_marked(same[0], &samples, losses, true)?;
+        }
+        Ok(())
     }
 
     /// Takes the next samples: their times in seconds, and for each atom its robustness at each of
@@ -178,6 +379,9 @@ impl FormulaJudge {
         let Work::Discrete(judge) = &mut self.work else {
             return self.step_each(times_secs, atoms);
         };
+        if self.losses.is_some() {
+            return self.step_each(times_secs, atoms);
+        }
         let progress = judge.step_many(times_secs, atoms)?;
         if undecided {
             // What explains a violation ends where it is determined.
@@ -267,16 +471,31 @@ impl FormulaJudge {
         either!(&self.work, judge => judge.stored())
     }
 
+    /// Nothing can be said of the trace, since samples may be missing anywhere in it.
+    pub fn void(&mut self) {
+        self.is_void = true;
+    }
+
     /// Ends the trace. `complete` is false if it was cut short: then
     /// [`Ending::Finite`] is treated as
     /// [`Ending::Inconclusive`].
     #[must_use]
     pub fn finish(self, complete: bool) -> FormulaReport {
+        let complete = complete && !self.is_cut;
         let ending = match self.ending {
             Ending::Finite if !complete => Ending::Inconclusive,
             ending => ending,
         };
         let mut report = either!(self.work, judge => judge.finish(complete));
+        if self.is_void {
+            report.verdict = Verdict::Inconclusive;
+            report.robustness = report.robustness.map(|_| RobustnessBounds::UNKNOWN);
+            report.decided_at_secs = None;
+        }
+        if report.verdict == Verdict::NotCovered && self.has_lost {
+            // What was lost may have triggered it.
+            report.verdict = Verdict::Inconclusive;
+        }
         if report.verdict == Verdict::Violated {
             // What was kept ends where the verdict was determined, if it was before the end.
             let ending = if report.decided_at_secs.is_some() {
@@ -285,7 +504,20 @@ impl FormulaJudge {
                 ending
             };
             report.explanation = explain(&self.formula, &self.record, self.time, ending);
+            if let (Some(losses), Some(explanation)) = (self.losses, &mut report.explanation) {
+                // That a sample is none of the stand-ins is no reason.
+                (explanation.atoms).retain(|part| part.atom.0 < losses.atom_count);
+            }
         }
         report
+    }
+}
+
+/// The robustness of an atom of which the truth alone is known.
+fn value_of(truth: Option<bool>) -> f64 {
+    match truth {
+        Some(true) => f64::INFINITY,
+        Some(false) => f64::NEG_INFINITY,
+        None => f64::NAN,
     }
 }

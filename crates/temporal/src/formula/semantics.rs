@@ -11,7 +11,10 @@
 //! System Design 51, 2017).
 //!
 //! # Discrete time
-//! A trace has samples 0 ... n at times t_0 < ... < t_n. v(f, i) is the value of f at sample i.
+//! A trace has samples 0 ... n at times t_0 <= ... <= t_n. v(f, i) is the value of f at sample i.
+//! Samples of equal times are samples in their own right, in their order: `next` goes from one to the
+//! following one, a bound in samples counts each, and an interval in seconds holds either all or none
+//! of them. Where the samples come from is defined in [`signals`].
 //!
 //! * v(true, i) = +inf, v(false, i) = -inf, v(!f, i) = -v(f, i);
 //! * v(f & g, i) = min(v(f, i), v(g, i)); v(f | g, i) = max; f => g is !f | g; f <=> g is
@@ -26,7 +29,8 @@
 //! j is in I = [l, h], seen from i, if l <= |j - i| <= h for an interval in samples, and
 //! l <= |t_j - t_i| <= h for one in seconds. Times are compared with a tolerance of 1 ns, the
 //! resolution of recorded times, or of four units in the last place of the later time where that is
-//! coarser. (A window of the future ends at the first sample that is not clearly before its end.)
+//! coarser. (A window of the future ends with the first instant that is not clearly before its end, and
+//! holds all samples of that instant.)
 //!
 //! A formula is judged at the first sample. Of a trace without samples nothing is known.
 //!
@@ -53,6 +57,7 @@
 //! tree of the formula with them.
 
 pub mod dense;
+pub mod signals;
 
 use super::ast::{Formula, Window};
 use super::report::RobustnessBounds;
@@ -62,7 +67,7 @@ use crate::monitor::Verdict;
 /// A trace: the time of each sample, and bounds on the value of each atom there.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Word {
-    /// Times in seconds, ascending.
+    /// Times in seconds, ascending; samples of one instant have equal ones.
     pub times_secs: Vec<f64>,
     /// For each sample the bounds of each atom.
     pub atoms: Vec<Vec<RobustnessBounds>>,
@@ -406,13 +411,16 @@ fn contains(word: &Word, window: Window, earlier: usize, later: usize) -> bool {
     at_least && at_most && !is_over(word, window, earlier, later)
 }
 
-/// Whether the window seen from `at` has ended at one of the samples before `end`.
+/// Whether the window seen from `at` has ended at one of the samples before `end`, and in seconds at
+/// one of an earlier instant.
 fn is_over(word: &Word, window: Window, at: usize, end: usize) -> bool {
+    let end_secs = word.times_secs.get(end).copied().unwrap_or(f64::INFINITY);
     (at..end).any(|sample| match window {
         Window::Samples { high, .. } => high.is_some_and(|high| (sample - at) as u64 >= high),
         Window::Seconds { high_secs, .. } => {
-            let distance_secs = word.times_secs[sample] - word.times_secs[at];
-            distance_secs >= high_secs - tolerance_secs(word.times_secs[sample])
+            let time_secs = word.times_secs[sample];
+            let distance_secs = time_secs - word.times_secs[at];
+            time_secs < end_secs && distance_secs >= high_secs - tolerance_secs(time_secs)
         }
     })
 }

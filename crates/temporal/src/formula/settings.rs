@@ -58,6 +58,9 @@ pub struct Settings {
     pub robustness: bool,
     /// What counts as covering the requirement, if not the [`Formula::trigger`] of the formula.
     pub trigger: Option<Formula>,
+    /// Whether samples may be missing within the trace
+    /// ([`FormulaJudge::lose`](super::FormulaJudge::lose)).
+    pub losses: bool,
     /// How many samples are kept, at most, to explain a violation by; with 0 none is explained.
     pub explain_samples: usize,
 }

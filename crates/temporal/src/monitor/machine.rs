@@ -141,6 +141,8 @@ impl Monitor {
             instance: None,
             when_before: None,
             last_secs: f64::NEG_INFINITY,
+            has_lost: false,
+            is_blind: false,
             report: MonitorReport {
                 triggered: 0,
                 passed: 0,
@@ -190,6 +192,9 @@ pub struct Judge<'m> {
     /// The last known value of the precondition.
     when_before: Option<bool>,
     last_secs: f64,
+    /// Whether samples were lost, and whether nothing that comes later can be judged for that.
+    has_lost: bool,
+    is_blind: bool,
     report: MonitorReport,
 }
 
@@ -262,6 +267,9 @@ impl Judge<'_> {
             });
         }
         self.last_secs = time_secs;
+        if self.is_blind {
+            return Ok(());
+        }
         self.advance(time_secs, valuation, seen);
         if self.triggers(valuation(self.monitor.when)) {
             if self.instance.is_some() {
@@ -370,6 +378,39 @@ impl Judge<'_> {
         }
     }
 
+    /// Samples may be missing between the last one and the next: any number, with any values.
+    ///
+    /// An instance under way may have passed or failed there, and another one may have begun that is
+    /// still under way, so that later triggers begin none: the former ends inconclusive, and nothing
+    /// later is judged. If all stages are assertions none can be under way, and what is asserted at a
+    /// later trigger is judged: one that is seen to become true behind the loss. The verdict is then
+    /// `Violated` or `Inconclusive`, whatever the lost samples were, unless it was determined before.
+    pub fn lose(&mut self) {
+        if self.is_decided() {
+            return;
+        }
+        self.has_lost = true;
+        if self.instance.take().is_some() {
+            self.report.inconclusive += 1;
+        }
+        let only_first = self.monitor.repeat == Repeat::Once;
+        self.is_blind |= only_first || self.monitor.asserted().is_none();
+        // It may have become true unseen.
+        self.when_before = Some(true);
+    }
+
+    /// Nothing can be said of the trace, since samples may be missing anywhere in it.
+    pub fn void(&mut self) {
+        *self = self.monitor.start();
+        (self.has_lost, self.is_blind) = (true, true);
+    }
+
+    /// Whether the only instance is over.
+    fn is_decided(&self) -> bool {
+        let only_first = self.monitor.repeat == Repeat::Once;
+        only_first && self.report.triggered > 0 && self.instance.is_none()
+    }
+
     /// How many instances have begun so far.
     pub(super) fn triggered(&self) -> u64 {
         self.report.triggered
@@ -394,6 +435,8 @@ impl Judge<'_> {
     /// being under way, and the verdict is [`Verdict::Satisfied`] only if nothing can follow.
     #[must_use]
     pub fn finish(mut self, complete: bool) -> MonitorReport {
+        let complete = complete && !self.has_lost;
+        let has_lost = self.has_lost;
         if let Some(instance) = self.instance.take() {
             let fails = self.monitor.at_end == AtEnd::FailPending && !instance.end_unseen;
             if complete && fails {
@@ -406,9 +449,9 @@ impl Judge<'_> {
         let over = complete || self.monitor.repeat == Repeat::Once;
         self.report.verdict = if report.failed > 0 {
             Verdict::Violated
-        } else if report.triggered == 0 {
+        } else if report.triggered == 0 && !has_lost {
             Verdict::NotCovered
-        } else if report.passed == report.triggered && over {
+        } else if report.passed == report.triggered && over && report.triggered > 0 {
             Verdict::Satisfied
         } else {
             Verdict::Inconclusive

@@ -74,7 +74,7 @@ fn instants_join_rows_of_one_time_in_order() {
             .unwrap();
     }
     assert!(drain(&mut sequencer, 2, &mut notes).is_empty()); // within the window
-    sequencer.finish();
+    sequencer.finish(None);
     let expected = [
         (10, vec![-1.0, 10.0]),
         (20, vec![20.0, 20.0]),
@@ -103,7 +103,7 @@ fn a_value_that_becomes_too_old_is_an_instant() {
             .row(source, ms * MS, ms * MS, &[ms as f64])
             .unwrap();
     }
-    sequencer.finish();
+    sequencer.finish(None);
     let found = drain(&mut sequencer, 2, &mut Notes::default());
     let expected = [
         (0, [0.0, -1.0]),
@@ -140,7 +140,7 @@ fn linear_signals_are_known_at_every_instant_and_gaps_are_seen() {
             .row(source, ms * MS, ms * MS, &[ms as f64])
             .unwrap();
     }
-    sequencer.finish();
+    sequencer.finish(None);
     let found = drain(&mut sequencer, 2, &mut Notes::default());
     let expected = [
         (5 * MS, [-1.0, 5.0]),
@@ -201,7 +201,7 @@ fn points_wait_for_their_transforms_without_disturbing_the_order() {
     }
     let before_end = drain(&mut sequencer, 2, &mut notes);
     assert!(before_end.len() >= 8, "{before_end:?}");
-    sequencer.finish();
+    sequencer.finish(None);
     let mut found = before_end;
     found.extend(drain(&mut sequencer, 2, &mut notes));
     assert!(found.is_sorted_by_key(|(nanos, _)| *nanos));
@@ -259,7 +259,7 @@ fn quantities_of_frames_have_a_value_at_each_sample_on_the_way() {
                 .unwrap();
         }
     }
-    sequencer.finish();
+    sequencer.finish(None);
     let found = drain(&mut sequencer, 2, &mut Notes::default());
     let times: Vec<i64> = found.iter().map(|(nanos, _)| nanos / MS).collect();
     assert_eq!(times, [10, 20, 30, 40]);
@@ -285,7 +285,7 @@ fn dates_are_counted_from_the_first_item() {
             .row(0, start + later, start + later, &[0.0])
             .unwrap();
     }
-    sequencer.finish();
+    sequencer.finish(None);
     let found = drain(&mut sequencer, 1, &mut Notes::default());
     let secs: Vec<f64> = found
         .iter()
@@ -330,7 +330,7 @@ fn what_waits_is_bounded_even_if_time_stands_still() {
         assert!(sequencer.outgoing.len() <= 11);
     }
     assert!(given > 10);
-    sequencer.finish();
+    sequencer.finish(None);
     drain(&mut sequencer, 2, &mut notes);
     // The point was known to be missing only when later rows had been given out.
     let kinds: Vec<_> = notes.list().iter().map(|note| note.kind).collect();

@@ -284,14 +284,21 @@ fn simulated_time_is_that_of_the_clock_until_it_is_reset() {
         (found, kinds)
     };
     let (found, kinds) = run(&messages);
-    assert_eq!(found, [(1050.0, vec![1.0]), (1100.0, vec![4.0])]);
+    // Where the clock stands still, each message is a sample.
+    let expected = [
+        (1050.0, vec![1.0]),
+        (1100.0, vec![2.0]),
+        (1100.0, vec![3.0]),
+        (1100.0, vec![4.0]),
+    ];
+    assert_eq!(found, expected);
     assert_eq!(kinds, [(StreamNoteKind::BeforeClock, 1)]);
     messages.extend([
         ("/clock", CLOCK, 40, clock(0)),
         ("/x", NUMBER, 45, number(9.0)),
     ]);
     let (found, kinds) = run(&messages);
-    assert_eq!(found, [(1050.0, vec![1.0]), (1100.0, vec![4.0])]);
+    assert_eq!(found, expected);
     assert_eq!(kinds[1].0, StreamNoteKind::ClockReset);
     let errors = streamed(recorded(&messages[..1]), &map, &["/x.data"]).unwrap_err();
     assert!(
@@ -419,7 +426,7 @@ fn a_stream_is_collected_as_a_trace() {
 }
 
 #[test]
-fn messages_that_do_not_fit_are_left_out_and_counted() {
+fn messages_that_do_not_fit_are_samples_without_values_and_counted() {
     let mut kept = recorded(&[
         ("/x", NUMBER, 0, vec![]),
         ("/x", NUMBER, 10, vec![]),
@@ -427,7 +434,8 @@ fn messages_that_do_not_fit_are_left_out_and_counted() {
     ]);
     kept.messages[1].2.truncate(7);
     let mut stream = streamed(kept, &TopicMap::default(), &["/x.data"]).unwrap();
-    assert_eq!(values(&mut stream, &["/x.data"]).len(), 2);
+    let missing = [(0.0, vec![0.0]), (10.0, vec![-1.0]), (20.0, vec![0.0])];
+    assert_eq!(values(&mut stream, &["/x.data"]), missing);
     let notes = stream.notes();
     assert_eq!(
         (notes[0].kind, notes[0].count, notes[0].first_offset),
@@ -509,4 +517,110 @@ fn signals_are_steady_until_the_clock_or_until_they_are_too_old() {
     // A message may always come later than it was sent.
     let publish = format!("[time]\nfrom = \"publish\"\nreorder = \"0 s\"\n{plain}");
     assert_eq!(steady_ms(&publish, 50), [None, None, None]);
+}
+
+#[test]
+fn each_publisher_of_a_topic_has_joints_of_its_own() {
+    let of = |name: &'static str, at_ms: i64, speed: f64| {
+        let fields = vec![
+            ("name[0]", Ros2Value::Text(name)),
+            ("velocity[0]", Ros2Value::Number(speed)),
+        ];
+        ("/joints", JOINTS, at_ms, fields)
+    };
+    let reader = recorded(&[
+        of("arm", 0, 1.0),
+        of("grip", 5, 2.0),
+        of("arm", 10, 3.0),
+        of("grip", 15, 4.0),
+    ]);
+    let map = map("[\"/r.arm\"]\nfrom = \"/joints.velocity[name='arm']\"\n\
+         [\"/r.grip\"]\nfrom = \"/joints.velocity[name='grip']\"\n");
+    let mut stream = streamed(reader, &map, &[]).unwrap();
+    let (mut seen, mut sampled) = (Vec::new(), Vec::new());
+    while let Some(instant) = stream.next_instant().unwrap() {
+        let value = |field| {
+            let signal = trace::SignalIndex { channel: 0, field };
+            stream.snapshot().value(signal).unwrap_or(-1.0)
+        };
+        seen.push((instant.time_nanos / MS, value(0), value(1)));
+        sampled.push(stream.sampled()[0].clone());
+    }
+    let kept = [
+        (0, 1.0, -1.0),
+        (5, 1.0, 2.0),
+        (10, 3.0, 2.0),
+        (15, 3.0, 4.0),
+    ];
+    assert_eq!(seen, kept);
+    let (arm, grip) = (vec![true, false], vec![false, true]);
+    assert_eq!(sampled, [arm.clone(), grip.clone(), arm, grip]);
+}
+
+#[test]
+fn messages_of_one_time_are_samples_one_after_another() {
+    let number = |topic, at_ms, value| {
+        (
+            topic,
+            NUMBER,
+            at_ms,
+            vec![("data", Ros2Value::Number(value))],
+        )
+    };
+    let reader = recorded(&[
+        number("/a", 0, 1.0),
+        number("/a", 1, -3.0),
+        number("/b", 1, 7.0),
+        number("/a", 1, 2.0),
+        number("/b", 2, 8.0),
+    ]);
+    let mut stream = streamed(reader, &TopicMap::default(), &["/a.data", "/b.data"]).unwrap();
+    let mut more = Vec::new();
+    let mut seen = Vec::new();
+    while let Some(instant) = stream.next_instant().unwrap() {
+        let value = |channel| {
+            let signal = trace::SignalIndex { channel, field: 0 };
+            stream.snapshot().value(signal).unwrap_or(-1.0)
+        };
+        seen.push((instant.time_nanos / MS, value(0), value(1)));
+        more.push(instant.more);
+    }
+    assert_eq!(
+        seen,
+        [(0, 1.0, -1.0), (1, -3.0, 7.0), (1, 2.0, 7.0), (2, 2.0, 8.0)]
+    );
+    assert_eq!(more, [false, true, false, false]);
+}
+
+#[test]
+fn a_transform_is_not_interpolated_over_a_wide_gap() {
+    let tf = |at_ms: i64, x: f64| {
+        let fields = vec![
+            ("transforms[0].header.stamp.sec", Ros2Value::Number(0.0)),
+            ("transforms[0].header.frame_id", Ros2Value::Text("world")),
+            ("transforms[0].child_frame_id", Ros2Value::Text("hand")),
+            (
+                "transforms[0].transform.translation.x",
+                Ros2Value::Number(x),
+            ),
+            ("transforms[0].transform.rotation.w", Ros2Value::Number(1.0)),
+        ];
+        ("/tf", "tf2_msgs/msg/TFMessage", at_ms, fields)
+    };
+    let point = |at_ms: i64| {
+        let fields = vec![
+            ("header.frame_id", Ros2Value::Text("hand")),
+            ("point.x", Ros2Value::Number(0.0)),
+        ];
+        ("/p", "geometry_msgs/msg/PointStamped", at_ms, fields)
+    };
+    let signal = "[\"/hand\"]\npoint = \"/p.point\"\nin_frame = \"world\"\n";
+    let read = |time: &str| {
+        let reader = recorded(&[tf(0, 0.0), point(1500), tf(3000, 6.0)]);
+        let map = map(&format!("{time}{signal}"));
+        values(&mut streamed(reader, &map, &[]).unwrap(), &["/hand.x"])
+    };
+    assert_eq!(read(""), [(1500.0, vec![-1.0])]);
+    let wide = "[time]\nframe_gap = \"3 s\"\nframe_wait = \"5 s\"\nreorder = \"5 s\"\n";
+    assert_eq!(read(wide), [(1500.0, vec![3.0])]);
 }

@@ -55,6 +55,7 @@ pub(super) struct TimeText {
     pub(super) reorder: Option<Spanned<String>>,
     pub(super) frame_wait: Option<Spanned<String>>,
     pub(super) frame_history: Option<Spanned<String>>,
+    pub(super) frame_gap: Option<Spanned<String>>,
 }
 
 #[derive(Deserialize, Clone, Copy)]

@@ -220,6 +220,38 @@ impl DiscreteJudge {
         Ok(self.progress())
     }
 
+    /// Takes all samples of one instant, in their order, each with the truth and the robustness of
+    /// each atom.
+    ///
+    /// # Errors
+    /// As [`DiscreteJudge::step`]; none of the samples is taken then.
+    pub fn step_instant(
+        &mut self,
+        time_secs: f64,
+        samples: &[(&[Option<bool>], &[f64])],
+    ) -> Result<Progress, StepError> {
+        for (truth, robustness) in samples {
+            self.check(self.last_secs, time_secs, truth.len())?;
+            self.check(self.last_secs, time_secs, robustness.len())?;
+        }
+        if samples.is_empty() {
+            return Ok(self.progress());
+        }
+        self.last_secs = time_secs;
+        // At once: a window that ends here holds all of them.
+        let times_secs = vec![time_secs; samples.len()];
+        self.take_truth(&times_secs, |atom, at| Truth::of(samples[at].0[atom]));
+        if let Some(lanes) = &mut self.robustness {
+            lanes.step(&self.timeline, self.atom_count, |atom| {
+                samples.iter().map(move |(_, robustness)| robustness[atom])
+            });
+        }
+        if self.timeline.stored() > 2 * self.times_left + 64 {
+            self.forget_times();
+        }
+        Ok(self.progress())
+    }
+
     /// The verdict, once no continuation can change it.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {

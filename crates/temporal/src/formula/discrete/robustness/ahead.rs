@@ -257,7 +257,11 @@ impl First {
             if self.begin.is_none() && past_secs >= low - tolerance_secs {
                 self.begin = Some(sample);
             }
-            if self.end.is_none() && past_secs >= high - tolerance_secs {
+            // The window holds all samples of its last instant, which are added together.
+            let is_same_instant =
+                sample > timeline.fresh() && timeline.time(sample - 1) == time_secs;
+            let is_open = self.end.is_none() || is_same_instant && self.end == Some(sample);
+            if is_open && past_secs >= high - tolerance_secs {
                 let is_member = past_secs <= high + tolerance_secs;
                 self.end = Some(sample + u64::from(is_member));
             }
