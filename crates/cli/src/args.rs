@@ -46,7 +46,7 @@ Examples:
   corroborate explain conflicts                 what a word or a diagnostic means
 
 Exit codes:
-  0 all requirements hold and the evidence agrees   1 violated, or evidence conflicts
+  0 all requirements satisfied, evidence agrees     1 violated, or evidence conflicts
   2 error in the call or the input                  3 inconclusive, or data lost
   101 a bug of ours                                 130 interrupted"
 )]

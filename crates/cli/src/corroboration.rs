@@ -5,10 +5,10 @@ use crate::problem::Problem;
 use crate::published;
 use crate::study::{Entry, Study, Work};
 use crate::technique::experiment::repeated;
-use crate::technique::{Influence, Produced};
+use crate::technique::{Influence, Produced, copies};
 use evidence::{
-    Asset, Clue, Cost, Evidence, Inaccuracy, Matter, Measure, StudyResult, Subject, SuspectAsset,
-    SuspectKind, Symptom, Technique, Verdict,
+    Asset, Clue, Conclusion, Cost, Denominator, Evidence, Guarantee, Inaccuracy, Matter, Measure,
+    StudyResult, Subject, SuspectAsset, SuspectKind, Symptom, Technique, Verdict,
 };
 
 /// Version of the form of `study.json`.
@@ -76,6 +76,7 @@ pub fn piece(
             failures: produced.failures,
             clusters: produced.clusters,
             shared_rows: Vec::new(),
+            lineage_questions: Vec::new(),
             inputs,
         },
         cost,
@@ -103,10 +104,20 @@ pub fn headline(study: &Study, produced: &Produced) -> String {
     };
     match &finding.measure {
         Measure::Counts { count, trials, .. } => format!("{what} {count} of {trials}"),
-        Measure::Probability { answer, .. } => match answer.complement {
-            Some(rest) if rest > 0.0 && rest < 1e-9 => format!("{what} 1 - {rest:.3e}"),
-            _ => format!("{what} {}", answer.value),
-        },
+        Measure::Probability { answer, .. } => {
+            let value = match (&answer.guarantee, answer.complement) {
+                (Guarantee::Schedulers { low, high }, _) => {
+                    format!("{low} to {high} over all schedulers")
+                }
+                (_, Some(rest)) if rest > 0.0 && rest < 1e-9 => format!("1 - {rest:.3e}"),
+                _ => answer.value.to_string(),
+            };
+            let given = match finding.denominator {
+                Denominator::Triggered => " given its trigger",
+                Denominator::EveryRun | Denominator::AllRuns { .. } => "",
+            };
+            format!("{what} {value}{given}")
+        }
         _ => what,
     }
 }
@@ -126,23 +137,29 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         declared.extend(piece.influences);
     }
     repeated::find(study, &mut evidence)?;
+    copies::find(study, &mut evidence)?;
     let levels = evidence::Levels::new(study.about.confidence, study.about.agreement)
-        .map_err(|error| Problem::new("bad-level", error.to_string()))?;
+        .map_err(|error| Problem::new("bad-level", error.to_string()))?
+        .with_error_rates_of(study.about.verdicts.error_rate);
     let influences = declared
         .iter()
         .fold(evidence::Influences::learn(&evidence), |known, one| {
             known.declare(&one.requirement, &one.failure_mode, one.bears)
         });
+    let looks = study.looks.clone();
+    let looks = looks.map(|looks| looks.with(evidence::Look::of(&evidence)));
     let to_compare = evidence::Study {
         requirements: &study.requirements,
         failure_modes: &study.failure_modes,
         evidence: &evidence,
         influences: &influences,
         levels,
+        looks: looks.as_ref(),
     };
     let mut comparisons = evidence::compare(&to_compare);
     let undecided = evidence::undecided(&to_compare, &mut comparisons, &study.costs);
-    let conclusions = evidence::conclude(&to_compare, &comparisons);
+    let mut conclusions = evidence::conclude(&to_compare, &comparisons);
+    evidence::bear_clustering(&to_compare, &mut comparisons, &mut conclusions);
     let synthesis = evidence::synthesise(
         &to_compare,
         (&comparisons, undecided),
@@ -193,8 +210,9 @@ fn summary(study: &Study) -> String {
     }
 }
 
-/// What the study amounts to, for scripts: violated requirements or conflicts
-/// between current evidence, or something undecided.
+/// What the study amounts to, for scripts: violated requirements (on any step of the ladder: a model that violates one
+/// has to be looked at) or conflicts between current evidence, or something undecided, not covered, or satisfied on a
+/// step below the one that the requirement needs.
 pub fn outcome(result: &StudyResult) -> Outcome {
     let verdict = |wanted: Verdict| result.conclusions.iter().any(|c| c.verdict == wanted);
     let current_conflict = result.comparisons.iter().any(|comparison| {
@@ -207,10 +225,10 @@ pub fn outcome(result: &StudyResult) -> Outcome {
     });
     if verdict(Verdict::Violated) || verdict(Verdict::Conflicting) || current_conflict {
         Outcome::Violated
-    } else if verdict(Verdict::Undecided) || verdict(Verdict::NotCovered) {
-        Outcome::Inconclusive
-    } else {
+    } else if result.conclusions.iter().all(Conclusion::is_enough) {
         Outcome::Holds
+    } else {
+        Outcome::Inconclusive
     }
 }
 
@@ -239,9 +257,17 @@ pub fn drift<'e>(
     found.collect()
 }
 
-/// Whether a constant is a rate as written with a few digits.
+/// Whether a constant is a rate as written with a few digits: equal to it when the rate is rounded to the constant's
+/// decimals, of which there are two or more.
 pub fn is_rounding(value: f64, rate: f64) -> bool {
-    (value - rate).abs() <= 5e-4 * rate.max(1e-3)
+    let written = value.to_string();
+    let decimals = written
+        .split_once('.')
+        .map_or(0, |(_, digits)| digits.len());
+    let half_unit = 0.5 * 10_f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX));
+    let difference = (value - rate).abs();
+    let is_rounded = decimals >= 2 && difference <= half_unit * (1.0 + 1e-9);
+    is_rounded || difference <= 5e-4 * rate.max(1e-3)
 }
 
 /// What a constant was set to.
@@ -280,6 +306,8 @@ fn drifted(
             file,
             part: Some(format!("constant {name}")),
             evidence: vec![entry.id.clone()],
+            together: Vec::new(),
+            line: None,
         },
         subject: subject.clone(),
         score: 0.0,
@@ -295,5 +323,32 @@ fn drifted(
         witnesses: Vec::new(),
         ruled_out: Vec::new(),
         resolved_by: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_rounding;
+
+    #[test]
+    fn a_rounding_has_at_least_two_decimals_and_is_the_nearest_number_of_these() {
+        let (slips, decided) = (7.0 / 98.0, 174.0 / 200.0);
+        for (value, rate) in [(0.07, slips), (0.071, slips), (0.071428571, slips)] {
+            assert!(is_rounding(value, rate), "{value} {rate}");
+        }
+        for (value, rate) in [(0.5, 0.5), (0.0, 0.0), (1.0, 1.0), (0.87, decided)] {
+            assert!(is_rounding(value, rate), "{value} {rate}");
+        }
+        for (value, rate) in [
+            (0.3, decided),
+            (0.9, decided),
+            (0.88, decided),
+            (0.1, slips),
+        ] {
+            assert!(!is_rounding(value, rate), "{value} {rate}");
+        }
+        for (value, rate) in [(0.0, 0.004), (1.0, 0.996), (0.072, slips)] {
+            assert!(!is_rounding(value, rate), "{value} {rate}");
+        }
     }
 }

@@ -3,18 +3,18 @@
 /// How a command that could do its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
-    /// All requirements hold and the evidence agrees.
+    /// All requirements are satisfied on the step that they need, and the evidence agrees.
     Holds,
     /// It was interrupted before what was planned was over; what was found so
     /// far is kept.
     Interrupted,
-    /// Something could not be decided.
+    /// Something could not be decided, or is satisfied for a model or in simulation only.
     Inconclusive,
     /// The work is done but some of its data could not be kept or read.
     DataLost,
     /// Part of the input means nothing; what was asked besides is answered.
     Wrong,
-    /// A requirement is violated, or evidence conflicts.
+    /// A requirement is violated (of the system, in simulation or for a model), or evidence conflicts.
     Violated,
 }
 

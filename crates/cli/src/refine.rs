@@ -11,6 +11,7 @@
 pub mod apply;
 mod forms;
 pub mod ledger_text;
+mod one_value;
 pub mod proposal;
 pub mod report;
 pub mod simulator;

@@ -8,6 +8,7 @@
 //! | `requirements.toml` | each requirement once, in all its forms; failure modes |
 //! | `vocabulary.toml` | each proposition, bound to model, traces and tables |
 //! | `ledger.toml` | the evidence, oldest first, with its assets and lineage (may be missing) |
+//! | `looks.toml` | the counts by which it was judged so far; `run` writes it (may be missing) |
 //! | `topics.toml` | where recordings have the signals (may be missing) |
 //!
 //! [`Study::load`] reads them, and reports every mistake that can be seen
@@ -16,6 +17,7 @@
 mod finding;
 mod judging_form;
 mod ledger;
+pub mod looks;
 mod parameters;
 mod requirements;
 mod sentence_form;
@@ -23,15 +25,15 @@ mod vocabulary;
 mod weighing;
 
 pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
-pub use judging_form::{FormulaRule, JudgingForm, Rule, is_name};
+pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{Calibrated, CommandText, Entry, Keep, Method, OnFailure, UntilText, Work};
 pub use parameters::StudyParameters;
-pub use requirements::{FormText, Forms, ReadingForm, SubjectForm, quoted_names};
+pub use requirements::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names};
 pub use sentence_form::SentenceForm;
-pub use vocabulary::Vocabulary;
+pub use vocabulary::{Binding, Vocabulary};
 
 use crate::problem::{Problem, Source};
-use evidence::{FailureMode, Requirement};
+use evidence::{ErrorFamily, FailureMode, Requirement, Step};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -63,6 +65,8 @@ pub struct Study {
     pub costs: evidence::TrialCosts,
     /// How much each piece of evidence counts where evidence is combined.
     pub weights: evidence::Weights,
+    /// The looks so far; `None` if all sample sizes were fixed in advance.
+    pub looks: Option<evidence::Looks>,
 }
 
 /// The content of `study.toml`.
@@ -88,11 +92,46 @@ pub struct About {
     /// What the numbers of the formal models mean.
     #[serde(default)]
     pub model: ModelUnits,
+    /// Of what verdicts have to speak, and for what their error rates hold.
+    #[serde(default)]
+    pub verdicts: Verdicts,
+    /// Whether trials may be added once the study was judged.
+    #[serde(default)]
+    pub sample_sizes: SampleSizes,
     /// What one further trial costs; without it every trial counts the same.
     costs: Option<weighing::CostsText>,
     /// How much a piece of evidence counts where evidence is combined; 1 unless declared.
     #[serde(default)]
     weights: BTreeMap<String, f64>,
+}
+
+/// The table `verdicts` of `study.toml`.
+///
+/// ```toml
+/// [verdicts]
+/// needs = "corroborated"     # or "model", "simulation", "system": the step that "satisfied" needs
+/// error_rate = "study"       # or "requirement": for what the error rate of the verdicts holds
+/// ```
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Verdicts {
+    /// The step that requirements need which do not name their own.
+    #[serde(default)]
+    pub needs: Step,
+    /// For what the error rates hold.
+    #[serde(default)]
+    pub error_rate: ErrorFamily,
+}
+
+/// Whether trials may be added once the study was judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SampleSizes {
+    /// They may: tests allow for looks before and after, and looks are recorded.
+    #[default]
+    Growing,
+    /// They were fixed before the first trial: each test has its whole level at the only look.
+    Fixed,
 }
 
 /// What the numbers of the formal models mean.
@@ -136,16 +175,18 @@ impl Study {
         let (about, about_source) = read_about(folder)?;
         let parameters = StudyParameters::load(folder)?;
         let vocabulary = Vocabulary::load(folder, &parameters)?;
-        let step_secs = about.model.step_secs();
-        let (requirements, failure_modes, forms) =
-            requirements::load(folder, &vocabulary, &parameters, step_secs)?;
+        let (mut requirements, failure_modes, forms) =
+            requirements::load(folder, &vocabulary, &parameters, &about)?;
         let (ledger, ledger_source) = ledger::load(folder, &about, &forms)?;
+        forms.complete_carried(&mut requirements, &ledger)?;
         let costs = weighing::trial_costs(&about, &ledger, &about_source)?;
         let weights = weighing::weights(&about, &ledger, &about_source)?;
+        let looks = looks::load(folder, &about)?;
         Ok(Self {
             folder: folder.to_owned(),
             costs,
             weights,
+            looks,
             about,
             about_source,
             parameters,

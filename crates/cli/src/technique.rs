@@ -5,6 +5,7 @@
 
 pub mod bench;
 pub mod campaign;
+pub mod copies;
 pub mod experiment;
 pub mod exploration;
 pub mod judging;

@@ -119,6 +119,8 @@ fn piece(
             .map(|index| Finding {
                 subject: subject(index),
                 measure: measure(index),
+                denominator: evidence::Denominator::default(),
+                trigger: None,
                 undecided: 0,
                 witnesses: (0..50).map(|seed| format!("episode {seed}")).collect(),
                 readings: vec![],
@@ -129,6 +131,7 @@ fn piece(
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        lineage_questions: Vec::new(),
         inputs: String::new(),
     }
 }
@@ -152,6 +155,7 @@ fn full() -> Full {
         monitor: None,
         margin: 0.02,
         same_quantity_as: None,
+        ..Requirement::default()
     };
     let mode = |index: usize| FailureMode {
         id: format!("mode {index}"),
@@ -185,6 +189,7 @@ impl Full {
             evidence: &self.evidence,
             influences,
             levels: Levels::new(0.95, 0.95)?,
+            looks: None,
         })
     }
 }

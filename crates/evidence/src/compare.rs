@@ -6,20 +6,21 @@
 //!
 //! * *not comparable*: conditions differ, a side cannot express the subject, never covered it, or
 //!   has an error that is unknown;
-//! * *corroborates*: `|p1 - p2| < m` is shown. Between counts, and between counts and a known
+//! * *corroborates*: `|p1 - p2| < m` is shown, and the estimates are less than `m` apart. Between counts, and between counts and a known
 //!   probability, by two one-sided tests at level `1 - g`; where a side is a distribution, by a
 //!   posterior probability of at least `g`;
 //! * *conflicts*: "no difference" is rejected at level `1 - c`, corrected for all comparable pairs of
-//!   the study by closed testing (`compare/closed.rs`; Holm's correction where a subject has many pieces);
+//!   the study by closed testing (`compare/closed.rs`; Holm's correction where a subject has many pieces), and the
+//!   estimates are `m` or more apart;
 //! * *inconclusive*: neither; [`undecided`] gives the further trials that would decide.
 //!
-//! Agreement comes first: a difference that is detectable but certainly below the margin was
-//! declared not to matter. A pair is *independent* unless one side was calibrated on the other, or
+//! A difference below the margin was declared not to matter: it is never a conflict, and agreement where it is shown to
+//! be below. [`Relation`] has the table of all cells, with what each promises. A pair is *independent* unless one side was calibrated on the other, or
 //! both on the same counts, on this quantity (see [`Influences`]).
 //!
 //! | sides | "no difference" | agreement |
 //! |---|---|---|
-//! | counts, counts | Boschloo's exact test | two one-sided tests, the larger p-value of Agresti and Caffo's variance and the score |
+//! | counts, counts | Boschloo's exact test | two one-sided exact unconditional tests (`stats::exact_equivalence`) |
 //! | counts, known | exact binomial test | two one-sided exact binomial tests |
 //! | counts or distribution, distribution | posterior tails | posterior probability |
 //! | known, known | their bounds are apart | their bounds are within the margin |
@@ -35,8 +36,8 @@
 //! # Guarantee
 //! With probability at least `c` none of the conflicts reported between independent counts is
 //! due to chance; a pair that truly differs by the margin is reported to agree with probability
-//! at most `1 - g` (between two counts asymptotically, see `stats::score` for how nearly; always
-//! against a known probability).
+//! at most `1 - g`, whatever the rates are, where both sides are independent counts or one is a known probability. Where a
+//! side is a distribution, that holds on the average over its prior and not at each rate.
 
 mod belief;
 mod closed;
@@ -44,20 +45,28 @@ mod decide;
 mod further;
 mod lineage;
 mod pair;
+mod past;
 mod programme;
+mod questions;
+mod relation;
+mod runs;
 mod shared_data;
 mod together;
 pub(crate) mod words;
 
-pub(crate) use belief::Belief;
-pub(crate) use further::is_open;
+pub(crate) use belief::{Belief, CountsThen};
 pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
 pub(crate) use lineage::Lineage;
 pub use programme::{Programme, programme};
+pub use relation::Relation;
 pub use together::{Spreading, Together, compare_together};
 
-use crate::{Comparison, Evidence, FailureMode, Interval, Outcome, Requirement, Subject};
+use crate::looks::is_open;
+use crate::{
+    Comparison, ErrorFamily, Evidence, FailureMode, Interval, Looking, Looks, Outcome, Requirement,
+    Subject,
+};
 use pair::Pair;
 use stats::{Confidence, StatsError};
 use words::{p_value, points, probability, sentence};
@@ -68,6 +77,7 @@ pub struct Levels {
     pub(crate) confidence: Confidence,
     pub(crate) agreement: Confidence,
     pub(crate) power: f64,
+    pub(crate) family: ErrorFamily,
 }
 
 impl Levels {
@@ -82,7 +92,15 @@ impl Levels {
             confidence: Confidence::new(confidence)?,
             agreement: Confidence::new(agreement)?,
             power: 0.8,
+            family: ErrorFamily::Study,
         })
+    }
+
+    /// The same where the error rates of verdicts hold for each requirement by itself, or for the study as a whole,
+    /// which is the default.
+    #[must_use]
+    pub fn with_error_rates_of(self, family: ErrorFamily) -> Self {
+        Self { family, ..self }
     }
 }
 
@@ -99,6 +117,8 @@ pub struct Study<'a> {
     pub influences: &'a Influences,
     /// The declared levels.
     pub levels: Levels,
+    /// The looks before this one; `None` if all sample sizes were fixed in advance.
+    pub looks: Option<&'a Looks>,
 }
 
 impl<'a> Study<'a> {
@@ -157,6 +177,8 @@ impl<'a> Study<'a> {
 ///             effective_trials: None,
 ///             interval: Interval { low: 0.0, high: 1.0 },
 ///         },
+///         denominator: Denominator::default(),
+///         trigger: None,
 ///         undecided: 0,
 ///         witnesses: vec![],
 ///         readings: vec![],
@@ -166,6 +188,7 @@ impl<'a> Study<'a> {
 ///     failures: vec![],
 ///     clusters: None,
 ///     shared_rows: Vec::new(),
+///     lineage_questions: Vec::new(),
 ///     inputs: String::new(),
 /// };
 /// let ledger = [
@@ -185,6 +208,7 @@ impl<'a> Study<'a> {
 ///     evidence: &ledger,
 ///     influences: &influences,
 ///     levels: Levels::new(0.95, 0.95)?,
+///     looks: None,
 /// };
 /// let comparisons = compare(&study);
 /// assert_eq!(comparisons[0].outcome, Outcome::Conflicts);
@@ -214,6 +238,8 @@ struct Draft {
     comparison: Comparison,
     /// Why the pair is a fit, if it is.
     fit: Option<String>,
+    /// Coincidences of their numbers that chance explains.
+    noted: Vec<String>,
     /// The statistics, where both sides have a number.
     pair: Option<Pair>,
     /// Why the pair cannot be compared, if it cannot.
@@ -232,18 +258,30 @@ fn draft(
     if left.intermediate || right.intermediate {
         return None;
     }
-    let measures = (
-        &left.finding(subject)?.measure,
-        &right.finding(subject)?.measure,
-    );
+    let findings = (left.finding(subject)?, right.finding(subject)?);
+    let measures = (&findings.0.measure, &findings.1.measure);
+    let sides = ((left, findings.0), (right, findings.1));
     let fit = lineage.dependence(&left.id, &right.id, subject);
     let mut comparison = blank(subject, left, right, margin);
     comparison.independent = fit.is_none();
+    comparison.possibly_copied = lineage.is_possible_copy(&left.id, &right.id, subject);
+    let noted = lineage.noted(&left.id, &right.id, subject);
+    comparison.trigger = runs::triggers(sides.0, sides.1, margin, &study.levels);
     let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
         (Ok(first), Ok(second)) => {
-            let pair = Pair::new(first, second, margin);
-            describe(&mut comparison, &pair, study.levels.confidence);
-            (Some(pair), other_conditions(left, right))
+            let pair = paired(study, subject, margin, ((left, first), (right, second)));
+            let obstacle =
+                other_conditions(left, right).or_else(|| runs::other_runs(sides.0, sides.1));
+            // Figures over different runs have no difference.
+            if findings
+                .0
+                .denominator
+                .is_comparable(&findings.1.denominator)
+            {
+                describe(&mut comparison, &pair, study.levels.confidence);
+                comparison.looking = looking(&pair, left, right);
+            }
+            (Some(pair), obstacle)
         }
         (first, second) => {
             let reasons = (first.err(), second.err());
@@ -253,9 +291,74 @@ fn draft(
     Some(Draft {
         comparison,
         fit,
+        noted,
         pair,
         obstacle,
         conditions: left.conditions.clone(),
+    })
+}
+
+/// The pair of two beliefs, looked at again where trials can be added to one of them.
+fn paired(
+    study: &Study<'_>,
+    subject: &Subject,
+    margin: f64,
+    ((left, first), (right, second)): ((&Evidence, Belief), (&Evidence, Belief)),
+) -> Pair {
+    let may_grow = |piece: &Evidence, belief: &Belief| {
+        is_open(piece) && matches!(belief, Belief::Counts { .. })
+    };
+    let looks = study
+        .looks
+        .filter(|_| may_grow(left, &first) || may_grow(right, &second));
+    let before = looks.map(|looks| {
+        let mut before = [
+            looks.before(&left.id, subject, &first),
+            looks.before(&right.id, subject, &second),
+        ];
+        // The last look is this one where it is recorded already.
+        let is_now = |last: Option<&Option<Belief>>, now: &Belief| match (last, now) {
+            (Some(Some(Belief::Counts { sample, .. })), Belief::Counts { sample: now, .. }) => {
+                sample == now
+            }
+            (last, _) => matches!(last, Some(Some(_))),
+        };
+        if is_now(before[0].last(), &first) && is_now(before[1].last(), &second) {
+            before.iter_mut().for_each(|side| drop(side.pop()));
+        }
+        before
+    });
+    let pair = Pair::new(first, second, margin);
+    match before {
+        Some(before) => pair.looked_at(before),
+        None => pair,
+    }
+}
+
+/// What it costs that a pair is looked at again.
+fn looking(pair: &Pair, left: &Evidence, right: &Evidence) -> Option<Looking> {
+    let look = pair.look()?;
+    let of = |p: f64, once: f64| {
+        format!(
+            "{}, if this was the only look {}",
+            p_value(p),
+            p_value(once)
+        )
+    };
+    let agreement = match pair.p_equivalence() {
+        Some(p) => of(p, pair.doubt_of_equivalence_once()),
+        None => "by its posterior probability".to_owned(),
+    };
+    Some(Looking {
+        evidence: vec![left.id.clone(), right.id.clone()],
+        look,
+        interval: None,
+        single_look_interval: None,
+        statement: format!(
+            "Look {look} at this pair; p-values allow for looks before and after it. Difference: p {}. Agreement: p \
+             {agreement}.",
+            of(pair.p_difference(), pair.p_difference_once())
+        ),
     })
 }
 
@@ -278,6 +381,7 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
         left: left.id.clone(),
         right: right.id.clone(),
         outcome: Outcome::NotComparable,
+        relation: None,
         independent: true,
         difference: None,
         difference_interval: None,
@@ -286,6 +390,10 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
         p_difference_corrected: None,
         p_equivalence: None,
         probability_within_margin: None,
+        possibly_copied: false,
+        clustering: None,
+        trigger: None,
+        looking: None,
         further_trials: Vec::new(),
         reason: String::new(),
     }
@@ -343,35 +451,45 @@ impl Draft {
             (Some(pair), None) => self.decide_tested(&pair, levels, family),
             (_, obstacle) => self.comparison.reason = obstacle.unwrap_or_default(),
         }
+        if let Some(trigger) = &self.comparison.trigger
+            && trigger.outcome != Outcome::Corroborates
+        {
+            self.comparison.reason = format!("{} {}", self.comparison.reason, trigger.reason);
+        }
         self.comparison
     }
 
     fn decide_tested(&mut self, pair: &Pair, levels: &Levels, family: usize) {
         let corrected = self.comparison.p_difference_corrected.unwrap_or(1.0);
         let differ = corrected <= levels.confidence.alpha();
-        let agree = pair.shows_agreement(levels.agreement);
-        self.comparison.outcome = match (agree, differ) {
-            (true, _) => Outcome::Corroborates,
-            (false, true) => Outcome::Conflicts,
-            (false, false) => Outcome::Inconclusive,
+        let inside = pair.is_inside_margin();
+        let agree = inside && pair.is_shown(self.comparison.p_equivalence, levels.agreement);
+        let relation = Relation::of(differ, agree, inside);
+        self.comparison.relation = Some(relation);
+        self.comparison.outcome = relation.outcome();
+        let reason = match relation {
+            Relation::Equivalent | Relation::TrivialDifference => self.agreement_in_words(differ),
+            Relation::Different | Relation::DifferenceWithinMargin => {
+                self.difference_stated(pair, corrected, family)
+            }
+            Relation::Indeterminate | Relation::IndeterminateOutside => self.doubt_in_words(pair),
         };
-        let reason = match self.comparison.outcome {
-            Outcome::Corroborates => self.agreement_in_words(differ),
-            Outcome::Conflicts => self.conflict_in_words(pair, corrected, family),
-            _ => self.doubt_in_words(pair),
-        };
-        self.comparison.reason = reason + &self.fit_in_words();
+        self.comparison.reason = reason + &pair.range_in_words() + &self.fit_in_words();
     }
 
     /// What it means for the outcome that the pair is not independent.
     fn fit_in_words(&self) -> String {
         let Some(fit) = &self.fit else {
-            return String::new();
+            let noted = self.noted.iter();
+            return noted.map(|words| format!(" Note: {words}.")).collect();
         };
-        let meaning = match self.comparison.outcome {
-            Outcome::Corroborates => "This is a fit, not corroboration",
-            Outcome::Conflicts => "They differ although they are not independent",
-            _ => "They are not independent, so that agreement would be a fit",
+        let meaning = match (self.comparison.possibly_copied, self.comparison.outcome) {
+            (true, Outcome::Corroborates) => "This agreement is possibly copied, not corroboration",
+            (true, Outcome::Conflicts) => "They differ although one looks copied from the other",
+            (true, _) => "One looks copied from the other, so that agreement would show nothing",
+            (false, Outcome::Corroborates) => "This is a fit, not corroboration",
+            (false, Outcome::Conflicts) => "They differ although they are not independent",
+            (false, _) => "They are not independent, so that agreement would be a fit",
         };
         format!(" {meaning}: {fit}.")
     }
@@ -383,26 +501,45 @@ impl Draft {
             self.test_in_words()
         );
         if differ {
-            words.push_str(" There is a difference, but it is smaller than the margin.");
+            words.push_str(" A difference is shown, too, but it is smaller than the margin (trivial difference).");
         }
         words
     }
 
-    fn conflict_in_words(&self, pair: &Pair, corrected: f64, family: usize) -> String {
+    /// A difference that is shown, and on which side of the margin its estimate lies.
+    fn difference_stated(&self, pair: &Pair, corrected: f64, family: usize) -> String {
         let size = points(self.comparison.difference.unwrap_or(0.0).abs());
-        format!(
-            "They differ by {size}, beyond chance ({}; corrected for {family} comparisons p {}).",
+        let margin = points(self.comparison.margin);
+        let tests = format!(
+            "{}; corrected for {family} comparisons p {}",
             self.difference_in_words(pair),
             p_value(corrected)
-        )
+        );
+        match pair.is_inside_margin() {
+            false => {
+                format!("They differ by {size}, beyond chance ({tests}); the margin is {margin}.")
+            }
+            true => format!(
+                "They differ by {size}, beyond chance ({tests}), within the margin of {margin}: no conflict, but \
+                 agreement is not yet shown ({}).",
+                self.test_in_words()
+            ),
+        }
     }
 
     fn doubt_in_words(&self, pair: &Pair) -> String {
         format!(
-            "Neither a difference ({}) nor agreement within {} ({}) is shown.",
+            "Neither a difference ({}) nor agreement within {} ({}) is shown.{}",
             self.difference_in_words(pair),
             points(self.comparison.margin),
-            self.test_in_words()
+            self.test_in_words(),
+            match pair.is_inside_margin() {
+                true => String::new(),
+                false => format!(
+                    " The estimated difference of {} is outside the margin.",
+                    points(self.comparison.difference.unwrap_or(0.0).abs())
+                ),
+            }
         )
     }
 

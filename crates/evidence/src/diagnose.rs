@@ -38,6 +38,7 @@ mod sides;
 mod strength;
 mod suspect;
 mod tool;
+mod voices;
 
 pub use cells::{CellPlace, VerdictCounts};
 pub use contrast::{SameTraces, contrasts};
@@ -49,3 +50,4 @@ pub use suspect::{
     Cell, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy, Suspect, SuspectAsset,
     SuspectKind, Symptom, Traces, Witness,
 };
+pub use voices::{share_assumption, voices};

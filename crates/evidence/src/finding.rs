@@ -24,6 +24,35 @@ impl Subject {
     }
 }
 
+/// The denominator of a finding: over which runs its number is taken. Numbers over different runs are not compared.
+///
+/// Of a failure mode, a run triggers it that gives it an opportunity.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind")]
+pub enum Denominator {
+    /// All runs, in each of which the subject is triggered (or which has no trigger): it is the same number over all
+    /// runs and over those that trigger it.
+    #[default]
+    EveryRun,
+    /// The runs that trigger it.
+    Triggered,
+    /// All runs, also those that do not trigger it, as far as known.
+    AllRuns {
+        /// Why the number is not given that it is triggered.
+        reason: String,
+    },
+}
+
+impl Denominator {
+    /// Whether a number over these runs and one over those answer the same question.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        !matches!(
+            (self, other),
+            (Self::Triggered, Self::AllRuns { .. }) | (Self::AllRuns { .. }, Self::Triggered)
+        )
+    }
+}
+
 /// How far a computed number can be trusted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
@@ -39,6 +68,14 @@ pub enum Guarantee {
         /// Lower bound.
         low: f64,
         /// Upper bound.
+        high: f64,
+    },
+    /// The model leaves choices open: under each scheduler the value is between these bounds, which are those of the
+    /// worst and the best scheduler.
+    Schedulers {
+        /// Not above the least value.
+        low: f64,
+        /// Not below the greatest value.
         high: f64,
     },
     /// An iteration stopped; the error is unknown.
@@ -106,7 +143,8 @@ pub struct RobustBounds {
 pub struct CredibleInterval {
     /// Mean of the distribution.
     pub mean: f64,
-    /// Its central interval at the study's confidence level.
+    /// Its central interval at the study's confidence level, extended to the mean and to the answer with the constants as
+    /// they are written where these lie outside (in a skewed distribution).
     pub interval: Interval,
     /// At how many points of the constants it was answered.
     pub solves: u64,
@@ -207,6 +245,12 @@ pub struct Finding {
     pub subject: Subject,
     /// The number with its uncertainty.
     pub measure: Measure,
+    /// Over which runs it is taken.
+    #[serde(default)]
+    pub denominator: Denominator,
+    /// In what share of all runs the subject is triggered, where that is known and not certain: a quantity of its own.
+    #[serde(default)]
+    pub trigger: Option<Box<Measure>>,
     /// Runs that ended before a verdict (inconclusive), if counted.
     pub undecided: u64,
     /// Runs that show it, for replay: episode seeds or file names, few.
@@ -230,7 +274,16 @@ impl Measure {
 
     /// The interval to draw: of the counts, or the credible interval, or the
     /// bounds of the computation.
+    ///
+    /// The estimate lies in it: an interval that is central in a skewed distribution, or a little off by rounding, is
+    /// extended to it.
     pub fn interval(&self) -> Option<Interval> {
+        self.own_interval()
+            .zip(self.estimate())
+            .map(|(interval, estimate)| interval.with(estimate))
+    }
+
+    fn own_interval(&self) -> Option<Interval> {
         match self {
             Measure::Counts {
                 interval, trials, ..
@@ -239,10 +292,12 @@ impl Measure {
                 answer, credible, ..
             } => Some(match (credible, &answer.guarantee) {
                 (Some(credible), _) => credible.interval,
-                (None, Guarantee::Bounded { low, high }) => Interval {
-                    low: *low,
-                    high: *high,
-                },
+                (None, Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high }) => {
+                    Interval {
+                        low: *low,
+                        high: *high,
+                    }
+                }
                 (None, _) => Interval {
                     low: answer.value,
                     high: answer.value,

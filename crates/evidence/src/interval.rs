@@ -16,6 +16,15 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// The least interval that has this one and the value. Of one in which the truth lies with some probability, it lies
+    /// there with no less.
+    pub fn with(self, value: f64) -> Self {
+        Self {
+            low: self.low.min(value),
+            high: self.high.max(value),
+        }
+    }
+
     /// Whether the value lies in the interval, ends included.
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high

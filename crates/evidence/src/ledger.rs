@@ -69,8 +69,12 @@ pub struct ClusterTests {
     /// Intraclass correlation of success within a group; what all columns have in common where success alone
     /// cannot tell it.
     pub intraclass_correlation: f64,
-    /// Trials worth of information.
+    /// What all trials are worth in independent ones, by the count of the first requirement: the number with which it is
+    /// compared ([`crate::Measure::Counts`]).
     pub effective_trials: f64,
+    /// Subjects or sessions with trials; 1 if all trials are of one, 0 where an older version did not count them.
+    #[serde(default)]
+    pub subjects: u64,
     /// Tests in words with their figures, one a line.
     pub tests: Vec<String>,
     /// What counts were given that cannot tell themselves how alike their trials are; `None` if all can.
@@ -138,6 +142,9 @@ pub struct Evidence {
     /// Rows of its tables that earlier evidence has, too, beyond chance.
     #[serde(default)]
     pub shared_rows: Vec<RepeatedRows>,
+    /// What of its assets looks taken from other evidence though no lineage says so.
+    #[serde(default)]
+    pub lineage_questions: Vec<LineageQuestion>,
     /// Hash of everything that the findings depend on, in hexadecimal.
     pub inputs: String,
 }
@@ -156,6 +163,49 @@ pub struct RepeatedRows {
     pub common: u64,
     /// The probability of as many by chance, at most (`stats::shared_rows`).
     pub chance: f64,
+}
+
+/// What looks taken from other evidence though no lineage says so: a question that a line of the ledger settles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LineageQuestion {
+    /// The other evidence.
+    pub with: String,
+    /// What looks copied.
+    pub kind: CopyKind,
+    /// The requirements and failure modes on which it bears; all if empty.
+    pub subjects: Vec<Subject>,
+    /// What was found, with its figures, in one sentence.
+    pub finding: String,
+    /// Where: files with their lines, the copy first.
+    pub places: Vec<String>,
+    /// The probability of such a coincidence anywhere in the study if nothing was copied, at most.
+    pub chance: f64,
+    /// Whether the pair is not called independent until this is settled; a coincidence that chance explains is only noted.
+    pub blocks: bool,
+    /// The ledger's reason why it is no copy, where it gives one.
+    pub settled: Option<String>,
+    /// The line of the ledger that settles it.
+    pub remedy: String,
+}
+
+impl LineageQuestion {
+    /// Whether it keeps a pair from being called independent.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.blocks && self.settled.is_none()
+    }
+}
+
+/// What looks copied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CopyKind {
+    /// A number in an asset that is a rate of the other evidence's counts.
+    Constant,
+    /// Counts that are the other evidence's.
+    Counts,
+    /// Rows of a table.
+    Rows,
 }
 
 impl Evidence {

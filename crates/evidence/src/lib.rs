@@ -26,15 +26,18 @@ mod finding;
 mod fit;
 mod interval;
 mod ledger;
+mod looks;
 mod measure;
 mod requirement;
+mod sensitivity;
+mod step;
 mod synthesis;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
 pub use compare::{
-    DecisionPlan, Influences, Levels, PlannedTrials, Programme, Spreading, Study, Together,
-    TrialCosts, Undecided, compare, compare_together, programme, undecided,
+    DecisionPlan, Influences, Levels, PlannedTrials, Programme, Relation, Spreading, Study,
+    Together, TrialCosts, Undecided, compare, compare_together, programme, undecided,
 };
 pub use conclude::alone::{Alone, alone};
 pub use conclude::combined::{Combined, CommonBound, Model, Weights, combine};
@@ -45,7 +48,8 @@ pub use description::DescriptionGap;
 pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy,
     Matter, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces,
-    VerdictCounts, Witness, contrasts, mixed_up, rank, requirement_form, strength, system_model,
+    VerdictCounts, Witness, contrasts, mixed_up, rank, requirement_form, share_assumption,
+    strength, system_model, voices,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
@@ -54,8 +58,8 @@ pub use disagreement::{
 pub use exploration::{BrokenEpisode, CauseFound, CauseSetting, Discovery, Exploration, Stopped};
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
-    ConstantInterval, CredibleInterval, Finding, FormDifference, Guarantee, Measure, MethodAnswer,
-    Reading, RobustBounds, Spread, Subject,
+    ConstantInterval, CredibleInterval, Denominator, Finding, FormDifference, Guarantee, Measure,
+    MethodAnswer, Reading, RobustBounds, Spread, Subject,
 };
 pub use fit::{
     CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,
@@ -63,11 +67,16 @@ pub use fit::{
 };
 pub use interval::Interval;
 pub use ledger::{
-    Calibration, ClusterTests, Cost, Evidence, PublishedFigure, RepeatedRows, StudyResult,
-    TakenCorrelation,
+    Calibration, ClusterTests, CopyKind, Cost, Evidence, LineageQuestion, PublishedFigure,
+    RepeatedRows, StudyResult, TakenCorrelation,
 };
+pub use looks::{Look, LookedAt, Looking, Looks};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
+pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
+pub use step::{CarryOver, Step};
 pub use synthesis::{Synthesis, synthesise};
 pub use verdict::{
-    Comparison, Conclusion, CoverageGap, FurtherTrials, Inaccuracy, Outcome, Verdict,
+    ClusterSensitivity, Comparison, Conclusion, CoverageGap, ErrorFamily, ErrorRate, Excluded,
+    ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, Standing,
+    TriggerComparison, Verdict,
 };

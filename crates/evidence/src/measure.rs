@@ -172,6 +172,15 @@ impl CredibleInterval {
         Ok(Self::of_draws(&found.draws, values.len(), spread, level))
     }
 
+    /// The same beside the answer with the constants as they are written: no number lies outside the interval that is
+    /// shown with it. The interval only becomes wider, so it holds at least at its level.
+    pub fn beside(self, value: f64) -> Self {
+        Self {
+            interval: self.interval.with(value).with(self.mean),
+            ..self
+        }
+    }
+
     fn of_draws(
         draws: &stats::Draws,
         solves: usize,
@@ -199,34 +208,90 @@ impl CredibleInterval {
 }
 
 impl MethodAnswer {
+    /// Bounds of the probability; `None` where its error is unknown.
+    pub fn bounds(&self) -> Option<Interval> {
+        match &self.guarantee {
+            Guarantee::Exact { .. } => Some(Interval {
+                low: self.value,
+                high: self.value,
+            }),
+            Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+                Some(Interval {
+                    low: *low,
+                    high: *high,
+                })
+            }
+            Guarantee::Estimated { .. } => None,
+        }
+    }
+
+    /// The probability of the contrary, with the bounds that this one's imply.
+    pub fn contrary(&self) -> MethodAnswer {
+        let turned = |low: f64, high: f64| {
+            // One step outwards: the subtraction rounds, except from 0.
+            let low_of = |x: f64| {
+                if x == 0.0 {
+                    1.0
+                } else {
+                    (1.0 - x).next_down().max(0.0)
+                }
+            };
+            let high_of = |x: f64| {
+                if x == 0.0 {
+                    1.0
+                } else {
+                    (1.0 - x).next_up().min(1.0)
+                }
+            };
+            (low_of(high), high_of(low))
+        };
+        let guarantee = match &self.guarantee {
+            Guarantee::Exact { .. } => {
+                let (low, high) = turned(self.value, self.value);
+                Guarantee::Bounded { low, high }
+            }
+            Guarantee::Bounded { low, high } => {
+                let (low, high) = turned(*low, *high);
+                Guarantee::Bounded { low, high }
+            }
+            Guarantee::Schedulers { low, high } => {
+                let (low, high) = turned(*low, *high);
+                Guarantee::Schedulers { low, high }
+            }
+            Guarantee::Estimated { reason } => Guarantee::Estimated {
+                reason: reason.clone(),
+            },
+        };
+        MethodAnswer {
+            method: self.method.clone(),
+            value: 1.0 - self.value,
+            complement: Some(self.value),
+            guarantee,
+            iterations: self.iterations,
+        }
+    }
+
     /// This probability given that of its opportunity, with the bounds that theirs imply.
     pub fn quotient(&self, opportunity: &MethodAnswer) -> MethodAnswer {
-        let bounds = |answer: &MethodAnswer| match &answer.guarantee {
-            Guarantee::Exact { .. } => Some((answer.value, answer.value)),
-            Guarantee::Bounded { low, high } => Some((*low, *high)),
-            Guarantee::Estimated { .. } => None,
-        };
-        let guarantee = match (bounds(self), bounds(opportunity)) {
-            (Some((low, high)), Some((opportunity_low, opportunity_high)))
-                if opportunity_low > 0.0 =>
-            {
-                Guarantee::Bounded {
-                    // One step outwards each: the divisions round.
-                    low: (low / opportunity_high).next_down().max(0.0),
-                    high: if high > 0.0 {
-                        (high / opportunity_low).next_up()
-                    } else {
-                        0.0
-                    },
-                }
-            }
+        let guarantee = match (self.bounds(), opportunity.bounds()) {
+            (Some(this), Some(other)) if other.low > 0.0 => Guarantee::Bounded {
+                // One step outwards each: the divisions round.
+                low: match this.low > 0.0 {
+                    true => (this.low / other.high).next_down().max(0.0),
+                    false => 0.0,
+                },
+                high: match this.high > 0.0 {
+                    true => (this.high / other.low).next_up().min(1.0),
+                    false => 0.0,
+                },
+            },
             _ => Guarantee::Estimated {
                 reason: "the quotient of two estimates".into(),
             },
         };
         MethodAnswer {
             method: self.method.clone(),
-            value: self.value / opportunity.value,
+            value: (self.value / opportunity.value).min(1.0),
             complement: None,
             guarantee,
             iterations: self.iterations.max(opportunity.iterations),

@@ -1,5 +1,6 @@
 //! Requirements and failure modes: the subjects of evidence.
 
+use crate::{CarryOver, Step};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +24,7 @@ pub struct Threshold {
 }
 
 /// A requirement as the study states it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Requirement {
     /// Identifier, for example `1a`.
     pub id: String,
@@ -45,6 +46,12 @@ pub struct Requirement {
     /// Requirements with the same quantity (such as 1a and 1b, which differ
     /// only in their threshold) name the first of them here.
     pub same_quantity_as: Option<String>,
+    /// The lowest step on which "satisfied" is enough.
+    #[serde(default)]
+    pub needs: Step,
+    /// Models whose agreement with the system carries over to it, as the study declares.
+    #[serde(default)]
+    pub carries_over: Vec<CarryOver>,
 }
 
 /// A way in which a run can fail, counted against its opportunities.

@@ -3,7 +3,7 @@
 use crate::compare::{Programme, Together, TrialCosts, Undecided, programme};
 use crate::conclude::combined::{Combined, Weights, combine};
 use crate::conclude::threshold::{Deciding, deciding};
-use crate::{Comparison, Conclusion, Study, compare_together};
+use crate::{Comparison, Conclusion, Looks, Study, compare_together};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +22,9 @@ pub struct Synthesis {
     pub programme: Option<Programme>,
     /// Further trials that would decide each undecided requirement.
     pub deciding: Vec<Deciding>,
+    /// The looks at the counts up to this one; none if all sample sizes were fixed in advance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks: Option<Looks>,
 }
 
 /// Compares, combines and plans, given the pairs' comparisons, the plans for those undecided ([`crate::undecided`], at the
@@ -40,5 +43,6 @@ pub fn synthesise(
         deciding: deciding(study, conclusions, &costs),
         undecided,
         costs,
+        looks: study.looks.cloned(),
     }
 }

@@ -1,6 +1,6 @@
 //! Comparisons and conclusions: what the evidence amounts to.
 
-use crate::{Interval, Subject};
+use crate::{Interval, Looking, Relation, Step, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 pub enum Outcome {
     /// Equivalence within the margin is shown.
     Corroborates,
-    /// A difference beyond chance, corrected for the number of comparisons.
+    /// A difference beyond chance, corrected for the number of comparisons, whose estimate is the margin or more.
     Conflicts,
-    /// Neither is shown.
+    /// Neither is shown, or a difference whose estimate lies within the margin.
     Inconclusive,
     /// They do not speak of the same thing, or one of them of nothing.
     NotComparable,
@@ -28,6 +28,22 @@ pub struct FurtherTrials {
     pub trials: Option<u64>,
 }
 
+/// In what share of all runs two pieces of evidence trigger a subject: a quantity of its own. It decides nothing about
+/// the requirement, since trials are often arranged so that the trigger comes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TriggerComparison {
+    /// What the comparison shows, uncorrected.
+    pub outcome: Outcome,
+    /// Right minus left.
+    pub difference: f64,
+    /// Interval of the difference at the study's level.
+    pub difference_interval: Interval,
+    /// p-value of "no difference", uncorrected.
+    pub p_difference: f64,
+    /// In one sentence, with both shares.
+    pub reason: String,
+}
+
 /// Two pieces of evidence on one subject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Comparison {
@@ -39,6 +55,10 @@ pub struct Comparison {
     pub right: String,
     /// What the comparison shows.
     pub outcome: Outcome,
+    /// What the tests and the estimate show together, of which the outcome follows; `null` where they are not
+    /// comparable.
+    #[serde(default)]
+    pub relation: Option<Relation>,
     /// `false` if one side was calibrated on the other, or both on the same
     /// counts, on this quantity: agreement is then a fit.
     pub independent: bool,
@@ -50,12 +70,25 @@ pub struct Comparison {
     pub margin: f64,
     /// p-value of "no difference", uncorrected.
     pub p_difference: Option<f64>,
-    /// The same after Holm's correction over the study.
+    /// The same, corrected for all comparisons of the study by closed testing.
     pub p_difference_corrected: Option<f64>,
     /// p-value of "differs by more than the margin" (two one-sided tests).
     pub p_equivalence: Option<f64>,
     /// Posterior probability that the difference is below the margin.
     pub probability_within_margin: Option<f64>,
+    /// Whether a side looks copied from the other, and no line of the ledger says whether it is: agreement is then
+    /// no corroboration.
+    #[serde(default)]
+    pub possibly_copied: bool,
+    /// Up to which intraclass correlation the outcome holds, where counts enter of which it is not known whose they are.
+    #[serde(default)]
+    pub clustering: Option<ClusterSensitivity>,
+    /// How often both sides trigger the subject, where both know it.
+    #[serde(default)]
+    pub trigger: Option<TriggerComparison>,
+    /// The number of this look at the pair and what it costs; `None` where no trials can be added.
+    #[serde(default)]
+    pub looking: Option<Looking>,
     /// What would decide, for inconclusive pairs.
     pub further_trials: Vec<FurtherTrials>,
     /// The reason in one sentence.
@@ -63,7 +96,7 @@ pub struct Comparison {
 }
 
 /// What the study concludes about a requirement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Evidence supports that it holds, and none says otherwise.
@@ -75,16 +108,154 @@ pub enum Verdict {
     /// Pieces of evidence contradict each other.
     Conflicting,
     /// Nothing speaks about it.
+    #[default]
     NotCovered,
 }
 
-/// The conclusion about one requirement.
+/// What would follow for a decision if trials that are counted as independent were alike within groups (people,
+/// sessions): the intraclass correlation at which it changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ClusterSensitivity {
+    /// The evidence whose counts do not tell who did what.
+    pub evidence: Vec<String>,
+    /// Trials in each group.
+    pub group_size: f64,
+    /// Whether the number of trials in each group is an assumption, and not known from the tables.
+    pub is_assumed: bool,
+    /// The largest of the intraclass correlations at which it was drawn again below the first at which it is another, 0 if
+    /// that is the first of all; `None` if it holds up to 1.
+    pub holds_up_to: Option<f64>,
+    /// The same in one sentence.
+    pub statement: String,
+}
+
+impl Verdict {
+    /// In words: `satisfied`, `violated`, `undecided`, `conflicting evidence`, `not covered`.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Verdict::Satisfied => "satisfied",
+            Verdict::Violated => "violated",
+            Verdict::Undecided => "undecided",
+            Verdict::Conflicting => "conflicting evidence",
+            Verdict::NotCovered => "not covered",
+        }
+    }
+}
+
+/// How one piece of evidence stands to a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// It shows that the threshold is met.
+    Supports,
+    /// It shows that the threshold is not met.
+    Denies,
+    /// It shows neither.
+    Neither,
+}
+
+/// One piece of evidence against the threshold of a requirement, with the figures that decide.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PieceStanding {
+    /// The evidence.
+    pub evidence: String,
+    /// The step on which it stands.
+    pub step: Step,
+    /// What it shows.
+    pub standing: Standing,
+    /// p-value against "the threshold is not met" (posterior probability of it, for a computed distribution).
+    pub p_not_met: f64,
+    /// p-value against "the threshold is met".
+    pub p_met: f64,
+    /// The largest `p_not_met` that shows the threshold to be met: the level, divided among what is judged.
+    pub level_met: f64,
+    /// The largest `p_met` that shows it to be missed.
+    pub level_missed: f64,
+    /// The one-sided limits of the rate at these levels: the threshold is shown to be met or missed exactly where it
+    /// lies beyond one of them.
+    pub limits: Interval,
+    /// `true` where it is held under other conditions than those of the conclusion.
+    pub elsewhere: bool,
+    /// The same in words, with figures.
+    pub words: String,
+}
+
+/// Why a piece of evidence does not take part in a conclusion.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", tag = "kind", content = "of")]
+pub enum ExclusionReason {
+    /// The study marks it as a step on the way.
+    Intermediate,
+    /// A later piece of the same technique takes its place: its identifier.
+    Superseded(String),
+    /// The study names the piece that reproduces it.
+    Reproduced(String),
+    /// It holds under other conditions: these.
+    OtherConditions(String),
+    /// It rests on the counts of a piece that takes part: the reason.
+    NotIndependent(String),
+    /// It has no number on the requirement, or one without a known error: the reason.
+    NoNumber(String),
+}
+
+/// A piece of evidence that does not take part in a conclusion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Excluded {
+    /// The evidence.
+    pub evidence: String,
+    /// Why.
+    pub reason: ExclusionReason,
+    /// The verdict and its step if it took part, where they would be others.
+    pub verdict_with_it: Option<(Verdict, Option<Step>)>,
+    /// The same in a sentence.
+    pub words: String,
+}
+
+/// For what the error rate of a verdict holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ErrorFamily {
+    /// For the whole study: a false "violated" of any requirement at most at the level, and so a false "satisfied".
+    #[default]
+    Study,
+    /// For each requirement by itself.
+    Requirement,
+}
+
+/// The error rate of a verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorRate {
+    /// The probability of a false "satisfied", and of a false "violated", at most.
+    pub level: f64,
+    /// For what it holds.
+    pub holds_for: ErrorFamily,
+    /// How many quantities share the level where it holds for the study.
+    pub quantities: usize,
+}
+
+/// The conclusion about one requirement.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Conclusion {
     /// The requirement's identifier.
     pub requirement: String,
     /// The verdict.
     pub verdict: Verdict,
+    /// Of what it speaks; `None` where nothing is decided.
+    #[serde(default)]
+    pub step: Option<Step>,
+    /// The lowest step on which the requirement's "satisfied" is enough.
+    #[serde(default)]
+    pub needs: Step,
+    /// How each piece stands to the threshold.
+    #[serde(default)]
+    pub standings: Vec<PieceStanding>,
+    /// What was left out, with the reason.
+    #[serde(default)]
+    pub excluded: Vec<Excluded>,
+    /// The error rate of the verdict.
+    #[serde(default)]
+    pub error_rate: ErrorRate,
     /// In one or two sentences, with figures.
     pub statement: String,
     /// What all current techniques support together ("at least …"), at the
@@ -96,6 +267,30 @@ pub struct Conclusion {
     pub independent_agreement: Vec<String>,
     /// Agreement that is only a fit, in words, one a line.
     pub fitted_agreement: Vec<String>,
+    /// Up to which intraclass correlation the verdict holds, for counts of which it is not known whose they are.
+    #[serde(default)]
+    pub clustering: Vec<ClusterSensitivity>,
+    /// For each piece to which trials can be added, the number of this look at it and what it costs.
+    #[serde(default)]
+    pub looking: Vec<Looking>,
+}
+
+impl Conclusion {
+    /// Whether the requirement is satisfied on a step that is enough for it.
+    #[must_use]
+    pub fn is_enough(&self) -> bool {
+        self.verdict == Verdict::Satisfied && self.step >= Some(self.needs)
+    }
+
+    /// Whether further evidence is needed: undecided, or satisfied on a step that is not enough.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        match self.verdict {
+            Verdict::Undecided => true,
+            Verdict::Satisfied => !self.is_enough(),
+            _ => false,
+        }
+    }
 }
 
 /// The paper's three sources of disagreement (section 2.3).

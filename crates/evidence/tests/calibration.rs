@@ -63,6 +63,8 @@ fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
                 high: 1.0,
             },
         },
+        denominator: evidence::Denominator::default(),
+        trigger: None,
         undecided: 0,
         witnesses: vec![],
         readings: vec![],
@@ -89,6 +91,7 @@ fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        lineage_questions: Vec::new(),
         inputs: String::new(),
     }
 }
@@ -122,6 +125,7 @@ fn requirements(count: usize, margin: f64, threshold: f64) -> Vec<Requirement> {
         monitor: None,
         margin,
         same_quantity_as: None,
+        ..Requirement::default()
     };
     (0..count).map(one).collect()
 }
@@ -139,6 +143,7 @@ fn with_study<T>(
         evidence,
         influences: &influences,
         levels: Levels::new(0.95, 0.95).unwrap(),
+        looks: None,
     })
 }
 
@@ -448,15 +453,11 @@ fn rates_that_scatter_too_far_are_not_combined() {
     let found = with_study(&ledger(&counts), &asked, |study| {
         combine(study, &compare(study), &Weights::default()).swap_remove(0)
     });
-    assert_eq!(
-        (found.interval, found.verdict),
-        (None, Verdict::Undecided),
-        "{found:?}"
-    );
+    assert_eq!(found.interval, None, "{found:?}");
     assert!(
         found
             .statement
-            .contains("scatter too far for one mean (p = "),
+            .contains("are too heterogeneous to pool (homogeneity test, p = "),
         "{found:?}"
     );
 }
@@ -483,8 +484,12 @@ fn all_pieces_at_once_have_one_of_four_outcomes() {
         assert_eq!(together[1].pairs, [1, 2, 0]);
         assert!(together[1].heterogeneity.as_ref().unwrap().i_squared > 0.9);
         let combined = combine(study, &comparisons, &Weights::default());
-        let verdicts: Vec<Verdict> = combined.iter().map(|one| one.verdict).collect();
-        assert_eq!(verdicts[..2], [Verdict::Satisfied, Verdict::Conflicting]);
+        assert!(
+            combined[1].statement.starts_with("Not pooled")
+                && combined[1].statement.contains("conflict"),
+            "{:?}",
+            combined[1]
+        );
         assert_eq!(
             (combined[0].corroborated, combined[0].model),
             (true, Some(Model::PowerPrior))
@@ -525,10 +530,7 @@ fn weights_are_declared_and_left_out_pieces_are_named() {
         let only = &combine(study, &comparisons, &weights)[0];
         assert_eq!(only.left_out["E"], "has a declared weight of 0");
         // Fifty successes leave certainty open, but do not deny it.
-        assert_eq!(
-            (only.interval.unwrap().high, only.verdict),
-            (1.0, Verdict::Undecided)
-        );
+        assert_eq!(only.interval.unwrap().high, 1.0);
         assert!(Weights::default().declare("E", 1.5).is_err());
     });
 }

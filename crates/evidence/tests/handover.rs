@@ -16,6 +16,8 @@ fn finding(subject: Subject, measure: Measure) -> Finding {
     Finding {
         subject,
         measure,
+        denominator: evidence::Denominator::default(),
+        trigger: None,
         undecided: 0,
         witnesses,
         readings,
@@ -95,6 +97,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        lineage_questions: Vec::new(),
         inputs: String::new(),
     }
 }
@@ -284,6 +287,7 @@ fn requirements() -> Vec<Requirement> {
         monitor: None,
         margin,
         same_quantity_as: None,
+        ..Requirement::default()
     };
     let mut requirements = vec![
         plain("1a", threshold(0.95), 0.10),
@@ -331,6 +335,7 @@ fn judge_of(evidence: Vec<Evidence>) -> Judged {
         evidence: &evidence,
         influences: &influences,
         levels: Levels::new(0.95, 0.95).unwrap(),
+        looks: None,
     };
     let mut comparisons = compare(&study);
     assert!(comparisons.iter().all(|c| c.further_trials.is_empty()));
@@ -401,11 +406,14 @@ fn other_conditions_are_not_comparable_but_their_figures_are_shown() {
 fn agreement_with_the_tuned_simulation_and_the_revised_model_is_a_fit() {
     let judged = judged();
     let experiment = judged.pair("E3", "E4", requirement("1a"));
-    assert_eq!(experiment.outcome, Outcome::Corroborates, "{experiment:?}");
-    assert!(experiment.p_equivalence.unwrap() < 0.05);
+    // 55 independent trials are just too few for the exact test: p = 0.0515 at 49 of 55.
+    assert_eq!(experiment.outcome, Outcome::Inconclusive, "{experiment:?}");
+    assert_eq!(experiment.relation, Some(Relation::Indeterminate));
+    let p = experiment.p_equivalence.unwrap();
+    assert!(p > 0.05 && p < 0.06, "{p}");
     assert!(!experiment.independent);
     assert!(
-        experiment.reason.contains("This is a fit"),
+        experiment.reason.contains("agreement would be a fit"),
         "{}",
         experiment.reason
     );
@@ -449,11 +457,17 @@ fn requirement_3_conflicts_between_simulation_and_experiments() {
     // Boschloo's test, by the oracle of `stats::boschloo`; Fisher's p-value is 2.43e-8.
     assert!((pair.p_difference.unwrap() / 1.8153640134339653e-08 - 1.0).abs() < 1e-6);
     let conclusion = judged.conclusion("3");
-    assert_eq!(conclusion.verdict, Verdict::Conflicting, "{conclusion:?}");
+    // The experiments decide, and the simulation's disagreement stands beside it.
+    let decided = (conclusion.verdict, conclusion.step);
+    assert_eq!(
+        decided,
+        (Verdict::Violated, Some(Step::System)),
+        "{conclusion:?}"
+    );
     assert!(
         conclusion
             .statement
-            .contains("E3 and E4 conflict by 10.2 points"),
+            .contains("E3 and E4 conflict: they differ by 10.2 points."),
         "{conclusion:?}"
     );
 }
@@ -462,10 +476,14 @@ fn requirement_3_conflicts_between_simulation_and_experiments() {
 fn requirement_1a_is_violated_and_1b_satisfied() {
     let judged = judged();
     let strict = judged.conclusion("1a");
-    assert_eq!(strict.verdict, Verdict::Violated, "{strict:?}");
+    assert_eq!(
+        (strict.verdict, strict.step),
+        (Verdict::Violated, Some(Step::System)),
+        "{strict:?}"
+    );
     assert_eq!(strict.rests_on, ["E3", "E4", "E5"]);
-    // E3 and E5 are both too uncertain to show agreement within 10 points.
-    assert_eq!(strict.fitted_agreement.len(), 2, "{strict:?}");
+    // E3 is too uncertain to show agreement within 10 points with either.
+    assert_eq!(strict.fitted_agreement.len(), 1, "{strict:?}");
     let open = judged.pair("E3", "E5", requirement("1a"));
     assert_eq!(open.outcome, Outcome::Inconclusive);
     assert!(
@@ -480,7 +498,10 @@ fn requirement_1a_is_violated_and_1b_satisfied() {
     );
     assert!(strict.independent_agreement.is_empty());
     let lenient = judged.conclusion("1b");
-    assert_eq!(lenient.verdict, Verdict::Satisfied, "{lenient:?}");
+    assert!(
+        lenient.is_enough() && lenient.step == Some(Step::System),
+        "{lenient:?}"
+    );
     // Clopper and Pearson's limit at the effective size of E3 is the smallest: scipy 1.17,
     // beta.ppf(0.05, 0.88 n, 0.12 n + 1) with n the effective size.
     let bound = lenient.common_lower_bound.unwrap();
@@ -490,12 +511,15 @@ fn requirement_1a_is_violated_and_1b_satisfied() {
 #[test]
 fn certainty_is_denied_by_one_failure_and_never_shown_by_trials() {
     let judged = judged();
-    assert_eq!(judged.conclusion("2").verdict, Verdict::Satisfied);
+    // The model's certainty is its own: the people were always ready in the experiments.
+    let second = judged.conclusion("2");
+    assert_eq!(
+        (second.verdict, second.step),
+        (Verdict::Satisfied, Some(Step::Model))
+    );
     assert!(
-        judged
-            .conclusion("2")
-            .statement
-            .contains("E4 has 53 of 53 (no failure)")
+        !second.is_enough() && second.statement.contains("E4: 53/53, no violation"),
+        "{second:?}"
     );
     assert_eq!(judged.conclusion("5").verdict, Verdict::Violated);
     assert_eq!(judged.conclusion("7").verdict, Verdict::Violated);
@@ -581,7 +605,8 @@ fn what_denies_a_requirement_under_other_conditions_is_concluded() {
     ]);
     let denied = found.conclusion("2");
     assert_eq!(denied.verdict, Verdict::Violated, "{denied:?}");
-    let said = "Under other conditions crowd has 3 of 100";
+    assert_eq!(denied.step, Some(Step::Simulation));
+    let said = "Refuted under other conditions: crowd: 3/100, 97 violations (in simulation).";
     assert!(denied.statement.contains(said), "{}", denied.statement);
     let mut rests_on = as_before.rests_on.clone();
     rests_on.push("crowd".to_owned());

@@ -38,8 +38,10 @@ mod form_change;
 mod model_change;
 mod model_offers;
 mod offers;
+mod solve;
 mod text_change;
 mod toml_text;
+mod trial;
 
 pub use counts::{Counts, anchors};
 pub use diff::unified;
@@ -50,3 +52,4 @@ pub use model_change::{
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
 pub use offers::{Offer, Offers, Ranked};
 pub use text_change::{TextChange, steps};
+pub use trial::{Touch, Trial};

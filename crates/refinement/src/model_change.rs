@@ -8,6 +8,9 @@
 //!   `(1-again)*slips`, each is tried as the share and as one minus it, and of
 //!   those with which the solved model has the counted rate that one is taken
 //!   with which all other answers change least.
+//! * *Solve*: where no constant, set to the share, gives the counted rate, since it acts more than once in a run or
+//!   shares its expression with others, the constant is solved for ([`crate::solve`]). Of several constants with which
+//!   the model would have the rate, the one is taken whose log-odds change least; the others are named.
 //! * *Branch*: the proposition is `variable=name` with a name that the model
 //!   does not have. The variable gets one more value of this name. A command of
 //!   its module that assigns it gets an update that sets it, with the share that
@@ -30,6 +33,7 @@
 
 use crate::counts::Counts;
 use crate::draws::{Draw, Equality, draws, equalities, names_of, of_guard, value_of};
+use crate::solve;
 use evidence::Subject;
 use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody, Update};
 use prism_lang::{Constants, Value, edit, resolved};
@@ -61,6 +65,15 @@ pub enum ModelChange {
         /// The failure mode.
         mode: String,
         /// Its proposition over the model's variables.
+        occurs: String,
+        /// What was counted.
+        counts: Counts,
+    },
+    /// Solve for the constant with which the proposition becomes true as often as it was counted.
+    Solve {
+        /// The failure mode.
+        mode: String,
+        /// Its proposition.
         occurs: String,
         /// What was counted.
         counts: Counts,
@@ -98,6 +111,19 @@ pub struct Changed {
     pub constant: Option<SetConstant>,
     /// What the changed model answers.
     pub values: Values,
+    /// What has to be known of it, one sentence each.
+    pub notes: Vec<String>,
+    /// What the model answers once the next change is made, too, that belongs to it: a constant was set to the share of
+    /// a draw that is then made once.
+    pub settled: Option<Values>,
+}
+
+impl Changed {
+    /// What the model answers when all is made that belongs to the change.
+    #[must_use]
+    pub fn at_last(&self) -> &Values {
+        self.settled.as_ref().unwrap_or(&self.values)
+    }
 }
 
 /// A constant that was set to a counted rate.
@@ -107,6 +133,8 @@ pub struct SetConstant {
     pub name: String,
     /// Whether it is the probability that what was counted does *not* happen: 1 minus the rate.
     pub is_complement: bool,
+    /// Whether it was solved for: it is not the counted share, but the model then has the counted rate.
+    pub is_solved: bool,
 }
 
 /// Why a change is not possible, in one sentence.
@@ -219,16 +247,20 @@ impl ModelChange {
     /// The failure mode.
     pub fn mode(&self) -> &str {
         match self {
-            Self::Rate { mode, .. } | Self::Branch { mode, .. } | Self::Once { mode, .. } => mode,
+            Self::Rate { mode, .. }
+            | Self::Solve { mode, .. }
+            | Self::Branch { mode, .. }
+            | Self::Once { mode, .. } => mode,
         }
     }
 
     /// What was counted.
     pub fn counts(&self) -> &Counts {
         match self {
-            Self::Rate { counts, .. } | Self::Branch { counts, .. } | Self::Once { counts, .. } => {
-                counts
-            }
+            Self::Rate { counts, .. }
+            | Self::Solve { counts, .. }
+            | Self::Branch { counts, .. }
+            | Self::Once { counts, .. } => counts,
         }
     }
 
@@ -243,6 +275,11 @@ impl ModelChange {
                 occurs,
                 counts,
             } => rate(text, solver, occurs, (mode, counts)),
+            Self::Solve {
+                mode,
+                occurs,
+                counts,
+            } => solved(text, solver, occurs, (mode, counts)).map(|(changed, _)| changed),
             Self::Once { mode, occurs, .. } => once(text, solver, mode, occurs),
             Self::Branch { .. } => self.branch(text, solver),
         }
@@ -283,10 +320,16 @@ impl ModelChange {
                     constant: Some(SetConstant {
                         name: branched.constant,
                         is_complement: false,
+                        is_solved: false,
                     }),
                     values,
+                    notes: Vec::new(),
+                    settled: None,
                 });
             }
+        }
+        if let Some(changed) = self.solved_branch(&read, &candidates, solver) {
+            return Ok(changed);
         }
         let line = |command: &&Command| {
             let (line, _) = prism_lang::line_and_column(text, command.span.start);
@@ -297,6 +340,52 @@ impl ModelChange {
             "none of the commands in lines {} gives the counted rate",
             tried.join(", ")
         ))
+    }
+}
+
+impl ModelChange {
+    /// The first branch for which some probability gives the counted rate: its command is taken more than once in a run,
+    /// or not in all.
+    fn solved_branch(
+        &self,
+        read: &Read,
+        candidates: &[&Command],
+        solver: &dyn Solver,
+    ) -> Option<Changed> {
+        let Self::Branch {
+            mode,
+            occurs,
+            counts,
+            ..
+        } = self
+        else {
+            return None;
+        };
+        candidates.iter().find_map(|command| {
+            let branched = with_branch(read, (command, None), mode, occurs, counts).ok()?;
+            let read = Read::new(&branched.text).ok()?;
+            let name = &branched.constant;
+            let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
+            let value = solve::crossing(&mut rate, counts.rate(), counts.rate(), FARTHEST)?;
+            let text = with_value(&read, name, value).ok()?;
+            Some(Changed {
+                values: solver.values(&text).ok()?,
+                text,
+                what: format!(
+                    "{} can happen, with probability {} each time, with which the rate is that of {}",
+                    mode.replace('_', " "),
+                    digits(value),
+                    counts.words()
+                ),
+                constant: Some(SetConstant {
+                    name: name.clone(),
+                    is_complement: false,
+                    is_solved: true,
+                }),
+                notes: Vec::new(),
+ settled: None,
+            })
+        })
     }
 }
 
@@ -388,9 +477,229 @@ fn set(
         constant: Some(SetConstant {
             name: name.to_owned(),
             is_complement,
+            is_solved: false,
         }),
         values,
+        notes: Vec::new(),
+        settled: None,
     })
+}
+
+/// The most that the log-odds of a constant are changed: a factor of about 160 000.
+const FARTHEST: f64 = 12.0;
+
+/// What the log-odds of a constant have to be changed for a change of the structure to be as likely.
+const STRUCTURE: f64 = std::f64::consts::LN_10;
+
+/// Decades of disagreement that do not tell two changes apart.
+const AS_GOOD: f64 = 0.5;
+
+/// A change that gives the counted rate, what it leaves of the disagreement with all evidence, and how large it is.
+struct Candidate {
+    left: f64,
+    size: f64,
+    change: ModelChange,
+    changed: Changed,
+}
+
+/// The change with which a model has the counted rate, where its constant decides it.
+///
+/// Setting the constant to the share comes first. If that does not give the rate, the constant acts more than once in a
+/// run: then either it is solved for, or it is the share of a draw that is made once. Of the two the one is taken that
+/// leaves less disagreement with all evidence (`left`); if both leave as much, to within [`AS_GOOD`], the smaller change
+/// in log-odds of the constant, where a change of the structure counts as much as a factor of 10 of the odds.
+pub(crate) fn rate_or_solve(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (String, String, Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Result<(ModelChange, Changed), Refusal> {
+    let near = |changed: &Changed| {
+        let rate = rate_of(&changed.values, &mode);
+        rate.is_some_and(|rate| (rate - counts.rate()).abs() <= NEAR * counts.rate().max(SAME))
+    };
+    let of_rate = || ModelChange::Rate {
+        mode: mode.clone(),
+        occurs: occurs.clone(),
+        counts: counts.clone(),
+    };
+    let set = rate(text, solver, &occurs, (&mode, &counts));
+    if set.as_ref().is_ok_and(near) {
+        return set.map(|changed| (of_rate(), changed));
+    }
+    let distance = |value: f64| {
+        let now = deciding_constant(text, &occurs).map_or(value, |(_, now)| now);
+        (solve::log_odds(value) - solve::log_odds(now)).abs()
+    };
+    let mut options = Vec::new();
+    if let Ok(changed) = &set
+        && let Ok(next) = once(&changed.text, solver, &mode, &occurs)
+    {
+        options.push(Candidate {
+            left: left(&next.values),
+            size: distance(counts.rate()) + STRUCTURE,
+            change: of_rate(),
+            changed: Changed {
+                settled: Some(next.values),
+                ..changed.clone()
+            },
+        });
+    }
+    options.extend(solved_option(text, solver, (&mode, &occurs, &counts), left));
+    match best(options) {
+        Some(made) => Ok(made),
+        None => set.map(|changed| (of_rate(), changed)),
+    }
+}
+
+/// The draw made once where the constant has the counted share already: whoever set it to the share meant one draw, and a
+/// constant that was set to counts keeps them. Where no draw made once gives the rate, the constant is solved for.
+pub(crate) fn once_or_solve(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (String, String, Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Result<(ModelChange, Changed), Refusal> {
+    match once(text, solver, &mode, &occurs) {
+        Ok(changed) => Ok((
+            ModelChange::Once {
+                mode,
+                occurs,
+                counts,
+            },
+            changed,
+        )),
+        Err(refusal) => solved_option(text, solver, (&mode, &occurs, &counts), left)
+            .map(|it| (it.change, it.changed))
+            .ok_or(refusal),
+    }
+}
+
+fn solved_option(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (&str, &str, &Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Option<Candidate> {
+    let (changed, size) = solved(text, solver, occurs, (mode, counts)).ok()?;
+    Some(Candidate {
+        left: left(&changed.values),
+        size,
+        change: ModelChange::Solve {
+            mode: mode.to_owned(),
+            occurs: occurs.to_owned(),
+            counts: counts.clone(),
+        },
+        changed,
+    })
+}
+
+/// The one that leaves least disagreement; of those that leave as much, the smallest.
+fn best(options: Vec<Candidate>) -> Option<(ModelChange, Changed)> {
+    let least = options
+        .iter()
+        .map(|it| it.left)
+        .fold(f64::INFINITY, f64::min);
+    let good = options.into_iter().filter(|it| it.left <= least + AS_GOOD);
+    let best = good.min_by(|a, b| a.size.total_cmp(&b.size))?;
+    Some((best.change, best.changed))
+}
+
+/// The model with the constant solved for that decides a proposition.
+fn solved(
+    text: &str,
+    solver: &dyn Solver,
+    occurs: &str,
+    (mode, counts): (&str, &Counts),
+) -> Result<(Changed, f64), Refusal> {
+    let read = Read::new(text)?;
+    let names = match deciding(&read, occurs)? {
+        Deciding::Constant(name) => vec![name],
+        Deciding::Expression(names) => names,
+    };
+    let mut found: Vec<(f64, &String, f64)> = Vec::new();
+    for name in &names {
+        let Some(now) = read
+            .constant(name)
+            .filter(|value| *value > 0.0 && *value < 1.0)
+        else {
+            continue;
+        };
+        let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
+        if let Some(value) = solve::crossing(&mut rate, now, counts.rate(), FARTHEST) {
+            let distance = (solve::log_odds(value) - solve::log_odds(now)).abs();
+            found.push((distance, name, value));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((size, name, value)) = found.first().copied() else {
+        return Err(match names.as_slice() {
+            [] => "its probability has no constant of the model".into(),
+            all => format!("no value of {} gives the counted rate", all.join(" or ")),
+        });
+    };
+    let others = found[1..].iter();
+    let mut notes: Vec<String> = others
+        .map(|(_, name, value)| format!("{name} = {} would give the same rate.", digits(*value)))
+        .collect();
+    let interval = interval_of(&read, solver, name, value, (mode, counts));
+    notes.extend(interval.map(|[low, high]| {
+        format!(
+            "{name} lies between {} and {}, by the 95 % interval of the counts.",
+            digits(low),
+            digits(high)
+        )
+    }));
+    let text = with_value(&read, name, value)?;
+    let changed = Changed {
+        values: solver.values(&text)?,
+        text,
+        what: format!(
+            "{name} set to {}, with which the rate is that of {}",
+            digits(value),
+            counts.words()
+        ),
+        constant: Some(SetConstant {
+            name: name.clone(),
+            is_complement: false,
+            is_solved: true,
+        }),
+        notes,
+        settled: None,
+    };
+    Ok((changed, size))
+}
+
+/// The constant at the ends of the interval of the counts, in order.
+fn interval_of(
+    read: &Read,
+    solver: &dyn Solver,
+    name: &str,
+    value: f64,
+    (mode, counts): (&str, &Counts),
+) -> Option<[f64; 2]> {
+    let sample = stats::Sample::new(counts.count, counts.trials).ok()?;
+    let wanted = stats::clopper_pearson(sample, stats::Confidence::P95);
+    let mut rate = |value: f64| rate_with(read, solver, name, value, mode);
+    let one = solve::crossing(&mut rate, value, wanted.low, FARTHEST)?;
+    let other = solve::crossing(&mut rate, value, wanted.high, FARTHEST)?;
+    Some([one.min(other), one.max(other)])
+}
+
+fn with_value(read: &Read, name: &str, value: f64) -> Result<String, Refusal> {
+    let edits = edit::set_constant(&read.tree, name, &digits(value)).map_err(|e| e.to_string())?;
+    edit::apply(read.text, &edits).map_err(|e| e.to_string())
+}
+
+fn rate_with(read: &Read, solver: &dyn Solver, name: &str, value: f64, mode: &str) -> Option<f64> {
+    let text = with_value(read, name, value).ok()?;
+    rate_of(&solver.values(&text).ok()?, mode)
+}
+
+/// A constant with six significant digits, as the PRISM language reads it.
+fn digits(value: f64) -> String {
+    let digits: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{digits}")
 }
 
 fn once(text: &str, solver: &dyn Solver, mode: &str, occurs: &str) -> Result<Changed, Refusal> {
@@ -410,6 +719,8 @@ fn once(text: &str, solver: &dyn Solver, mode: &str, occurs: &str) -> Result<Cha
             what: format!("{variable} is drawn once in a run, as it was counted"),
             constant: None,
             values,
+            notes: Vec::new(),
+            settled: None,
         }),
         rate => Err(format!(
             "drawn once, its rate would be {}, not the constant's {value}",

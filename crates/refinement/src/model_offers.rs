@@ -3,11 +3,13 @@
 //! # Definition
 //! For each failure mode: if the model cannot express it and it was counted, a branch ([`ModelChange::Branch`]). Else,
 //! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of
-//! them), or their exact binomial p-value is below the study's level: the constant set to the counted share, or, if it
-//! has that already, the draw made once.
+//! them), or their exact binomial p-value is below the study's level: the constant set to the counted share or, where
+//! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for.
 
 use crate::counts::{Counts, anchors};
-use crate::model_change::{Changed, ModelChange, SAME, Solver, Values, is_set_to, rate_of};
+use crate::model_change::{
+    Changed, ModelChange, SAME, Solver, Values, is_set_to, once_or_solve, rate_of, rate_or_solve,
+};
 use evidence::{Comparison, Evidence, FailureMode, Requirement, Subject};
 
 /// A study's evidence, and what it declares.
@@ -63,13 +65,26 @@ impl Ground<'_> {
     #[must_use]
     pub fn of_model(&self, model: &Model<'_>, before: &Values) -> ModelOffers {
         let mut found = ModelOffers::default();
+        let left = |values: &Values| self.disagreement(model.evidence, values);
         for asked in model.asked {
             let Some(change) = self.wanted(model, asked, before) else {
                 continue;
             };
-            let made = change.and_then(|change| {
-                let changed = change.make(model.text, model.solver)?;
-                Ok((change, changed))
+            let made = change.and_then(|change| match change {
+                ModelChange::Rate {
+                    mode,
+                    occurs,
+                    counts,
+                } => rate_or_solve(model.text, model.solver, (mode, occurs, counts), &left),
+                ModelChange::Once {
+                    mode,
+                    occurs,
+                    counts,
+                } => once_or_solve(model.text, model.solver, (mode, occurs, counts), &left),
+                change => {
+                    let changed = change.make(model.text, model.solver)?;
+                    Ok((change, changed))
+                }
             });
             match made {
                 // Two failures may be mended by one change.

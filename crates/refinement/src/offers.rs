@@ -17,6 +17,9 @@
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
 //!
+//! Each change of a model is tried on all evidence first ([`crate::trial`]): what it repairs and what it breaks is part of
+//! the offer.
+//!
 //! Other engines and vocabularies have no offer: which of two is right is nothing that the evidence says.
 
 use crate::counts::{Counts, anchors};
@@ -24,6 +27,7 @@ use crate::form_change::FormChange;
 use crate::model_change::{Changed, ModelChange};
 use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
+use crate::trial::Trial;
 use evidence::{Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, mixed_up};
 
 /// The part of the margin that may be left of a step's error.
@@ -42,7 +46,7 @@ pub enum Offer {
         /// How.
         change: ModelChange,
         /// The model after it.
-        changed: Changed,
+        changed: Box<Changed>,
     },
     /// Of a requirement's form.
     Form(FormChange),
@@ -69,6 +73,16 @@ pub struct Ranked {
     pub suspect: Option<u32>,
     /// What is offered.
     pub offer: Offer,
+    /// What it does to the agreement with all evidence, where that was computed.
+    pub tried: Option<Trial>,
+}
+
+impl Ranked {
+    /// Whether it makes other evidence conflict, or moves away from the majority of it.
+    #[must_use]
+    pub fn is_harmful(&self) -> bool {
+        self.tried.as_ref().is_some_and(Trial::is_harmful)
+    }
 }
 
 /// All that is offered, in the order of the suspects.
@@ -82,12 +96,24 @@ pub struct Offers {
 
 impl Offers {
     /// Adds what is not offered already.
-    fn extend(&mut self, suspect: Option<u32>, offers: Vec<Offer>) {
-        for offer in offers {
+    fn extend(&mut self, suspect: Option<u32>, offers: Vec<(Offer, Option<Trial>)>) {
+        for (offer, tried) in offers {
             if self.ranked.iter().all(|known| known.offer != offer) {
-                self.ranked.push(Ranked { suspect, offer });
+                self.ranked.push(Ranked {
+                    suspect,
+                    offer,
+                    tried,
+                });
             }
         }
+    }
+
+    /// How many of them do no harm.
+    fn harmless(&self) -> usize {
+        self.ranked
+            .iter()
+            .filter(|known| !known.is_harmful())
+            .count()
     }
 
     /// Whether parameters of this simulation are offered already.
@@ -101,23 +127,26 @@ impl Offers {
 /// What a model's failures ask for, as far as it is not offered yet.
 struct OfModel<'a> {
     evidence: &'a str,
-    changes: Vec<(ModelChange, Changed)>,
+    changes: Vec<(ModelChange, Changed, Trial)>,
 }
 
 impl OfModel<'_> {
     /// Offers all that is left, the changes for these subjects first.
-    fn take(&mut self, first: &[Subject]) -> Vec<Offer> {
+    fn take(&mut self, first: &[Subject]) -> Vec<(Offer, Option<Trial>)> {
         let place = |change: &ModelChange| {
             let mut all = first.iter();
             let place = all.position(|subject| subject.id() == change.mode());
             place.unwrap_or(usize::MAX)
         };
         let mut changes = std::mem::take(&mut self.changes);
-        changes.sort_by_key(|(change, _)| place(change));
-        let offer = |(change, changed)| Offer::Model {
-            evidence: self.evidence.to_owned(),
-            change,
-            changed,
+        changes.sort_by_key(|(change, ..)| place(change));
+        let offer = |(change, changed, trial)| {
+            let offer = Offer::Model {
+                evidence: self.evidence.to_owned(),
+                change,
+                changed: Box::new(changed),
+            };
+            (offer, Some(trial))
         };
         changes.into_iter().map(offer).collect()
     }
@@ -142,7 +171,11 @@ impl<'m> Asking<'m> {
     }
 
     /// Offers what is left of what a model asks for, the changes for these subjects first.
-    fn take(&mut self, place: usize, first: &[Subject]) -> Result<Vec<Offer>, String> {
+    fn take(
+        &mut self,
+        place: usize,
+        first: &[Subject],
+    ) -> Result<Vec<(Offer, Option<Trial>)>, String> {
         if let Some(known) = &mut self.asked[place] {
             return Ok(known.take(first));
         }
@@ -150,9 +183,15 @@ impl<'m> Asking<'m> {
         let before = model.solver.values(model.text)?;
         let found = self.ground.of_model(model, &before);
         self.refused.extend(found.refused);
+        let changes = found.changes.into_iter().map(|(change, changed)| {
+            let trial = self
+                .ground
+                .tried(model.evidence, &before, changed.at_last());
+            (change, changed, trial)
+        });
         let known = self.asked[place].insert(OfModel {
             evidence: model.evidence,
-            changes: found.changes,
+            changes: changes.collect(),
         });
         Ok(known.take(first))
     }
@@ -160,7 +199,8 @@ impl<'m> Asking<'m> {
 
 impl<'g> Ground<'g> {
     /// What is offered against the suspects that nothing has mended, the first suspect's first; then what else the
-    /// failures of the models and of the simulations ask for. `models` and `simulations` are those that may be changed.
+    /// failures of the models and of the simulations ask for. What does harm ([`Ranked::is_harmful`]) comes behind all
+    /// that does none. `models` and `simulations` are those that may be changed.
     ///
     /// # Errors
     /// Why a model cannot be solved as it is.
@@ -206,19 +246,21 @@ impl<'g> Ground<'g> {
         let mut asking = Asking::new(*self, models);
         let mut found = Offers::default();
         for suspect in suspects.iter().filter(|suspect| suspect.is_open()) {
-            if found.ranked.len() < most {
+            if found.harmless() < most {
                 let offers = self.of_suspect(suspect, &mut asking, simulations)?;
                 found.extend(Some(suspect.rank), offers);
             }
         }
         for place in 0..models.len() {
-            if found.ranked.len() < most {
+            if found.harmless() < most {
                 found.extend(None, asking.take(place, &[])?);
             }
         }
         let rest = simulations.iter().filter(|id| !found.fits(id));
-        let rest: Vec<Offer> = rest.filter_map(|id| self.of_counts(id)).collect();
+        let rest = rest.filter_map(|id| Some((self.of_counts(id)?, None)));
+        let rest: Vec<(Offer, Option<Trial>)> = rest.collect();
         found.extend(None, rest);
+        found.ranked.sort_by_key(Ranked::is_harmful);
         found.refused = asking.refused;
         Ok(found)
     }
@@ -228,8 +270,8 @@ impl<'g> Ground<'g> {
         suspect: &Suspect,
         asking: &mut Asking<'_>,
         simulations: &[&str],
-    ) -> Result<Vec<Offer>, String> {
-        Ok(match suspect.asset.kind {
+    ) -> Result<Vec<(Offer, Option<Trial>)>, String> {
+        let offers = match suspect.asset.kind {
             SuspectKind::FormalModel => return self.of_formal(suspect, asking),
             SuspectKind::Property | SuspectKind::Monitor => self.of_form(suspect),
             SuspectKind::Solver => self.of_solver(suspect),
@@ -237,7 +279,8 @@ impl<'g> Ground<'g> {
             SuspectKind::Simulation => self.of_simulation(suspect, simulations),
             SuspectKind::Data => self.of_data(suspect),
             SuspectKind::Vocabulary | SuspectKind::Engine => Vec::new(),
-        })
+        };
+        Ok(offers.into_iter().map(|offer| (offer, None)).collect())
     }
 
     /// The pieces that rest on a suspect, the latest first.
@@ -247,7 +290,7 @@ impl<'g> Ground<'g> {
         all.filter(|piece| ids.contains(&piece.id))
     }
 
-    fn margin(&self, subject: &Subject) -> f64 {
+    pub(crate) fn margin(&self, subject: &Subject) -> f64 {
         let modes = self.failure_modes.iter().map(|m| (&m.id, m.margin));
         let requirements = self.requirements.iter().map(|r| (&r.id, r.margin));
         let margin = match subject {
@@ -258,7 +301,11 @@ impl<'g> Ground<'g> {
     }
 
     /// What the latest model asks for that the suspect rests on, the failure modes first that it is named for.
-    fn of_formal(&self, suspect: &Suspect, asking: &mut Asking<'_>) -> Result<Vec<Offer>, String> {
+    fn of_formal(
+        &self,
+        suspect: &Suspect,
+        asking: &mut Asking<'_>,
+    ) -> Result<Vec<(Offer, Option<Trial>)>, String> {
         let latest = self.pieces(suspect).find_map(|piece| {
             let mut all = asking.models.iter();
             all.position(|model| model.evidence == piece.id)

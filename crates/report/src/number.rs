@@ -108,8 +108,11 @@ pub fn interval(interval: Interval) -> String {
 }
 
 /// A computed probability: two decimals of a percentage, or its distance from
-/// one where the answer carries that.
+/// one where the answer carries that; of a decision process its range over all schedulers.
 pub fn answer(answer: &MethodAnswer) -> String {
+    if let Guarantee::Schedulers { low, high } = answer.guarantee {
+        return interval(Interval { low, high });
+    }
     match answer.complement {
         Some(rest) if rest > 0.0 && rest < 1e-6 => format!("1 − {}", scientific(rest)),
         _ => with_unit(percentage(answer.value, 2)),
@@ -149,6 +152,13 @@ pub fn guarantee(guarantee: &Guarantee) -> String {
         }
         Guarantee::Bounded { low, high } => format!(
             "bounded: {}",
+            interval(Interval {
+                low: *low,
+                high: *high
+            })
+        ),
+        Guarantee::Schedulers { low, high } => format!(
+            "over all schedulers: {}",
             interval(Interval {
                 low: *low,
                 high: *high

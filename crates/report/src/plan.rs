@@ -54,14 +54,31 @@ fn priced(cost: f64, costs: &TrialCosts) -> String {
     format!("{} {}", number::decimal(cost, decimals), costs.unit)
 }
 
-/// One plan: `120 more trials in E3 at 30 min, with a chance of 81 %`.
+/// One plan: `120 more trials in E3 at 30 min, with a chance of 81 % (agreement 70 %, conflict 11 %, neither 19 %)`.
 pub fn plan(plan: &DecisionPlan, costs: &TrialCosts) -> String {
     format!(
         "{}{}, with a chance of {}",
         trials(&plan.trials),
         at_cost(plan.cost, costs),
-        number::percent(plan.chance.min(0.999))
+        outcomes(
+            plan.chance,
+            [
+                ("agreement", plan.agreement),
+                ("conflict", plan.conflict),
+                ("neither", 1.0 - plan.chance),
+            ]
+        )
     )
+}
+
+/// The chance of a decision and that of each outcome; small ones are not rounded to nothing.
+fn outcomes(chance: f64, each: [(&str, f64); 3]) -> String {
+    let percent = |share: f64| match share {
+        share if share > 0.0 && share < 0.001 => format!("below {}", number::percent(0.001)),
+        share => number::percent(share.clamp(0.0, 0.999)),
+    };
+    let each = each.map(|(name, share)| format!("{name} {}", percent(share)));
+    format!("{} ({})", percent(chance), each.join(", "))
 }
 
 /// The trials that would settle a requirement, in the same words.
@@ -78,7 +95,14 @@ pub fn deciding(one: &Deciding, costs: &TrialCosts) -> String {
         "{}{}, with a chance of {}",
         trials(&[planned]),
         at_cost(one.cost.unwrap_or_default(), costs),
-        number::percent(one.chance.unwrap_or_default().min(0.999))
+        outcomes(
+            one.chance.unwrap_or_default(),
+            [
+                ("satisfied", one.satisfied.unwrap_or_default()),
+                ("violated", one.violated.unwrap_or_default()),
+                ("undecided", 1.0 - one.chance.unwrap_or_default()),
+            ]
+        )
     )
 }
 
@@ -139,6 +163,8 @@ mod tests {
             trials: vec![planned("E3", 1), planned("E4", 12000)],
             cost: 31.5,
             chance: 0.8124,
+            agreement: 0.8,
+            conflict: 0.0124,
         };
         let equal = TrialCosts::equal();
         let free = plan(&both, &equal).replace('\u{a0}', " ");
@@ -146,7 +172,12 @@ mod tests {
             free.starts_with("1 more trial in E3 and 12,000 in E4 (about 24,000 runs)"),
             "{free}"
         );
-        assert!(free.ends_with(" runs), with a chance of 81.2 %"), "{free}");
+        assert!(
+            free.ends_with(
+                "with a chance of 81.2 % (agreement 80.0 %, conflict 1.2 %, neither 18.8 %)"
+            ),
+            "{free}"
+        );
         let declared = TrialCosts {
             unit: "min".into(),
             declared: true,

@@ -152,7 +152,7 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         return;
     }
     for conclusion in &study.conclusions {
-        let mark = words::verdict(conclusion.verdict);
+        let mark = words::concluded(conclusion);
         let label = format!(
             "{} {} ",
             mark.symbol,
@@ -160,6 +160,17 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         );
         let sentence = format!("{}. {}", capital(&mark.word), conclusion.statement);
         page.item(&label, style(&mark), &sentence);
+        for one in &conclusion.excluded {
+            let label = " ".repeat(label.width());
+            page.item(&label, "2", &format!("Left out: {}", one.words));
+        }
+        let indent = " ".repeat(label.width());
+        for sensitivity in &conclusion.clustering {
+            page.item(&indent, "", &sensitivity.statement);
+        }
+    }
+    if let Some(words) = words::error_rates(study) {
+        page.item("", "2", &words);
     }
 }
 
@@ -205,6 +216,11 @@ fn matrix(page: &mut Page, view: View) {
         let id = pad(&clean(&requirement.id), 5);
         page.line(&format!("{id}{cells}"));
     }
+    let level = number::level(view.study.confidence);
+    let words = format!(
+        "Intervals are two-sided at {level}; the marks are those of the one-sided limits above."
+    );
+    page.item("", "2", &words);
 }
 
 fn cell(
@@ -216,10 +232,11 @@ fn cell(
 ) -> String {
     let current = view.current(requirement, technique);
     let subject = view.quantity(requirement);
-    let Some(finding) = current.last().and_then(|e| e.finding(&subject)) else {
+    let last = current.last();
+    let Some((evidence, finding)) = last.and_then(|e| Some((e, e.finding(&subject)?))) else {
         return pad("· not asked", column);
     };
-    let mark = words::reading(requirement, &finding.measure);
+    let mark = view.mark(requirement, &evidence.id, &finding.measure);
     let text = format!(
         "{} {}",
         mark.symbol,
@@ -269,12 +286,12 @@ fn combined(page: &mut Page, study: &StudyResult) {
         .synthesis
         .combined
         .iter()
-        .filter(|one| one.verdict != evidence::Verdict::NotCovered)
+        .filter(|one| one.common.is_some())
         .collect();
     if said.is_empty() {
         return;
     }
-    page.heading("Independent evidence together");
+    page.heading("Independent evidence pooled");
     for one in said {
         let label = format!("{} ", pad(&clean(&one.requirement), 5));
         page.item(&label, "2", &one.statement);
@@ -298,7 +315,7 @@ fn further(page: &mut Page, view: View) {
         // The cheapest of each requirement; the report has the others.
         if told.replace(&one.requirement) != Some(&one.requirement) {
             let words = plan::deciding(one, &synthesis.costs);
-            let text = format!("whether requirement {} holds: {words}", one.requirement);
+            let text = format!("requirement {}: {words}", one.requirement);
             page.item("+ ", "33", &text);
         }
     }
@@ -339,13 +356,41 @@ fn outcomes(page: &mut Page, study: &StudyResult) {
     let fits = study
         .comparisons
         .iter()
-        .filter(|c| c.outcome == Outcome::Corroborates && !c.independent)
+        .filter(|c| c.outcome == Outcome::Corroborates && !c.independent && !c.possibly_copied)
         .count();
     if fits > 0 {
         let words = "of those that corroborate are fits: one side was tuned to the other.";
         page.item("", "", &format!("{fits} {words}"));
     }
+    let copies = study.comparisons.iter();
+    let copies = copies.filter(|c| c.outcome == Outcome::Corroborates && c.possibly_copied);
+    let copies = copies.count();
+    if copies > 0 {
+        let words = "of those that corroborate are possibly copied, not corroboration.";
+        page.item("", "", &format!("{copies} {words}"));
+    }
     agreement(page, &study.conclusions);
+    questions(page, study);
+}
+
+/// What looks copied, and what settles it.
+fn questions(page: &mut Page, study: &StudyResult) {
+    let pieces = study.evidence.iter();
+    let all = pieces.flat_map(|piece| &piece.lineage_questions);
+    let open: Vec<_> = all.filter(|question| question.is_open()).collect();
+    if !open.is_empty() {
+        page.heading("Possibly copied: state the lineage");
+    }
+    for question in open {
+        let places = question.places.join(", ");
+        let places = if places.is_empty() {
+            places
+        } else {
+            format!(" ({places})")
+        };
+        let text = format!("{}{places}: {}", question.finding, question.remedy);
+        page.item("? ", "33", &text);
+    }
 }
 
 fn agreement(page: &mut Page, conclusions: &[Conclusion]) {
@@ -400,7 +445,7 @@ fn gaps(page: &mut Page, view: View) {
     if nowhere.is_empty() {
         return;
     }
-    page.heading("Covered by nothing");
+    page.heading("Not covered by any evidence");
     for gap in nowhere {
         let title = view.title(&gap.subject);
         page.item("○ ", "2", &format!("{title}: {}", gap.reason));

@@ -2,13 +2,13 @@
 //! every section uses.
 
 use evidence::{
-    Combined, Conclusion, Evidence, Interval, Measure, Requirement, StudyResult, Subject,
-    Technique, Together,
+    Combined, Conclusion, Evidence, Interval, Measure, PieceStanding, Requirement, Step,
+    StudyResult, Subject, Technique, Together,
 };
 use maud::{Markup, html};
 
 use crate::number;
-use crate::words::Mark;
+use crate::words::{self, Mark};
 
 /// A study being shown.
 #[derive(Clone, Copy)]
@@ -81,6 +81,26 @@ impl<'a> View<'a> {
             .rfind(|e| e.finding(&subject).is_some())
             .into_iter()
             .collect()
+    }
+
+    /// The conclusion on a requirement.
+    pub fn conclusion(&self, requirement: &str) -> Option<&'a Conclusion> {
+        let mut conclusions = self.study.conclusions.iter();
+        conclusions.find(|one| one.requirement == requirement)
+    }
+
+    /// How a piece of evidence stands by itself to what a requirement asks for, where the conclusion judged it.
+    pub fn standing(&self, requirement: &Requirement, evidence: &str) -> Option<&'a PieceStanding> {
+        let mut standings = self.conclusion(&requirement.id)?.standings.iter();
+        standings.find(|it| it.evidence == evidence && it.step != Step::Corroborated)
+    }
+
+    /// The mark of a piece of evidence on a requirement: as the conclusion judged it, else as its interval lies.
+    pub fn mark(&self, requirement: &Requirement, evidence: &str, measure: &Measure) -> Mark {
+        match self.standing(requirement, evidence) {
+            Some(standing) => words::standing(requirement, standing.standing, measure),
+            None => words::reading(requirement, measure),
+        }
     }
 
     /// Anchor of the evidence's entry in the ledger.

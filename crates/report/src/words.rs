@@ -2,8 +2,9 @@
 //! one word, one symbol and one style, so that colour never stands alone.
 
 use evidence::{
-    AssetRole, CERTAINTY, Direction, Guarantee, Identification, Inaccuracy, Likeness, Measure,
-    Outcome, RegionOutcome, Requirement, Technique, Threshold, Verdict,
+    AssetRole, CERTAINTY, Conclusion, Direction, ErrorFamily, Guarantee, Identification,
+    Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing, Step,
+    StudyResult, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -36,6 +37,63 @@ pub fn verdict(verdict: Verdict) -> Mark {
         Verdict::Conflicting => mark("≠", "conflicting evidence", "bad"),
         Verdict::NotCovered => mark("○", "not covered", "none"),
     }
+}
+
+/// Verdict on a requirement with the step on which it stands; one that is not enough for it is open.
+pub fn concluded(conclusion: &Conclusion) -> Mark {
+    let mut mark = verdict(conclusion.verdict);
+    let step = match conclusion.step {
+        None | Some(Step::System) => return mark,
+        Some(step) => step,
+    };
+    mark.word = match step {
+        Step::Corroborated => format!("{}, corroborated", mark.word),
+        _ => format!("{} {}", mark.word, step.words()),
+    };
+    if conclusion.is_open() {
+        mark.tone = "open";
+    }
+    mark
+}
+
+/// How a piece stands to what is required, as the conclusion says.
+pub fn standing(requirement: &Requirement, standing: Standing, measure: &Measure) -> Mark {
+    let Some(threshold) = requirement.threshold else {
+        return reading(requirement, measure);
+    };
+    let level = number::level(threshold.value);
+    let at_least = threshold.direction == Direction::AtLeast;
+    match (standing, at_least) {
+        (Standing::Supports, true) => mark("✓", format!("at least {level}"), "good"),
+        (Standing::Supports, false) => mark("✓", format!("at most {level}"), "good"),
+        (Standing::Denies, true) => mark("✗", format!("below {level}"), "bad"),
+        (Standing::Denies, false) => mark("✗", format!("above {level}"), "bad"),
+        (Standing::Neither, _) => mark("?", format!("open at {level}"), "open"),
+    }
+}
+
+/// For what the error rates of the verdicts hold; `None` where there is no verdict.
+pub fn error_rates(study: &StudyResult) -> Option<String> {
+    let rates = study.conclusions.iter().map(|one| one.error_rate);
+    let rate = rates.max_by_key(|rate| rate.quantities)?;
+    if rate.quantities == 0 {
+        return None;
+    }
+    let level = number::level(rate.level);
+    Some(match rate.holds_for {
+        ErrorFamily::Study => format!(
+            "Error rates: over the whole study ({} tested), a false \"satisfied\" of the system has a probability of at \
+             most {level}, and so has a false \"violated\". Verdicts in simulation and for the model speak of these alone.",
+            match rate.quantities {
+                1 => "1 quantity".to_owned(),
+                many => format!("{many} quantities"),
+            },
+        ),
+        ErrorFamily::Requirement => format!(
+            "Error rates: for each requirement by itself, a false verdict of the system has a probability of at most \
+             {level}; over several requirements it is higher. Verdicts in simulation and for the model speak of these alone."
+        ),
+    })
 }
 
 /// All verdicts in the order in which they are listed.
@@ -109,10 +167,10 @@ pub const OUTCOMES: [Outcome; 4] = [
     Outcome::NotComparable,
 ];
 
-/// Where the interval of a finding lies with respect to what is required.
+/// Where the interval of a finding lies with respect to what is required, for evidence that takes part in no conclusion.
 ///
 /// A reading of two fields side by side, as the eye does it in the forest
-/// plot; the verdict on the requirement is [`evidence::Conclusion`]'s.
+/// plot; where a conclusion judged the piece, [`standing`] shows what it said.
 pub fn reading(requirement: &Requirement, measure: &Measure) -> Mark {
     match measure {
         Measure::NotExpressible { .. } => return mark("⊘", "not expressible", "none"),
@@ -150,7 +208,7 @@ fn certainty(measure: &Measure) -> Mark {
     };
     let (low, high) = match answer.guarantee {
         Guarantee::Exact { .. } => (answer.value, answer.value),
-        Guarantee::Bounded { low, high } => (low, high),
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => (low, high),
         Guarantee::Estimated { .. } => return mark("?", "error unknown", "open"),
     };
     let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) || low < 1.0;
@@ -271,6 +329,7 @@ mod tests {
             monitor: None,
             margin: 0.05,
             same_quantity_as: None,
+            ..Requirement::default()
         }
     }
 
@@ -299,10 +358,12 @@ mod tests {
 
     #[test]
     fn an_interval_is_read_against_its_threshold() {
-        let read = |low, high| reading(&requirement(Some(0.95)), &counts(88, 100, low, high)).tone;
-        assert_eq!(read(0.80, 0.93), "bad");
-        assert_eq!(read(0.96, 0.99), "good");
-        assert_eq!(read(0.90, 0.96), "open");
+        let read = |count, low, high| {
+            reading(&requirement(Some(0.95)), &counts(count, 100, low, high)).tone
+        };
+        assert_eq!(read(88, 0.80, 0.93), "bad");
+        assert_eq!(read(98, 0.96, 0.99), "good");
+        assert_eq!(read(94, 0.90, 0.96), "open");
     }
 
     #[test]

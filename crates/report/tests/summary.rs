@@ -45,7 +45,7 @@ fn fits_and_conflicts_are_said() {
         "Independent, 1a and 1b: E2",
         "(requirement model inaccuracy, score 5.3, still open)",
         "mended in E5",
-        "Covered by nothing",
+        "Not covered by any evidence",
     ] {
         assert!(text.contains(part), "missing: {part}");
     }

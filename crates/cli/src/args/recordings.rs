@@ -81,6 +81,11 @@ pub struct Monitor {
     /// The formula's operators speak of all times, not of the samples.
     #[arg(long, requires = "formula")]
     pub dense: bool,
+    /// By how many seconds the signals of a formula may begin later than the
+    /// first of them for judging to begin when all are there.
+    #[arg(long, value_name = "SECS", requires = "formula",
+          default_value_t = crate::study::START_WITHIN_SECS, value_parser = from_zero)]
+    pub start_within: f64,
     /// Only this requirement or failure mode (may be repeated).
     #[arg(long, value_name = "ID")]
     pub only: Vec<String>,
@@ -169,6 +174,13 @@ pub struct Requirements {
     /// How the requirements are printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+fn from_zero(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 => Ok(value),
+        _ => Err("must be a number of seconds from 0, for example 0.5".into()),
+    }
 }
 
 fn gap_factor(text: &str) -> Result<f64, String> {

@@ -10,7 +10,7 @@ use crate::corroboration::Piece;
 use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::store::{Store, program_hash};
-use crate::study::Study;
+use crate::study::{self, Study};
 use evidence::StudyResult;
 use prepare::{all_assets, prepare, untils};
 use runner::Runner;
@@ -63,6 +63,9 @@ fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<Study
         return Ok((only_some(&pieces, arguments.format)?, None));
     }
     let result = runner.completed(runner.compared(pieces)?);
+    if let Some(looks) = &result.synthesis.looks {
+        study::looks::keep(&study.folder, looks)?;
+    }
     let done = runner.write(&result, arguments.format)?;
     Ok((done, Some(result)))
 }

@@ -15,7 +15,7 @@ use crate::technique::campaign::{
     Campaigning, Finished, Simulator, Source, Until, judged_by, parse_until, words_of,
 };
 use crate::technique::simulation::{Campaign, Seeds, record_with};
-use evidence::{Alone, Verdict};
+use evidence::{Alone, Step, Verdict};
 use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 use ros2_table::Ros2Table;
 use std::path::{Path, PathBuf};
@@ -281,7 +281,7 @@ impl Called<'_> {
         let findings = finished.tally.findings(self.study, finished.intervals)?;
         let requirements = &self.study.requirements;
         Ok(evidence::alone(
-            &self.entry.id,
+            (&self.entry.id, Step::of(self.entry.work.technique())),
             requirements,
             &findings,
             level,

@@ -33,7 +33,7 @@ use crate::outcome::Outcome;
 use crate::problem::Problem;
 use crate::study::Study;
 use crate::technique::judging::{Judgement, Judges, Session};
-use crate::technique::recording::ReadingRules;
+use crate::technique::recording::{ReadingRules, news_of};
 use bench::Bench;
 use event::{LiveVerdict, WatchEvent};
 use evidence::Subject;
@@ -309,7 +309,11 @@ impl Run<'_> {
         if let Some(link) = &self.link {
             link.pass(stream.snapshot());
         }
-        session.step(moment.time_secs, stream.snapshot())?;
+        session.step_changed(
+            moment.time_secs,
+            stream.snapshot(),
+            &news_of(stream, moment),
+        )?;
         self.instants += 1;
         let now: Vec<_> = session.determined().map(|(.., it)| it).collect();
         let news =

@@ -60,6 +60,7 @@ pub fn judged_on_paths(
             place: None,
         }),
         clock: None,
+        start_within_secs: crate::study::START_WITHIN_SECS,
         from_sentence: false,
     })
 }

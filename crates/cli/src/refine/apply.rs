@@ -61,6 +61,10 @@ impl Applier<'_> {
                     let make = |text: &str| change.make(text);
                     applied.push(self.in_place(&file, proposal, &make)?);
                 }
+                Change::Value { file, value } => {
+                    let make = |text: &str| value.make(text);
+                    applied.push(self.in_place(file, proposal, &make)?);
+                }
                 Change::Recalibrate(_) => {}
             }
         }
@@ -144,11 +148,13 @@ impl Applier<'_> {
             if let Some(SetConstant {
                 name,
                 is_complement,
+                is_solved,
             }) = constant
             {
                 step.set_to.retain(|it| it.name != name);
                 step.set_to.push(SetTo {
-                    key: "constant",
+                    // What was solved for is set to the counts, but is not their share.
+                    key: if is_solved { "parameter" } else { "constant" },
                     name,
                     from: change.counts().evidence.clone(),
                     subject: Subject::FailureMode(change.mode().to_owned()),

@@ -8,7 +8,7 @@ use super::proposal::{Change, Effect, Offered, Proposal};
 use crate::forms::drift::{self, Drift, DriftKind};
 use crate::study::{ReadingForm, Study};
 use evidence::{Finding, Measure, StudyResult, Subject, Suspect, SuspectKind};
-use refinement::{FormChange, unified};
+use refinement::{FormChange, Trial, unified};
 
 /// What is offered for the requirements' forms.
 pub fn of_forms(study: &Study, result: &StudyResult, offered: &mut Offered) {
@@ -125,6 +125,7 @@ impl FormOffer {
             file: FILE.into(),
             diff,
             effects: self.effects,
+            tried: Trial::default(),
             notes: vec![self.note.into()],
             needs_decision: true,
             change: Change::Form(change),

@@ -1,6 +1,7 @@
 //! Proposals: what may be changed, why, and what it is predicted to do.
 
 use super::ledger_text::Names;
+use super::one_value::OneValue;
 use super::simulator::Recalibration;
 use super::solver::Solver;
 use crate::problem::Problem;
@@ -8,7 +9,7 @@ use crate::study::{Entry, Study, Work, quoted_names};
 use evidence::{StudyResult, Subject};
 use refinement::{
     Asked, Changed, Counts, FormChange, Ground, Model, ModelChange, ModelOffers, SAME, TextChange,
-    Values, rate_of, unified,
+    Trial, Values, rate_of, unified,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -32,9 +33,11 @@ pub struct Proposal {
     pub diff: String,
     /// What it changes, by solving the changed asset.
     pub effects: Vec<Effect>,
+    /// What it does to the agreement with all other evidence, as far as that can be computed before it is made.
+    pub tried: Trial,
     /// What has to be known before it is accepted.
     pub notes: Vec<String>,
-    /// Whether it is a decision on what a text means, which `--all` leaves open.
+    /// Whether `--all` leaves it open: it decides what a text means, or it makes other evidence conflict.
     pub needs_decision: bool,
     /// What is done.
     #[serde(skip)]
@@ -74,6 +77,13 @@ pub enum Change {
         file: PathBuf,
         /// How.
         change: TextChange,
+    },
+    /// One value of a text is replaced in its place.
+    Value {
+        /// The file, relative to the study.
+        file: String,
+        /// Which value.
+        value: OneValue,
     },
     /// A simulation's parameters are fitted again.
     Recalibrate(Recalibration),
@@ -177,7 +187,7 @@ pub fn model_proposal(
     result: &StudyResult,
     asset: &Asset,
     before: &Values,
-    suspect: Option<u32>,
+    (suspect, tried): (Option<u32>, Trial),
     (change, changed): (ModelChange, Changed),
 ) -> Proposal {
     let entry = &asset.entry.id;
@@ -191,6 +201,9 @@ pub fn model_proposal(
         mode.id().replace('_', " ")
     )];
     notes.extend(remains(&change, &changed));
+    notes.extend(changed.notes.iter().cloned());
+    notes.extend(hides(result, &change, before, changed.at_last()));
+    let is_harmful = tried.is_harmful();
     Proposal {
         number: 0,
         suspect,
@@ -199,8 +212,9 @@ pub fn model_proposal(
         diff: unified(&old, &new, asset.text, &changed.text),
         file: old,
         effects: effects(result, before, &changed.values, &mode, counts),
+        tried,
         notes,
-        needs_decision: false,
+        needs_decision: is_harmful,
         change: Change::Model {
             entry: entry.clone(),
             change,
@@ -218,6 +232,11 @@ fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
         ),
         ModelChange::Rate { .. } => format!(
             "The model's rate of {mode} is {rate:.6}, and it was counted in {}.",
+            counts.words()
+        ),
+        ModelChange::Solve { .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. No constant is that share: what decides it \
+             acts more than once in a run, or several act together, so that it is solved for.",
             counts.words()
         ),
         ModelChange::Once { .. } => format!(
@@ -241,6 +260,49 @@ fn remains(change: &ModelChange, changed: &Changed) -> Option<String> {
             counts.rate()
         )
     })
+}
+
+/// Requirements that the data of the real system miss, and that the changed model would meet: the change would hide it.
+fn hides(
+    result: &StudyResult,
+    change: &ModelChange,
+    before: &Values,
+    after: &Values,
+) -> Vec<String> {
+    let counts = change.counts();
+    let of = |requirement: &evidence::Requirement| {
+        let subject = Subject::Requirement(requirement.id.clone());
+        let value = |values: &Values| values.get(&subject).copied().flatten();
+        let (now, then) = (value(before)?, value(after)?);
+        let meets = |rate: f64| is_met(requirement, rate);
+        let missed = result.evidence.iter().filter(|piece| {
+            let is_real = piece.technique == evidence::Technique::Experiment
+                || piece.technique == evidence::Technique::Operation;
+            is_real && piece.id != counts.evidence && !piece.intermediate
+        });
+        let mut missed = missed.filter_map(|piece| {
+            let counted = Counts::of(&result.evidence, &piece.id, &subject)?;
+            let misses = !meets(counted.rate());
+            misses.then(|| counted.words())
+        });
+        let missed = missed.next().filter(|_| meets(then) && !meets(now))?;
+        Some(format!(
+            "The model then meets requirement {}, which the system misses ({missed}): this would hide a defect.",
+            requirement.id
+        ))
+    };
+    result.requirements.iter().filter_map(of).collect()
+}
+
+/// Whether a rate is on the side of the threshold that is required.
+fn is_met(requirement: &evidence::Requirement, rate: f64) -> bool {
+    match requirement.threshold {
+        Some(threshold) => match threshold.direction {
+            evidence::Direction::AtLeast => rate >= threshold.value,
+            evidence::Direction::AtMost => rate <= threshold.value,
+        },
+        None => rate >= 1.0,
+    }
 }
 
 fn effects(

@@ -3,6 +3,7 @@
 use super::apply::Applied;
 use super::proposal::{Effect, Proposal};
 use evidence::{StudyResult, Subject};
+use refinement::{Touch, Trial};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -121,6 +122,9 @@ fn write_proposal(text: &mut String, proposal: &Proposal) -> std::fmt::Result {
     for effect in &proposal.effects {
         writeln!(text, "  {}", effect_words(effect))?;
     }
+    for line in trial_words(&proposal.tried) {
+        writeln!(text, "  {line}")?;
+    }
     for note in &proposal.notes {
         writeln!(text, "  {note}")?;
     }
@@ -135,6 +139,47 @@ fn write_proposal(text: &mut String, proposal: &Proposal) -> std::fmt::Result {
         writeln!(text, "    {line}")?;
     }
     writeln!(text)
+}
+
+/// What a change repairs, and what it breaks.
+fn trial_words(trial: &Trial) -> Vec<String> {
+    let name = |subject: &Subject| match subject {
+        Subject::Requirement(id) => format!("requirement {id}"),
+        Subject::FailureMode(id) => id.replace('_', " "),
+    };
+    let listed = |touches: &[Touch]| {
+        let words = touches.iter().map(|it| {
+            format!(
+                "{} on {} ({:.1} -> {:.1} decades)",
+                it.evidence,
+                name(&it.subject),
+                it.before,
+                it.after
+            )
+        });
+        words.collect::<Vec<_>>().join(", ")
+    };
+    let mut lines = Vec::new();
+    if !trial.repairs.is_empty() {
+        lines.push(format!("repairs: {}", listed(&trial.repairs)));
+    }
+    if !trial.breaks.is_empty() {
+        lines.push(format!("WARNING, breaks: {}", listed(&trial.breaks)));
+    }
+    if !trial.sides.is_empty() {
+        lines.push(format!(
+            "comes to disagree with what the real system contradicts already: {}",
+            listed(&trial.sides)
+        ));
+    }
+    if !trial.against_majority.is_empty() {
+        let subjects: Vec<String> = trial.against_majority.iter().map(name).collect();
+        lines.push(format!(
+            "WARNING: moves away from the majority of the independent evidence on {}.",
+            subjects.join(", ")
+        ));
+    }
+    lines
 }
 
 fn effect_words(effect: &Effect) -> String {

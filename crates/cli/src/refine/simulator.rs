@@ -101,6 +101,7 @@ fn proposal(
         file: parameters.display().to_string(),
         diff: String::new(),
         effects: Vec::new(),
+        tried: refinement::Trial::default(),
         notes: vec![
             format!(
                 "`corroborate calibrate` is run on {}; the fitted values are known then.",

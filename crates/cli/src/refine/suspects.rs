@@ -4,13 +4,14 @@
 //! itself shows. Only current evidence is changed: what later evidence of the technique replaced stays as it is.
 
 use super::forms::of_forms;
+use super::one_value::OneValue;
 use super::proposal::{Asset, Change, Offered, Proposal, asked, current, ground, model_proposal};
 use super::simulator::of_simulator;
 use super::solver::Solver;
 use crate::problem::{Problem, Source};
 use crate::study::{Entry, Study, Work};
-use evidence::{StudyResult, Suspect};
-use refinement::{FormChange, Model, Offer, Ranked, TextChange, unified};
+use evidence::{StudyResult, Suspect, Symptom};
+use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::PathBuf;
 
 /// All that is offered for a study's result.
@@ -47,8 +48,21 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
         assets,
         offered: Offered::default(),
     };
+    let mut edits: Vec<&Suspect> = result.suspected().iter().filter(|s| s.is_open()).collect();
     for ranked in found.ranked {
+        // What a suspect's own text should say comes before what else is offered for it.
+        let rank = match ranked.is_harmful() {
+            true => None,
+            false => ranked.suspect,
+        };
+        let until = edits.partition_point(|s| rank.is_none_or(|rank| s.rank <= rank));
+        for suspect in edits.drain(..until) {
+            of_values(study, suspect, &mut offering.offered)?;
+        }
         offering.add(ranked)?;
+    }
+    for suspect in edits {
+        of_values(study, suspect, &mut offering.offered)?;
     }
     let mut offered = offering.offered;
     offered.refused.extend(found.refused);
@@ -70,7 +84,12 @@ struct Offering<'a> {
 }
 
 impl Offering<'_> {
-    fn add(&mut self, Ranked { suspect, offer }: Ranked) -> Result<(), Problem> {
+    fn add(&mut self, ranked: Ranked) -> Result<(), Problem> {
+        let Ranked {
+            suspect,
+            offer,
+            tried,
+        } = ranked;
         let mut all = self.result.suspected().iter();
         let of = all.find(|it| Some(it.rank) == suspect);
         match (offer, of) {
@@ -85,8 +104,9 @@ impl Offering<'_> {
                 let mut all = self.assets.iter();
                 if let Some(asset) = all.find(|asset| asset.entry.id == evidence) {
                     let before = self.solver.values(asset.path, asset.text)?;
-                    let change = (change, changed);
-                    let new = model_proposal(self.result, asset, &before, suspect, change);
+                    let change = (change, *changed);
+                    let tried = tried.unwrap_or_default();
+                    let new = model_proposal(self.result, asset, &before, (suspect, tried), change);
                     self.offered.add(new);
                 }
             }
@@ -111,6 +131,51 @@ impl Offering<'_> {
         }
         Ok(())
     }
+}
+
+/// The values that would make other evidence agree, where single edits explain what is held against a suspect.
+fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<(), Problem> {
+    let (Some(file), Some(line)) = (&suspect.asset.file, suspect.asset.line) else {
+        return Ok(());
+    };
+    let source = Source::read(&study.folder.join(file))?;
+    let mut known: Vec<OneValue> = Vec::new();
+    for symptom in &suspect.symptoms {
+        let Symptom::EditExplains { found, instead, .. } = symptom else {
+            continue;
+        };
+        let value = OneValue {
+            line,
+            old: found.clone(),
+            new: instead.clone(),
+        };
+        if known.contains(&value) {
+            continue;
+        }
+        known.push(value.clone());
+        let part = suspect.asset.part.as_deref().unwrap_or("it");
+        let title = format!("{part}: `{instead}` in place of `{found}`");
+        let note = "This decides what a word, a form or a number of the study means; that it makes the evidence agree \
+                    does not show that it is right. Nothing else comes to disagree.";
+        match value.make(&source.text) {
+            Ok(changed) => offered.add(Proposal {
+                title,
+                file: file.clone(),
+                diff: unified(file, file, &source.text, &changed),
+                notes: vec![note.into()],
+                needs_decision: true,
+                ..of(
+                    suspect,
+                    Change::Value {
+                        file: file.clone(),
+                        value,
+                    },
+                )
+            }),
+            Err(reason) => offered.refused.push(format!("{title}: {reason}.")),
+        }
+    }
+    Ok(())
 }
 
 fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut Offered) {
@@ -144,6 +209,7 @@ fn of(suspect: &Suspect, change: Change) -> Proposal {
         diff: String::new(),
         effects: Vec::new(),
         notes: Vec::new(),
+        tried: Trial::default(),
         needs_decision: false,
         change,
     }

@@ -9,6 +9,9 @@ use temporal::formula::{Ending, Formula, FormulaMonitor, Parsed, Settings, TimeM
 use temporal::monitor::{Monitor, MonitorSpec};
 use toml::Spanned;
 
+/// How much later than the first the last signal may begin, unless that is said.
+pub const START_WITHIN_SECS: f64 = 1.0;
+
 /// One way of judging a trace.
 #[derive(Clone, Debug, Serialize)]
 pub struct JudgingForm {
@@ -17,6 +20,9 @@ pub struct JudgingForm {
     /// The signal whose value is the time, if it is not the recording's own
     /// clock; in seconds or in its unit.
     pub clock: Option<String>,
+    /// By how much later than the first of the signals that are read the last
+    /// one may begin for judging to begin with it, in seconds.
+    pub start_within_secs: f64,
     /// Whether it comes from the requirement's sentence.
     pub from_sentence: bool,
 }
@@ -120,6 +126,7 @@ pub struct JudgingText {
     time: Option<Spanned<TimeModel>>,
     ending: Option<Spanned<Ending>>,
     clock: Option<Spanned<String>>,
+    start_within_secs: Option<Spanned<f64>>,
 }
 
 impl JudgingText {
@@ -130,6 +137,7 @@ impl JudgingText {
         time: Option<Spanned<TimeModel>>,
         ending: Option<Spanned<Ending>>,
         clock: Option<Spanned<String>>,
+        start_within_secs: Option<Spanned<f64>>,
     ) -> Self {
         Self {
             monitor,
@@ -137,7 +145,14 @@ impl JudgingText {
             time,
             ending,
             clock,
+            start_within_secs,
         }
+    }
+
+    /// How much later than the first the last signal may begin.
+    pub fn start_within_secs(&self) -> f64 {
+        let limit = self.start_within_secs.as_ref();
+        limit.map_or(START_WITHIN_SECS, |limit| *limit.get_ref())
     }
 
     /// How time is to be read, if that is written.
@@ -168,6 +183,10 @@ impl JudgingText {
         if let Some(clock) = &self.clock {
             reader.check_clock(clock)?;
         }
+        if let Some(limit) = &self.start_within_secs {
+            reader.check_limit(limit)?;
+        }
+        let start_within_secs = self.start_within_secs();
         let rule = match (self.monitor, self.formula) {
             (None, None) => return Ok(None),
             (Some(_), Some(formula)) => {
@@ -195,6 +214,7 @@ impl JudgingText {
         Ok(Some(JudgingForm {
             rule,
             clock,
+            start_within_secs,
             from_sentence: false,
         }))
     }
@@ -213,6 +233,19 @@ impl Reader<'_> {
                 .at(self.source, clock.span())
                 .remedy("name a signal that holds the time, for example \"/clock.wall\"")
         })
+    }
+
+    fn check_limit(&self, limit: &Spanned<f64>) -> Result<(), Problem> {
+        let secs = *limit.get_ref();
+        if secs >= 0.0 {
+            return Ok(());
+        }
+        Err(Problem::new(
+            "bad-form",
+            format!("`start_within_secs` must be a number of seconds from 0 (got {secs})"),
+        )
+        .at(self.source, limit.span())
+        .remedy("give the longest time between the beginnings of two signals, for example 0.5"))
     }
 
     fn staged(&self, monitor: Spanned<MonitorSpec>) -> Result<MonitorSpec, Problem> {

@@ -31,12 +31,30 @@ pub struct Entry {
     pub reproduced_by: Option<String>,
     /// Whose counts its assets were set to.
     pub calibrated: Vec<Calibrated>,
+    /// Why it is independent of evidence from which it looks copied.
+    pub independent: Independent,
     /// Figures of the source publication.
     pub published: Published,
     /// How to produce it.
     pub work: Work,
     /// How its episodes are run, for simulations.
     pub sampling: Sampling,
+}
+
+/// Why evidence is independent of other evidence from which it looks copied: a reason for all of it, or for each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Independent {
+    /// Of all.
+    pub of_all: Option<String>,
+    /// Of some, by their identifiers.
+    pub of: BTreeMap<String, String>,
+}
+
+impl Independent {
+    /// The reason why it is independent of this evidence, if one is given.
+    pub fn reason(&self, of: &str) -> Option<&str> {
+        self.of.get(of).or(self.of_all.as_ref()).map(String::as_str)
+    }
 }
 
 /// How the episodes of a simulation are run.

@@ -1,8 +1,10 @@
 //! Requirements and failure modes: what is asked, and the forms in which each
 //! technique asks it.
 
+mod carried;
 mod read;
 mod threshold;
+mod trigger;
 
 use super::judging_form::{JudgingForm, Rule};
 use super::sentence_form::SentenceForm;
@@ -11,6 +13,7 @@ use evidence::Subject;
 use std::ops::Range;
 
 pub use read::{load, quoted_names};
+pub use trigger::TriggerForm;
 
 /// How every subject is judged.
 #[derive(Debug)]
@@ -70,6 +73,8 @@ pub struct SubjectForm {
     /// For failure modes: the probability of an opportunity, by which the
     /// property's is divided.
     pub opportunity: Option<FormText>,
+    /// What triggers it in a model, so that the property's probability is given that.
+    pub trigger: TriggerForm,
     /// For traces, as written or else from the sentence.
     pub monitor: Option<JudgingForm>,
     /// Why there is no monitor, if the sentence cannot be made into one.
@@ -80,6 +85,8 @@ pub struct SubjectForm {
     pub readings: Vec<ReadingForm>,
     /// The proposition whose column of the experiments' table counts it.
     pub experiment: Option<String>,
+    /// The places of the declarations of what carries over to it.
+    pub carried_at: Vec<Range<usize>>,
 }
 
 impl SubjectForm {

@@ -7,7 +7,9 @@ use super::judging_form::{FormulaRule, JudgingForm, JudgingText, Rule, is_name};
 use super::{StudyParameters, Vocabulary};
 use crate::problem::{Problem, Source, did_you_mean};
 use requirement_lang::compile::coverage::{Bin, bins};
-use requirement_lang::compile::goal::{ModelGoal, TraceGoal, model_goal, trace_goal};
+use requirement_lang::compile::goal::{
+    ModelGoal, TraceGoal, model_goal, trace_goal, trigger_probability,
+};
 use requirement_lang::compile::monitor::{Monitor, monitor};
 use requirement_lang::compile::property::{Model, Property, property};
 use requirement_lang::sentence::{Amount, Duration, Sentence, Stage, Timing};
@@ -31,6 +33,8 @@ pub struct SentenceForm {
     pub property: Result<Property, String>,
     /// For a test generator that searches the model.
     pub model_goal: Result<ModelGoal, String>,
+    /// The property that asks for the probability of its trigger.
+    pub trigger: Result<String, String>,
     /// For a test generator that simulates.
     pub trace_goal: Result<TraceGoal, String>,
     /// What a campaign of tests should have seen.
@@ -155,6 +159,7 @@ impl SentenceReader<'_> {
                     JudgingForm {
                         rule: Rule::Formula(rule),
                         clock: judging.clock(),
+                        start_within_secs: judging.start_within_secs(),
                         from_sentence: true,
                     }
                 })
@@ -164,6 +169,7 @@ impl SentenceReader<'_> {
             monitor,
             property: property(&tree, &model).map_err(|reason| reason.to_string()),
             model_goal: model_goal(&tree, &model).map_err(|reason| reason.to_string()),
+            trigger: trigger_probability(&tree, &model).map_err(|reason| reason.to_string()),
             trace_goal: trace_goal(&tree).map_err(|reason| reason.to_string()),
             bins: bins(&tree).map_err(|reason| reason.to_string()),
             not_in_experiments: self.unbound(&tree, |p| p.column.is_some()),

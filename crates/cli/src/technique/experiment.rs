@@ -12,6 +12,7 @@
 
 mod alike;
 mod by_subject;
+pub mod renamed;
 pub mod repeated;
 mod tests_of_cohort;
 
@@ -22,7 +23,7 @@ use crate::problem::Problem;
 use crate::store::Inputs;
 use crate::study::{Study, SubjectForm};
 use alike::Alike;
-use evidence::{Cost, Finding, Measure, Subject, Technique, Tool};
+use evidence::{Cost, Denominator, Finding, Measure, Subject, Technique, Tool};
 use std::collections::BTreeMap;
 use std::path::Path;
 use trace::Table;
@@ -103,6 +104,8 @@ impl Tables {
             findings.push(Finding {
                 subject: form.subject.clone(),
                 measure: self.measure(study, form, alike.as_mut())?,
+                denominator: self.denominator(&form.subject),
+                trigger: self.trigger(study, &form.subject)?,
                 undecided: 0,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
@@ -155,10 +158,13 @@ impl Tables {
             ),
         };
         let is_requirement = matches!(form.subject, Subject::Requirement(_));
+        // Of a requirement that the tables do not say to be covered in fewer, every attempt is a trial.
+        let in_every_attempt = is_requirement
+            && total.is_none_or(|(_, trials)| Some(trials) == self.attempts() || trials == 0);
         match (alike, by_subject, total) {
             // Which attempts were opportunities is known only in all.
             (Some(alike), Some(by_subject), Some((count, trials)))
-                if !is_requirement && trials > 0 =>
+                if !in_every_attempt && trials > 0 =>
             {
                 alike.occurrences(form, &by_subject, (count, trials), level)
             }
@@ -169,6 +175,49 @@ impl Tables {
             (Some(alike), _, Some((count, trials))) => alike.total(form, (count, trials), level),
             (None, _, Some((count, trials))) => counts(count, trials, None, level),
             (_, _, None) => Ok(not_covered("The tables do not speak of it.")),
+        }
+    }
+
+    /// All attempts of the cohort.
+    fn attempts(&self) -> Option<u64> {
+        self.cohort
+            .as_ref()
+            .map(|cohort| cohort.attempts.iter().sum())
+    }
+
+    /// In how many trials the subject was covered, if the tables say so.
+    fn covered(&self, subject: &Subject) -> Option<u64> {
+        match subject {
+            Subject::Requirement(id) => {
+                let mut rows = self.requirements.iter();
+                rows.find(|row| &row.requirement == id)
+                    .map(|row| row.covered)
+            }
+            Subject::FailureMode(id) => {
+                let mut rows = self.failure_modes.iter();
+                rows.find(|row| &row.mode == id)
+                    .map(|row| row.opportunities)
+            }
+        }
+    }
+
+    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were.
+    fn denominator(&self, subject: &Subject) -> Denominator {
+        match self.covered(subject) {
+            Some(covered) if Some(covered) != self.attempts() => Denominator::Triggered,
+            _ => Denominator::EveryRun,
+        }
+    }
+
+    /// The share of attempts that trigger the subject, if the tables say it.
+    fn trigger(&self, study: &Study, subject: &Subject) -> Result<Option<Box<Measure>>, Problem> {
+        let level = confidence(study.about.confidence)?;
+        match (self.covered(subject), self.attempts()) {
+            // A trial may have several opportunities, which are then no share of the attempts.
+            (Some(covered), Some(attempts)) if covered <= attempts => {
+                Ok(Some(Box::new(counts(covered, attempts, None, level)?)))
+            }
+            _ => Ok(None),
         }
     }
 

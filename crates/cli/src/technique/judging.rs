@@ -1,17 +1,22 @@
 //! Judging traces with the study's monitors and formulas.
 //!
-//! A trace is judged at every time at which any of its signals was recorded,
-//! so that nothing falls between two polls; signals keep their last value in
-//! between. The clock is the trace's, unless a form names a signal as its
+//! Each monitor is given the samples of the signals that it reads, and nothing
+//! else, so that its verdict depends on them alone (`explain signals`); signals
+//! keep their last value in between. The clock is the trace's, unless a form names a signal as its
 //! clock. [`Judges`] holds what is compiled once; a [`Session`] is one pass
 //! over one trace, whether it comes from memory, a file or a running system.
 
+mod at_work;
+mod losses;
 mod session;
 mod shown;
 mod space_time;
+#[cfg(test)]
+mod tests;
 mod valueless;
 
-pub use session::Session;
+pub use losses::Losses;
+pub use session::{News, Session};
 pub use shown::Shown;
 pub use space_time::{SpaceTime, SpaceTimeSession};
 pub use valueless::valueless_of;
@@ -21,9 +26,9 @@ use crate::store::Inputs;
 use crate::study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
 use evidence::Subject;
 use std::collections::BTreeMap;
-use temporal::formula::FormulaMonitor;
+use temporal::formula::{Formula, FormulaMonitor, Settings};
 use temporal::monitor::{Monitor, RobustnessMonitor, TooManyUnbounded, Verdict};
-use trace::{Cursor, Predicate, Quantity, Sampling, Trace, ticks};
+use trace::{Predicate, Quantity, Replay, Trace};
 
 /// All monitors of a study, compiled.
 #[derive(Debug)]
@@ -48,6 +53,8 @@ struct SubjectJudge<'a> {
     propositions: Vec<usize>,
     /// Its place in `clocks`; `None` for the trace's clock.
     clock: Option<usize>,
+    /// By how much later than the first of its signals the last one may begin.
+    start_within_secs: f64,
 }
 
 /// A rule that is ready to judge.
@@ -60,6 +67,9 @@ enum CompiledRule {
     },
     Formula {
         monitor: Box<FormulaMonitor>,
+        /// What it was made of.
+        formula: Box<Formula>,
+        settings: Box<Settings>,
         /// The texts of its atoms.
         atoms: Vec<String>,
     },
@@ -94,6 +104,9 @@ pub struct JudgedTrace {
     pub no_robustness: Option<TooManyUnbounded>,
     /// When the verdict was determined, if before the end; seconds.
     pub decided_at_secs: Option<f64>,
+    /// From when on it was judged, if not from its first sample on: when all
+    /// signals that it reads had a value; seconds.
+    pub judged_from_secs: Option<f64>,
     /// Why it is violated.
     pub violation: Option<Violation>,
 }
@@ -198,7 +211,16 @@ impl<'a> Judges<'a> {
 
     /// Begins to judge a trace with the channels of `layout`.
     pub fn start<'s>(&'s self, layout: &Trace) -> Result<Session<'s, 'a>, Problem> {
-        Session::new(self, layout)
+        Session::new(self, layout, &Losses::default())
+    }
+
+    /// As [`Judges::start`], of a trace from which samples may be missing.
+    pub fn start_lossy<'s>(
+        &'s self,
+        layout: &Trace,
+        losses: &Losses,
+    ) -> Result<Session<'s, 'a>, Problem> {
+        Session::new(self, layout, losses)
     }
 
     /// Judges one trace with all monitors in one pass.
@@ -223,15 +245,22 @@ impl<'a> Judges<'a> {
         watch: &mut dyn FnMut(f64, &Session<'_, 'a>) -> Result<(), Problem>,
     ) -> Result<Vec<Judgement<'a>>, Problem> {
         let mut session = self.start(trace)?;
-        let times = ticks(trace, Sampling::EveryRow)
-            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-        let mut cursor = Cursor::new(trace);
-        for time_secs in times {
-            cursor.seek(time_secs);
-            session.step(time_secs, &cursor)?;
-            watch(time_secs, &session)?;
+        let mut replay = Replay::new(trace);
+        let mut end_secs = f64::NEG_INFINITY;
+        while let Some(sample) = replay.advance() {
+            end_secs = sample.time_secs;
+            let news = News {
+                changed: replay.changed(),
+                sampled: None,
+                dropped: None,
+                more: sample.more,
+            };
+            session.step_changed(sample.time_secs, &replay, &news)?;
+            if !sample.more {
+                watch(sample.time_secs, &session)?;
+            }
         }
-        Ok(session.finish(trace.complete))
+        Ok(session.finish_run(trace.complete, end_secs))
     }
 }
 
@@ -278,6 +307,7 @@ impl<'a> Collector<'a> {
             rule,
             propositions,
             clock,
+            start_within_secs: form.start_within_secs,
         });
         Ok(())
     }
@@ -331,6 +361,8 @@ impl CompiledRule {
         let atoms = rule.parsed.atoms.iter().map(|atom| atom.text.clone());
         Ok(Self::Formula {
             monitor: Box::new(monitor),
+            formula: Box::new(rule.parsed.formula.clone()),
+            settings: Box::new(rule.settings()),
             atoms: atoms.collect(),
         })
     }

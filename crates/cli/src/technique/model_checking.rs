@@ -12,11 +12,14 @@
 mod answer;
 mod at_constants;
 mod functions;
+mod given;
 mod point_values;
 mod robust;
+mod schedulers;
 mod uncertainty;
 
 pub use answer::{explore, explore_within, sharp_complement};
+use given::{Asked, Given};
 
 use super::Produced;
 use crate::problem::{Problem, Source};
@@ -24,7 +27,9 @@ use crate::store::Inputs;
 use crate::study::{FormText, Method, Study, quoted_names};
 use crate::talk::{Interrupt, Stage};
 use checker::state_space::StateSpace;
-use evidence::{Cost, Finding, Measure, Subject, Tool};
+use evidence::{Cost, Denominator, Finding, Measure, Subject, Tool};
+use prism_lang::ast::Optimum;
+use prism_lang::property::Quantity;
 use prism_lang::{Constants, Diagnostic, Number, Property, Rational, Value, resolved};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -53,6 +58,10 @@ struct Question<'a> {
     subject: &'a Subject,
     property: &'a FormText,
     opportunity: Option<&'a FormText>,
+    /// What is asked given that the subject is triggered, if not always; or why its trigger is unknown.
+    given: Result<Option<Given>, String>,
+    /// Whether the model leaves choices open, so that the answer is a range over all schedulers.
+    has_choices: bool,
     /// Why this model cannot be asked, if so.
     missing: Option<String>,
 }
@@ -153,10 +162,16 @@ impl<'a> Compiled<'a> {
                     self.property(&self.model, text)?;
                 }
             }
+            let given = match (&missing, &form.opportunity) {
+                (None, None) => self.given(&form.subject, property, &form.trigger)?,
+                _ => Ok(None),
+            };
             questions.push(Question {
                 subject: &form.subject,
                 property,
                 opportunity: form.opportunity.as_ref(),
+                given,
+                has_choices: self.model.model_type.has_choices(),
                 missing,
             });
         }
@@ -165,7 +180,23 @@ impl<'a> Compiled<'a> {
 
     /// A property with the vocabulary's propositions as labels, bound to a
     /// model.
+    ///
+    /// Of a model with choices, the least probability over all schedulers.
     fn property(&self, model: &resolved::Model, text: &FormText) -> Result<Property, Problem> {
+        self.property_over(model, text, Optimum::Min)
+    }
+
+    /// The same, of a model with choices the least or the greatest probability.
+    fn property_over(
+        &self,
+        model: &resolved::Model,
+        text: &FormText,
+        optimum: Optimum,
+    ) -> Result<Property, Problem> {
+        let text = &match model.model_type.has_choices() {
+            true => schedulers::with_optimum(text, optimum),
+            false => text.clone(),
+        };
         let mut whole = String::new();
         let names: BTreeSet<_> = quoted_names(&text.text)
             .into_iter()
@@ -191,6 +222,11 @@ impl<'a> Compiled<'a> {
         })?;
         match properties.pop().map(|p| p.property) {
             Some(property @ Property::Probability { bound: None, .. }) => Ok(property),
+            Some(
+                property @ Property::Number(
+                    Quantity::Probability { .. } | Quantity::Conditional { .. },
+                ),
+            ) => Ok(property),
             _ => Err(Problem::new(
                 "not-a-probability",
                 "a requirement's property must ask for a probability",
@@ -225,15 +261,21 @@ impl<'a> Compiled<'a> {
         };
         let mut findings = Vec::new();
         for question in &self.questions {
-            let measure = match &question.missing {
-                Some(reason) => Measure::NotExpressible {
-                    reason: reason.clone(),
+            let asked = match &question.missing {
+                Some(reason) => Asked {
+                    measure: Measure::NotExpressible {
+                        reason: reason.clone(),
+                    },
+                    denominator: Denominator::default(),
+                    trigger: None,
                 },
-                None => self.measure(question, methods, &space, exact_space.as_ref(), &cancel)?,
+                None => self.ask(question, methods, &space, exact_space.as_ref(), &cancel)?,
             };
             findings.push(Finding {
                 subject: question.subject.clone(),
-                measure,
+                measure: asked.measure,
+                denominator: asked.denominator,
+                trigger: asked.trigger,
                 undecided: 0,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
@@ -241,6 +283,9 @@ impl<'a> Compiled<'a> {
         }
         self.say_what_is_missing(&mut findings);
         let (held, varied): (Vec<_>, Vec<_>) = counted.iter().cloned().partition(|c| c.held);
+        if !varied.is_empty() && self.model.model_type.has_choices() {
+            return Err(self.cannot_carry(id, &varied));
+        }
         if !varied.is_empty() {
             self.carry_uncertainty(id, &varied, &mut findings, interrupt, begin)?;
         }
@@ -281,6 +326,8 @@ impl<'a> Compiled<'a> {
                             }
                         },
                     },
+                    denominator: Denominator::default(),
+                    trigger: None,
                     undecided: 0,
                     witnesses: Vec::new(),
                     readings: Vec::new(),
@@ -289,40 +336,27 @@ impl<'a> Compiled<'a> {
         }
     }
 
-    fn measure(
+    fn ask(
         &self,
         question: &Question,
         methods: &[Method],
         space: &StateSpace<f64>,
         exact_space: Option<&StateSpace<Rational>>,
         cancel: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Measure, Problem> {
-        let mut answers = Vec::new();
-        for method in methods {
-            let answer = |text: &FormText| {
-                let property = self.property(&self.model, text)?;
-                answer::answer(&property, *method, space, exact_space, cancel)
+    ) -> Result<Asked, Problem> {
+        question.ask(methods.len(), &|method, text| {
+            let end = |optimum| {
+                let property = self.property_over(&self.model, text, optimum)?;
+                answer::answer(&property, methods[method], space, exact_space, cancel)
                     .map_err(|problem| problem.at(&self.study.forms.source, text.span.clone()))
             };
-            let occurs = answer(question.property)?;
-            answers.push(match question.opportunity {
-                None => occurs,
-                Some(opportunity) => {
-                    let opportunity = answer(opportunity)?;
-                    if opportunity.value <= 0.0 {
-                        return Ok(Measure::NotCovered {
-                            reason: "In the model, the opportunity has probability 0.".into(),
-                        });
-                    }
-                    occurs.quotient(&opportunity)
+            match question.has_choices {
+                false => end(Optimum::Min),
+                true => {
+                    let ends = (end(Optimum::Min)?, end(Optimum::Max)?);
+                    Ok(schedulers::range(question.subject, ends))
                 }
-            });
-        }
-        let first = answers.remove(0);
-        Ok(Measure::Probability {
-            answer: first,
-            others: answers,
-            credible: None,
+            }
         })
     }
 
@@ -332,9 +366,15 @@ impl<'a> Compiled<'a> {
         inputs.add("model", self.source.text.as_bytes());
         for question in &self.questions {
             inputs.add("subject", question.subject.id().as_bytes());
-            for text in [Some(question.property), question.opportunity]
-                .into_iter()
-                .flatten()
+            let trigger = question.given.as_ref().ok().and_then(Option::as_ref);
+            inputs.add_json("given", &question.given.as_ref().err());
+            for text in [
+                Some(question.property),
+                question.opportunity,
+                trigger.map(|given| &given.trigger),
+            ]
+            .into_iter()
+            .flatten()
             {
                 inputs.add("property", text.text.as_bytes());
                 for (name, _) in quoted_names(&text.text) {

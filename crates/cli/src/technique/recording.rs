@@ -3,7 +3,9 @@
 //! A trace that this program wrote is read whole; any other recording is
 //! streamed through the study's topic map, so that its size does not matter.
 
-use super::judging::{Judgement, Judges, Session, Shown, valueless_of};
+mod losses;
+
+use super::judging::{Judgement, Judges, Losses, News, Session, Shown, valueless_of};
 use crate::args::{Opening, TimeChoice};
 use crate::problem::{Problem, Source};
 use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
@@ -132,22 +134,60 @@ impl ReadingRules {
         .map_err(|problem| problem.about(&path.display().to_string()))
     }
 
+    /// Judges a recording as it is read. If something of it is lost, it is read
+    /// again, now that it is known where.
     fn of_stream<'a>(
         &self,
         judges: &Judges<'a>,
         path: &Path,
-        mut shown: Option<&mut Shown>,
+        shown: Option<&mut Shown>,
         go_on: &dyn Fn() -> Result<(), Problem>,
     ) -> Result<JudgedRecording<'a>, Problem> {
+        let whole = Losses::default();
+        let (found, stream) = self.of_stream_once(judges, path, &whole, None, go_on)?;
+        let losses = self.losses(judges, path, &stream, go_on)?;
+        if losses == whole && shown.is_none() {
+            return Ok(found);
+        }
+        let (found, _) = self.of_stream_once(judges, path, &losses, shown, go_on)?;
+        Ok(found)
+    }
+
+    /// The signals whose values become too old.
+    fn can_drop(&self, judges: &Judges<'_>, layout: &Trace) -> Vec<SignalIndex> {
+        let is_limited = |name: &String| {
+            let entry = self.map.find(name);
+            entry.is_some_and(|(entry, _)| entry.staleness_secs.is_some())
+        };
+        let signals = judges.signals();
+        let limited = signals.iter().filter(|name| is_limited(name));
+        limited.filter_map(|name| layout.signal(name)).collect()
+    }
+
+    fn of_stream_once<'a>(
+        &self,
+        judges: &Judges<'a>,
+        path: &Path,
+        losses: &Losses,
+        mut shown: Option<&mut Shown>,
+        go_on: &dyn Fn() -> Result<(), Problem>,
+    ) -> Result<(JudgedRecording<'a>, SignalStream), Problem> {
         let mut stream = self.stream(judges, path)?;
+        let losses = Losses {
+            can_drop: self.can_drop(judges, stream.layout()),
+            ..losses.clone()
+        };
         let valueless = stream.without_values();
         let layout = judges.with_valueless(stream.layout(), &valueless);
-        let mut session = judges.start(&layout)?;
+        let mut session = judges.start_lossy(&layout, &losses)?;
         let mut instants = 0_u64;
         let mut failed = None;
         loop {
             match stream.next_instant() {
-                Ok(Some(moment)) => take(&mut session, &stream, moment, shown.as_deref_mut())?,
+                Ok(Some(moment)) => {
+                    take(&mut session, &stream, moment, shown.as_deref_mut())?;
+                    instants += u64::from(!moment.more);
+                }
                 Ok(None) => break,
                 // What was read before is judged; the rest is lost.
                 Err(error) => {
@@ -155,7 +195,6 @@ impl ReadingRules {
                     break;
                 }
             }
-            instants += 1;
             if instants.is_multiple_of(1 << 16) {
                 go_on()?;
             }
@@ -171,14 +210,19 @@ impl ReadingRules {
         let complete = complete && missed.is_none();
         lost.extend(missed);
         let until_secs = super::watched::until_secs(&stream);
-        Ok(JudgedRecording {
-            judgements: session.finish_at(complete, until_secs)?,
+        let judgements = match (until_secs, stream.end_secs()) {
+            (None, Some(end_secs)) => session.finish_run(complete, end_secs),
+            _ => session.finish_at(complete, until_secs)?,
+        };
+        let judged = JudgedRecording {
+            judgements,
             lost,
             notes,
             signals: signals_of(judges, stream.layout()),
             complete,
             instants,
-        })
+        };
+        Ok((judged, stream))
     }
 
     /// A whole recording as a trace: as it is if this program wrote it, or else of the signals
@@ -248,10 +292,24 @@ fn take(
     moment: Moment,
     shown: Option<&mut Shown>,
 ) -> Result<(), Problem> {
-    session.step_changed(moment.time_secs, stream.snapshot(), stream.changed())?;
-    match shown {
+    session.step_changed(
+        moment.time_secs,
+        stream.snapshot(),
+        &news_of(stream, moment),
+    )?;
+    match shown.filter(|_| !moment.more) {
         Some(shown) => shown.instant(moment.log_nanos, session),
         None => Ok(()),
+    }
+}
+
+/// What an instant of a stream brings.
+pub fn news_of(stream: &SignalStream, moment: Moment) -> News<'_> {
+    News {
+        changed: stream.changed(),
+        sampled: Some(stream.sampled()),
+        dropped: Some(stream.dropped()),
+        more: moment.more,
     }
 }
 

@@ -1,7 +1,18 @@
 //! What a finding says of its rate, in the three forms that comparison knows.
 
+use crate::looks::over_looks;
 use crate::{CredibleInterval, Guarantee, Measure, MethodAnswer};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, IntervalMethod, Sample};
+use std::rc::Rc;
+
+/// Counts at an earlier look, of the same sequence of trials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CountsThen {
+    /// The counts as they were.
+    pub sample: Sample,
+    /// At their effective size.
+    pub effective: EffectiveSample,
+}
 
 /// What is known of a rate.
 #[derive(Clone, Debug)]
@@ -12,6 +23,8 @@ pub(crate) enum Belief {
         sample: Sample,
         /// The same rate at the effective size.
         effective: EffectiveSample,
+        /// The counts at looks before this one, where trials may be added; `None` if this is the only look.
+        before: Option<Rc<[CountsThen]>>,
     },
     /// A computed probability, between these bounds.
     Known {
@@ -19,6 +32,9 @@ pub(crate) enum Belief {
         value: f64,
         /// Bounds that hold.
         bounds: Interval,
+        /// Whether every value between the bounds is one that the model allows (a decision process), so that a rate
+        /// agrees with it that agrees with any of them.
+        is_range: bool,
     },
     /// A computed probability of a model whose constants are uncertain.
     Distribution {
@@ -38,13 +54,18 @@ impl Belief {
                 trials,
                 effective_trials,
                 ..
-            } => counts(*count, *trials, *effective_trials),
+            } => Self::of_counts(*count, *trials, *effective_trials),
             Measure::Probability {
                 answer, credible, ..
             } => computed(answer, credible.as_ref()),
             Measure::NotExpressible { reason } => Err(format!("cannot express it. {reason}")),
             Measure::NotCovered { reason } => Err(format!("never covered it. {reason}")),
         }
+    }
+
+    /// What counts say, at their effective size.
+    pub fn of_counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Self, String> {
+        counts(count, trials, effective)
     }
 
     /// The rate or probability.
@@ -55,12 +76,33 @@ impl Belief {
         }
     }
 
+    /// Every value that it may have as far as it says itself: of a range over all schedulers all of it, else the estimate.
+    pub fn values(&self) -> Interval {
+        match self {
+            Self::Known {
+                bounds,
+                is_range: true,
+                ..
+            } => *bounds,
+            other => Interval {
+                low: other.estimate(),
+                high: other.estimate(),
+            },
+        }
+    }
+
     /// An interval of the rate: Wilson's, the bounds, or a credible interval.
     pub fn interval(&self, confidence: Confidence) -> Interval {
         match self {
             Self::Counts { effective, .. } => stats::wilson(*effective, confidence),
             Self::Known { bounds, .. } => *bounds,
-            Self::Distribution { posterior, .. } => posterior.credible_interval(confidence),
+            Self::Distribution { value, posterior } => {
+                let central = posterior.credible_interval(confidence);
+                Interval {
+                    low: central.low.min(*value),
+                    high: central.high.max(*value),
+                }
+            }
         }
     }
 
@@ -68,6 +110,9 @@ impl Belief {
     /// the lower bound, or a quantile.
     pub fn lower_limit(&self, confidence: Confidence) -> f64 {
         match self {
+            Self::Counts {
+                before: Some(_), ..
+            } => over_looks::lower_limit(self, confidence.alpha()),
             Self::Counts { effective, .. } => {
                 IntervalMethod::ClopperPearson.lower_limit(*effective, confidence)
             }
@@ -79,6 +124,9 @@ impl Belief {
     /// The value that the rate does not exceed with `confidence`, one-sided, found as the lower limit.
     pub fn upper_limit(&self, confidence: Confidence) -> f64 {
         match self {
+            Self::Counts {
+                before: Some(_), ..
+            } => over_looks::upper_limit(self, confidence.alpha()),
             Self::Counts { effective, .. } => {
                 IntervalMethod::ClopperPearson.upper_limit(*effective, confidence)
             }
@@ -117,28 +165,10 @@ impl Belief {
     /// cannot be added.
     pub fn design_effect(&self) -> Option<f64> {
         match self {
-            Self::Counts { sample, effective } => Some(sample.trials as f64 / effective.trials),
+            Self::Counts {
+                sample, effective, ..
+            } => Some(sample.trials as f64 / effective.trials),
             _ => None,
-        }
-    }
-
-    /// Whole counts near the effective ones, for exact tests: both neighbours of the successes at
-    /// the effective size rounded down. The counts themselves where trials are independent.
-    pub fn whole_counts(sample: Sample, effective: EffectiveSample) -> Vec<Sample> {
-        if effective.trials >= sample.trials as f64 {
-            return vec![sample];
-        }
-        let trials = effective.trials.floor().max(1.0);
-        let successes = trials * effective.successes / effective.trials;
-        let whole = |successes: f64| Sample {
-            successes: successes as u64,
-            trials: trials as u64,
-        };
-        let (below, above) = (whole(successes.floor()), whole(successes.ceil()));
-        if below == above {
-            vec![below]
-        } else {
-            vec![below, above]
         }
     }
 }
@@ -154,7 +184,11 @@ fn counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Belief, Str
         .filter(|size| *size > 0.0 && *size < all)
         .unwrap_or(all);
     let effective = EffectiveSample::at_size(sample, size).map_err(|error| error.to_string())?;
-    Ok(Belief::Counts { sample, effective })
+    Ok(Belief::Counts {
+        sample,
+        effective,
+        before: None,
+    })
 }
 
 fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Result<Belief, String> {
@@ -164,19 +198,23 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
     }
     match &answer.guarantee {
         Guarantee::Exact { .. } => Ok(Belief::Known {
+            is_range: false,
             value,
             bounds: Interval {
                 low: value,
                 high: value,
             },
         }),
-        Guarantee::Bounded { low, high } => Ok(Belief::Known {
-            value,
-            bounds: Interval {
-                low: *low,
-                high: *high,
-            },
-        }),
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+            Ok(Belief::Known {
+                is_range: matches!(answer.guarantee, Guarantee::Schedulers { .. }),
+                value,
+                bounds: Interval {
+                    low: *low,
+                    high: *high,
+                },
+            })
+        }
         Guarantee::Estimated { reason } => Err(format!(
             "has an answer whose error is unknown: {reason}; use a method with bounds"
         )),
@@ -198,42 +236,6 @@ fn moments_as_beta(credible: &CredibleInterval) -> Option<BetaPosterior> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn whole_counts_are_neighbours() {
-        let sample = Sample {
-            successes: 88,
-            trials: 100,
-        };
-        let effective = EffectiveSample::at_size(sample, 55.3).unwrap();
-        let whole = Belief::whole_counts(sample, effective);
-        assert_eq!(
-            whole,
-            [
-                Sample {
-                    successes: 48,
-                    trials: 55
-                },
-                Sample {
-                    successes: 49,
-                    trials: 55
-                }
-            ]
-        );
-        assert_eq!(Belief::whole_counts(sample, sample.into()), [sample]);
-        let none = Sample {
-            successes: 0,
-            trials: 7,
-        };
-        let effective = EffectiveSample::at_size(none, 0.4).unwrap();
-        assert_eq!(
-            Belief::whole_counts(none, effective),
-            [Sample {
-                successes: 0,
-                trials: 1
-            }]
-        );
-    }
 
     #[test]
     fn an_effective_size_never_exceeds_the_trials() {

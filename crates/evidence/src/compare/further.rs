@@ -16,7 +16,8 @@
 use super::closed::MOST_PIECES;
 use super::decide::{Plan, Planning, Plans};
 use super::words::{list, percent};
-use super::{Belief, Study, pair::Pair};
+use super::{Belief, Study, pair::Pair, paired};
+use crate::looks::is_open;
 use crate::{Comparison, Cost, Evidence, Finding, FurtherTrials, Measure, Outcome, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -113,6 +114,12 @@ pub struct DecisionPlan {
     pub cost: f64,
     /// The chance that they decide, given what is known now.
     pub chance: f64,
+    /// The chance that they show agreement.
+    #[serde(default)]
+    pub agreement: f64,
+    /// The chance that they show a conflict.
+    #[serde(default)]
+    pub conflict: f64,
 }
 
 /// An undecided pair, with the plans that would decide it.
@@ -205,11 +212,6 @@ impl<'a> Conflicts<'a> {
     }
 }
 
-/// Whether trials can be added: not to what others published.
-pub(crate) fn is_open(piece: &Evidence) -> bool {
-    !piece.published && piece.reproduced_by.is_none()
-}
-
 /// Whether all are current evidence on the subject.
 fn is_current(study: &Study<'_>, subject: &Subject, ids: [&String; 2]) -> bool {
     let current = crate::conclude::current_evidence(study.evidence, |piece| {
@@ -232,7 +234,8 @@ fn plans(
     let piece = |id: &str| study.evidence.iter().find(|piece| piece.id == id);
     let belief = |piece: &Evidence| Belief::of(&piece.finding(&comparison.subject)?.measure).ok();
     let (first, second) = (piece(&comparison.left)?, piece(&comparison.right)?);
-    let pair = Pair::new(belief(first)?, belief(second)?, comparison.margin);
+    let sides = ((first, belief(first)?), (second, belief(second)?));
+    let pair = paired(study, &comparison.subject, comparison.margin, sides);
     let open = (is_open(first), is_open(second));
     let plans = Planning::new(&pair, &study.levels, levels.level(comparison))
         .with_open_sides(open)
@@ -246,6 +249,8 @@ fn plans(
         trials: planned_trials(plan, &comparison.subject, [first, second]),
         cost: plan.cost,
         chance: plan.chance,
+        agreement: plan.agreement,
+        conflict: plan.conflict,
     };
     Some(Undecided {
         subject: comparison.subject.clone(),
@@ -330,6 +335,12 @@ fn plan_in_words(plan: &Plan, subject: &Subject, sides: [&Evidence; 2]) -> Strin
         format!("{} further {noun} in {}{runs}", it.trials, it.evidence)
     };
     let parts: Vec<String> = planned.map(in_words).collect();
-    let chance = percent(plan.chance.min(0.999));
-    format!(" {} would decide with a chance of {chance}.", list(&parts))
+    let chance = |share: f64| percent(share.min(0.999));
+    format!(
+        " {} would decide with a chance of {} (agreement {}, conflict {}).",
+        list(&parts),
+        chance(plan.chance),
+        chance(plan.agreement),
+        chance(plan.conflict)
+    )
 }

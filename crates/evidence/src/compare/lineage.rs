@@ -5,7 +5,8 @@
 //! were set and that bear on S, and their sources in turn. A calibration on subject C bears on S
 //! when C is S; when S is a requirement and C a failure mode that makes runs fail it; or the other
 //! way round. Two pieces of evidence are independent on S when neither is among the other's
-//! sources, they have no source in common, and no file of data either (`shared_data`), declared or not.
+//! sources, they have no source in common, and no file of data either (`shared_data`), declared or not, and neither looks
+//! copied from the other (`questions`), until the ledger says that it is not.
 //!
 //! Which failure modes make runs fail which requirement is learnt from formal models with
 //! uncertain constants: a constant that was set to a failure mode's count and takes less than
@@ -13,6 +14,7 @@
 //! neither a model nor a declaration tells counts as bearing, so that independence is never
 //! claimed without a reason.
 
+use super::questions::{self, Questions};
 use super::shared_data::SharedData;
 use super::words::list;
 use crate::{Calibration, Evidence, Measure, Subject};
@@ -69,7 +71,7 @@ impl Influences {
     }
 
     /// Whether a calibration on `source` bears on `subject`; yes when nothing is known.
-    fn bears(&self, source: &Subject, subject: &Subject) -> bool {
+    pub(super) fn bears(&self, source: &Subject, subject: &Subject) -> bool {
         match (source, subject) {
             (Subject::FailureMode(mode), Subject::Requirement(requirement))
             | (Subject::Requirement(requirement), Subject::FailureMode(mode)) => {
@@ -124,12 +126,14 @@ pub(crate) struct Lineage<'a> {
     evidence: BTreeMap<&'a str, &'a Evidence>,
     influences: &'a Influences,
     data: SharedData,
+    questions: Questions<'a>,
 }
 
 impl<'a> Lineage<'a> {
     pub fn new(evidence: &'a [Evidence], influences: &'a Influences) -> Self {
         Self {
             data: SharedData::of(evidence),
+            questions: Questions::of(evidence),
             evidence: evidence
                 .iter()
                 .map(|piece| (piece.id.as_str(), piece))
@@ -140,12 +144,58 @@ impl<'a> Lineage<'a> {
 
     /// Why two pieces of evidence are not independent on a subject; `None` if they are.
     pub fn dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
+        self.known_dependence(first, second, subject)
+            .or_else(|| self.possible_copy(first, second, subject))
+    }
+
+    /// The same as far as it is declared or certain.
+    fn known_dependence(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
         let ours = self.sources(first, subject);
         let theirs = self.sources(second, subject);
         taken_from(&theirs, first)
             .or_else(|| taken_from(&ours, second))
             .or_else(|| shared(&ours, &theirs))
             .or_else(|| self.shared_data((first, &ours), (second, &theirs)))
+    }
+
+    /// Whether two pieces are dependent only because one looks copied from the other.
+    pub fn is_possible_copy(&self, first: &str, second: &str, subject: &Subject) -> bool {
+        self.known_dependence(first, second, subject).is_none()
+            && self.possible_copy(first, second, subject).is_some()
+    }
+
+    /// Which question is open between two pieces, or what they rest on.
+    fn possible_copy(&self, first: &str, second: &str, subject: &Subject) -> Option<String> {
+        let all = |id: &str| {
+            let sources = self.sources(id, subject);
+            let rests_on = sources.into_keys().map(|(source, _)| source);
+            // Its own questions before those of what it rests on.
+            let mut ids = vec![id.to_owned()];
+            ids.extend(rests_on);
+            ids.dedup();
+            ids
+        };
+        let (ours, theirs) = (all(first), all(second));
+        let mut pairs = ours
+            .iter()
+            .flat_map(|one| theirs.iter().map(move |other| (one, other)));
+        pairs.find_map(|(one, other)| {
+            let question = self
+                .questions
+                .open((one, other), subject, self.influences)?;
+            let words = questions::in_words(question);
+            let is_own = one == first && other == second;
+            Some(match is_own {
+                true => words,
+                false => format!("they rest on {one} and {other}, and {words}"),
+            })
+        })
+    }
+
+    /// Coincidences that chance explains, in words.
+    pub fn noted(&self, first: &str, second: &str, subject: &Subject) -> Vec<String> {
+        let noted = self.questions.noted(first, second, subject);
+        noted.into_iter().map(questions::in_words).collect()
     }
 
     /// Which files two pieces, or what they rest on, both read.
@@ -284,6 +334,7 @@ mod tests {
             failures: vec![],
             clusters: None,
             shared_rows: Vec::new(),
+            lineage_questions: Vec::new(),
             inputs: String::new(),
         }
     }
@@ -383,6 +434,59 @@ mod tests {
                 .starts_with("they rest on A and B, and 11 of")
         );
         assert_eq!(words("A", "D"), None);
+    }
+
+    /// A number that looks copied, undeclared: open, settled, and only noted.
+    #[test]
+    fn what_looks_copied_is_dependent_until_it_is_settled() {
+        let question = |blocks: bool, settled: Option<&str>| crate::LineageQuestion {
+            with: "A".to_owned(),
+            kind: crate::CopyKind::Constant,
+            subjects: vec![mode("slip")],
+            finding: "`p` = 0.0714 of B is A's 7/98.".to_owned(),
+            places: vec!["b.prism:3".to_owned()],
+            chance: 2e-3,
+            blocks,
+            settled: settled.map(str::to_owned),
+            remedy: "settle it".to_owned(),
+        };
+        let ledger = |question| {
+            let mut second = piece("B", &[]);
+            second.lineage_questions = vec![question];
+            [piece("A", &[]), second, piece("C", &[("B", mode("slip"))])]
+        };
+        let open = ledger(question(true, None));
+        let influences = Influences::default().declare("speed", "slip", false);
+        let lineage = Lineage::new(&open, &influences);
+        let words = lineage.dependence("A", "B", &mode("slip")).unwrap();
+        assert_eq!(
+            words,
+            "`p` = 0.0714 of B is A's 7/98 (b.prism:3); settle it"
+        );
+        assert!(lineage.is_possible_copy("B", "A", &mode("slip")));
+        // Where slips bear, and where they do not.
+        assert!(
+            lineage
+                .dependence("A", "B", &requirement("success"))
+                .is_some()
+        );
+        assert_eq!(lineage.dependence("A", "B", &requirement("speed")), None);
+        assert_eq!(lineage.dependence("A", "B", &mode("gaze")), None);
+        let through = lineage.dependence("A", "C", &mode("slip")).unwrap();
+        assert!(
+            through.starts_with("they rest on A and B, and `p`"),
+            "{through}"
+        );
+        for no_question in [question(true, Some("another lab")), question(false, None)] {
+            let is_noted = !no_question.blocks;
+            let settled = ledger(no_question);
+            let lineage = Lineage::new(&settled, &influences);
+            assert_eq!(lineage.dependence("A", "B", &mode("slip")), None);
+            assert_eq!(
+                lineage.noted("A", "B", &mode("slip")).len(),
+                usize::from(is_noted)
+            );
+        }
     }
 
     #[test]

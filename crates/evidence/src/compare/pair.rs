@@ -1,17 +1,27 @@
 //! The statistics of one pair of rates.
 
 use super::Belief;
+use super::past::{Asked, Before, Past};
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, Sample,
     binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
     fisher_exact, probability_greater, probability_within,
 };
+use std::cell::OnceCell;
+
+/// The part of the level at which plans test equivalence of counts.
+const PLANNED: f64 = 0.9;
 
 /// Two rates that are to be compared at a margin.
 pub(super) struct Pair {
     first: Belief,
     second: Belief,
     margin: f64,
+    /// What was known at the looks before this one, and what the tests made of it; `None` if the sizes of both samples
+    /// were fixed in advance.
+    past: Option<(Before, Past)>,
+    /// The looks up to and with this one, for those to come.
+    past_of_next: OnceCell<Past>,
 }
 
 impl Pair {
@@ -20,12 +30,56 @@ impl Pair {
             first,
             second,
             margin,
+            past: None,
+            past_of_next: OnceCell::new(),
         }
     }
 
-    /// The same margin for other beliefs.
+    /// The same after looks at some of the same trials, to be looked at again with more.
+    pub fn looked_at(mut self, before: Before) -> Self {
+        let past = Past::new(&before, self.margin);
+        self.past = Some((before, past));
+        self
+    }
+
+    /// The same margin for other beliefs; those of more trials, looked at after these, if the pair is looked at again.
     pub fn with(&self, first: Belief, second: Belief) -> Self {
-        Self::new(first, second, self.margin)
+        let mut next = Self::new(first, second, self.margin);
+        if let Some((_, past)) = &self.past {
+            let past = self.past_of_next.get_or_init(|| past.and(self));
+            next.past = Some((Before::default(), past.clone()));
+        }
+        next
+    }
+
+    /// What was known at the looks before this one.
+    pub fn before(&self) -> Option<&Before> {
+        self.past.as_ref().map(|(before, _)| before)
+    }
+
+    /// The number of this look at the pair; `None` if it is the only one.
+    pub fn look(&self) -> Option<u64> {
+        self.past.as_ref().map(|(_, past)| past.number(self))
+    }
+
+    /// The p-value over all looks.
+    fn over_looks(&self, asked: Asked, once: f64) -> f64 {
+        match &self.past {
+            Some((_, past)) => past.p(self, asked, once),
+            None => once,
+        }
+    }
+
+    /// Whether a difference is shown at this level, by the quickest test.
+    pub fn differs(&self, level: Confidence) -> bool {
+        let (asked, once) = match self.p_by_fisher_once() {
+            Some(p) => (Asked::DifferenceByFisher, p),
+            None => (Asked::Difference, self.p_difference_once()),
+        };
+        match &self.past {
+            Some((_, past)) => past.shows(self, asked, once, level.alpha()),
+            None => once <= level.alpha(),
+        }
     }
 
     pub fn first(&self) -> &Belief {
@@ -40,34 +94,95 @@ impl Pair {
         self.margin
     }
 
-    /// Second minus first.
+    /// Second minus first; of a range over all schedulers, its value that is nearest to the other.
     pub fn difference(&self) -> f64 {
-        self.second.estimate() - self.first.estimate()
+        let (first, second) = self.nearest();
+        second - first
+    }
+
+    /// How wide the ranges over all schedulers are, with which agreement says the less; empty if there are none.
+    pub fn range_in_words(&self) -> String {
+        let widths = [&self.first, &self.second].map(Belief::values);
+        let width = widths.iter().map(|it| it.high - it.low).fold(0.0, f64::max);
+        let is_range = |belief: &Belief| matches!(belief, Belief::Known { is_range: true, .. });
+        if !is_range(&self.first) && !is_range(&self.second) {
+            return String::new();
+        }
+        let meaning = match width > self.margin {
+            true => ", more than the margin: agreement with so wide a range says little",
+            false => "",
+        };
+        format!(
+            " The model leaves choices open; over all schedulers its value ranges over {}{meaning}.",
+            super::words::points(width)
+        )
+    }
+
+    /// The estimates; of ranges, their values that are nearest to each other.
+    fn nearest(&self) -> (f64, f64) {
+        let (first, second) = (self.first.values(), self.second.values());
+        let at = |of: &Interval, other: f64| of.low.max(other.min(of.high));
+        if first.low >= first.high {
+            return (first.low, at(&second, first.low));
+        }
+        let nearest = at(&second, at(&first, second.low));
+        (at(&first, nearest), nearest)
+    }
+
+    /// Whether the estimates are less than the margin apart.
+    pub fn is_inside_margin(&self) -> bool {
+        // Estimates that are the margin apart but for rounding are not less than it apart.
+        self.difference().abs() + 1e-12 < self.margin
     }
 
     pub fn difference_interval(&self, confidence: Confidence) -> Interval {
-        let side = |belief: &Belief| (belief.estimate(), belief.interval(confidence));
-        stats::difference_interval(side(&self.second), side(&self.first))
+        let (first, second) = self.nearest();
+        let side = |belief: &Belief, nearest: f64| match belief {
+            Belief::Known { is_range: true, .. } => (
+                nearest,
+                Interval {
+                    low: nearest,
+                    high: nearest,
+                },
+            ),
+            belief => (nearest, belief.interval(confidence)),
+        };
+        stats::difference_interval(side(&self.second, second), side(&self.first, first))
     }
 
-    /// p-value of "no difference", or twice the smaller posterior tail.
+    /// p-value of "no difference", or twice the smaller posterior tail, over all looks.
     pub fn p_difference(&self) -> f64 {
+        self.over_looks(Asked::Difference, self.p_difference_once())
+    }
+
+    /// The same if this was the only look.
+    pub fn p_difference_once(&self) -> f64 {
         use Belief::{Counts, Known};
         match (&self.first, &self.second) {
             (
                 Counts {
                     sample: a,
                     effective: ea,
+                    ..
                 },
                 Counts {
                     sample: b,
                     effective: eb,
+                    ..
                 },
             ) => at_effective_size(boschloo_exact, (*a, *ea), (*b, *eb)),
-            (Counts { sample, effective }, Known { bounds, .. })
-            | (Known { bounds, .. }, Counts { sample, effective }) => {
-                binomial_at_effective_size(*sample, *effective, bounds)
-            }
+            (
+                Counts {
+                    sample, effective, ..
+                },
+                Known { bounds, .. },
+            )
+            | (
+                Known { bounds, .. },
+                Counts {
+                    sample, effective, ..
+                },
+            ) => binomial_at_effective_size(*sample, *effective, bounds),
             (Known { bounds: a, .. }, Known { bounds: b, .. }) => {
                 if a.low > b.high || b.low > a.high {
                     0.0
@@ -87,15 +202,23 @@ impl Pair {
     /// Fisher's p-value of "no difference" between two counts: known everywhere, quickly found, and
     /// never below the one that decides.
     pub fn p_by_fisher(&self) -> Option<f64> {
+        let once = self.p_by_fisher_once()?;
+        Some(self.over_looks(Asked::DifferenceByFisher, once))
+    }
+
+    /// The same if this was the only look.
+    pub fn p_by_fisher_once(&self) -> Option<f64> {
         match (&self.first, &self.second) {
             (
                 Belief::Counts {
                     sample: a,
                     effective: ea,
+                    ..
                 },
                 Belief::Counts {
                     sample: b,
                     effective: eb,
+                    ..
                 },
             ) => Some(at_effective_size(fisher_exact, (*a, *ea), (*b, *eb))),
             _ => None,
@@ -105,20 +228,54 @@ impl Pair {
     /// p-value of "the difference is the margin or more"; `None` where a side is a distribution
     /// and a posterior probability takes its place.
     pub fn p_equivalence(&self) -> Option<f64> {
+        let once = self.p_equivalence_once()?;
+        Some(self.over_looks(Asked::Equivalence, once))
+    }
+
+    /// The p-value of equivalence, or the posterior probability that the difference is the margin or more, if this was
+    /// the only look.
+    pub fn doubt_of_equivalence_once(&self) -> f64 {
+        let p = self.p_equivalence_once();
+        p.unwrap_or_else(|| 1.0 - self.probability_within())
+    }
+
+    /// The same p-value if this was the only look.
+    pub fn p_equivalence_once(&self) -> Option<f64> {
         use Belief::{Counts, Known};
         match (&self.first, &self.second) {
-            (Counts { effective: a, .. }, Counts { effective: b, .. }) => {
-                // Each alone errs too often somewhere: the one near the ends, the other for arms of
-                // very different size.
-                let tost = stats::tost(*a, *b, self.margin, DifferenceVariance::AgrestiCaffo)?;
-                let score = stats::score_equivalence(*a, *b, self.margin).unwrap_or(0.0);
-                Some(tost.p_value().max(score))
+            (
+                Counts {
+                    sample: a,
+                    effective: ea,
+                    ..
+                },
+                Counts {
+                    sample: b,
+                    effective: eb,
+                    ..
+                },
+            ) => {
+                let test = |a, b| stats::exact_equivalence(a, b, self.margin).unwrap_or(1.0);
+                Some(at_effective_size(test, (*a, *ea), (*b, *eb)))
             }
-            (Counts { effective, .. }, Known { bounds, .. })
-            | (Known { bounds, .. }, Counts { effective, .. }) => {
-                Some(exact_tost(*effective, bounds, self.margin))
-            }
-            (Known { bounds: a, .. }, Known { bounds: b, .. }) => {
+            (
+                Counts {
+                    sample, effective, ..
+                },
+                known @ Known { .. },
+            )
+            | (
+                known @ Known { .. },
+                Counts {
+                    sample, effective, ..
+                },
+            ) => Some(exact_tost(
+                *sample,
+                *effective,
+                &to_agree_with(known),
+                self.margin,
+            )),
+            (a @ Known { .. }, b @ Known { .. }) => {
                 Some(if within_for_certain(a, b, self.margin) {
                     0.0
                 } else {
@@ -131,21 +288,63 @@ impl Pair {
 
     /// Posterior probability that the difference is below the margin.
     pub fn probability_within(&self) -> f64 {
-        let bounds = |belief: &Belief| belief.interval(Confidence::P95);
         match (self.first.posterior(), self.second.posterior()) {
             (Some(a), Some(b)) => probability_within(&a, &b, self.margin),
-            (Some(a), None) => near(&a, &bounds(&self.second), self.margin),
-            (None, Some(b)) => near(&b, &bounds(&self.first), self.margin),
-            (None, None) => {
-                let (a, b) = (bounds(&self.first), bounds(&self.second));
-                f64::from(u8::from(within_for_certain(&a, &b, self.margin)))
-            }
+            (Some(a), None) => near(&a, &to_agree_with(&self.second), self.margin),
+            (None, Some(b)) => near(&b, &to_agree_with(&self.first), self.margin),
+            (None, None) => f64::from(u8::from(within_for_certain(
+                &self.first,
+                &self.second,
+                self.margin,
+            ))),
         }
     }
 
     /// Whether agreement within the margin is shown at this level.
     pub fn shows_agreement(&self, level: Confidence) -> bool {
-        match self.p_equivalence() {
+        self.is_inside_margin() && self.is_shown(self.p_equivalence(), level)
+    }
+
+    /// The same for plans, which ask it of thousands of outcomes: between two counts by the larger p-value of Agresti and
+    /// Caffo's variance and of the score, at [`PLANNED`] of the level, which shows it about as often as the exact test
+    /// (`stats::exact_equivalence` has the table).
+    pub fn would_show_agreement(&self, level: Confidence) -> bool {
+        use Belief::Counts;
+        let (
+            Counts {
+                sample: a,
+                effective: ea,
+                ..
+            },
+            Counts {
+                sample: b,
+                effective: eb,
+                ..
+            },
+        ) = (&self.first, &self.second)
+        else {
+            return self.shows_agreement(level);
+        };
+        let test = |a, b| {
+            let tost = stats::tost(a, b, self.margin, DifferenceVariance::AgrestiCaffo);
+            let score = stats::score_equivalence(a, b, self.margin).unwrap_or(1.0);
+            tost.map_or(1.0, |tost| tost.p_value()).max(score)
+        };
+        let once = (at_effective_size(test, (*a, *ea), (*b, *eb)) / PLANNED).min(1.0);
+        let shown = match &self.past {
+            Some((_, past)) => past.shows(self, Asked::Equivalence, once, level.alpha()),
+            None => once <= level.alpha(),
+        };
+        self.is_inside_margin() && shown
+    }
+
+    /// Whether equivalence is shown, of the p-value where there is one and by the posterior probability otherwise.
+    pub fn is_shown(&self, p_equivalence: Option<f64>, level: Confidence) -> bool {
+        if let (None, Some((_, past))) = (p_equivalence, &self.past) {
+            let once = self.doubt_of_equivalence_once();
+            return past.shows(self, Asked::Equivalence, once, level.alpha());
+        }
+        match p_equivalence {
             Some(p) => p <= level.alpha(),
             None => self.probability_within() >= level.level(),
         }
@@ -154,15 +353,18 @@ impl Pair {
 
 /// An exact test at the neighbouring whole numbers with the largest p-value.
 fn at_effective_size(
-    test: fn(Sample, Sample) -> f64,
+    test: impl Fn(Sample, Sample) -> f64,
     first: (Sample, EffectiveSample),
     second: (Sample, EffectiveSample),
 ) -> f64 {
-    let second = Belief::whole_counts(second.0, second.1);
-    Belief::whole_counts(first.0, first.1)
-        .into_iter()
-        .flat_map(|a| second.iter().map(move |b| test(a, *b)))
-        .fold(0.0, f64::max)
+    let seconds = stats::whole_counts(second.0, second.1);
+    let mut largest = 0.0_f64;
+    for a in stats::whole_counts(first.0, first.1) {
+        for b in &seconds {
+            largest = largest.max(test(a, *b));
+        }
+    }
+    largest
 }
 
 /// The two-sided exact test against the bound nearest to the rate.
@@ -173,7 +375,7 @@ fn binomial_at_effective_size(
 ) -> f64 {
     let rate = effective.successes / effective.trials;
     let nearest = rate.max(bounds.low).min(bounds.high);
-    Belief::whole_counts(sample, effective)
+    stats::whole_counts(sample, effective)
         .into_iter()
         .map(|whole| binomial_test_two_sided(whole, nearest))
         .fold(0.0, f64::max)
@@ -192,20 +394,23 @@ fn tails_beyond(posterior: &BetaPosterior, bounds: &Interval) -> f64 {
     (2.0 * posterior.cdf(bounds.high).min(posterior.sf(bounds.low))).min(1.0)
 }
 
-/// Two one-sided exact tests of a count against a probability between bounds.
-fn exact_tost(sample: EffectiveSample, bounds: &Interval, margin: f64) -> f64 {
+/// Two one-sided exact tests of a count against a probability between bounds, at the neighbouring whole numbers with the
+/// largest p-value.
+fn exact_tost(sample: Sample, effective: EffectiveSample, bounds: &Interval, margin: f64) -> f64 {
     let (floor, ceiling) = (bounds.high - margin, bounds.low + margin);
-    let not_below = if floor < 0.0 {
-        0.0
-    } else {
-        binomial_test_above(sample, floor)
+    let both = |whole: Sample| {
+        let not_below = match floor < 0.0 {
+            true => 0.0,
+            false => binomial_test_above(whole, floor),
+        };
+        let not_above = match ceiling > 1.0 {
+            true => 0.0,
+            false => binomial_test_below(whole, ceiling),
+        };
+        not_below.max(not_above)
     };
-    let not_above = if ceiling > 1.0 {
-        0.0
-    } else {
-        binomial_test_below(sample, ceiling)
-    };
-    not_below.max(not_above)
+    let all = stats::whole_counts(sample, effective).into_iter();
+    all.map(both).fold(0.0, f64::max)
 }
 
 /// Probability of being within the margin of every value between the bounds.
@@ -213,8 +418,33 @@ fn near(posterior: &BetaPosterior, bounds: &Interval, margin: f64) -> f64 {
     posterior.probability_between(bounds.high - margin, bounds.low + margin)
 }
 
-fn within_for_certain(first: &Interval, second: &Interval, margin: f64) -> bool {
-    first.high - second.low < margin && second.high - first.low < margin
+/// The bounds that a rate has to be near to: of a known number whose value is somewhere between its bounds, both; of a
+/// range, of which each value is one that the model allows, either (so the ends change places).
+fn to_agree_with(known: &Belief) -> Interval {
+    let bounds = known.interval(Confidence::P95);
+    match known {
+        Belief::Known { is_range: true, .. } => Interval {
+            low: bounds.high,
+            high: bounds.low,
+        },
+        _ => bounds,
+    }
+}
+
+/// Two known numbers wherever they are between their bounds; a number and some value of a range; two ranges, if each
+/// value of one has one of the other within the margin.
+fn within_for_certain(first: &Belief, second: &Belief, margin: f64) -> bool {
+    let is_range = |belief: &Belief| matches!(belief, Belief::Known { is_range: true, .. });
+    let (a, b) = (
+        first.interval(Confidence::P95),
+        second.interval(Confidence::P95),
+    );
+    match (is_range(first), is_range(second)) {
+        (false, false) => a.high - b.low < margin && b.high - a.low < margin,
+        (true, true) => (a.low - b.low).abs() < margin && (a.high - b.high).abs() < margin,
+        (true, false) => b.low > a.low - margin && b.high < a.high + margin,
+        (false, true) => a.low > b.low - margin && a.high < b.high + margin,
+    }
 }
 
 #[cfg(test)]
@@ -227,6 +457,7 @@ mod tests {
         Belief::Counts {
             sample,
             effective: sample.into(),
+            before: None,
         }
     }
 
@@ -237,6 +468,7 @@ mod tests {
                 low: value,
                 high: value,
             },
+            is_range: false,
         }
     }
 
@@ -302,6 +534,7 @@ mod tests {
                 low: 0.49,
                 high: 0.51,
             },
+            is_range: false,
         };
         let near = Pair::new(known(0.52), bounded.clone(), 0.05);
         assert_eq!(
@@ -332,7 +565,11 @@ mod tests {
             trials: 100,
         };
         let effective = EffectiveSample::at_size(sample, 55.0).unwrap();
-        let clustered = || Belief::Counts { sample, effective };
+        let clustered = || Belief::Counts {
+            sample,
+            effective,
+            before: None,
+        };
         for other in [counts(439, 500), known(0.95), counts(60, 100)] {
             let plain = Pair::new(counts(88, 100), other.clone(), 0.1);
             let cautious = Pair::new(clustered(), other, 0.1);
@@ -342,5 +579,60 @@ mod tests {
                 assert!(cautious.p_equivalence() > plain.p_equivalence());
             }
         }
+    }
+
+    fn range(low: f64, high: f64) -> Belief {
+        Belief::Known {
+            value: low,
+            bounds: Interval { low, high },
+            is_range: true,
+        }
+    }
+
+    /// Counts differ from a decision process beyond chance, or agree with it, each with probability at most 5 % where it
+    /// is not so: at an end of the range, and a margin beyond it, by summing over all counts.
+    #[test]
+    fn false_claims_about_a_range_are_rare() {
+        for (low, high, margin) in [(0.6, 0.9, 0.1), (0.0, 0.5, 0.05), (0.93, 1.0, 0.1)] {
+            let pair = |s: u64, trials| Pair::new(counts(s, trials), range(low, high), margin);
+            for trials in [1_u64, 10, 59, 200] {
+                let chance = |truth: f64, claim: &dyn Fn(&Pair) -> bool| -> f64 {
+                    let claimed = (0..=trials).filter(|s| claim(&pair(*s, trials)));
+                    claimed.map(|s| binomial_pmf(s, trials, truth)).sum()
+                };
+                for truth in [low, 0.5 * (low + high), high] {
+                    let conflict = chance(truth, &|pair| pair.p_difference() <= 0.05);
+                    assert!(conflict <= 0.05 + 1e-9, "{truth} {trials}: {conflict}");
+                }
+                for truth in [low - margin, high + margin] {
+                    if (0.0..=1.0).contains(&truth) {
+                        let agree = chance(truth, &|p| p.shows_agreement(Confidence::P95));
+                        assert!(agree <= 0.05 + 1e-9, "{truth} {trials}: {agree}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_are_compared_by_their_nearest_values() {
+        let inside = Pair::new(counts(75, 100), range(0.6, 0.9), 0.05);
+        assert_eq!((inside.difference(), inside.p_difference()), (0.0, 1.0));
+        assert!(inside.shows_agreement(Confidence::P95));
+        let below = Pair::new(range(0.6, 0.9), counts(40, 100), 0.05);
+        assert!((below.difference() + 0.2).abs() < 1e-12);
+        assert!(below.p_difference() < 1e-3);
+        let apart = Pair::new(range(0.1, 0.2), range(0.5, 0.9), 0.05);
+        assert!((apart.difference() - 0.3).abs() < 1e-12);
+        assert_eq!(apart.p_difference(), 0.0);
+        // That they overlap does not make them agree.
+        let overlap = Pair::new(range(0.1, 0.6), range(0.5, 0.9), 0.05);
+        assert_eq!((overlap.difference(), overlap.p_difference()), (0.0, 1.0));
+        assert!(!overlap.shows_agreement(Confidence::P95));
+        let same = Pair::new(range(0.1, 0.6), range(0.12, 0.58), 0.05);
+        assert!(same.shows_agreement(Confidence::P95));
+        let point = Pair::new(known(0.62), range(0.1, 0.6), 0.05);
+        assert!(point.shows_agreement(Confidence::P95));
+        assert!((point.difference() + 0.02).abs() < 1e-12);
     }
 }

@@ -117,6 +117,8 @@ mod tests {
             trials: trials.iter().map(planned).collect(),
             cost: trials.iter().map(|(_, trials)| *trials as f64).sum(),
             chance: 0.8,
+            agreement: 0.7,
+            conflict: 0.1,
         }
     }
 

@@ -2,14 +2,17 @@
 //!
 //! # Definition
 //! The pieces on one subject that are neither intermediate nor reproduced by another, under the
-//! conditions that most of them share, are tested together: Cochran's Q of their rates against one
-//! common rate, corrected by Holm over the study's subjects. The outcome of the whole is
+//! conditions that most of them share, are looked at together. The outcome of the whole is
 //!
-//! * *conflicts* when the rates differ beyond chance at the level `1 - c`, or a pair among them
-//!   conflicts;
+//! * *conflicts* when a pair among them conflicts;
 //! * *corroborates* when every pair among them does (then every difference lies within the margin,
 //!   without further correction: the intersection of the claims is claimed only if each is shown);
 //! * *not comparable* with fewer than two pieces, *inconclusive* else.
+//!
+//! Beside it stands the test of homogeneity of the rates that are uncertain: Cochran's Q against one common rate,
+//! corrected by Holm over the study's subjects. It says that some rates differ, not by how much nor which, so it decides
+//! no outcome: several rates that differ beyond chance within the margin are no conflict, and a rate that is known
+//! exactly has no part in it.
 //!
 //! # Source
 //! W. G. Cochran (1954); R. L. Berger, "Multiparameter hypothesis testing and acceptance sampling"
@@ -17,7 +20,8 @@
 //! their beta distribution; probabilities that are known exactly only in pairs.
 //!
 //! # Guarantee
-//! Asymptotic level for Q; agreement is claimed falsely with probability at most `1 - g`.
+//! As for pairs: a conflict of equal rates anywhere in the study has probability at most `1 - c`, and agreement is
+//! claimed falsely with probability at most `1 - g`. The level of Q is asymptotic.
 
 use super::{Belief, Study};
 use crate::{Comparison, Evidence, Interval, Outcome, Subject};
@@ -37,7 +41,7 @@ pub struct Together {
     pub outcome: Outcome,
     /// `true` if no pair among them rests on common counts.
     pub independent: bool,
-    /// Heterogeneity of the rates that are uncertain; `None` with fewer than two.
+    /// The test of homogeneity of the rates that are uncertain, which decides no outcome; `None` with fewer than two.
     pub heterogeneity: Option<Spreading>,
     /// How many pairs have each outcome: corroborate, conflict, inconclusive.
     pub pairs: [usize; 3],
@@ -76,28 +80,23 @@ pub fn compare_together(study: &Study<'_>, comparisons: &[Comparison]) -> Vec<To
         .filter_map(|one| Some(one.heterogeneity.as_ref()?.p_value))
         .collect();
     let mut corrected = stats::holm(&raw).into_iter();
-    let alpha = study.levels.confidence.alpha();
     for one in &mut found {
         if let Some(spreading) = &mut one.heterogeneity {
             spreading.p_corrected = corrected.next().unwrap_or(spreading.p_value);
         }
-        one.outcome = outcome(one, alpha);
+        one.outcome = outcome(one.pairs);
     }
     found
 }
 
-fn outcome(one: &Together, alpha: f64) -> Outcome {
-    let [agree, conflict, _] = one.pairs;
-    let differ = one
-        .heterogeneity
-        .as_ref()
-        .is_some_and(|spreading| spreading.p_corrected <= alpha);
-    let all: usize = one.pairs.iter().sum();
+fn outcome(pairs: [usize; 3]) -> Outcome {
+    let [agree, conflict, _] = pairs;
+    let all: usize = pairs.iter().sum();
     if all == 0 {
         Outcome::NotComparable
     } else if agree == all {
         Outcome::Corroborates
-    } else if conflict > 0 || differ {
+    } else if conflict > 0 {
         Outcome::Conflicts
     } else {
         Outcome::Inconclusive

@@ -11,9 +11,10 @@
 //! several.
 
 use super::quantity;
-use super::stand::{Stand, Standing, in_words};
+use super::stand::{ClaimLevels, stand};
+use super::words::hypothesis;
 use crate::compare::Belief;
-use crate::{Finding, Measure, Requirement, Subject, Threshold, Verdict};
+use crate::{Finding, Measure, Requirement, Standing, Step, Subject, Threshold, Verdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
@@ -27,13 +28,16 @@ pub struct Alone {
     pub threshold: Threshold,
     /// What the piece shows of that.
     pub verdict: Verdict,
+    /// Of what it shows it.
+    #[serde(default)]
+    pub step: Step,
     /// The same in a sentence, with figures.
     pub statement: String,
 }
 
 /// What the findings of a piece show of each requirement that has a threshold.
 pub fn alone(
-    id: &str,
+    (id, step): (&str, Step),
     requirements: &[Requirement],
     findings: &[Finding],
     level: Confidence,
@@ -46,7 +50,7 @@ pub fn alone(
         let (verdict, words) = match (&finding.measure, Belief::of(&finding.measure)) {
             (Measure::NotExpressible { .. }, _) => return None,
             (_, Ok(belief)) => {
-                let stand = Stand::of(id, &belief, threshold, level);
+                let stand = stand((id, step), &belief, threshold, ClaimLevels::both(level));
                 let verdict = match stand.standing {
                     Standing::Supports => Verdict::Satisfied,
                     Standing::Denies => Verdict::Violated,
@@ -60,7 +64,8 @@ pub fn alone(
             requirement: requirement.id.clone(),
             threshold,
             verdict,
-            statement: format!("{}; {words}", in_words(threshold)),
+            step,
+            statement: format!("asked: {}; {words}", hypothesis(threshold, true)),
         })
     });
     judged.collect()
@@ -85,6 +90,7 @@ mod tests {
             monitor: None,
             margin: 0.05,
             same_quantity_as: same.map(str::to_owned),
+            ..Requirement::default()
         }
     }
 
@@ -92,6 +98,8 @@ mod tests {
         Finding {
             subject: Subject::Requirement(id.into()),
             measure,
+            denominator: crate::Denominator::default(),
+            trigger: None,
             undecided: 0,
             witnesses: Vec::new(),
             readings: Vec::new(),
@@ -117,7 +125,12 @@ mod tests {
             finding("3", Measure::NotCovered { reason: reason() }),
             finding("4", Measure::NotExpressible { reason: reason() }),
         ];
-        let judged = alone("E", &requirements, &findings, Confidence::P95);
+        let judged = alone(
+            ("E", Step::System),
+            &requirements,
+            &findings,
+            Confidence::P95,
+        );
         let verdicts: Vec<_> = judged
             .iter()
             .map(|it| (it.requirement.as_str(), it.verdict))
@@ -129,7 +142,7 @@ mod tests {
             ("5", Verdict::Undecided),
         ];
         assert_eq!(verdicts, expected);
-        let words = "it asks for at least 95 %; E has 88 of 100 (p";
+        let words = "asked: rate >= 95 %; E: 88/100, rate <= 93 % (one-sided 95 % limit, p =";
         assert!(judged[0].statement.starts_with(words), "{judged:?}");
     }
 }

@@ -18,9 +18,8 @@
 //! Beside it stands the sound common statement, which combines nothing: what every current piece
 //! supports, at the study's level (see `conclude`).
 //!
-//! The verdict against the threshold: *satisfied* when the rate is shown to meet it at the study's level, *violated*
-//! when it is shown to miss it, *undecided* else. Both are one-sided statements, as in a conclusion: of one piece by
-//! the test that a conclusion makes, of several by the side of their posterior beyond the threshold.
+//! It is an estimate under the assumption that all pieces measure one rate. It is not held against the threshold: the
+//! verdict on a requirement is that of `conclude` alone, which divides models from the system.
 //!
 //! # Source
 //! See `stats::combination`; the level of 0.1 for Q is customary, its power being low.
@@ -29,16 +28,11 @@
 //! Where the true rates are one, the interval covers it at the study's level on average. It says
 //! nothing of dependence that is not declared.
 
-use super::stand::{Stand, Standing};
-use super::{
-    Piece, among_current, common_bound, common_statement, current, independent, quantity, stand,
-    superseded,
-};
+use super::common::{common_bound, common_statement};
+use super::{Piece, among_current, current, independent, quantity, superseded, threshold_of};
 use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
-use crate::{
-    Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject, Threshold, Verdict,
-};
+use crate::{Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{Confidence, EffectiveSample, StatsError};
@@ -122,8 +116,6 @@ pub struct Combined {
     pub interval: Option<Interval>,
     /// p-value of "one common rate", with two pieces or more.
     pub p_heterogeneity: Option<f64>,
-    /// The verdict of the interval against the threshold.
-    pub verdict: Verdict,
     /// The sound common statement; `None` without evidence.
     pub common: Option<CommonBound>,
     /// What was combined, and to what, in a few sentences.
@@ -151,8 +143,9 @@ fn combined(
 ) -> Combined {
     let quantity = quantity(study.requirements, requirement);
     let pieces = current(study.evidence, requirement, &quantity);
+    let pieces = super::looked_at(study, pieces, (requirement, &quantity));
     let among = among_current(comparisons, &quantity, &pieces);
-    let mut result = blank(requirement, pieces.is_empty());
+    let mut result = blank(requirement);
     result.common = common(study, &pieces, requirement);
     let chosen = chosen(&pieces, lineage, &quantity, weights, &mut result);
     say_what_is_older(study.evidence, requirement, &quantity, &pieces, &mut result);
@@ -160,30 +153,18 @@ fn combined(
         result.pieces.contains_key(&c.left) && result.pieces.contains_key(&c.right)
     };
     let inside: Vec<&Comparison> = among.iter().filter(both).copied().collect();
-    if inside.iter().any(|c| c.outcome == Outcome::Conflicts) {
-        result.verdict = Verdict::Conflicting;
-    } else {
+    let conflict = inside.iter().any(|c| c.outcome == Outcome::Conflicts);
+    if !conflict {
         let all = |c: &&Comparison| c.outcome == Outcome::Corroborates;
         result.corroborated = !inside.is_empty() && inside.iter().all(all);
-        let threshold = asked(requirement);
         let confidence = study.levels.confidence;
-        if let [only] = chosen.as_slice() {
-            let level = confidence.simultaneous(independent(&pieces, lineage, &quantity).len());
-            alone(only, threshold, (confidence, level), &mut result);
-        } else {
-            estimate(&chosen, threshold, confidence, &mut result);
+        match chosen.as_slice() {
+            [only] => alone(only, confidence, &mut result),
+            _ => estimate(&chosen, confidence, &mut result),
         }
     }
-    result.statement = statement(&result, asked(requirement), study.levels.confidence);
+    result.statement = statement(&result, conflict, study.levels.confidence);
     result
-}
-
-/// The threshold; a requirement without one asks for certainty.
-fn asked(requirement: &Requirement) -> Threshold {
-    requirement.threshold.unwrap_or(Threshold {
-        direction: Direction::AtLeast,
-        value: 1.0,
-    })
 }
 
 /// What every current piece supports.
@@ -192,7 +173,7 @@ fn common(
     pieces: &[Piece<'_>],
     requirement: &Requirement,
 ) -> Option<CommonBound> {
-    let direction = asked(requirement).direction;
+    let direction = threshold_of(requirement).direction;
     let confidence = study.levels.confidence;
     let value = common_bound(pieces, direction, confidence)?;
     let pieces: Vec<String> = pieces.iter().map(|p| p.evidence.id.clone()).collect();
@@ -205,69 +186,55 @@ fn common(
     })
 }
 
-fn statement(result: &Combined, threshold: Threshold, confidence: Confidence) -> String {
-    let mut sentences = vec![together_in_words(result, confidence)];
-    if result.interval.is_some() {
-        let asked = stand::in_words(threshold);
-        sentences.push(match result.verdict {
-            Verdict::Satisfied => format!("That meets the threshold ({asked})."),
-            Verdict::Violated => format!("That misses the threshold ({asked})."),
-            _ => format!("That leaves the threshold open ({asked})."),
-        });
-    }
-    let older = result.superseded.iter();
-    sentences.extend(older.map(|(id, by)| format!("{id} is older than {by}, and not counted.")));
+fn statement(result: &Combined, conflict: bool, confidence: Confidence) -> String {
+    let mut sentences = vec![together_in_words(result, conflict, confidence)];
+    let left_out = result.left_out.iter();
+    sentences.extend(left_out.map(|(id, why)| format!("{id} {why}.")));
     sentences.join(" ")
 }
 
 /// What was combined, and to what.
-fn together_in_words(result: &Combined, confidence: Confidence) -> String {
+fn together_in_words(result: &Combined, conflict: bool, confidence: Confidence) -> String {
     let ids: Vec<String> = result.pieces.keys().cloned().collect();
     let who = list(&ids);
     let Some(Interval { low, high }) = result.interval else {
-        return match result.verdict {
-            Verdict::NotCovered => "No current evidence says anything about it.".to_owned(),
-            Verdict::Conflicting => {
-                format!("Nothing is combined: {who} are independent and conflict.")
-            }
-            _ if ids.is_empty() => {
-                "Nothing is combined: no independent evidence is counted.".to_owned()
-            }
+        return match result.common {
+            None => "Not covered by any evidence.".to_owned(),
+            _ if conflict => format!("Not pooled: {who} are independent and conflict."),
+            _ if ids.is_empty() => "Not pooled: no independent evidence is counted.".to_owned(),
             _ => {
                 let p = p_value(result.p_heterogeneity.unwrap_or(1.0));
-                format!(
-                    "Nothing is combined: {who} scatter too far for one mean (p {p} of one rate)."
-                )
+                format!("{who} are too heterogeneous to pool (homogeneity test, p {p}).")
             }
         };
     };
     let level = percent(confidence.level());
     let range = format!("{} to {} ({level} interval)", percent(low), percent(high));
     if ids.len() == 1 {
-        return format!("{who} is the only independent count: {range}.");
+        return format!("Only {who} is counted independently: {range}.");
     }
     let p = p_value(result.p_heterogeneity.unwrap_or(1.0));
     let mut words = match result.model {
         Some(Model::RandomEffects) => format!(
-            "{who} scatter (p {p} of one rate); their mean rate is {range}, by random effects."
+            "Pooled mean rate of {who}: {range}, by random effects (homogeneity test, p {p})."
         ),
-        _ => format!("{who} together support {range}; one rate fits them (p {p})."),
+        _ => format!("Pooled rate of {who}: {range} (homogeneity test, p {p})."),
     };
     let weighted = result.pieces.iter().filter(|(_, weight)| **weight < 1.0);
     let weights: Vec<String> = weighted
-        .map(|(id, weight)| format!("{id} counts {weight}"))
+        .map(|(id, weight)| format!("{id} has weight {weight}"))
         .collect();
     if !weights.is_empty() {
-        words.push_str(&format!(" By declared weight {}.", list(&weights)));
+        words.push_str(&format!(" As declared, {}.", list(&weights)));
     }
     if !result.corroborated {
-        words.push_str(" That they agree within the margin is not shown for every pair.");
+        words.push_str(" Agreement within the margin is not shown for every pair.");
     }
     words
 }
 
 /// Nothing combined yet.
-fn blank(requirement: &Requirement, nothing: bool) -> Combined {
+fn blank(requirement: &Requirement) -> Combined {
     Combined {
         requirement: requirement.id.clone(),
         pieces: BTreeMap::new(),
@@ -278,11 +245,6 @@ fn blank(requirement: &Requirement, nothing: bool) -> Combined {
         rate: None,
         interval: None,
         p_heterogeneity: None,
-        verdict: if nothing {
-            Verdict::NotCovered
-        } else {
-            Verdict::Undecided
-        },
         common: None,
         statement: String::new(),
     }
@@ -348,13 +310,8 @@ fn say_what_is_older(
     }
 }
 
-/// What one piece says by itself: its own interval, and how it stands by the test of a conclusion.
-fn alone(
-    only: &Chosen<'_>,
-    threshold: Threshold,
-    (confidence, level): (Confidence, Confidence),
-    result: &mut Combined,
-) {
+/// What one piece says by itself: its own interval.
+fn alone(only: &Chosen<'_>, confidence: Confidence, result: &mut Combined) {
     let Chosen {
         piece,
         sample,
@@ -362,7 +319,7 @@ fn alone(
     } = only;
     if *weight < 1.0 {
         // Discounted, it says less than it does by itself.
-        return estimate(std::slice::from_ref(only), threshold, confidence, result);
+        return estimate(std::slice::from_ref(only), confidence, result);
     }
     result.model = Some(Model::PowerPrior);
     result.rate = Some(sample.successes / sample.trials);
@@ -373,17 +330,10 @@ fn alone(
             high: own.high,
         }
     }));
-    let stand = Stand::of(&piece.evidence.id, &piece.belief, threshold, level);
-    result.verdict = verdict(stand.standing);
 }
 
-/// Rate, interval and verdict of the combined counts.
-fn estimate(
-    chosen: &[Chosen<'_>],
-    threshold: Threshold,
-    confidence: Confidence,
-    result: &mut Combined,
-) {
+/// Rate and interval of the combined counts.
+fn estimate(chosen: &[Chosen<'_>], confidence: Confidence, result: &mut Combined) {
     let counts: Vec<(EffectiveSample, f64)> =
         chosen.iter().map(|it| (it.sample, it.weight)).collect();
     let samples: Vec<EffectiveSample> = chosen.iter().map(|it| it.sample).collect();
@@ -425,17 +375,4 @@ fn estimate(
         low: interval.low,
         high: interval.high,
     });
-    // The interval whose ends are passed with the study's level on one side.
-    let one_sided = Confidence::new(1.0 - 2.0 * confidence.alpha()).ok();
-    if let Some((_, bounds)) = one_sided.and_then(at) {
-        result.verdict = verdict(stand::of_bounds(&bounds, threshold));
-    }
-}
-
-fn verdict(standing: Standing) -> Verdict {
-    match standing {
-        Standing::Supports => Verdict::Satisfied,
-        Standing::Denies => Verdict::Violated,
-        Standing::Neither => Verdict::Undecided,
-    }
 }

@@ -1,6 +1,6 @@
 //! What evidence does not cover.
 
-use super::latest_of_each_technique;
+use super::{current_evidence, latest_of_each_technique};
 use crate::compare::Study;
 use crate::compare::words::sentence;
 use crate::{CoverageGap, Evidence, Finding, Measure, Subject};
@@ -20,21 +20,22 @@ pub fn coverage_gaps(study: &Study<'_>) -> Vec<CoverageGap> {
     study
         .subjects()
         .into_iter()
-        .flat_map(|(subject, _)| gaps(&current, &subject))
+        .flat_map(|(subject, _)| gaps(study.evidence, &current, &subject))
         .collect()
 }
 
-fn gaps(current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
+fn gaps(evidence: &[Evidence], current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
     let silent: Vec<(&str, String)> = current
         .iter()
         .filter_map(|piece| Some((piece.id.as_str(), why_silent(piece, subject)?)))
         .collect();
-    let speaks = |piece: &&&Evidence| {
+    // Conclusions rest on the latest piece of each technique that has a number on the subject, which an earlier one may be.
+    let speaks = |piece: &Evidence| {
         piece
             .finding(subject)
             .is_some_and(|finding| why_no_number(finding).is_none())
     };
-    if current.iter().any(|piece| speaks(&piece)) {
+    if !current_evidence(evidence, speaks).is_empty() {
         return silent
             .into_iter()
             .map(|(id, why)| CoverageGap {
@@ -50,7 +51,7 @@ fn gaps(current: &[&Evidence], subject: &Subject) -> Vec<CoverageGap> {
         .collect();
     let reason = match reasons.as_slice() {
         [] => "No evidence was asked about it.".to_owned(),
-        _ => format!("Nothing covers it. {}", reasons.join(" ")),
+        _ => format!("Not covered by any evidence. {}", reasons.join(" ")),
     };
     vec![CoverageGap {
         subject: subject.clone(),

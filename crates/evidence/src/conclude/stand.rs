@@ -1,60 +1,76 @@
 //! How one piece of evidence stands to a threshold.
 
-use super::CERTAINTY;
+use super::{CERTAINTY, limits, words};
 use crate::compare::Belief;
-use crate::compare::words::{p_value, percent, probability};
-use crate::{Direction, Threshold};
+use crate::looks::over_looks;
+use crate::{Direction, PieceStanding, Standing, Step, Threshold};
 use stats::{
     Confidence, EffectiveSample, Interval, binomial_test_above, binomial_test_below,
     clustered_test_above, clustered_test_below,
 };
 
-/// Whether evidence shows that a threshold is met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Standing {
-    /// It shows that the threshold is met.
-    Supports,
-    /// It shows that the threshold is not met.
-    Denies,
-    /// It shows neither.
-    Neither,
+/// The levels of the two claims: that the threshold is met, and that it is missed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ClaimLevels {
+    pub met: f64,
+    pub missed: f64,
 }
 
-/// One piece's standing, with its figures.
-pub(super) struct Stand {
-    /// The evidence.
-    pub id: String,
-    pub standing: Standing,
-    /// For example `E3 has 88 of 100 (p = 0.004 for meeting it)`.
-    pub words: String,
-}
-
-impl Stand {
-    pub fn of(id: &str, belief: &Belief, threshold: Threshold, level: Confidence) -> Self {
-        let (met, missed) = doubts(belief, threshold);
-        let standing = if missed <= level.alpha() {
-            Standing::Denies
-        } else if met <= level.alpha() {
-            Standing::Supports
-        } else {
-            Standing::Neither
-        };
+impl ClaimLevels {
+    /// Both claims at one level.
+    pub fn both(level: Confidence) -> Self {
         Self {
-            id: id.to_owned(),
-            standing,
-            words: words(id, belief, threshold, met, missed),
+            met: level.alpha(),
+            missed: level.alpha(),
         }
+    }
+}
+
+/// How a piece stands to a threshold at these levels.
+pub(super) fn stand(
+    (id, step): (&str, Step),
+    belief: &Belief,
+    threshold: Threshold,
+    levels: ClaimLevels,
+) -> PieceStanding {
+    let (p_not_met, p_met) = doubts(belief, threshold);
+    let limits = limits::limits(belief, threshold, levels);
+    PieceStanding {
+        evidence: id.to_owned(),
+        step,
+        standing: standing(p_not_met, p_met, levels),
+        p_not_met,
+        p_met,
+        level_met: levels.met,
+        level_missed: levels.missed,
+        limits,
+        elsewhere: false,
+        words: words::piece(id, belief, threshold, (p_not_met, p_met), (limits, levels)),
+    }
+}
+
+/// What p-values against "not met" and "met" show.
+pub(super) fn standing(p_not_met: f64, p_met: f64, levels: ClaimLevels) -> Standing {
+    if p_met <= levels.missed {
+        Standing::Denies
+    } else if p_not_met <= levels.met {
+        Standing::Supports
+    } else {
+        Standing::Neither
     }
 }
 
 /// How far the evidence doubts that the threshold is met, and that it is missed: p-values or
 /// posterior probabilities of the contrary.
-fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
+pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
     let Threshold { direction, value } = threshold;
     let (at_least, at_most) = match belief {
-        Belief::Counts { sample, effective } => {
-            doubts_of_counts(*effective, effective.trials < sample.trials as f64, value)
-        }
+        Belief::Counts {
+            before: Some(_), ..
+        } => over_looks::doubts(belief, value),
+        Belief::Counts {
+            sample, effective, ..
+        } => doubts_of_counts(*effective, effective.trials < sample.trials as f64, value),
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
     };
@@ -64,12 +80,13 @@ fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
     }
 }
 
-/// How bounds stand to a threshold.
-pub(super) fn of_bounds(bounds: &Interval, threshold: Threshold) -> Standing {
-    match doubts_of_known(bounds, threshold) {
-        (_, missed) if missed <= 0.0 => Standing::Denies,
-        (met, _) if met <= 0.0 => Standing::Supports,
-        _ => Standing::Neither,
+/// Whether a test of the claim "met" can err, and of "missed": a known value cannot, certainty is denied by one failure
+/// and shown by no count.
+pub(super) fn can_err(belief: &Belief, threshold: Threshold) -> bool {
+    match belief {
+        Belief::Known { .. } => false,
+        Belief::Counts { .. } => threshold.value > 0.0 && threshold.value < 1.0,
+        Belief::Distribution { .. } => true,
     }
 }
 
@@ -92,7 +109,11 @@ fn doubts_of_known(bounds: &Interval, threshold: Threshold) -> (f64, f64) {
 
 /// p-values of "the rate is below" and "the rate is at least the threshold". At a threshold of 1
 /// no count shows the rate to be 1, and one failure shows that it is not.
-fn doubts_of_counts(sample: EffectiveSample, is_clustered: bool, threshold: f64) -> (f64, f64) {
+pub(super) fn doubts_of_counts(
+    sample: EffectiveSample,
+    is_clustered: bool,
+    threshold: f64,
+) -> (f64, f64) {
     let (test_above, test_below) = match is_clustered {
         true => (
             clustered_test_above as fn(EffectiveSample, f64) -> f64,
@@ -125,54 +146,15 @@ pub(super) fn shown_below_and_above(
     (at_least <= level.alpha(), below <= level.alpha())
 }
 
-fn words(id: &str, belief: &Belief, threshold: Threshold, met: f64, missed: f64) -> String {
-    match belief {
-        Belief::Counts { sample, effective } => {
-            let size = if effective.trials < sample.trials as f64 {
-                format!(", worth {:.0} independent ones", effective.trials)
-            } else {
-                String::new()
-            };
-            let test = match (threshold.value, sample.failures()) {
-                (1.0, 0) => "no failure".to_owned(),
-                (1.0, 1) => "1 failure".to_owned(),
-                (1.0, failures) => format!("{failures} failures"),
-                _ if met <= missed => format!("p {} for missing it", p_value(met)),
-                _ => format!("p {} for meeting it", p_value(missed)),
-            };
-            format!(
-                "{id} has {} of {}{size} ({test})",
-                sample.successes, sample.trials
-            )
-        }
-        Belief::Known { value, .. } => format!("{id} computes {}", percent(*value)),
-        Belief::Distribution { value, .. } => {
-            let chance = probability(missed);
-            format!(
-                "{id} computes {} (probability {chance} of meeting it)",
-                percent(*value)
-            )
-        }
-    }
-}
-
-/// A threshold in words.
-pub(super) fn in_words(threshold: Threshold) -> String {
-    match threshold.direction {
-        Direction::AtLeast if threshold.value >= 1.0 => "it asks for certainty".to_owned(),
-        Direction::AtLeast => format!("it asks for at least {}", percent(threshold.value)),
-        Direction::AtMost => format!("it asks for at most {}", percent(threshold.value)),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use stats::{BetaPosterior, Sample};
 
-    fn standing(belief: &Belief, direction: Direction, value: f64) -> Standing {
+    fn shown(belief: &Belief, direction: Direction, value: f64) -> Standing {
         let threshold = Threshold { direction, value };
-        Stand::of("E", belief, threshold, Confidence::P95).standing
+        let levels = ClaimLevels::both(Confidence::P95);
+        stand(("E", Step::System), belief, threshold, levels).standing
     }
 
     fn counts(successes: u64, trials: u64) -> Belief {
@@ -180,6 +162,7 @@ mod tests {
         Belief::Counts {
             sample,
             effective: sample.into(),
+            before: None,
         }
     }
 
@@ -187,6 +170,7 @@ mod tests {
         Belief::Known {
             value: low,
             bounds: Interval { low, high },
+            is_range: false,
         }
     }
 
@@ -194,60 +178,42 @@ mod tests {
     fn counts_need_the_exact_test_to_speak() {
         use Direction::{AtLeast, AtMost};
         // 0.95^59 = 0.048 and 0.95^58 = 0.051: 59 of 59 is the least that shows 95 %.
-        assert_eq!(standing(&counts(59, 59), AtLeast, 0.95), Standing::Supports);
-        assert_eq!(standing(&counts(58, 58), AtLeast, 0.95), Standing::Neither);
-        assert_eq!(standing(&counts(0, 59), AtMost, 0.05), Standing::Supports);
-        assert_eq!(standing(&counts(0, 58), AtMost, 0.05), Standing::Neither);
-        assert_eq!(standing(&counts(88, 100), AtLeast, 0.95), Standing::Denies);
-        assert_eq!(standing(&counts(12, 100), AtMost, 0.05), Standing::Denies);
+        assert_eq!(shown(&counts(59, 59), AtLeast, 0.95), Standing::Supports);
+        assert_eq!(shown(&counts(58, 58), AtLeast, 0.95), Standing::Neither);
+        assert_eq!(shown(&counts(0, 59), AtMost, 0.05), Standing::Supports);
+        assert_eq!(shown(&counts(0, 58), AtMost, 0.05), Standing::Neither);
+        assert_eq!(shown(&counts(88, 100), AtLeast, 0.95), Standing::Denies);
+        assert_eq!(shown(&counts(12, 100), AtMost, 0.05), Standing::Denies);
     }
 
     #[test]
     fn certainty_takes_one_failure_to_deny_and_no_trials_to_show() {
         use Direction::{AtLeast, AtMost};
         assert_eq!(
-            standing(&counts(1_000_000, 1_000_000), AtLeast, 1.0),
+            shown(&counts(1_000_000, 1_000_000), AtLeast, 1.0),
             Standing::Neither
         );
         assert_eq!(
-            standing(&counts(999_999, 1_000_000), AtLeast, 1.0),
+            shown(&counts(999_999, 1_000_000), AtLeast, 1.0),
             Standing::Denies
         );
-        assert_eq!(
-            standing(&counts(0, 1_000_000), AtMost, 0.0),
-            Standing::Neither
-        );
-        assert_eq!(
-            standing(&counts(1, 1_000_000), AtMost, 0.0),
-            Standing::Denies
-        );
+        assert_eq!(shown(&counts(0, 1_000_000), AtMost, 0.0), Standing::Neither);
+        assert_eq!(shown(&counts(1, 1_000_000), AtMost, 0.0), Standing::Denies);
     }
 
     #[test]
     fn bounds_that_straddle_the_threshold_say_nothing() {
         use Direction::{AtLeast, AtMost};
+        assert_eq!(shown(&known(0.94, 0.96), AtLeast, 0.95), Standing::Neither);
+        assert_eq!(shown(&known(0.96, 0.97), AtLeast, 0.95), Standing::Supports);
+        assert_eq!(shown(&known(0.93, 0.94), AtLeast, 0.95), Standing::Denies);
+        assert_eq!(shown(&known(0.96, 0.97), AtMost, 0.95), Standing::Denies);
+        assert_eq!(shown(&known(0.0, 0.0), AtMost, 0.0), Standing::Supports);
         assert_eq!(
-            standing(&known(0.94, 0.96), AtLeast, 0.95),
-            Standing::Neither
-        );
-        assert_eq!(
-            standing(&known(0.96, 0.97), AtLeast, 0.95),
+            shown(&known(1.0 - 1e-12, 1.0), AtLeast, 1.0),
             Standing::Supports
         );
-        assert_eq!(
-            standing(&known(0.93, 0.94), AtLeast, 0.95),
-            Standing::Denies
-        );
-        assert_eq!(standing(&known(0.96, 0.97), AtMost, 0.95), Standing::Denies);
-        assert_eq!(standing(&known(0.0, 0.0), AtMost, 0.0), Standing::Supports);
-        assert_eq!(
-            standing(&known(1.0 - 1e-12, 1.0), AtLeast, 1.0),
-            Standing::Supports
-        );
-        assert_eq!(
-            standing(&known(0.998, 0.998), AtLeast, 1.0),
-            Standing::Denies
-        );
+        assert_eq!(shown(&known(0.998, 0.998), AtLeast, 1.0), Standing::Denies);
     }
 
     #[test]
@@ -258,22 +224,8 @@ mod tests {
             posterior,
         };
         use Direction::AtLeast;
-        assert_eq!(standing(&belief, AtLeast, 0.6), Standing::Supports);
-        assert_eq!(standing(&belief, AtLeast, 0.87), Standing::Neither);
-        assert_eq!(standing(&belief, AtLeast, 0.95), Standing::Denies);
-        let words = Stand::of(
-            "E5",
-            &belief,
-            Threshold {
-                direction: AtLeast,
-                value: 0.95,
-            },
-            Confidence::P95,
-        )
-        .words;
-        assert!(
-            words.starts_with("E5 computes 88 % (probability"),
-            "{words}"
-        );
+        assert_eq!(shown(&belief, AtLeast, 0.6), Standing::Supports);
+        assert_eq!(shown(&belief, AtLeast, 0.87), Standing::Neither);
+        assert_eq!(shown(&belief, AtLeast, 0.95), Standing::Denies);
     }
 }

@@ -1,8 +1,8 @@
 //! For the requirements that are undecided: how many further trials would settle them.
 //!
 //! # Definition
-//! A requirement is settled by a piece of evidence that shows, at the level of the conclusions, that
-//! its threshold is met or that it is missed (see `conclude`). With `n` further trials, whose
+//! A requirement is settled by a piece of evidence, on a step that is enough for it, that shows, at the level of the
+//! conclusions, that its threshold is met or that it is missed (see `conclude`). With `n` further trials, whose
 //! successes `Y` have the beta-binomial distribution of Jeffreys' posterior,
 //!
 //! ```text
@@ -23,10 +23,11 @@
 //! subjects tell less. Simulated (`promised`), 10 people with 10 trials each and 20 more at a correlation of 0.3 keep
 //! what is promised on average.
 
-use super::{Piece, current, independent, quantity};
-use crate::compare::{Belief, Study, TrialCosts, is_open};
+use super::{Piece, current, independent, looked_at, quantity};
+use crate::compare::{Belief, Study, TrialCosts};
 use crate::conclude::stand::shown_below_and_above;
-use crate::{Conclusion, Requirement, Verdict};
+use crate::looks::{is_open, over_looks};
+use crate::{Conclusion, Direction, Requirement, Step};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Predictive};
@@ -47,6 +48,12 @@ pub struct Deciding {
     pub cost: Option<f64>,
     /// The chance that they settle it, given what is known now.
     pub chance: Option<f64>,
+    /// The chance that they show the requirement to be satisfied.
+    #[serde(default)]
+    pub satisfied: Option<f64>,
+    /// The chance that they show it to be violated.
+    #[serde(default)]
+    pub violated: Option<f64>,
 }
 
 /// Plans for every requirement whose conclusion is undecided, the cheapest first.
@@ -55,41 +62,60 @@ pub(crate) fn deciding(
     conclusions: &[Conclusion],
     costs: &TrialCosts,
 ) -> Vec<Deciding> {
-    let open = |requirement: &&Requirement| {
-        let is_open =
-            |c: &Conclusion| c.requirement == requirement.id && c.verdict == Verdict::Undecided;
-        conclusions.iter().any(is_open)
-    };
-    let requirements = study.requirements.iter().filter(open);
+    let open = conclusions.iter().filter(|conclusion| conclusion.is_open());
+    let requirements = open.filter_map(|conclusion| {
+        let mut requirements = study.requirements.iter();
+        let requirement = requirements.find(|it| it.id == conclusion.requirement)?;
+        Some((requirement, conclusion))
+    });
     requirements
-        .flat_map(|requirement| plans(study, requirement, costs))
+        .flat_map(|(requirement, conclusion)| plans(study, requirement, conclusion, costs))
         .collect()
 }
 
-fn plans(study: &Study<'_>, requirement: &Requirement, costs: &TrialCosts) -> Vec<Deciding> {
-    let Some(threshold) = requirement.threshold.map(|threshold| threshold.value) else {
+/// Plans for the pieces whose trials can bring the requirement to the step that it needs, at the levels of the conclusion.
+fn plans(
+    study: &Study<'_>,
+    requirement: &Requirement,
+    conclusion: &Conclusion,
+    costs: &TrialCosts,
+) -> Vec<Deciding> {
+    let Some(asked) = requirement.threshold else {
         return Vec::new();
     };
+    let (threshold, at_least) = (asked.value, asked.direction == Direction::AtLeast);
     if threshold <= 0.0 || threshold >= 1.0 {
         return Vec::new();
     }
     let quantity = quantity(study.requirements, requirement);
-    let pieces = current(study.evidence, requirement, &quantity);
+    let enough = |piece: &Piece| Step::of(piece.evidence.technique) >= requirement.needs;
+    let mut pieces = current(study.evidence, requirement, &quantity);
+    pieces.retain(enough);
+    let pieces = looked_at(study, pieces, (requirement, &quantity));
     let free = independent(&pieces, &study.lineage(), &quantity);
-    let level = study.levels.confidence.simultaneous(free.len());
     let plan = |piece: &Piece<'_>| {
+        let level = level_of(conclusion, &piece.evidence.id)?;
         let Belief::Counts { effective, .. } = &piece.belief else {
             return None;
         };
         let effect = piece.belief.design_effect()?;
         let id = &piece.evidence.id;
-        let found = least(*effective, effect, threshold, level, study.levels.power);
+        let looks = Looked::of(&piece.belief);
+        let found = least(
+            (*effective, looks),
+            effect,
+            threshold,
+            level,
+            study.levels.power,
+        );
         Some(Deciding {
             requirement: requirement.id.clone(),
             evidence: id.clone(),
             trials: found.map(|(trials, _)| trials),
             cost: found.map(|(trials, _)| trials as f64 * costs.of(id)),
-            chance: found.map(|(_, chance)| chance),
+            chance: found.map(|(_, (below, above))| (below + above).min(1.0)),
+            satisfied: found.map(|(_, (below, above))| if at_least { above } else { below }),
+            violated: found.map(|(_, (below, above))| if at_least { below } else { above }),
         })
     };
     let open = free.into_iter().map(|index| &pieces[index]);
@@ -102,22 +128,50 @@ fn plans(study: &Study<'_>, requirement: &Requirement, costs: &TrialCosts) -> Ve
     plans
 }
 
-/// Trials with at least this chance of settling it, and the chance.
+/// The stricter of the levels at which a conclusion judges a piece.
+fn level_of(conclusion: &Conclusion, id: &str) -> Option<Confidence> {
+    let mut standings = conclusion.standings.iter();
+    let own = standings.find(|it| it.evidence == id && it.step != Step::Corroborated)?;
+    Confidence::new(1.0 - own.level_met.min(own.level_missed)).ok()
+}
+
+/// The counts with the looks at them, if they are looked at again.
+#[derive(Clone, Copy)]
+struct Looked<'a>(Option<&'a Belief>);
+
+impl<'a> Looked<'a> {
+    fn of(belief: &'a Belief) -> Self {
+        let is_looked_at = matches!(
+            belief,
+            Belief::Counts {
+                before: Some(_),
+                ..
+            }
+        );
+        Self(is_looked_at.then_some(belief))
+    }
+}
+
+/// Trials with at least this chance of settling it, and the chances of showing the rate to be below and to be above.
 fn least(
-    known: EffectiveSample,
+    (known, looks): (EffectiveSample, Looked<'_>),
     effect: f64,
     threshold: f64,
     level: Confidence,
     power: f64,
-) -> Option<(u64, f64)> {
+) -> Option<(u64, (f64, f64))> {
     let posterior = BetaPosterior::jeffreys(known);
     let chance = |trials: u64| {
         let worth = (trials as f64 / effect).round() as u64;
         let next = Predictive::new(&posterior, worth);
-        chance(known, effect > 1.0, &next, threshold, level)
+        chances((known, looks), effect > 1.0, &next, threshold, level)
+    };
+    let suffices = |trials: u64| {
+        let (below, above) = chance(trials);
+        below + above >= power
     };
     let mut enough = 1;
-    while chance(enough) < power {
+    while !suffices(enough) {
         if enough >= MOST_TRIALS {
             return None;
         }
@@ -127,7 +181,7 @@ fn least(
     // To within 1 in 100: more exactly, the sawtooth decides.
     while enough - too_few > 1 && enough - too_few > enough / 100 {
         let middle = u64::midpoint(too_few, enough);
-        if chance(middle) >= power {
+        if suffices(middle) {
             enough = middle;
         } else {
             too_few = middle;
@@ -136,31 +190,38 @@ fn least(
     Some((enough, chance(enough)))
 }
 
-/// The chance that further trials settle a threshold.
-fn chance(
-    known: EffectiveSample,
+/// The chances that further trials show the rate to be below a threshold, and to be above.
+fn chances(
+    (known, looks): (EffectiveSample, Looked<'_>),
     is_clustered: bool,
     next: &Predictive,
     threshold: f64,
     level: Confidence,
-) -> f64 {
+) -> (f64, f64) {
     let after = |y: u64| EffectiveSample {
         successes: known.successes + y as f64,
         trials: known.trials + next.trials() as f64,
     };
-    let shown = |y: u64| shown_below_and_above(after(y), is_clustered, threshold, level);
+    let shown = |y: u64| match looks.0 {
+        Some(now) => {
+            let (below, at_least) =
+                over_looks::doubts(&over_looks::after(now, after(y)), threshold);
+            (at_least <= level.alpha(), below <= level.alpha())
+        }
+        None => shown_below_and_above(after(y), is_clustered, threshold, level),
+    };
     let all = next.trials();
     // The more successes, the less is it shown to be below, and the more to be above.
     let below = first(all, |y| !shown(y).0);
     let above = first(all, |y| shown(y).1);
-    let mut chance = 0.0;
+    let mut chances = (0.0, 0.0);
     if below > 0 {
-        chance += next.probability(0, below - 1);
+        chances.0 = next.probability(0, below - 1);
     }
     if above <= all {
-        chance += next.probability(above.max(below), all);
+        chances.1 = next.probability(above.max(below), all);
     }
-    chance
+    chances
 }
 
 /// The least of `0..=all` that `holds`, when it holds for all after that; `all + 1` if for none.
@@ -208,7 +269,9 @@ mod tests {
             };
             let all = (0..=further).filter(shown);
             let expected: f64 = all.map(|y| next.probability(y, y)).sum();
-            let found = chance(known, false, &next, threshold, Confidence::P95);
+            let known = (known, Looked(None));
+            let (below, above) = chances(known, false, &next, threshold, Confidence::P95);
+            let found = below + above;
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }
@@ -216,17 +279,36 @@ mod tests {
     #[test]
     fn clear_rates_take_few_trials_and_close_ones_many() {
         let needed = |successes, trials| {
-            least(sample(successes, trials), 1.0, 0.9, Confidence::P95, 0.8).map(|found| found.0)
+            least(
+                (sample(successes, trials), Looked(None)),
+                1.0,
+                0.9,
+                Confidence::P95,
+                0.8,
+            )
+            .map(|found| found.0)
         };
         let (clear, close) = (needed(70, 80), needed(899, 1000));
         assert!(clear < close && clear.is_some(), "{clear:?} {close:?}");
         // Twice as many where two trials are worth one (by the test of trials that are alike).
-        let plain = least(sample(35, 40), 1.0 + 1e-9, 0.9, Confidence::P95, 0.8)
-            .unwrap()
-            .0;
-        let alike = least(sample(35, 40), 2.0, 0.9, Confidence::P95, 0.8)
-            .unwrap()
-            .0;
+        let plain = least(
+            (sample(35, 40), Looked(None)),
+            1.0 + 1e-9,
+            0.9,
+            Confidence::P95,
+            0.8,
+        )
+        .unwrap()
+        .0;
+        let alike = least(
+            (sample(35, 40), Looked(None)),
+            2.0,
+            0.9,
+            Confidence::P95,
+            0.8,
+        )
+        .unwrap()
+        .0;
         let ratio = alike as f64 / plain as f64;
         assert!((ratio - 2.0).abs() < 0.1, "{ratio}");
     }

@@ -50,7 +50,7 @@ impl Matter<'_> {
     /// The probability that a model is the odd one out, and not the one piece that shows what it cannot express.
     fn is_odd(&self, model: &Evidence, shows: &Evidence, subject: &Subject) -> f64 {
         let odds =
-            self.apart(shows, model, subject, None) - self.apart(model, model, subject, None);
+            self.apart(&[shows], model, subject, None) - self.apart(&[model], model, subject, None);
         1.0 / (1.0 + odds.exp())
     }
 

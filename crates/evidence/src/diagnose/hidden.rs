@@ -51,12 +51,11 @@ impl Matter<'_> {
             matches!(subject, Subject::Requirement(_)) && cell.judged_by == JudgedBy::Property;
         let value = model.finding(subject)?.measure.estimate()?;
         let margin = self.margin(subject);
-        let left = strength(
-            Rate::Computed(value),
-            Rate::counted(cell.count, cell.trials),
-            margin,
-        );
-        let (count, trials) = (cell.count, cell.trials);
+        // Runs without a verdict are counted for agreement.
+        let trials = cell.trials + cell.undecided;
+        let nearest = (cell.share_near(value) * trials as f64).round() as u64;
+        let count = nearest.clamp(cell.count, cell.count + cell.undecided);
+        let left = strength(Rate::Computed(value), Rate::counted(count, trials), margin);
         (is_own && left >= STRONG).then(|| Clue {
             inaccuracy: Inaccuracy::SystemModel,
             asset: system_model(model),

@@ -75,13 +75,25 @@ fn form_of(cell: &Cell) -> &'static str {
 
 /// The rate under another form. Some hundred paths alone say less than a computed value, and a conflict that shrinks only
 /// for that is not explained: to the value is added what the two forms differ by on the same traces. Where its own
-/// form could not judge them, it stands as long as the other does not contradict it.
+/// form could not judge them, it stands as long as the other does not contradict it. Traces without a verdict are counted
+/// so that the two forms differ least: they show no difference.
 fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -> Rate {
-    let share = |cell: &Cell| cell.count as f64 / cell.trials as f64;
-    let counted = Rate::counted(other.count, other.trials);
+    let near = match rate {
+        Rate::Computed(value) => value,
+        Rate::Counted { count, trials } => count / trials,
+    };
+    let counted = match other.undecided {
+        0 => Rate::counted(other.count, other.trials),
+        _ => Rate::Counted {
+            count: other.share_near(near) * other.trials as f64,
+            trials: other.trials as f64,
+        },
+    };
     match (rate, own) {
         (Rate::Computed(value), Some(own)) => {
-            Rate::Computed((value + share(other) - share(own)).clamp(0.0, 1.0))
+            let ([low, high], [own_low, own_high]) = (other.shares(), own.shares());
+            let shift = 0.0_f64.clamp(low - own_high, high - own_low);
+            Rate::Computed((value + shift).clamp(0.0, 1.0))
         }
         (Rate::Computed(_), None) if strength(rate, counted, margin) < STRONG => rate,
         _ => counted,
@@ -222,8 +234,9 @@ impl<'a> Matter<'a> {
     }
 }
 
-/// The system model on which a piece of evidence rests: of several files the one that was named last,
-/// since parameters follow their scenario.
+/// The system model on which a piece of evidence rests. What was shown is that the piece differs, not which of its files
+/// is the reason: one is named, all others beside it. Named is the last of the files that say how the system behaves,
+/// since parameters follow their scenario; descriptions and shapes of bodies, which other programs made, come last.
 pub fn system_model(piece: &Evidence) -> SuspectAsset {
     let (kind, role) = match piece.technique {
         Technique::ModelChecking => (SuspectKind::FormalModel, AssetRole::SystemModel),
@@ -232,13 +245,31 @@ pub fn system_model(piece: &Evidence) -> SuspectAsset {
         }
         _ => (SuspectKind::Data, AssetRole::Data),
     };
-    let mut files = piece.assets.iter().filter(|a| a.role == role);
+    let files = piece.assets.iter().filter(|a| a.role == role);
+    let files: Vec<&String> = files.map(|asset| &asset.path).collect();
+    let behaviour = files.iter().rposition(|file| !is_description(file));
+    let named = behaviour.or(files.len().checked_sub(1));
+    let together = files
+        .iter()
+        .enumerate()
+        .filter(|(at, _)| Some(*at) != named);
     SuspectAsset {
         kind,
-        file: files.next_back().map(|asset| asset.path.clone()),
+        file: named.map(|at| files[at].clone()),
         part: None,
         evidence: vec![piece.id.clone()],
+        together: together.map(|(_, file)| (*file).clone()).collect(),
+        line: None,
     }
+}
+
+/// Whether a file describes bodies: their links, joints and shapes.
+fn is_description(file: &str) -> bool {
+    const DESCRIPTIONS: [&str; 10] = [
+        "urdf", "xacro", "sdf", "world", "xml", "mjcf", "stl", "obj", "dae", "ply",
+    ];
+    let extension = file.rsplit_once('.').map_or("", |(_, extension)| extension);
+    DESCRIPTIONS.contains(&extension.to_ascii_lowercase().as_str())
 }
 
 /// A requirement's form.
@@ -258,6 +289,8 @@ pub fn requirement_form(subject: &Subject, form: &str, evidence: &[&str]) -> Sus
         file: Some("requirements.toml".into()),
         part: Some(format!("{what}, {form}")),
         evidence: evidence.iter().map(|id| (*id).to_owned()).collect(),
+        together: Vec::new(),
+        line: None,
     }
 }
 

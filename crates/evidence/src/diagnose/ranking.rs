@@ -13,7 +13,7 @@
 //! The suspect's title and first words are those of its strongest clue, the rest of the [`SAID`] strongest.
 
 use super::matter::{Clue, Matter};
-use super::shared::share_with_tools;
+use super::shared::{share_with_edits, share_with_tools};
 use super::strength::{CERTAIN, STRONG};
 use super::suspect::{Suspect, SuspectAsset};
 use crate::{Inaccuracy, Subject};
@@ -41,6 +41,7 @@ pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
     clues.extend(matter.of_hidden_conflicts());
     clues.extend(more);
     share_with_tools(matter, &mut clues);
+    share_with_edits(&mut clues);
     // The strongest first, so that titles and arguments begin with it.
     clues.sort_by(|a, b| b.score.total_cmp(&a.score));
     let mut by_asset: Vec<(SuspectAsset, Vec<Clue>)> = Vec::new();
@@ -56,6 +57,13 @@ pub fn rank(matter: &Matter<'_>, more: Vec<Clue>) -> Vec<Suspect> {
                     .cloned()
                     .collect();
                 asset.evidence.extend(new);
+                let others = clue.asset.together.iter();
+                let others: Vec<String> = others
+                    .filter(|file| !asset.together.contains(file))
+                    .cloned()
+                    .collect();
+                asset.together.extend(others);
+                asset.line = asset.line.or(clue.asset.line);
                 of_asset.push(clue);
             }
             None => by_asset.push((clue.asset.clone(), vec![clue])),

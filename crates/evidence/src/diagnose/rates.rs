@@ -17,8 +17,10 @@
 //!   evidence (at least 1), else 0;
 //! * *system model*: the rest. It is shared out between `X` and `Y` by how much better the data of all
 //!   pieces under the same conditions are explained with that piece alone apart:
-//!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Tables and recordings of
-//!   the real system are a tenth as likely to be wrong as models of it.
+//!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Pieces that share an assumption with
+//!   `X` ([`mod@super::voices`]), but not with `Y`, may be wrong together with it: the likelier of "`X` alone" and "`X`
+//!   and these" counts, so that two models with one error do not make the experiment the odd one out. Tables and
+//!   recordings of the real system are a tenth as likely to be wrong as models of it.
 //!
 //! # Source and guarantee
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
@@ -308,7 +310,8 @@ impl<'a> Matter<'a> {
     ) -> Vec<Clue> {
         let is_formal = |piece: &Evidence| piece.technique == Technique::ModelChecking;
         let form = (is_formal(one) || is_formal(other)).then_some("property");
-        let weights = [one, other].map(|piece| self.apart(piece, one, subject, form));
+        let weights = [(one, other), (other, one)]
+            .map(|(piece, against)| self.apart_with_its_voice(piece, against, subject, form));
         let greatest = weights[0].max(weights[1]);
         let shares = weights.map(|w| (w - greatest).exp());
         let total = shares[0] + shares[1];
@@ -356,11 +359,34 @@ impl<'a> Matter<'a> {
         }
     }
 
-    /// `ln P(piece alone) P(all others together)`, of the pieces under the same conditions as `like`; judged by
+    /// The likelier of: a piece is wrong alone, or together with those that share an assumption with it.
+    fn apart_with_its_voice(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+        form: Option<&str>,
+    ) -> f64 {
+        let alone = self.apart(&[piece], piece, subject, form);
+        let pieces: Vec<&Evidence> = self
+            .speaking()
+            .filter(|e| e.conditions == piece.conditions && e.id != against.id)
+            .collect();
+        let voices = super::voices::voices(&pieces, subject);
+        let mut own = voices.into_iter();
+        let own = own.find(|voice| voice.iter().any(|member| member.id == piece.id));
+        let shares = |member: &&Evidence| super::voices::share_assumption(member, against, subject);
+        match own.filter(|voice| voice.len() > 1 && !voice.iter().any(shares)) {
+            Some(voice) => alone.max(self.apart(&voice, piece, subject, form)),
+            None => alone,
+        }
+    }
+
+    /// `ln P(pieces apart) P(all others together)`, of the pieces under the same conditions as `like`; judged by
     /// `form` where they are.
     pub(super) fn apart(
         &self,
-        piece: &Evidence,
+        apart: &[&Evidence],
         like: &Evidence,
         subject: &Subject,
         form: Option<&str>,
@@ -374,16 +400,26 @@ impl<'a> Matter<'a> {
         };
         let pieces = self.speaking().filter(|e| e.conditions == like.conditions);
         let others: Vec<Rate> = pieces
-            .filter(|e| e.id != piece.id)
+            .filter(|e| apart.iter().all(|it| it.id != e.id))
             .filter_map(rate)
             .collect();
         let margin = self.margin(subject);
-        let alone = rate(piece).map_or(0.0, |rate| ln_together(&[rate], margin));
-        let prior = match piece.technique {
-            Technique::Experiment | Technique::Operation => -DATA,
-            _ => 0.0,
+        let own: Vec<Rate> = apart.iter().filter_map(|piece| rate(piece)).collect();
+        let own = match own.is_empty() {
+            true => 0.0,
+            false => ln_together(&own, margin),
         };
-        prior + alone + ln_together(&others, margin)
+        let is_data = |piece: &&Evidence| {
+            matches!(
+                piece.technique,
+                Technique::Experiment | Technique::Operation
+            )
+        };
+        let prior = match apart.iter().any(is_data) {
+            true => -DATA,
+            false => 0.0,
+        };
+        prior + own + ln_together(&others, margin)
     }
 
     /// What speaks for the requirement models of a piece.
@@ -481,6 +517,8 @@ pub(super) fn solver(piece: &Evidence, method: &str) -> SuspectAsset {
         file: None,
         part: Some(format!("method `{method}`")),
         evidence: vec![piece.id.clone()],
+        together: Vec::new(),
+        line: None,
     }
 }
 

@@ -11,6 +11,9 @@
 //! `2 after - before` (one of first order), and `T'` is the least that is left for a rate in between: what no order of
 //! the error explains.
 //!
+//! The same holds where one value of a requirement model, replaced, makes the two agree ([`Symptom::EditExplains`]): its
+//! share of the conflict is taken from the system models of that pair.
+//!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), as in [`super::rates`]; L. F. Richardson, "The approximate arithmetical
 //! solution by finite differences" (1911), for the limit of small steps. A step whose effect is not beyond chance is
@@ -39,6 +42,34 @@ pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
             let gone = clues[model].score * (1.0 - left);
             clues[model].score -= gone;
             clues[tool].score = clues[tool].score.max(gone);
+        }
+    }
+}
+
+/// Takes from the system models what an edit of a requirement model explains; of several edits the one that takes most.
+pub(super) fn share_with_edits(clues: &mut [Clue]) {
+    let taken = |clue: &Clue| {
+        let Symptom::RateDiffers {
+            evidence, others, ..
+        } = &clue.symptom
+        else {
+            return 0.0;
+        };
+        let shares = clues.iter().filter_map(|edit| match &edit.symptom {
+            Symptom::EditExplains { pairs, share, .. } if edit.subject == clue.subject => {
+                let is_own = |pair: &[String; 2]| {
+                    pair.contains(evidence) && others.iter().any(|(id, ..)| pair.contains(id))
+                };
+                pairs.iter().any(is_own).then_some(*share)
+            }
+            _ => None,
+        });
+        shares.fold(0.0, f64::max)
+    };
+    let taken: Vec<f64> = clues.iter().map(taken).collect();
+    for (clue, taken) in clues.iter_mut().zip(taken) {
+        if clue.inaccuracy == Inaccuracy::SystemModel {
+            clue.score *= 1.0 - taken;
         }
     }
 }

@@ -48,6 +48,38 @@ pub struct SuspectAsset {
     pub part: Option<String>,
     /// The evidence that rests on it, in the ledger's order.
     pub evidence: Vec<String>,
+    /// Other files of the same evidence: what was shown does not tell them apart from `file`.
+    #[serde(default)]
+    pub together: Vec<String>,
+    /// The line of `file` that is to be looked at, from 1, where one is known.
+    #[serde(default)]
+    pub line: Option<u32>,
+}
+
+impl SuspectAsset {
+    /// File, line and part for people.
+    #[must_use]
+    pub fn place_in_words(&self) -> String {
+        let file = self.file.as_ref().map(|file| match self.line {
+            Some(line) => format!("{file}:{line}"),
+            None => file.clone(),
+        });
+        let words = [file, self.part.clone()];
+        let words: Vec<String> = words.into_iter().flatten().collect();
+        words.join(", ")
+    }
+
+    /// What cannot be told apart from it, for people.
+    #[must_use]
+    pub fn together_in_words(&self) -> Option<String> {
+        let files = &self.together;
+        (!files.is_empty()).then(|| {
+            format!(
+                "not told apart from it: {} (the same evidence rests on them)",
+                files.join(", ")
+            )
+        })
+    }
 }
 
 /// What is wrong, for programs. Identifiers are those of the study.
@@ -110,6 +142,19 @@ pub enum Symptom {
         runs: u64,
         /// Of how many.
         of: u64,
+    },
+    /// One value of a requirement model, replaced, makes pieces agree, and nothing else disagree.
+    EditExplains {
+        /// The requirement or failure mode on which they agree then.
+        subject: Subject,
+        /// What stands in the file.
+        found: String,
+        /// What stands there if they agree.
+        instead: String,
+        /// The pairs of evidence that agree then.
+        pairs: Vec<[String; 2]>,
+        /// The part of the disagreement that it takes from other suspects.
+        share: f64,
     },
     /// A solver's answer lies outside the bounds of a sound one.
     SolverStopped {
@@ -275,6 +320,23 @@ pub struct Cell {
     pub interval: Option<Interval>,
     /// Why the cell is empty, if it is.
     pub not_judged: Option<String>,
+}
+
+impl Cell {
+    /// The least and the greatest share that the traces can have: those that were cut short may all count, and may all
+    /// not.
+    #[must_use]
+    pub fn shares(&self) -> [f64; 2] {
+        let all = (self.trials + self.undecided).max(1) as f64;
+        [self.count, self.count + self.undecided].map(|count| count as f64 / all)
+    }
+
+    /// The share of a completion that is nearest to a value.
+    #[must_use]
+    pub fn share_near(&self, value: f64) -> f64 {
+        let [low, high] = self.shares();
+        value.clamp(low, high)
+    }
 }
 
 /// Two cells that differ in one asset.

@@ -1,6 +1,7 @@
 //! Who is suspected first, on the handover's first three pieces of evidence and on planted faults.
 
 mod odd;
+mod voices;
 
 use evidence::*;
 use stats::{Confidence, Sample, wilson};
@@ -27,6 +28,8 @@ fn finding(subject: Subject, measure: Measure) -> Finding {
     Finding {
         subject,
         measure,
+        denominator: evidence::Denominator::default(),
+        trigger: None,
         undecided: 0,
         witnesses: vec!["episode-00002.mcap".into()],
         readings: vec![],
@@ -100,6 +103,7 @@ fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> 
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        lineage_questions: Vec::new(),
         inputs: text(),
     }
 }
@@ -110,6 +114,7 @@ fn conflict(subject: Subject, left: &str, right: &str) -> Comparison {
         left: left.into(),
         right: right.into(),
         outcome: Outcome::Conflicts,
+        relation: None,
         independent: true,
         difference: None,
         difference_interval: None,
@@ -118,6 +123,10 @@ fn conflict(subject: Subject, left: &str, right: &str) -> Comparison {
         p_difference_corrected: None,
         p_equivalence: None,
         probability_within_margin: None,
+        possibly_copied: false,
+        clustering: None,
+        trigger: None,
+        looking: None,
         further_trials: vec![],
         reason: String::new(),
     }
@@ -133,6 +142,7 @@ fn requirements() -> Vec<Requirement> {
         monitor: None,
         margin,
         same_quantity_as: None,
+        ..Requirement::default()
     };
     vec![of("1a", 0.10), of("3", 0.05)]
 }

@@ -131,6 +131,8 @@ fn the_rest_of_an_error_of_first_order_is_the_steps() {
                 file: None,
                 part: Some("time_step_secs = 0.01".into()),
                 evidence: vec!["S".into()],
+                together: Vec::new(),
+                line: None,
             },
             subject: mode("grip"),
             score,

@@ -178,6 +178,7 @@ impl Document {
                 "prov:type": typed("corroborate:Conclusion"),
                 "corroborate:requirement": conclusion.requirement,
                 "corroborate:verdict": serde_json::to_value(conclusion.verdict).unwrap_or_default(),
+                "corroborate:step": conclusion.step.map_or("none", evidence::Step::name),
             });
             self.put("entity", entity.clone(), value);
             let generation = json!({ "prov:entity": entity, "prov:activity": activity });

@@ -7,7 +7,7 @@ use crate::number;
 use crate::plan;
 use crate::view::View;
 use crate::words;
-use evidence::{Conclusion, Evidence, Measure, Outcome, Requirement, Verdict};
+use evidence::{Conclusion, Evidence, Measure, Outcome, Requirement, Standing, Step, Verdict};
 
 /// The argument.
 pub fn argument(view: View) -> Argument {
@@ -66,11 +66,14 @@ fn defeat(builder: &mut Builder, top: usize, view: View) {
         let text = format!("Shown not to hold: requirement {}", violated.join(", "));
         builder.challenge(top, "violated", text, true);
     }
-    let open = ids(&[
+    let mut open = ids(&[
         Verdict::Conflicting,
         Verdict::Undecided,
         Verdict::NotCovered,
     ]);
+    let conclusions = view.study.conclusions.iter();
+    let below = conclusions.filter(|c| c.verdict == Verdict::Satisfied && is_below(c));
+    open.extend(below.map(|c| c.requirement.as_str()));
     if !open.is_empty() {
         let text = format!("Not shown to hold: requirement {}", open.join(", "));
         builder.challenge(top, "not-shown", text, false);
@@ -92,7 +95,7 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
     let (against, supporting): (Vec<_>, Vec<_>) = pieces
         .iter()
         .copied()
-        .partition(|(_, measure)| speaks_against(requirement, verdict, measure));
+        .partition(|(piece, measure)| speaks_against(view, requirement, piece, measure));
     let holes = holes(view, requirement, conclusion);
     let is_bare = supporting.is_empty() && holes.is_empty();
     if !is_bare {
@@ -129,14 +132,31 @@ fn together(builder: &mut Builder, goal: usize, view: View, name: &str) {
     }
 }
 
-/// Whether a finding is evidence against the requirement, as it is read in
-/// the forest plot. Where the conclusion is that it holds, none is.
-fn speaks_against(requirement: &Requirement, verdict: Verdict, measure: &Measure) -> bool {
-    let denied = matches!(
-        verdict,
-        Verdict::Violated | Verdict::Conflicting | Verdict::Undecided
-    );
-    denied && words::reading(requirement, measure).tone == "bad"
+/// Whether a finding is evidence against the requirement: the conclusion's test denies it, or decides nothing and leans
+/// against it. What no conclusion judged is read as in the forest plot.
+fn speaks_against(
+    view: View,
+    requirement: &Requirement,
+    piece: &Evidence,
+    measure: &Measure,
+) -> bool {
+    match view.standing(requirement, &piece.id) {
+        Some(it) => match it.standing {
+            Standing::Denies => true,
+            Standing::Supports => false,
+            Standing::Neither => it.p_met < it.p_not_met,
+        },
+        None => {
+            let satisfied = view.conclusion(&requirement.id);
+            let satisfied = satisfied.is_some_and(|c| c.verdict == Verdict::Satisfied);
+            !satisfied && words::reading(requirement, measure).tone == "bad"
+        }
+    }
+}
+
+/// Whether a requirement is satisfied on a step that is not enough for it.
+fn is_below(conclusion: &Conclusion) -> bool {
+    conclusion.step.is_some() && !conclusion.is_enough()
 }
 
 fn solution(
@@ -163,7 +183,10 @@ fn deny(
         return;
     }
     let id = &requirement.id;
-    let text = format!("Requirement {id} does not hold");
+    let text = match verdict {
+        Verdict::Violated => format!("Requirement {id} does not hold"),
+        _ => format!("Evidence speaks against requirement {id}, without deciding it"),
+    };
     let counter = builder.challenge(goal, id, text, verdict == Verdict::Violated);
     for (piece, measure) in against {
         solution(
@@ -208,6 +231,13 @@ fn holes(view: View, requirement: &Requirement, conclusion: Option<&Conclusion>)
         .collect();
     match conclusion.map(|c| c.verdict) {
         None => holes.push("A conclusion is drawn about it. Now: there is none.".to_owned()),
+        Some(Verdict::Satisfied) if conclusion.is_some_and(is_below) => {
+            let step = conclusion.and_then(|c| c.step).map_or("", Step::words);
+            let needs = conclusion.map_or("", |c| c.needs.words());
+            holes.push(format!(
+                "It is shown {needs}. Now: it is shown {step} only."
+            ));
+        }
         Some(Verdict::Undecided) => {
             let synthesis = &study.synthesis;
             let mut plans = synthesis.deciding.iter();

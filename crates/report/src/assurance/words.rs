@@ -18,7 +18,7 @@ pub fn figures(measure: &Measure) -> String {
         } if *trials > 0 => {
             let worth = effective_trials.filter(|worth| *worth < *trials as f64);
             let worth = worth.map_or(String::new(), |worth| {
-                format!(", worth {} independent ones", number::decimal(worth, 1))
+                format!(" (effective sample size {})", number::decimal(worth, 0))
             });
             format!(
                 "{} of {}{worth}: {}, interval {}",

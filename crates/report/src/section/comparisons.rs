@@ -12,7 +12,8 @@ use crate::words;
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "Every pair of evidence on every requirement and failure mode. Agreement is claimed only if the difference is "
-        "shown to be smaller than the declared margin; a conflict only if it is beyond chance, allowing for the number of comparisons."
+        "shown to be smaller than the declared margin; a conflict only if it is beyond chance, allowing for the number of comparisons, "
+        "and its estimate is the margin or more."
     };
     let body = html! {
         (totals(view))
@@ -86,7 +87,8 @@ fn at_once(view: View, subject: &Subject) -> Markup {
                 (chip(&words::comparison(all.outcome, all.independent)))
                 " all at once (" (view.links(&all.evidence)) ")"
                 @if let Some(spreading) = &all.heterogeneity {
-                    ": one rate for all has p " (number::p_value(spreading.p_corrected))
+                    "; homogeneity of the " (spreading.degrees + 1) " uncertain rates: p "
+                    (number::p_value(spreading.p_corrected))
                     ", corrected (Q = " (number::decimal(spreading.statistic, 1))
                     " on " (spreading.degrees) ", I² " (number::percent(spreading.i_squared)) ")"
                 }
@@ -216,6 +218,7 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
             th scope="row" { (view.link(&pair.left)) " → " (view.link(&pair.right)) }
             td data-label="Outcome" {
                 (chip(&words::comparison(pair.outcome, pair.independent)))
+                @if let Some(relation) = pair.relation { " " span class="small" { (relation.words()) } " " }
                 @if !pair.independent && pair.outcome != Outcome::Corroborates {
                     span class="small" { "not independent" }
                 }
@@ -231,6 +234,7 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
             td class="n" data-label="P, within margin" { (optional(pair.probability_within_margin)) }
             td class="why" data-label="Why" {
                 (pair.reason)
+                @if let Some(sensitivity) = &pair.clustering { " " (sensitivity.statement) }
                 @if !pair.further_trials.is_empty() {
                     span class="further" {
                         "Would decide: "

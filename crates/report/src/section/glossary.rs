@@ -39,8 +39,8 @@ pub fn render(view: View) -> Markup {
         dl class="glossary" {
             (term("Margin", "The largest difference of two rates that still counts as agreement. It is declared before comparing."))
             (outcome_term(Outcome::Corroborates, "The difference is shown to be smaller than the margin. Merely not finding a difference is not enough."))
-            (outcome_term(Outcome::Conflicts, "The difference is beyond chance, allowing for the number of comparisons made."))
-            (outcome_term(Outcome::Inconclusive, "Neither is shown. More trials would decide; the report says how many where that can be said."))
+            (outcome_term(Outcome::Conflicts, "The difference is beyond chance, allowing for the number of comparisons made, and its estimate is the margin or more."))
+            (outcome_term(Outcome::Inconclusive, "Neither is shown, or a difference whose estimate lies within the margin. The report says how many further trials would probably decide."))
             (outcome_term(Outcome::NotComparable, "The two do not speak of the same thing: other conditions, or one of them never saw the situation."))
             (term("Fit", "One side was tuned to the other, so their agreement was made, not found. It shows that tuning worked and confirms nothing."))
             (term("p-value", "How often chance alone would produce a difference at least this large (“no difference”), or a difference this small although the true one exceeds the margin (“beyond margin”). Corrected: allowing for the number of comparisons."))

@@ -57,6 +57,7 @@ fn entry(view: View, evidence: &Evidence) -> Markup {
                 }
             }
             @if let Some(clusters) = &evidence.clusters { (cluster_tests(clusters)) }
+            (lineage_questions(evidence))
             (failures(evidence))
             (description_gaps(evidence))
             details {
@@ -82,12 +83,40 @@ fn calibrations(view: View, evidence: &Evidence) -> Markup {
     }
 }
 
+/// What looks taken from other evidence, whether or not the ledger settled it.
+fn lineage_questions(evidence: &Evidence) -> Markup {
+    html! {
+        @if !evidence.lineage_questions.is_empty() {
+            div class="note" {
+                p { "What looks taken from other evidence:" }
+                ul class="lines" {
+                    @for question in &evidence.lineage_questions {
+                        li {
+                            (question.finding)
+                            @if !question.places.is_empty() { " (" code { (question.places.join(", ")) } ")" }
+                            @match &question.settled {
+                                Some(reason) => { "; independent: " (reason) },
+                                None if question.blocks => { "; " b { "open" } ": " (question.remedy) },
+                                None => { "; noted, as chance explains it" },
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 fn cluster_tests(clusters: &ClusterTests) -> Markup {
     html! {
         div class="note" {
             p {
-                "Trials are grouped: intraclass correlation " (number::decimal(clusters.intraclass_correlation, 3))
-                ", worth " (number::decimal(clusters.effective_trials, 1)) " independent trials."
+                @if clusters.subjects == 1 {
+                    "All trials are of one person or session, of whom alone they tell."
+                } @else {
+                    "Trials are grouped: intraclass correlation " (number::decimal(clusters.intraclass_correlation, 3))
+                    ", effective sample size " (number::decimal(clusters.effective_trials, 1)) "."
+                }
             }
             @if !clusters.tests.is_empty() {
                 ul class="lines" { @for test in &clusters.tests { li { (test) } } }

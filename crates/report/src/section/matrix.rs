@@ -4,14 +4,14 @@ use evidence::{Evidence, Measure, Requirement};
 use maud::{Markup, html};
 
 use crate::number;
-use crate::view::{View, chip, range, section};
+use crate::view::{View, chip, range, section, unbroken};
 use crate::words;
 
 /// The section.
 pub fn render(view: View) -> Markup {
     let lead = html! {
-        "Each cell shows the current evidence of one technique: where its interval lies against what is required, "
-        "the rate with its " (number::level(view.study.confidence)) " interval, and how many runs were covered."
+        "Each cell shows the current evidence of one technique: how the conclusion judges it, the rate with its two-sided "
+        (number::level(view.study.confidence)) " interval, and below it the one-sided limit and p-value that decide."
     };
     section("matrix", "Requirements by techniques", lead, table(view))
 }
@@ -56,7 +56,7 @@ fn row(view: View, requirement: &Requirement) -> Markup {
             }
             td role="cell" data-label="Conclusion" class="concluded" {
                 @match conclusion {
-                    Some(conclusion) => (chip(&words::verdict(conclusion.verdict))),
+                    Some(conclusion) => (chip(&words::concluded(conclusion))),
                     None => span class="absent" { "none" },
                 }
             }
@@ -72,8 +72,11 @@ fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup
             div class="entry" {
                 @match item.finding(&subject) {
                     Some(finding) => {
-                        p { (chip(&words::reading(requirement, &finding.measure))) " " (view.link(&item.id)) }
+                        p { (chip(&view.mark(requirement, &item.id, &finding.measure))) " " (view.link(&item.id)) }
                         (detail(&finding.measure))
+                        @if let Some(standing) = view.standing(requirement, &item.id) {
+                            p class="counts" { (unbroken(&standing.words)) }
+                        }
                     },
                     None => p class="absent" { "· not asked " (view.link(&item.id)) },
                 }

@@ -39,8 +39,7 @@ pub fn render(view: View) -> Markup {
 }
 
 fn item(view: View, suspect: &Suspect) -> Markup {
-    let asset = [&suspect.asset.file, &suspect.asset.part];
-    let asset: Vec<&str> = asset.into_iter().flatten().map(String::as_str).collect();
+    let asset = suspect.asset.place_in_words();
     html! {
         article class="suspect" id={ "suspect-" (suspect.rank) } {
             p class="kind" {
@@ -50,8 +49,9 @@ fn item(view: View, suspect: &Suspect) -> Markup {
                     None => span class="status open" { "still open" },
                 }
             }
-            h3 { (suspect.rank) ". " (asset.join(", ")) ": " (suspect.title) }
+            h3 { (suspect.rank) ". " (asset) ": " (suspect.title) }
             (prose(&unbroken(&suspect.explanation)))
+            @if let Some(others) = suspect.asset.together_in_words() { p class="small" { (others) } }
             dl class="inline" {
                 div { dt { "Score" } dd { (format!("{:.1}", suspect.score)) } }
                 @if !suspect.asset.evidence.is_empty() {

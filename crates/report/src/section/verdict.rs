@@ -21,6 +21,7 @@ pub fn render(view: View) -> Markup {
         ol class="conclusions" {
             @for conclusion in &study.conclusions { (conclusion_item(view, conclusion)) }
         }
+        @if let Some(words) = words::error_rates(study) { p class="small" { (unbroken(&words)) } }
         (agreement(study))
         (first_suspects(view, study.suspected()))
         (misses(study))
@@ -46,7 +47,7 @@ fn tally(study: &StudyResult) -> Markup {
 }
 
 fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
-    let mark = words::verdict(conclusion.verdict);
+    let mark = words::concluded(conclusion);
     html! {
         li class={ "conclusion " (mark.tone) } {
             div class="badge" {
@@ -62,6 +63,15 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                 @if let Some(combined) = view.combined(&conclusion.requirement) {
                     p class="small" { b { "Together: " } (unbroken(&combined.statement)) }
                 }
+                @if !conclusion.excluded.is_empty() {
+                    p class="small" {
+                        b { "Left out: " }
+                        @for one in &conclusion.excluded { (unbroken(&one.words)) " " }
+                    }
+                }
+                @for sensitivity in &conclusion.clustering {
+                    p class="small" { b { "If trials were alike: " } (unbroken(&sensitivity.statement)) }
+                }
                 p class="small" {
                     @if !conclusion.rests_on.is_empty() {
                         "Rests on " (view.links(&conclusion.rests_on)) ". "
@@ -69,7 +79,7 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                     @if let Some(common) = view.combined(&conclusion.requirement).and_then(|c| c.common.as_ref()) {
                         (unbroken(&common.statement))
                     } @else if let Some(bound) = conclusion.common_lower_bound {
-                        "All of it together supports at least " (number::lower_bound(bound)) "."
+                        "All of them support a rate of at least " (number::lower_bound(bound)) "."
                     }
                 }
             }
@@ -86,7 +96,7 @@ fn agreement(study: &StudyResult) -> Markup {
     html! {
         div class="pair" {
             (agreement_list("Agreement that is independent",
-                "Neither side was set to the other: this agreement is confirmation.",
+                "Neither was calibrated on the other, so the agreement is independent.",
                 "No agreement between techniques is independent.", &independent))
             (agreement_list("Agreement that is only a fit",
                 "One side was tuned to the other, so it had to agree: this is no confirmation.",

@@ -13,8 +13,7 @@
 //! for equivalence of all, since each has to be shown by itself.
 //!
 //! # Source and guarantee
-//! The tests are those of `compare`: [`stats::tost`] and [`stats::score_equivalence`], the larger of both
-//! p-values, and Fisher's for the difference; trials of one person count for less where they are alike,
+//! The tests are those of `compare`: [`fn@stats::exact_equivalence`], and Fisher's for the difference; trials of one person count for less where they are alike,
 //! for equivalence. The level of a wrong "equivalent" is that of those tests.
 
 use super::counts::Reality;
@@ -23,8 +22,7 @@ use crate::problem::Problem;
 use campaign::calibration::{Calibration, Posterior, Prediction, Predictive};
 use evidence::{HeldOutRunsReport, Likeness, ModeReport, PredictionReport};
 use stats::{
-    Confidence, DifferenceVariance, EffectiveSample, Sample, fisher_exact, holm, score_equivalence,
-    tost,
+    Confidence, EffectiveSample, Sample, exact_equivalence, fisher_exact, holm, whole_counts,
 };
 
 /// Below this, after Holm's correction, a difference counts.
@@ -95,14 +93,13 @@ fn judge(reports: &mut [ModeReport], agreement: Confidence) {
 
 /// p-value of "the two differ by the margin or more".
 fn equivalence_p(evidence: Sample, worth: f64, fitted: Sample, margin: f64) -> Option<f64> {
-    let rate = evidence.rate()?;
-    let evidence = EffectiveSample {
-        successes: rate * worth,
+    let effective = EffectiveSample {
+        successes: evidence.rate()? * worth,
         trials: worth,
     };
-    let tost = tost(evidence, fitted, margin, DifferenceVariance::AgrestiCaffo)?;
-    let score = score_equivalence(evidence, fitted, margin).unwrap_or(0.0);
-    Some(tost.p_value().max(score))
+    let all = whole_counts(evidence, effective).into_iter();
+    all.map(|whole| exact_equivalence(whole, fitted, margin))
+        .reduce(|a, b| Some(a?.max(b?)))?
 }
 
 fn counted_reports(

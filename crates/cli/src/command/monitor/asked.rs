@@ -163,6 +163,7 @@ fn formulas(arguments: &Monitor) -> Result<What, Problem> {
         let form = JudgingForm {
             rule: Rule::Formula(rule(arguments, text)?),
             clock: None,
+            start_within_secs: arguments.start_within,
             from_sentence: false,
         };
         forms.push((Subject::Requirement(id), form));

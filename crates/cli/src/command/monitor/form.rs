@@ -69,6 +69,9 @@ pub struct SubjectVerdict {
     /// When the verdict was determined, if before the end of the recording;
     /// seconds of its clock.
     pub decided_at_secs: Option<f64>,
+    /// From when on it was judged, if not from its first sample on: when all
+    /// the signals that it reads had a value; seconds of the recording's clock.
+    pub judged_from_secs: Option<f64>,
     /// The part of the recording that shows the violation.
     pub violation: Option<ShownViolation>,
     /// When the first failure shows, in seconds of the recording's clock.
@@ -151,7 +154,7 @@ impl MonitorReport {
     /// A report on nothing yet.
     pub fn new(warnings: Vec<String>) -> Self {
         Self {
-            format: "1.3".into(),
+            format: "1.4".into(),
             warnings,
             recordings: Vec::new(),
             totals: Vec::new(),
@@ -204,6 +207,7 @@ impl SubjectVerdict {
                 None => None,
             },
             decided_at_secs: findings.decided_at_secs,
+            judged_from_secs: findings.judged_from_secs,
             violation: violation.map(|violation| shown_violation(asked, found, violation)),
             failed_at_secs: violation.map(|v| v.to_secs),
             failed_proposition: responsible.map(|r| r.proposition.clone()),

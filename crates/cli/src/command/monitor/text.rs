@@ -34,6 +34,12 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
         for part in responsible(verdict) {
             let _ = writeln!(output, "    {part}");
         }
+        if let Some(from) = verdict.judged_from_secs {
+            let _ = writeln!(
+                output,
+                "{file}: {label} is judged from {from} s on, when all signals that it reads had a value"
+            );
+        }
     }
     if let Some(lost) = &recording.lost {
         let _ = writeln!(output, "{file}: lost: {lost}");

@@ -10,7 +10,7 @@ use crate::technique::experiment::Tables;
 use crate::technique::model_checking::{Compiled, CountedConstant};
 use crate::technique::operation::Recordings;
 use crate::technique::simulation::Campaign;
-use evidence::AssetRole;
+use evidence::{AssetRole, Measure};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -184,6 +184,7 @@ pub fn counted_constants(
     value_of: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<Vec<CountedConstant>, Problem> {
     let mut counted = Vec::new();
+    check_values(study, entry, before, value_of)?;
     // A step on the way is not compared, so its uncertainty is not asked for.
     if entry.intermediate {
         return Ok(counted);
@@ -216,12 +217,6 @@ pub fn counted_constants(
             )
             .remedy("calibrate from evidence that counts"));
         };
-        if let (Some(value), Some(rate)) = (value_of(constant), finding.measure.estimate()) {
-            let set_to = calibrated.value_of(rate);
-            if !is_rounding(value, set_to) && is_rounding(value, 1.0 - set_to) {
-                return Err(complement_mistaken(study, entry, calibrated, value, rate));
-            }
-        }
         counted.push(CountedConstant {
             name: constant.clone(),
             sample,
@@ -230,6 +225,85 @@ pub fn counted_constants(
         });
     }
     Ok(counted)
+}
+
+/// Holds each constant against the counts that the ledger says it was set to: a model that computes with another number
+/// would be shown with the uncertainty of this one.
+fn check_values(
+    study: &Study,
+    entry: &Entry,
+    before: &[Piece],
+    value_of: &dyn Fn(&str) -> Option<f64>,
+) -> Result<(), Problem> {
+    for calibrated in &entry.calibrated {
+        let calibration = &calibrated.calibration;
+        let source = before.iter().find(|p| p.evidence.id == calibration.from);
+        let finding = source.and_then(|piece| piece.evidence.finding(&calibration.subject));
+        let rate = finding.and_then(|finding| finding.measure.estimate());
+        let value = calibrated.constant.as_deref().and_then(value_of);
+        let (Some(finding), Some(rate), Some(value)) = (finding, rate, value) else {
+            continue;
+        };
+        let set_to = calibrated.value_of(rate);
+        if is_rounding(value, set_to) {
+            continue;
+        }
+        return Err(match is_rounding(value, 1.0 - set_to) {
+            true => complement_mistaken(study, entry, calibrated, value, rate),
+            false => other_value(study, entry, calibrated, value, &finding.measure),
+        });
+    }
+    Ok(())
+}
+
+/// A constant that is not what the ledger says it was set to.
+fn other_value(
+    study: &Study,
+    entry: &Entry,
+    calibrated: &Calibrated,
+    value: f64,
+    measure: &Measure,
+) -> Problem {
+    let calibration = &calibrated.calibration;
+    let rate = measure.estimate().unwrap_or(f64::NAN);
+    let file = match &entry.work {
+        Work::Check { model, .. } => model.to_string_lossy().replace('\\', "/"),
+        _ => entry.id.clone(),
+    };
+    let (counted, written) = match *measure {
+        Measure::Counts { count, trials, .. } => {
+            let of_constant = match calibrated.is_complement {
+                true => trials.saturating_sub(count),
+                false => count,
+            };
+            (
+                format!("{count}/{trials} = "),
+                format!("{of_constant}/{trials}"),
+            )
+        }
+        _ => (String::new(), calibrated.value_of(rate).to_string()),
+    };
+    let complement = match calibrated.is_complement {
+        true => format!(", so that the constant should be {:.6}", 1.0 - rate),
+        false => String::new(),
+    };
+    Problem::new(
+        "bad-calibration",
+        format!(
+            "`{name}` is {value} in {file} ({id}), but the ledger says that it was set to {from}'s rate of {subject}, \
+             which is {counted}{rate:.6}{complement}",
+            name = calibration.parameter,
+            id = entry.id,
+            from = calibration.from,
+            subject = calibration.subject.id(),
+        ),
+    )
+    .at(&study.ledger_source, calibrated.span.clone())
+    .remedy(format!(
+        "write `const double {} = {written};` in {file}, or remove this line of the ledger if the constant has another \
+         source",
+        calibration.parameter
+    ))
 }
 
 /// A constant that is the complement of what it is said to be: its uncertainty would be that of another number.

@@ -292,6 +292,12 @@ impl Runner<'_> {
     fn study_inputs(&self, pieces: &[Piece]) -> String {
         let mut inputs = Inputs::default();
         inputs.add("program", self.program.as_bytes());
+        let now: Vec<evidence::Evidence> = pieces.iter().map(|p| p.evidence.clone()).collect();
+        let looks = self.study.looks.clone();
+        inputs.add_json(
+            "looks",
+            &looks.map(|looks| looks.with(evidence::Look::of(&now))),
+        );
         for piece in pieces {
             inputs.add(&piece.evidence.id, piece.evidence.inputs.as_bytes());
             inputs.add_json("cost", &piece.cost);

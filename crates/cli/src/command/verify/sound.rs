@@ -96,7 +96,9 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
     let known_to = match answer.guarantee {
         Guarantee::Exact { .. } => ROUNDING,
         // Either may stand anywhere between the bounds.
-        Guarantee::Bounded { low, high } => ROUNDING + high - low,
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+            ROUNDING + high - low
+        }
         Guarantee::Estimated { .. } => f64::INFINITY,
     };
     if let Some(complement) = answer.complement {
@@ -106,7 +108,7 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
         )?;
     }
     match &answer.guarantee {
-        Guarantee::Bounded { low, high } => inside_of(
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => inside_of(
             answer.value,
             (*low, *high),
             "the answer does not lie within its own bounds",

@@ -167,6 +167,7 @@ impl LiveVerdict {
             robustness,
             no_robustness: _,
             decided_at_secs,
+            judged_from_secs: _,
             violation,
         } = &judgement.findings;
         let finite = |value: f64| value.is_finite().then_some(value);

@@ -1,11 +1,11 @@
 //! Reads `ledger.toml` and holds it against the rest of the study.
 
-use super::{Calibrated, Entry, Keep, Method, OnFailure, Published, UntilText};
+use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, UntilText};
 use crate::problem::{Problem, Source};
 use crate::study::{About, Forms};
 use evidence::{Calibration, Subject};
 use serde::Deserialize;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -30,6 +30,7 @@ pub(super) struct EntryText {
     pub(super) reproduced_by: Option<Spanned<String>>,
     #[serde(default)]
     pub(super) calibrated: Vec<CalibratedText>,
+    pub(super) independent: Option<Spanned<IndependentText>>,
     #[serde(default)]
     pub(super) published: Published,
     pub(super) model: Option<Spanned<PathBuf>>,
@@ -58,6 +59,14 @@ pub(super) struct TablesText {
     pub(super) cohort: Option<Spanned<PathBuf>>,
     pub(super) requirements: Option<Spanned<PathBuf>>,
     pub(super) failure_modes: Option<Spanned<PathBuf>>,
+}
+
+/// `"reason"`, or `{ E2 = "reason" }`.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum IndependentText {
+    OfAll(String),
+    Of(BTreeMap<String, String>),
 }
 
 #[derive(Deserialize)]
@@ -165,7 +174,9 @@ impl Reader<'_> {
             .iter()
             .map(|c| self.calibrated(c, text.id.get_ref(), seen))
             .collect::<Result<_, _>>()?;
+        let independent = self.independent(&text)?;
         Ok(Entry {
+            independent,
             work: self.work(&text)?,
             sampling: self.sampling(&text)?,
             calibrated,
@@ -177,6 +188,42 @@ impl Reader<'_> {
             reproduced_by: text.reproduced_by.map(Spanned::into_inner),
             published: text.published,
         })
+    }
+
+    fn independent(&self, text: &EntryText) -> Result<Independent, Problem> {
+        let Some(given) = &text.independent else {
+            return Ok(Independent::default());
+        };
+        let independent = match given.get_ref() {
+            IndependentText::OfAll(reason) => Independent {
+                of_all: Some(reason.clone()),
+                of: BTreeMap::new(),
+            },
+            IndependentText::Of(of) => Independent {
+                of_all: None,
+                of: of.clone(),
+            },
+        };
+        let own = text.id.get_ref();
+        let is_other = |id: &&String| *id != own && self.all.contains(*id);
+        if let Some(unknown) = independent.of.keys().find(|id| !is_other(id)) {
+            return Err(self.problem(
+                "unknown-evidence",
+                format!("`independent` names `{unknown}`, which is no other entry of the ledger"),
+                given.span(),
+                "name the evidence of which this is independent: `independent = { E2 = \"reason\" }`",
+            ));
+        }
+        let mut reasons = independent.of.values().chain(&independent.of_all);
+        if reasons.any(|reason| reason.trim().is_empty()) {
+            return Err(self.problem(
+                "no-reason",
+                "`independent` gives no reason".into(),
+                given.span(),
+                "say where the numbers come from, for example `independent = { E2 = \"measured on another robot in 2019\" }`",
+            ));
+        }
+        Ok(independent)
     }
 
     fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {

@@ -1,11 +1,12 @@
 //! Reads `requirements.toml` and holds it against the vocabulary and the declared parameters.
 
-use super::{FormText, Forms, ReadingForm, SubjectForm};
+use super::carried::{CarryOverText, carried};
+use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::problem::{Problem, Source, did_you_mean};
 use crate::study::judging_form::{JudgingForm, JudgingText, Rule};
 use crate::study::sentence_form::{SentenceForm, SentenceReader};
-use crate::study::{StudyParameters, Vocabulary};
-use evidence::{FailureMode, Requirement, Subject};
+use crate::study::{About, StudyParameters, Vocabulary};
+use evidence::{FailureMode, Requirement, Step, Subject};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -36,12 +37,17 @@ struct RequirementText {
     #[serde(default)]
     parameters: Vec<Spanned<String>>,
     property: Option<Spanned<String>>,
+    trigger: Option<Spanned<String>>,
     monitor: Option<Spanned<MonitorSpec>>,
     formula: Option<Spanned<String>>,
     time: Option<Spanned<TimeModel>>,
     ending: Option<Spanned<Ending>>,
     clock: Option<Spanned<String>>,
+    start_within_secs: Option<Spanned<f64>>,
     experiment: Option<Spanned<String>>,
+    needs: Option<Step>,
+    #[serde(default)]
+    carries_over: Vec<Spanned<CarryOverText>>,
     #[serde(default)]
     reading: BTreeMap<String, ReadingText>,
 }
@@ -55,6 +61,7 @@ struct ReadingText {
     time: Option<Spanned<TimeModel>>,
     ending: Option<Spanned<Ending>>,
     clock: Option<Spanned<String>>,
+    start_within_secs: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -72,6 +79,7 @@ struct FailureModeText {
     time: Option<Spanned<TimeModel>>,
     ending: Option<Spanned<Ending>>,
     clock: Option<Spanned<String>>,
+    start_within_secs: Option<Spanned<f64>>,
 }
 
 /// Reads `requirements.toml` and checks it against the vocabulary.
@@ -79,7 +87,7 @@ pub fn load(
     folder: &Path,
     vocabulary: &Vocabulary,
     parameters: &StudyParameters,
-    step_secs: Option<f64>,
+    about: &About,
 ) -> Result<(Vec<Requirement>, Vec<FailureMode>, Forms), Problem> {
     let source = Source::read(&folder.join("requirements.toml"))?;
     let file: File =
@@ -94,7 +102,9 @@ pub fn load(
         )
         .remedy("add a [[requirement]] with `id`, `text`, and a sentence in `shall`, a `property` or a `monitor`"));
     }
+    let step_secs = about.model.step_secs();
     let reader = Reader {
+        needs: about.verdicts.needs,
         source: &source,
         vocabulary,
         parameters,
@@ -123,8 +133,9 @@ pub fn load(
 }
 
 pub(super) struct Reader<'a> {
+    needs: Step,
     pub(super) source: &'a Source,
-    vocabulary: &'a Vocabulary,
+    pub(super) vocabulary: &'a Vocabulary,
     parameters: &'a StudyParameters,
     sentences: SentenceReader<'a>,
 }
@@ -145,6 +156,7 @@ impl Reader<'_> {
             text.time,
             text.ending,
             text.clock,
+            text.start_within_secs,
         );
         let sentence = match (text.shall, text.template) {
             (Some(_), Some(template)) => {
@@ -167,22 +179,27 @@ impl Reader<'_> {
             property: text.property.map(form_text),
             no_property: None,
             opportunity: None,
+            trigger: TriggerForm::Always,
             monitor: written,
             no_monitor: None,
             parameters: self.declared(text.parameters, sentence.as_ref())?,
             readings: self.readings(text.reading)?,
             experiment: self.experiment(text.experiment)?,
+            carried_at: text.carries_over.iter().map(Spanned::span).collect(),
             sentence,
         };
         form.complete_from_sentence();
+        form.trigger = self.trigger(&form, text.trigger)?;
         if let Some((_, other)) = &same {
             form = SubjectForm {
                 subject: form.subject,
                 span: form.span,
+                carried_at: form.carried_at,
                 ..(*other).clone()
             };
         }
         self.check_property(&form)?;
+        let carries_over = carried(text.carries_over, &id);
         let requirement = Requirement {
             id,
             text: text.text,
@@ -199,6 +216,8 @@ impl Reader<'_> {
                 (_, margin) => self.margin(margin)?,
             },
             same_quantity_as: same.map(|(first, _)| first.id.clone()),
+            needs: text.needs.unwrap_or(self.needs),
+            carries_over,
         };
         Ok((requirement, form))
     }
@@ -215,6 +234,7 @@ impl Reader<'_> {
         if text.shall.is_some()
             || text.template.is_some()
             || text.property.is_some()
+            || text.trigger.is_some()
             || text.monitor.is_some()
             || text.formula.is_some()
             || text.experiment.is_some()
@@ -254,21 +274,27 @@ impl Reader<'_> {
             text.time,
             text.ending,
             text.clock,
+            text.start_within_secs,
         );
-        let form = SubjectForm {
+        let mut form = SubjectForm {
             subject: Subject::FailureMode(id.clone()),
             span: text.id.span(),
             sentence: None,
             property: text.occurs.map(form_text),
             no_property: None,
             opportunity: text.opportunity.map(form_text),
+            trigger: TriggerForm::Always,
             monitor: judging.compile(self.source, self.vocabulary)?,
             no_monitor: None,
             parameters: Vec::new(),
             readings: Vec::new(),
             experiment: self.experiment(text.experiment)?,
+            carried_at: Vec::new(),
         };
         self.check_property(&form)?;
+        if form.opportunity.is_none() {
+            form.trigger = self.trigger(&form, None)?;
+        }
         let mode = FailureMode {
             id,
             name: text.name,
@@ -355,6 +381,7 @@ impl Reader<'_> {
                 text.time,
                 text.ending,
                 text.clock,
+                text.start_within_secs,
             );
             let Some(monitor) = judging.compile(self.source, self.vocabulary)? else {
                 return Err(Problem::new(
@@ -378,26 +405,32 @@ impl Reader<'_> {
     fn check_property(&self, form: &SubjectForm) -> Result<(), Problem> {
         let written = form.property.iter().chain(&form.opportunity);
         for text in written.filter(|text| !text.from_sentence) {
-            let parsed = prism_lang::parse_properties(&text.text);
-            if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
-                return Err(problem);
-            }
-            for (name, span) in quoted_names(&text.text) {
-                let place = text.span.start + span.start..text.span.start + span.end;
-                let proposition = self
-                    .vocabulary
-                    .proposition(&name, self.source, place.clone())?;
-                if proposition.model.is_none() {
-                    return Err(Problem::new(
-                        "unbound-proposition",
-                        format!("the property uses \"{name}\", which is not bound to the model"),
-                    )
-                    .at(self.source, place)
-                    .remedy(format!(
-                        "give [{name}] a `model = \"…\"` in {}",
-                        self.vocabulary.source.name
-                    )));
-                }
+            self.check_property_text(text)?;
+        }
+        Ok(())
+    }
+
+    /// Checks a property's text, and that its propositions are bound to models.
+    pub(super) fn check_property_text(&self, text: &FormText) -> Result<(), Problem> {
+        let parsed = prism_lang::parse_properties(&text.text);
+        if let Some(problem) = self.shifted(text, &parsed.diagnostics) {
+            return Err(problem);
+        }
+        for (name, span) in quoted_names(&text.text) {
+            let place = text.span.start + span.start..text.span.start + span.end;
+            let proposition = self
+                .vocabulary
+                .proposition(&name, self.source, place.clone())?;
+            if proposition.model.is_none() {
+                return Err(Problem::new(
+                    "unbound-proposition",
+                    format!("the property uses \"{name}\", which is not bound to the model"),
+                )
+                .at(self.source, place)
+                .remedy(format!(
+                    "give [{name}] a `model = \"…\"` in {}",
+                    self.vocabulary.source.name
+                )));
             }
         }
         Ok(())
@@ -421,7 +454,7 @@ impl Reader<'_> {
     }
 }
 
-fn form_text(text: Spanned<String>) -> FormText {
+pub(super) fn form_text(text: Spanned<String>) -> FormText {
     let span = text.span();
     FormText {
         text: text.into_inner(),

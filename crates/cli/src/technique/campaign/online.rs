@@ -1,10 +1,11 @@
 //! Monitors that judge an episode while it runs.
 //!
 //! # Definition
-//! A trace is judged at every time at which any of its topics has a row, after all rows of that
-//! time. On line the rows come one at a time and times never go back, so an instant is complete
-//! when a row of a later time comes, or at the end. The monitors are then given the same instants
-//! with the same values as by reading the finished trace, hence say the same.
+//! A trace has a sample at every time at which any of its topics has a row, with the rows of all topics
+//! of that time; another row of the same topic and time is another sample. On line the rows come one
+//! at a time and times never go back, so a sample is complete when a row of a later time or another one
+//! of a topic that it has comes, or at the end. The monitors are then given the same samples with the
+//! same values as by reading the finished trace, hence say the same.
 //!
 //! # Early end
 //! If that is asked for, the episode ends once every monitor is determined: whatever came later, no
@@ -12,7 +13,7 @@
 //! episode that is run for the sake of one subject can be ended once that one's is determined.
 
 use crate::problem::Problem;
-use crate::technique::judging::{Judgement, Judges, Session};
+use crate::technique::judging::{Judgement, Judges, News, Session};
 use testbench::{Control, Watch};
 use trace::{Snapshot, Trace};
 
@@ -61,8 +62,9 @@ impl<'s, 'a> OnLine<'s, 'a> {
 
     /// What each set of judges says; `complete` is false if the episode was cut short.
     pub fn finish(mut self, complete: bool) -> Result<Vec<Vec<Judgement<'a>>>, Problem> {
+        let end_secs = self.now.time_secs();
         if self.failed.is_none()
-            && let Err(problem) = self.close()
+            && let Err(problem) = self.close(false)
         {
             self.failed = Some(problem);
         }
@@ -71,18 +73,24 @@ impl<'s, 'a> OnLine<'s, 'a> {
             None => Ok(self
                 .sessions
                 .into_iter()
-                .map(|it| it.finish(complete))
+                .map(|it| it.finish_run(complete, end_secs))
                 .collect()),
         }
     }
 
-    /// The open instant is complete.
-    fn close(&mut self) -> Result<(), Problem> {
+    /// The open sample is complete; whether `more` of its instant follow.
+    fn close(&mut self, more: bool) -> Result<(), Problem> {
         let Some(time_secs) = self.open_secs.take() else {
             return Ok(());
         };
         for session in &mut self.sessions {
-            session.step_changed(time_secs, &self.now, &self.changed)?;
+            let news = News {
+                changed: &self.changed,
+                sampled: None,
+                dropped: None,
+                more,
+            };
+            session.step_changed(time_secs, &self.now, &news)?;
         }
         self.changed.fill(false);
         Ok(())
@@ -93,7 +101,9 @@ impl<'s, 'a> OnLine<'s, 'a> {
             .open_secs
             .is_some_and(|open_secs| open_secs < time_secs)
         {
-            self.close()?;
+            self.close(false)?;
+        } else if self.changed.get(topic).is_some_and(|it| *it) {
+            self.close(true)?;
         }
         self.open_secs = Some(time_secs);
         let updated = self.now.update(topic, time_secs, values);

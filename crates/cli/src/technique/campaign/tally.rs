@@ -3,7 +3,9 @@
 use crate::problem::Problem;
 use crate::study::{Study, SubjectForm};
 use crate::technique::judging::Judges;
-use evidence::{EpisodeFailures, FailureKind, Finding, Interval, Measure, Reading, Subject};
+use evidence::{
+    Denominator, EpisodeFailures, FailureKind, Finding, Interval, Measure, Reading, Subject,
+};
 use std::collections::BTreeMap;
 use temporal::monitor::Verdict;
 
@@ -192,6 +194,8 @@ impl Tally {
             return Ok(Finding {
                 subject: form.subject.clone(),
                 measure: Measure::NotExpressible { reason },
+                denominator: Denominator::default(),
+                trigger: None,
                 undecided: 0,
                 witnesses: Vec::new(),
                 readings: Vec::new(),
@@ -211,10 +215,42 @@ impl Tally {
         Ok(Finding {
             subject: form.subject.clone(),
             measure: self.measure(study, main, intervals)?,
+            denominator: self.denominator(main),
+            trigger: self.trigger(study, main, intervals)?,
             undecided: main.inconclusive,
             readings: readings.collect(),
             witnesses: main.witnesses.clone(),
         })
+    }
+
+    /// A run without a verdict may have been triggered or not; only one that is known not to be counts as untriggered.
+    fn denominator(&self, row: &Row) -> Denominator {
+        match self.untriggered(row) {
+            0 => Denominator::EveryRun,
+            _ => Denominator::Triggered,
+        }
+    }
+
+    fn untriggered(&self, row: &Row) -> u64 {
+        self.runs
+            .saturating_sub(row.satisfied + row.violated + row.inconclusive)
+    }
+
+    /// The share of runs that trigger the subject; unknown where some reach no verdict.
+    fn trigger(
+        &self,
+        study: &Study,
+        row: &Row,
+        intervals: Intervals,
+    ) -> Result<Option<Box<Measure>>, Problem> {
+        if row.inconclusive > 0 || self.runs == 0 {
+            return Ok(None);
+        }
+        let sample = stats::Sample {
+            successes: self.runs - self.untriggered(row),
+            trials: self.runs,
+        };
+        Ok(Some(Box::new(counted(study, sample, intervals)?)))
     }
 
     fn measure(&self, study: &Study, row: &Row, intervals: Intervals) -> Result<Measure, Problem> {

@@ -27,10 +27,10 @@ const CHANCE: f64 = 1e-6;
 const OF_OUTCOMES: f64 = 1e-3;
 
 /// A table with the evidence that it is of.
-struct Told {
-    evidence: String,
-    path: String,
-    table: Table,
+pub(super) struct Told {
+    pub evidence: String,
+    pub path: String,
+    pub table: Table,
 }
 
 /// Fills in which rows each piece of evidence has in common with earlier ones.
@@ -54,7 +54,7 @@ pub fn find(study: &Study, evidence: &mut [Evidence]) -> Result<(), Problem> {
 }
 
 /// The tables of people or sessions, in the ledger's order.
-fn tables(study: &Study) -> Result<Vec<Told>, Problem> {
+pub(super) fn tables(study: &Study) -> Result<Vec<Told>, Problem> {
     let mut told = Vec::new();
     for entry in &study.ledger {
         if let Work::Read {
@@ -73,7 +73,7 @@ fn tables(study: &Study) -> Result<Vec<Told>, Problem> {
 }
 
 /// The columns by which something is counted.
-fn counted_columns(study: &Study) -> BTreeSet<&str> {
+pub(super) fn counted_columns(study: &Study) -> BTreeSet<&str> {
     let bindings = study.vocabulary.propositions.values();
     let texts = bindings.filter_map(|it| Some(it.column.as_ref()?.text.as_str()));
     texts
@@ -133,13 +133,13 @@ fn shared(earlier: &Told, later: &Told, columns: &[&str]) -> SharedRows {
     let both = ours
         .into_iter()
         .filter_map(|(name, row)| Some((row, theirs.get(name)?)));
-    let (ours, theirs): (Vec<Vec<&str>>, Vec<&Vec<&str>>) = both.unzip();
-    let ours: Vec<&Vec<&str>> = ours.iter().collect();
+    let (ours, theirs): (Vec<Vec<String>>, Vec<&Vec<String>>) = both.unzip();
+    let ours: Vec<&Vec<String>> = ours.iter().collect();
     stats::shared_rows(&ours, &theirs)
 }
 
 /// The rows by the name in the first column.
-fn rows<'t>(table: &'t Table, columns: &[&str]) -> BTreeMap<&'t str, Vec<&'t str>> {
+fn rows<'t>(table: &'t Table, columns: &[&str]) -> BTreeMap<&'t str, Vec<String>> {
     let names = table.columns().next();
     let names = names.map_or_else(Vec::new, |column| column.as_texts());
     // In the order of the wanted columns: the other table may have another.
@@ -147,6 +147,20 @@ fn rows<'t>(table: &'t Table, columns: &[&str]) -> BTreeMap<&'t str, Vec<&'t str
         .iter()
         .filter_map(|header| table.column(header).ok());
     let cells: Vec<Vec<&str>> = cells.map(|column| column.as_texts()).collect();
-    let row = |at: usize| cells.iter().map(|column| column[at]).collect();
+    let row = |at: usize| cells.iter().map(|column| canonical(column[at])).collect();
     (0..).zip(names).map(|(at, name)| (name, row(at))).collect()
+}
+
+/// A cell in one form, so that other ways to write the same do not hide it.
+pub(super) fn canonical(cell: &str) -> String {
+    let text = cell.trim().to_lowercase();
+    match text.as_str() {
+        "true" | "yes" => return "1".to_owned(),
+        "false" | "no" => return "0".to_owned(),
+        _ => {}
+    }
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => number.to_string(),
+        _ => text,
+    }
 }

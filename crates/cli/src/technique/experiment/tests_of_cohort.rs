@@ -7,6 +7,9 @@ use crate::study::Study;
 use crate::technique::confidence;
 use evidence::{ClusterTests, Subject, TakenCorrelation};
 
+/// The p-value of few runs from which on neighbouring rows are called alike.
+const NEIGHBOURS: f64 = 0.01;
+
 impl Cohort {
     /// Tests of independence of everything in the table: of successes between
     /// groups, and of numbers with each other.
@@ -37,11 +40,48 @@ impl Cohort {
             });
             found.tests.push(in_words(study, common));
         }
-        if let Some(found) = &mut found {
-            found.tests.extend(self.rank_tests());
-            found.common = common;
+        let mut found = found.unwrap_or_else(|| self.plain());
+        found.subjects = self.attempts.iter().filter(|trials| **trials > 0).count() as u64;
+        found.tests.extend(self.in_order(first)?);
+        found.tests.extend(self.rank_tests());
+        found.common = common;
+        Ok(Some(found))
+    }
+
+    /// Of one subject, or one trial of each: independent trials, of that subject alone in the first case.
+    fn plain(&self) -> ClusterTests {
+        let trials: u64 = self.attempts.iter().sum();
+        let is_one = self.attempts.iter().filter(|it| **it > 0).count() == 1;
+        let one = "All trials are of one subject: their interval is of that subject's rate, and says nothing of \
+                   how subjects differ.";
+        ClusterTests {
+            effective_trials: trials as f64,
+            tests: if is_one {
+                vec![one.to_owned()]
+            } else {
+                Vec::new()
+            },
+            ..ClusterTests::default()
         }
-        Ok(found)
+    }
+
+    /// Whether neighbouring rows of one trial each are alike: then something groups them that the table does not name.
+    fn in_order(&self, column: Option<&String>) -> Result<Option<String>, Problem> {
+        let single = self.attempts.iter().all(|trials| *trials <= 1);
+        let Some(column) = column.filter(|_| single) else {
+            return Ok(None);
+        };
+        let outcomes = self.counts(column)?;
+        let outcomes: Vec<bool> = outcomes.iter().map(|row| row.successes > 0).collect();
+        let runs = stats::runs_test(&outcomes).filter(|runs| runs.p_value <= NEIGHBOURS);
+        Ok(runs.map(|runs| {
+            format!(
+                "Warning: neighbouring rows are alike in {column} ({} runs where independent trials give {:.1}, \
+                 runs test p = {:.1e}): trials drift or come in groups that the table does not name. Give one row to \
+                 each session.",
+                runs.runs, runs.expected, runs.p_value
+            )
+        }))
     }
 
     /// How alike the trials of one subject are by a column; `None` for one subject, or no variation at all,
@@ -54,19 +94,17 @@ impl Cohort {
     ) -> Option<ClusterTests> {
         let clustering = stats::clustering(by_subject).ok()?;
         let mut tests = vec![format!(
-            "Intraclass correlation of {column} {:.3} (F = {:.2}, p = {:.3}): {} trials are worth {:.1} independent ones.",
-            clustering.intraclass_correlation,
-            clustering.f_statistic,
-            clustering.p_value,
-            clustering.total.trials,
-            clustering.effective_size
+            "Intraclass correlation of {column} by analysis of variance: {:.3} (F = {:.2}, p = {:.3}).",
+            clustering.intraclass_correlation, clustering.f_statistic, clustering.p_value
         )];
         tests.extend(self.cluster_tests(column, by_subject, level));
+        // The one effective sample size of this count: that of its measure.
+        let rate = stats::clustered_rate(by_subject, level).ok()?;
         Some(ClusterTests {
             intraclass_correlation: clustering.intraclass_correlation,
-            effective_trials: clustering.effective_size,
+            effective_trials: rate.worth.trials,
             tests,
-            common: None,
+            ..ClusterTests::default()
         })
     }
 
@@ -86,8 +124,8 @@ impl Cohort {
             return tests;
         };
         tests.push(format!(
-            "{column} by the beta-binomial model of {} subjects: interval {}, worth {:.1} independent \
-             trials in comparisons; intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
+            "{column} by the beta-binomial model of {} subjects: interval {}, effective sample size {:.1}; \
+             intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
             rate.clusters,
             rate.interval,
             rate.worth.trials,

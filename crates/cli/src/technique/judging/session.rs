@@ -1,18 +1,20 @@
-//! One pass over one trace: every monitor is given each instant once.
+//! One pass over one trace: every monitor is given each sample of the signals that it reads once.
 //!
 //! Memory is bounded by the monitors (their windows), not by the trace.
 
+use super::at_work::{AtWork, Work};
+use super::losses::{Losses, Lost, Masked};
 use super::{
     CompiledRule, JudgedTrace, Judgement, Judges, Responsible, Robustness, SubjectJudge, Violation,
 };
 use crate::problem::Problem;
-use temporal::formula::{FormulaJudge, FormulaReport, RobustnessBounds};
-use temporal::monitor::{Judge, MonitorReport, RobustnessJudge, StagedRobustness, Verdict};
-use trace::{BoundPredicate, BoundQuantity, SignalValues, Trace};
+use temporal::formula::{FormulaReport, RobustnessBounds};
+use temporal::monitor::{MonitorReport, StagedRobustness, Verdict};
+use trace::{BoundPredicate, BoundQuantity, SignalIndex, SignalValues, Trace};
 
 /// The least step of a clock that stands still, in seconds: the resolution of
 /// recorded times.
-const CLOCK_STEP_SECS: f64 = 1e-9;
+pub(super) const CLOCK_STEP_SECS: f64 = 1e-9;
 
 /// Judging one trace.
 pub struct Session<'s, 'a> {
@@ -20,151 +22,132 @@ pub struct Session<'s, 'a> {
     predicates: Vec<BoundPredicate>,
     /// For each predicate, the channels that it reads.
     channels: Vec<Vec<usize>>,
-    /// Whether an instant has been taken.
+    /// Whether a sample has been taken.
     begun: bool,
     clocks: Vec<BoundQuantity>,
     at_work: Vec<AtWork<'s>>,
-    /// Truth of each predicate at this instant.
+    lost: Lost,
+    /// Truth of each predicate at this sample.
     truth: Vec<Option<bool>>,
-    /// Robustness of each predicate at this instant; NaN if unknown.
+    /// Robustness of each predicate at this sample; NaN if unknown.
     robustness: Vec<f64>,
-    /// Scratch space for one formula's atoms.
-    atom_truth: Vec<Option<bool>>,
-    atom_robustness: Vec<f64>,
 }
 
-/// One monitor at work.
-#[derive(Clone)]
-struct AtWork<'s> {
-    judge: Work<'s>,
-    /// The last time on its own clock.
-    last_secs: f64,
+/// What a sample brings.
+#[derive(Clone, Copy, Debug)]
+pub struct News<'n> {
+    /// For each channel, whether any of its values is another than before.
+    pub changed: &'n [bool],
+    /// For each signal, by channel and field, whether it has a sample here; `None`: all of the changed
+    /// channels do.
+    pub sampled: Option<&'n [Vec<bool>]>,
+    /// For each signal, whether its value has become too old since its last sample.
+    pub dropped: Option<&'n [Vec<bool>]>,
+    /// Whether another sample of the same instant follows.
+    pub more: bool,
 }
 
-#[derive(Clone)]
-enum Work<'s> {
-    Staged(Judge<'s>, Option<Box<RobustnessJudge>>),
-    Formula(FormulaJudge),
+impl News<'_> {
+    /// Whether a signal has a sample here.
+    pub fn is_sampled(&self, signal: SignalIndex) -> bool {
+        match self.sampled {
+            None => self.changed.get(signal.channel).is_none_or(|it| *it),
+            Some(_) => is_among(self.sampled, signal),
+        }
+    }
+}
+
+fn is_among(marks: Option<&[Vec<bool>]>, signal: SignalIndex) -> bool {
+    let fields = marks.and_then(|marks| marks.get(signal.channel));
+    fields.is_some_and(|fields| fields.get(signal.field).is_some_and(|it| *it))
 }
 
 impl<'s, 'a> Session<'s, 'a> {
-    pub(super) fn new(judges: &'s Judges<'a>, layout: &Trace) -> Result<Self, Problem> {
+    pub(super) fn new(
+        judges: &'s Judges<'a>,
+        layout: &Trace,
+        losses: &Losses,
+    ) -> Result<Self, Problem> {
         let problem = |error: trace::PredicateError| judges.vocabulary.predicate_problem(&error);
         let predicates = judges.predicates.iter().map(|p| p.bind(layout));
         let predicates = predicates.collect::<Result<Vec<_>, _>>().map_err(problem)?;
         let clocks = judges.clocks.iter().map(|c| c.bind(layout));
         let clocks = clocks.collect::<Result<Vec<_>, _>>().map_err(problem)?;
-        let at_work = judges.judges.iter().map(|judge| AtWork {
-            judge: match &judge.rule {
-                CompiledRule::Staged {
-                    monitor,
-                    robustness,
-                } => Work::Staged(
-                    monitor.start(),
-                    robustness.as_ref().ok().map(|it| Box::new(it.start())),
-                ),
-                CompiledRule::Formula { monitor, .. } => Work::Formula(monitor.start()),
-            },
-            last_secs: f64::NEG_INFINITY,
+        let at_work = judges.judges.iter().map(|judge| {
+            let places = judge.propositions.iter();
+            let read = places.flat_map(|place| predicates[*place].signals());
+            let clock = judge
+                .clock
+                .iter()
+                .flat_map(|place| clocks[*place].signals());
+            AtWork::new(judge, read.chain(clock).collect(), losses)
         });
+        let at_work = at_work.collect::<Result<_, _>>()?;
         let channels = predicates.iter().map(channels_of).collect();
         Ok(Self {
             channels,
             begun: false,
-            at_work: at_work.collect(),
+            at_work,
+            lost: Lost::new(losses, layout),
             truth: vec![None; predicates.len()],
             robustness: vec![f64::NAN; predicates.len()],
-            atom_truth: Vec::new(),
-            atom_robustness: Vec::new(),
             judges,
             predicates,
             clocks,
         })
     }
 
-    /// Takes the next instant, at which signals have the given values.
-    pub fn step<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
-        for place in 0..self.predicates.len() {
-            self.evaluate(place, values);
-        }
-        self.take(time_secs, values)
-    }
-
-    /// As [`Session::step`], where only channels for which `changed` holds
-    /// have other values than at the instant before: a predicate over others
-    /// is what it was. The monitors see every instant, since some count them.
+    /// Takes the next sample, at which signals have the given values. Each monitor is given the samples
+    /// of the signals that it reads; those of one instant together.
     pub fn step_changed<V: SignalValues>(
         &mut self,
         time_secs: f64,
         values: &V,
-        changed: &[bool],
+        news: &News<'_>,
     ) -> Result<(), Problem> {
+        let is_masked = self.lost.mask(time_secs, news);
+        let masked = Masked {
+            values,
+            lost: is_masked.then_some(&self.lost.masked),
+        };
         for place in 0..self.predicates.len() {
-            let is_changed = |channel: &usize| changed.get(*channel).is_none_or(|it| *it);
-            if !self.begun || self.channels[place].iter().any(is_changed) {
-                self.evaluate(place, values);
+            let is_changed = |channel: &usize| news.changed.get(*channel).is_none_or(|it| *it);
+            if !self.begun || is_masked || self.channels[place].iter().any(is_changed) {
+                let judged = self.predicates[place].judge(&masked);
+                self.truth[place] = judged.map(|(truth, _)| truth);
+                self.robustness[place] = judged.map_or(f64::NAN, |(_, robustness)| robustness);
             }
         }
-        self.take(time_secs, values)
-    }
-
-    fn evaluate<V: SignalValues>(&mut self, place: usize, values: &V) {
-        let judged = self.predicates[place].judge(values);
-        self.truth[place] = judged.map(|(truth, _)| truth);
-        self.robustness[place] = judged.map_or(f64::NAN, |(_, robustness)| robustness);
-    }
-
-    /// Gives the monitors the truth that the predicates have now.
-    fn take<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
         self.begun = true;
-        let judges = self.judges;
-        for (index, judge) in judges.judges.iter().enumerate() {
-            let now_secs = match judge.clock {
+        for (index, judge) in self.judges.judges.iter().enumerate() {
+            let at_work = &mut self.at_work[index];
+            let is_sample = at_work.reads.is_empty()
+                || at_work.reads.iter().any(|signal| news.is_sampled(*signal));
+            let clock = judge.clock.map(|clock| &self.clocks[clock]);
+            let now_secs = match clock {
                 None => Some(time_secs),
-                Some(clock) => own_time(&self.clocks[clock], values, self.at_work[index].last_secs),
+                Some(clock) => own_time(clock, values, at_work.last_secs),
             };
             // Before its clock shows a time, a monitor sees nothing.
-            if let Some(now_secs) = now_secs {
-                self.advance(index, judge, now_secs)
-                    .map_err(|error| Problem::new("bad-recording", error))?;
+            if let Some(now_secs) = now_secs.filter(|_| is_sample) {
+                let lost = &self.lost.spans;
+                at_work
+                    .bring_across(lost, time_secs)
+                    .map_err(bad_recording)?;
+                let truth = judge.propositions.iter().map(|place| self.truth[*place]);
+                let values_of = judge
+                    .propositions
+                    .iter()
+                    .map(|place| self.robustness[*place]);
+                at_work.hear(now_secs, (truth.collect(), values_of.collect()), &masked);
+                at_work.seen(time_secs, news);
+            }
+            // On a clock of its own samples of one instant may have different times.
+            if !news.more || clock.is_some() {
+                at_work.flush().map_err(bad_recording)?;
             }
         }
         Ok(())
-    }
-
-    fn advance(
-        &mut self,
-        index: usize,
-        judge: &SubjectJudge<'_>,
-        now_secs: f64,
-    ) -> Result<(), String> {
-        let at_work = &mut self.at_work[index];
-        at_work.last_secs = now_secs;
-        match &mut at_work.judge {
-            Work::Staged(staged, robustness) => {
-                let (truth, values) = (&self.truth, &self.robustness);
-                if let Some(robustness) = robustness {
-                    robustness
-                        .step(now_secs, &|p| values[judge.propositions[p]])
-                        .map_err(|error| error.to_string())?;
-                }
-                staged
-                    .step(now_secs, &|p| truth[judge.propositions[p]])
-                    .map_err(|error| error.to_string())
-            }
-            Work::Formula(formula) => {
-                self.atom_truth.clear();
-                self.atom_robustness.clear();
-                for place in &judge.propositions {
-                    self.atom_truth.push(self.truth[*place]);
-                    self.atom_robustness.push(self.robustness[*place]);
-                }
-                formula
-                    .step_both(now_secs, &self.atom_truth, &self.atom_robustness)
-                    .map(drop)
-                    .map_err(|error| error.to_string())
-            }
-        }
     }
 
     /// The verdict of each monitor that is determined already, `None` while
@@ -173,19 +156,13 @@ impl<'s, 'a> Session<'s, 'a> {
         &self,
     ) -> impl Iterator<Item = (&'a evidence::Subject, Option<&'a str>, Option<Verdict>)> + '_ {
         let pairs = self.judges.judges.iter().zip(&self.at_work);
-        pairs.map(|(judge, at_work)| {
-            let verdict = match &at_work.judge {
-                Work::Staged(staged, _) => (staged.failed() > 0).then_some(Verdict::Violated),
-                Work::Formula(formula) => formula.verdict(),
-            };
-            (judge.subject, judge.reading, verdict)
-        })
+        pairs.map(|(judge, at_work)| (judge.subject, judge.reading, at_work.determined()))
     }
 
     /// Between which bounds the robustness of each formula still is, whatever
     /// comes; `None` for stages, and before the first instant.
     pub fn robustness_bounds(&self) -> impl Iterator<Item = Option<RobustnessBounds>> + '_ {
-        self.at_work.iter().map(|at_work| match &at_work.judge {
+        self.at_work.iter().map(|at_work| match at_work.telling() {
             Work::Staged(..) => None,
             Work::Formula(formula) => formula.robustness_bounds(),
         })
@@ -194,9 +171,20 @@ impl<'s, 'a> Session<'s, 'a> {
     /// Ends the trace; `complete` is false if it was cut short.
     pub fn finish(self, complete: bool) -> Vec<Judgement<'a>> {
         let judges = self.judges;
+        let (spans, unlocated) = (self.lost.spans, self.lost.unlocated);
         let pairs = judges.judges.iter().zip(self.at_work);
         pairs
-            .map(|(judge, at_work)| conclude(judges, judge, at_work.judge, complete))
+            .map(|(judge, mut at_work)| {
+                // What was lost behind the last sample ends the trace for this monitor.
+                let all_seen = !spans.iter().any(|span| span.1 >= at_work.seen_secs);
+                if !all_seen {
+                    at_work.lose_the_rest(&spans);
+                }
+                if unlocated {
+                    at_work.forget_what_may_differ(judge);
+                }
+                conclude(judges, judge, at_work, complete && all_seen)
+            })
             .collect()
     }
 
@@ -220,46 +208,36 @@ impl<'s, 'a> Session<'s, 'a> {
         Ok(judgements)
     }
 
+    /// Ends a run that is known to have gone on until `end_secs`: a deadline of stages that had passed by
+    /// then was missed, though none of the signals that they read had a sample behind it.
+    pub fn finish_run(mut self, complete: bool, end_secs: f64) -> Vec<Judgement<'a>> {
+        if complete && self.lost.is_nothing() {
+            for (judge, at_work) in self.judges.judges.iter().zip(&mut self.at_work) {
+                if judge.clock.is_none() {
+                    at_work.miss_deadlines(end_secs);
+                }
+            }
+        }
+        self.finish(complete)
+    }
+
     /// For each monitor, what it says if it is open so far and determined by
     /// time alone, since nothing came until `time_secs`: whatever the values
     /// are then and later, the verdict is the same. Monitors with a clock of
     /// their own are left out, since that stands still.
     pub fn overdue(&self, time_secs: f64) -> Result<Vec<Option<Judgement<'a>>>, Problem> {
-        let quiet = self.after_silence(time_secs)?;
-        let pairs = self.determined().zip(quiet.determined());
-        let newly: Vec<bool> = pairs
-            .map(|((.., before), (.., after))| before.is_none() && after.is_some())
-            .collect();
-        if !newly.contains(&true) {
-            return Ok(newly.iter().map(|_| None).collect());
-        }
-        let said = quiet.so_far().into_iter().zip(newly);
-        Ok(said.map(|(it, newly)| newly.then_some(it)).collect())
-    }
-
-    /// The monitors, copied, after an instant at `time_secs` of which nothing
-    /// is known.
-    fn after_silence(&self, time_secs: f64) -> Result<Self, Problem> {
-        let mut quiet = Session {
-            judges: self.judges,
-            predicates: Vec::new(),
-            channels: Vec::new(),
-            begun: self.begun,
-            clocks: Vec::new(),
-            at_work: self.at_work.clone(),
-            truth: vec![None; self.truth.len()],
-            robustness: vec![f64::NAN; self.robustness.len()],
-            atom_truth: Vec::new(),
-            atom_robustness: Vec::new(),
-        };
-        for (index, judge) in self.judges.judges.iter().enumerate() {
-            if judge.clock.is_none() && time_secs > quiet.at_work[index].last_secs {
-                quiet
-                    .advance(index, judge, time_secs)
-                    .map_err(|error| Problem::new("bad-recording", error))?;
+        let pairs = self.judges.judges.iter().zip(&self.at_work);
+        let said = pairs.map(|(judge, at_work)| {
+            let is_open = at_work.determined().is_none() && judge.clock.is_none();
+            if !is_open || time_secs <= at_work.last_secs {
+                return Ok(None);
             }
-        }
-        Ok(quiet)
+            let mut quiet = at_work.clone();
+            quiet.silence(time_secs).map_err(bad_recording)?;
+            let is_new = quiet.determined().is_some();
+            Ok(is_new.then(|| conclude(self.judges, judge, quiet, false)))
+        });
+        said.collect()
     }
 
     /// What each monitor would say if the trace were cut short here. The
@@ -267,28 +245,52 @@ impl<'s, 'a> Session<'s, 'a> {
     pub fn so_far(&self) -> Vec<Judgement<'a>> {
         let pairs = self.judges.judges.iter().zip(&self.at_work);
         pairs
-            .map(|(judge, at_work)| conclude(self.judges, judge, at_work.judge.clone(), false))
+            .map(|(judge, at_work)| conclude(self.judges, judge, at_work.clone(), false))
             .collect()
     }
 }
 
+fn bad_recording(error: String) -> Problem {
+    Problem::new("bad-recording", error)
+}
+
+/// What a monitor says; if it is open and was begun anew when all that it reads was there, what it says
+/// from there on.
 fn conclude<'a>(
+    judges: &Judges<'a>,
+    judge: &SubjectJudge<'a>,
+    at_work: AtWork<'_>,
+    complete: bool,
+) -> Judgement<'a> {
+    let (from_start, late) = at_work.parts();
+    let found = findings(judges, judge, from_start, complete);
+    let findings = match (found.verdict, late) {
+        (Verdict::Inconclusive, Some((late, since_secs))) => JudgedTrace {
+            judged_from_secs: Some(since_secs),
+            ..findings(judges, judge, late, complete)
+        },
+        _ => found,
+    };
+    Judgement {
+        subject: judge.subject,
+        reading: judge.reading,
+        findings,
+    }
+}
+
+fn findings<'a>(
     judges: &Judges<'a>,
     judge: &SubjectJudge<'a>,
     work: Work<'_>,
     complete: bool,
-) -> Judgement<'a> {
-    Judgement {
-        subject: judge.subject,
-        reading: judge.reading,
-        findings: match work {
-            Work::Staged(staged, robustness) => {
-                let report = staged.finish(complete);
-                let robustness = robustness.and_then(|it| it.finish(complete, &report));
-                of_stages(judges, judge, report, robustness)
-            }
-            Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
-        },
+) -> JudgedTrace {
+    match work {
+        Work::Staged(staged, robustness) => {
+            let report = staged.finish(complete);
+            let robustness = robustness.and_then(|it| it.finish(complete, &report));
+            of_stages(judges, judge, report, robustness)
+        }
+        Work::Formula(formula) => of_formula(judges, judge, formula.finish(complete)),
     }
 }
 
@@ -354,6 +356,7 @@ fn of_stages(
             _ => None,
         },
         decided_at_secs: violation.as_ref().map(|v| v.to_secs),
+        judged_from_secs: None,
         violation,
     }
 }
@@ -387,6 +390,7 @@ fn of_formula(judges: &Judges<'_>, judge: &SubjectJudge<'_>, report: FormulaRepo
         }),
         no_robustness: None,
         decided_at_secs: report.decided_at_secs,
+        judged_from_secs: None,
         violation,
     }
 }

@@ -18,9 +18,7 @@ use requirement_lang::compile::staged::staged;
 use std::sync::Arc;
 use temporal::formula::{Ending, FormulaJudge};
 use temporal::monitor::{AtEnd, Graded, MonitorSpec, SpaceTimeJudge, Verdict};
-use trace::{
-    BoundPredicate, BoundQuantity, Cursor, Predicate, Sampling, SignalValues, Trace, ticks,
-};
+use trace::{BoundPredicate, BoundQuantity, Predicate, Replay, SignalValues, Trace};
 
 /// The space-time robustness of one requirement or failure mode, ready to be computed on traces.
 #[derive(Debug)]
@@ -46,6 +44,8 @@ pub struct SpaceTimeSession<'m> {
 struct Bound {
     propositions: Vec<(BoundPredicate, Scaled)>,
     clock: Option<BoundQuantity>,
+    /// The channels that are read.
+    channels: Vec<usize>,
 }
 
 /// A predicate as a degree.
@@ -108,10 +108,7 @@ impl<'a> SpaceTime<'a> {
         };
         Ok(SpaceTimeSession {
             values: vec![unknown; propositions.len()],
-            bound: Arc::new(Bound {
-                propositions,
-                clock: clock.transpose().map_err(wrong)?,
-            }),
+            bound: Arc::new(Bound::new(propositions, clock.transpose().map_err(wrong)?)),
             work: match &judge.rule {
                 CompiledRule::Staged { monitor, .. } => {
                     Work::Staged(Box::new(SpaceTimeJudge::new(monitor, self.ends_by_secs)))
@@ -125,12 +122,15 @@ impl<'a> SpaceTime<'a> {
     /// That of an episode; `None` if it says nothing: the requirement did not come up, or nothing in
     /// it is a number.
     pub fn of(&self, trace: &Trace) -> Result<Option<f64>, Problem> {
-        let bad = |error: trace::SamplingError| Problem::new("bad-recording", error.to_string());
         let mut session = self.start(trace)?;
-        let mut cursor = Cursor::new(trace);
-        for time_secs in ticks(trace, Sampling::EveryRow).map_err(bad)? {
-            cursor.seek(time_secs);
-            session.step(time_secs, &cursor)?;
+        let mut replay = Replay::new(trace);
+        let mut is_sample = false;
+        while let Some(sample) = replay.advance() {
+            is_sample |= session.reads(replay.changed());
+            if is_sample && !sample.more {
+                session.step(sample.time_secs, &replay)?;
+                is_sample = false;
+            }
         }
         Ok(session.finish(trace.complete))
     }
@@ -141,7 +141,31 @@ impl<'a> SpaceTime<'a> {
     }
 }
 
+impl Bound {
+    fn new(propositions: Vec<(BoundPredicate, Scaled)>, clock: Option<BoundQuantity>) -> Self {
+        let of_predicates = propositions
+            .iter()
+            .flat_map(|(predicate, _)| predicate.signals());
+        let of_clock = clock.iter().flat_map(BoundQuantity::signals);
+        let signals = of_predicates.chain(of_clock);
+        Self {
+            channels: signals.map(|signal| signal.channel).collect(),
+            propositions,
+            clock,
+        }
+    }
+}
+
 impl SpaceTimeSession<'_> {
+    /// Whether it reads one of the channels that have changed: at other times it has no sample.
+    pub fn reads(&self, changed: &[bool]) -> bool {
+        let channels = &self.bound.channels;
+        channels.is_empty()
+            || channels
+                .iter()
+                .any(|it| changed.get(*it).is_none_or(|it| *it))
+    }
+
     /// Takes the next instant, at which signals have the given values.
     pub fn step<V: SignalValues>(&mut self, time_secs: f64, values: &V) -> Result<(), Problem> {
         let bound = Arc::clone(&self.bound);
@@ -218,6 +242,7 @@ fn in_stages(form: &SubjectForm, judging: &JudgingForm) -> Option<JudgingForm> {
     Some(JudgingForm {
         rule: Rule::Staged(MonitorSpec { at_end, ..spec }),
         clock: judging.clock.clone(),
+        start_within_secs: judging.start_within_secs,
         from_sentence: true,
     })
 }

@@ -290,7 +290,7 @@ impl Runs<'_> {
 }
 
 /// At most so many of all, evenly spread.
-fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
+pub(super) fn evenly<T>(all: Vec<T>, most: usize) -> Vec<T> {
     let (len, most) = (all.len(), most.min(all.len()));
     let is_chosen = |i: usize| (i + 1) * most / len > i * most / len;
     let numbered = all.into_iter().enumerate();

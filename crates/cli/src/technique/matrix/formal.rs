@@ -11,8 +11,8 @@ use crate::technique::confidence;
 use crate::technique::judging::Judges;
 use crate::technique::simulation::Seeds;
 use evidence::{
-    Cell, Clue, Evidence, Figure, Guarantee, Inaccuracy, JudgedBy, Measure, Rate, SameTraces,
-    Subject, SuspectAsset, SuspectKind, Symptom, Traces, Witness, strength,
+    Cell, Clue, Evidence, Figure, Guarantee, Inaccuracy, Interval, JudgedBy, Measure, Rate,
+    SameTraces, Subject, SuspectAsset, SuspectKind, Symptom, Traces, Witness, strength,
 };
 use rayon::prelude::*;
 use stats::Confidence;
@@ -25,13 +25,16 @@ const SOLVED: f64 = 1e-6;
 /// cheap, so a level that cries wolf in one of twenty is not needed.
 const BY_CHANCE: f64 = 1e-3;
 
-/// A computed answer with what its model's paths show.
+/// A computed answer with what its model's paths show. Paths that were cut before a verdict may all count and may all
+/// not: `nearest` are the counts that come closest to the answer, and nothing is said that they do not show.
 struct Sampled {
     subject: Subject,
     computed: f64,
     method: String,
     estimated: bool,
     cell: Cell,
+    /// The count and the paths of the completion that is nearest to the answer.
+    nearest: (u64, u64),
     p_value: f64,
 }
 
@@ -155,7 +158,14 @@ impl Diagnosing<'_> {
                     }
                     (None, Some(other)) => {
                         let pairs = verdicts.iter().map(|v| (v[first + at], v[first + other]));
-                        given_opportunity(&place, pairs, level)
+                        match form.subject {
+                            Subject::FailureMode(_) => given_opportunity(&place, pairs, level),
+                            Subject::Requirement(_) => {
+                                // Paths without the trigger do not count, as in the computed answer.
+                                let sum = counts(pairs.map(given_trigger));
+                                place.counted((sum.kept, sum.kept + sum.violated), sum, level)
+                            }
+                        }
                     }
                 });
         }
@@ -182,8 +192,19 @@ impl Diagnosing<'_> {
         }
         let p_values: Vec<f64> = sampled.iter().map(|s| s.p_value).collect();
         let corrected = stats::holm(&p_values);
+        for cell in sampled.iter().map(|s| &s.cell).filter(|c| c.undecided > 0) {
+            let (id, of) = (cell.subject.id(), cell.runs);
+            let said = format!(
+                "{} of {of} paths of {} for {id}: they have no verdict within the longest path, so the sampled rate is \
+                 only known to lie between that with none and that with all of them",
+                cell.undecided, piece.id
+            );
+            if !gathered.not_done.contains(&said) {
+                gathered.not_done.push(said);
+            }
+        }
         let inside = sampled.iter().filter(|s| {
-            let interval = s.cell.interval;
+            let interval = interval_of(s.nearest, self.study.about.confidence);
             interval.is_some_and(|i| i.low <= s.computed && s.computed <= i.high)
         });
         let inside = inside.count();
@@ -207,8 +228,12 @@ impl Diagnosing<'_> {
     }
 
     fn sampled_otherwise(&self, piece: &Evidence, it: &Sampled, p_value: f64) -> Clue {
-        let (count, trials) = (it.cell.count, it.cell.trials);
+        let (count, trials) = it.nearest;
         let subject = &it.subject;
+        let cut = match it.cell.undecided {
+            0 => String::new(),
+            n => format!(" {n} paths without a verdict are counted in favour of the answer."),
+        };
         let estimated = match it.estimated {
             true => " The answer has no bounds: the iteration only stopped changing.",
             false => "",
@@ -220,6 +245,8 @@ impl Diagnosing<'_> {
                 file: None,
                 part: Some(format!("method `{}`", it.method)),
                 evidence: vec![piece.id.clone()],
+                together: Vec::new(),
+                line: None,
             },
             subject: subject.clone(),
             score: strength(
@@ -233,7 +260,7 @@ impl Diagnosing<'_> {
             ),
             explanation: format!(
                 "For {}, it computes {}; {count} of {trials} sampled paths show it (exact binomial test, \
-                 corrected p {p_value:.2e}).{estimated}",
+                 corrected p {p_value:.2e}).{cut}{estimated}",
                 subject.id(),
                 it.computed
             ),
@@ -246,7 +273,7 @@ impl Diagnosing<'_> {
             figures: vec![Figure {
                 name: "sampled share of paths".into(),
                 value: count as f64 / trials as f64,
-                interval: it.cell.interval,
+                interval: interval_of(it.nearest, self.study.about.confidence),
             }],
             witnesses: vec![Witness {
                 name: format!("{} path 1", piece.id),
@@ -262,6 +289,16 @@ impl Diagnosing<'_> {
 /// The seeds of a model's paths.
 pub fn path_seeds(study: u64, id: &str) -> Seeds {
     Seeds::new(study, &format!("paths of {id}"))
+}
+
+/// A requirement's verdict on a path, which counts if the path triggers it.
+fn given_trigger((kept, triggered): (Verdict, Verdict)) -> Verdict {
+    match (holds(kept), holds(triggered)) {
+        (_, Some(false)) => Verdict::NotCovered,
+        (Some(true), Some(true)) => Verdict::Satisfied,
+        (Some(false), Some(true)) => Verdict::Violated,
+        _ => Verdict::Inconclusive,
+    }
 }
 
 /// A failure mode's occurrences among its opportunities.
@@ -329,18 +366,98 @@ fn sampled(piece: &Evidence, cell: &Cell) -> Vec<Sampled> {
     let Some(Measure::Probability { answer, others, .. }) = measure else {
         return Vec::new();
     };
-    let Ok(sample) = stats::Sample::new(cell.count, cell.trials) else {
-        return Vec::new();
-    };
     let answers = std::iter::once(answer).chain(others);
     answers
-        .map(|answer| Sampled {
-            subject: cell.subject.clone(),
-            computed: answer.value,
-            method: answer.method.clone(),
-            estimated: matches!(answer.guarantee, Guarantee::Estimated { .. }),
-            cell: cell.clone(),
-            p_value: stats::binomial_test_two_sided(sample, answer.value),
+        .map(|answer| {
+            let nearest = nearest(cell, answer.value);
+            let sample = stats::Sample::new(nearest.0, nearest.1);
+            // Where some completion has the answer's share, the paths show nothing against it.
+            let within = within_completions(cell, answer.value);
+            let p_value = sample.ok().filter(|_| !within);
+            Sampled {
+                subject: cell.subject.clone(),
+                computed: answer.value,
+                method: answer.method.clone(),
+                estimated: matches!(answer.guarantee, Guarantee::Estimated { .. }),
+                cell: cell.clone(),
+                nearest,
+                p_value: p_value.map_or(1.0, |s| stats::binomial_test_two_sided(s, answer.value)),
+            }
         })
         .collect()
+}
+
+/// Whether undecided paths can be completed so that the share lies on either side of a value, or at it.
+fn within_completions(cell: &Cell, value: f64) -> bool {
+    let [low, high] = cell.shares();
+    cell.undecided > 0 && (low..=high).contains(&value)
+}
+
+/// The completion of a cell whose share is nearest to a value: the count, and the paths.
+fn nearest(cell: &Cell, value: f64) -> (u64, u64) {
+    let [low, high] = cell.shares();
+    let all = cell.trials + cell.undecided;
+    if value <= low {
+        (cell.count, all)
+    } else if value >= high {
+        (cell.count + cell.undecided, all)
+    } else {
+        // Within reach: so many of the undecided ones as come nearest.
+        let wanted = (value * all as f64).round() as u64;
+        (wanted.clamp(cell.count, cell.count + cell.undecided), all)
+    }
+}
+
+/// Wilson's interval of counts at a level.
+fn interval_of((count, trials): (u64, u64), level: f64) -> Option<Interval> {
+    let sample = stats::Sample::new(count, trials).ok();
+    let sample = sample.filter(|s| s.trials > 0)?;
+    let wilson = stats::wilson(sample, confidence(level).ok()?);
+    Some(Interval {
+        low: wilson.low,
+        high: wilson.high,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(count: u64, trials: u64, undecided: u64) -> Cell {
+        let subject = Subject::FailureMode("drop".into());
+        let place = Place {
+            traces: Traces::Model,
+            judged_by: JudgedBy::Property,
+            evidence: "E1",
+            subject: &subject,
+        };
+        let verdicts = evidence::VerdictCounts {
+            violated: count,
+            kept: trials - count,
+            undecided,
+            ..Default::default()
+        };
+        place.counted((count, trials), verdicts, Confidence::P95)
+    }
+
+    /// Against every completion: the p-value that is kept is the greatest of the one-sided ones on that side.
+    #[test]
+    fn undecided_paths_count_for_the_answer() {
+        for (count, trials, undecided) in [(55, 55, 945), (3, 10, 5), (0, 4, 3), (7, 7, 1)] {
+            for value in [0.01, 0.055, 0.2, 0.5, 0.97] {
+                let (k, n) = nearest(&cell(count, trials, undecided), value);
+                let far = |k: u64, n: u64| (k as f64 / n as f64 - value).abs();
+                let least = (0..=undecided).map(|more| far(count + more, trials + undecided));
+                let least = least.fold(f64::INFINITY, f64::min);
+                assert!(
+                    (far(k, n) - least).abs() < 1e-12,
+                    "{count} {trials} {value}"
+                );
+            }
+        }
+        // The failure on all 55 paths that have a verdict says nothing against an answer of 5.5 %.
+        assert!(within_completions(&cell(55, 55, 945), 0.06));
+        assert!(!within_completions(&cell(55, 55, 945), 0.01));
+        assert!(!within_completions(&cell(55, 55, 0), 0.99));
+    }
 }

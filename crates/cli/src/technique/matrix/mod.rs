@@ -7,9 +7,12 @@
 //! | assertion monitor | D | E | F |
 //!
 //! [`paths`] has A and D, [`runs`] B, E, C and F from what `run` has judged already; [`events`] looks for
-//! behaviour that a model does not know, [`repeated`] runs episodes again. `evidence` ranks.
+//! behaviour that a model does not know, [`repeated`] runs episodes again, and [`edits`] changes requirement models one
+//! value at a time. `evidence` ranks.
 
+mod candidates;
 mod cells;
+mod edits;
 mod events;
 mod formal;
 mod paths;
@@ -74,6 +77,7 @@ pub fn diagnose(
     diagnosing.runs(&mut gathered)?;
     diagnosing.events(&mut gathered)?;
     diagnosing.repeated(&mut gathered)?;
+    diagnosing.edits(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;
     let matter = Matter {

@@ -15,7 +15,7 @@
 use super::super::exploration::{Formal, Meaning};
 use crate::forms::judged_on_paths;
 use crate::problem::Problem;
-use crate::study::{JudgingForm, Rule, Study, SubjectForm, Vocabulary};
+use crate::study::{JudgingForm, Rule, Study, SubjectForm, TriggerForm, Vocabulary};
 use crate::talk::Interrupt;
 use checker::sample_path;
 use evidence::{JudgedBy, Subject};
@@ -43,7 +43,7 @@ pub struct ModelPaths {
 pub struct PathForm<'a> {
     pub subject: &'a Subject,
     pub judged_by: JudgedBy,
-    /// Of a failure mode's property: whether this is the opportunity.
+    /// Of a property: whether this is what triggers it, the opportunity of a failure mode.
     pub opportunity: bool,
     pub judging: Result<JudgingForm, String>,
 }
@@ -158,7 +158,11 @@ impl ModelPaths {
                 forms.push(of(JudgedBy::Property, false, Err(why)));
             }
         }
-        if let Some(text) = &form.opportunity {
+        let trigger = match (&form.opportunity, &form.trigger) {
+            (None, TriggerForm::Runs(text)) if form.property.is_some() => Some(text),
+            (opportunity, _) => opportunity.as_ref(),
+        };
+        if let Some(text) = trigger {
             forms.push(of(JudgedBy::Property, true, property(&text.text)));
         }
         let monitor = match &form.monitor {

@@ -109,6 +109,8 @@ impl Diagnosing<'_> {
             file: file_of(entry),
             part: Some(part),
             evidence: vec![entry.id.clone()],
+            together: Vec::new(),
+            line: None,
         };
         let changes = Changes {
             bench: &bench,
@@ -174,6 +176,8 @@ impl Diagnosing<'_> {
             file: None,
             part: Some(changed.into()),
             evidence: vec![entry.id.clone()],
+            together: Vec::new(),
+            line: None,
         };
         self.compared(entry, &asset, changed, &pairs, gathered)
     }

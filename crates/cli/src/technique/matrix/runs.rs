@@ -8,7 +8,7 @@ use super::{Diagnosing, Gathered};
 use crate::forms::differences::{OCCURS, PROPERTY, forms_of, judges};
 use crate::problem::Problem;
 use crate::store::fresh_in;
-use crate::study::{Entry, Study, Work};
+use crate::study::{Entry, Study, SubjectForm, TriggerForm, Work};
 use crate::technique::campaign::form_verdicts;
 use crate::technique::confidence;
 use crate::technique::judging::Judges;
@@ -83,17 +83,18 @@ impl Diagnosing<'_> {
                     subject: &form.subject,
                 };
                 let places = [place(JudgedBy::Property), place(JudgedBy::Monitor)];
-                self.of_runs(&places, episodes.as_ref(), &monitors, gathered)?;
+                let runs = (episodes.as_ref(), is_triggered(form));
+                self.of_runs(&places, runs, &monitors, gathered)?;
             }
         }
         Ok(())
     }
 
-    /// The two cells of one subject on the runs of one entry.
+    /// The two cells of one subject on the runs of one entry, and whether its property counts only runs that trigger it.
     fn of_runs(
         &self,
         [property, monitor]: &[Place<'_>; 2],
-        episodes: Option<&RunVerdicts>,
+        (episodes, is_triggered): (Option<&RunVerdicts>, bool),
         monitors: &Monitors,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
@@ -110,7 +111,13 @@ impl Diagnosing<'_> {
             (Some(episodes), Some(form)) if same.is_some() => {
                 let pair = main.map(|main| differing(property, episodes, (form, main)));
                 gathered.same.extend(pair);
-                property.filled(sum(&episodes.forms, form), level)
+                match main.filter(|_| is_triggered) {
+                    Some(main) => {
+                        let sum = counts(triggered(episodes, (form, main)));
+                        property.counted((sum.kept, sum.kept + sum.violated), sum, level)
+                    }
+                    None => property.filled(sum(&episodes.forms, form), level),
+                }
             }
             (_, Some(_)) => property
                 .empty("no journal of these runs says what the property says of each".into()),
@@ -164,6 +171,29 @@ impl Diagnosing<'_> {
         let folder = self.folder.join("episodes").join(&entry.id);
         form_verdicts(&folder, count)
     }
+}
+
+/// Whether the computed value of a requirement is given its trigger, so that other runs do not count for it.
+fn is_triggered(form: &SubjectForm) -> bool {
+    let is_requirement = matches!(form.subject, Subject::Requirement(_));
+    is_requirement && matches!(form.trigger, TriggerForm::Runs(_))
+}
+
+/// What the property says of the runs on which the monitor is triggered.
+fn triggered(
+    episodes: &RunVerdicts,
+    (form, main): (usize, usize),
+) -> impl Iterator<Item = Verdict> {
+    let runs = episodes.main.iter().zip(&episodes.forms);
+    runs.filter_map(move |(of_main, of_forms)| {
+        let (monitor, property) = (of_main.get(main)?, of_forms.get(form)?);
+        Some(match (monitor, property) {
+            (Verdict::NotCovered, _) => Verdict::NotCovered,
+            // A property that does not come up is kept.
+            (_, Verdict::NotCovered) => Verdict::Satisfied,
+            (_, property) => *property,
+        })
+    })
 }
 
 fn sum(verdicts: &[Vec<Verdict>], at: usize) -> VerdictCounts {

@@ -93,17 +93,16 @@ fn suspected(suspect: &Suspect, study: &str, out: &mut String) {
         Inaccuracy::SystemModel => "system model",
         Inaccuracy::Undetermined => "undetermined",
     };
-    let asset = [&suspect.asset.file, &suspect.asset.part];
-    let asset: Vec<&str> = asset.into_iter().flatten().map(String::as_str).collect();
+    let asset = suspect.asset.place_in_words();
     let _ = writeln!(
         out,
         "  {}. {} ({source}, score {:.1}): {}",
-        suspect.rank,
-        asset.join(", "),
-        suspect.score,
-        suspect.title
+        suspect.rank, asset, suspect.score, suspect.title
     );
     let _ = writeln!(out, "     {}", suspect.explanation);
+    if let Some(others) = suspect.asset.together_in_words() {
+        let _ = writeln!(out, "     {others}");
+    }
     for witness in &suspect.witnesses {
         let replay = witness.replay.replacen(ANY_STUDY, study, 1);
         let _ = writeln!(out, "     witness: {replay}  ({})", witness.shows);

@@ -21,8 +21,10 @@ impl Compiled<'_> {
         };
         let model = self.model_at(constants)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
-        let property = self.property(&model, question.property)?;
-        let answer = answer(&property, Method::Sound, &space, None, cancel)?;
-        Ok(Some(answer.value))
+        let (rate, _) = question.rate_at(&mut |text| {
+            let property = self.property(&model, text)?;
+            Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
+        })?;
+        Ok(rate)
     }
 }

@@ -9,6 +9,15 @@ use checker::{CheckError, Options};
 use prism_lang::Constants;
 use std::collections::BTreeMap;
 
+/// What a question gives at one point of the constants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Rate {
+    /// The rate that is asked for.
+    pub value: Option<f64>,
+    /// The probability of what triggers it, where it is given that.
+    pub trigger: Option<f64>,
+}
+
 /// Functions of all questions' properties, one point for each set of constants.
 pub(super) struct Functions<'a, 'b> {
     of: &'b Compiled<'a>,
@@ -19,10 +28,13 @@ pub(super) struct Functions<'a, 'b> {
 
 impl<'a> Compiled<'a> {
     /// The properties of all questions that this model can be asked, each once.
-    pub(super) fn texts(&self) -> Vec<&'a FormText> {
+    pub(super) fn texts(&self) -> Vec<&FormText> {
         let asked = self.questions.iter().filter(|q| q.missing.is_none());
         let mut texts: Vec<&FormText> = asked
-            .flat_map(|question| [Some(question.property), question.opportunity])
+            .flat_map(|question| {
+                let (numerator, divisor) = question.texts();
+                [Some(numerator), divisor]
+            })
             .flatten()
             .collect();
         texts.sort_by(|a, b| a.text.cmp(&b.text));
@@ -30,19 +42,21 @@ impl<'a> Compiled<'a> {
         texts
     }
 
-    /// The rate that each question asks for, from its properties' values; `None` where the model cannot be asked, or
-    /// has no opportunity.
-    pub(super) fn rates(&self, known: &BTreeMap<&str, f64>) -> Vec<Option<f64>> {
+    /// The rate that each question asks for and the probability of its trigger, from its properties' values; `None`
+    /// where the model cannot be asked, or the trigger has probability 0.
+    pub(super) fn rates(&self, known: &BTreeMap<&str, f64>) -> Vec<Rate> {
         let rate = |question: &super::Question<'_>| {
             if question.missing.is_some() {
-                return None;
+                return Rate::default();
             }
             let of = |text: &FormText| known.get(text.text.as_str()).copied();
-            let occurs = of(question.property)?;
-            match question.opportunity.map(of) {
-                None => Some(occurs),
-                Some(Some(opportunity)) if opportunity > 0.0 => Some(occurs / opportunity),
-                Some(_) => None,
+            let (numerator, divisor) = question.texts();
+            let trigger = divisor.and_then(of);
+            let known = divisor.is_none() || trigger.is_some();
+            Rate {
+                value: (of(numerator).filter(|_| known))
+                    .and_then(|numerator| question.rate(numerator, trigger)),
+                trigger,
             }
         };
         self.questions.iter().map(rate).collect()
@@ -102,7 +116,7 @@ impl Functions<'_, '_> {
 
     /// The rate that each question asks for at one point of the counted constants; `None` where the functions do not
     /// say it.
-    pub fn at(&self, point: &[f64]) -> Option<Vec<Option<f64>>> {
+    pub fn at(&self, point: &[f64]) -> Option<Vec<Rate>> {
         let open: Vec<f64> = self.places.iter().map(|place| point[*place]).collect();
         let values = self.functions.at(&open)?;
         let texts = self.of.texts().into_iter().map(|text| text.text.as_str());

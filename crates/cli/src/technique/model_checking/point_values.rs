@@ -18,35 +18,23 @@ impl Compiled<'_> {
     ) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
         let model = self.model_at(constants)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
-        let mut known: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut known: BTreeMap<String, f64> = BTreeMap::new();
+        let mut value = |text: &FormText| -> Result<f64, Problem> {
+            if let Some(value) = known.get(&text.text) {
+                return Ok(*value);
+            }
+            let property = self.property(&model, text)?;
+            let value = answer(&property, Method::Sound, &space, None, cancel)?.value;
+            known.insert(text.text.clone(), value);
+            Ok(value)
+        };
         let mut values = BTreeMap::new();
         for question in &self.questions {
-            if question.missing.is_some() {
-                values.insert(question.subject.clone(), None);
-                continue;
-            }
-            let solved = |text: &'_ FormText| -> Result<f64, Problem> {
-                let property = self.property(&model, text)?;
-                let answer = answer(&property, Method::Sound, &space, None, cancel)?;
-                Ok(answer.value)
+            let rate = match question.missing {
+                Some(_) => None,
+                None => question.rate_at(&mut value)?.0,
             };
-            let mut parts = [None, None];
-            let texts = [Some(question.property), question.opportunity];
-            for (part, text) in parts.iter_mut().zip(texts) {
-                let Some(text) = text else { continue };
-                let value = match known.get(text.text.as_str()) {
-                    Some(value) => *value,
-                    None => solved(text)?,
-                };
-                known.insert(&text.text, value);
-                *part = Some(value);
-            }
-            let value = match parts {
-                [Some(occurs), Some(chance)] if chance > 0.0 => Some(occurs / chance),
-                [occurs, None] => occurs,
-                _ => None,
-            };
-            values.insert(question.subject.clone(), value);
+            values.insert(question.subject.clone(), rate);
         }
         Ok(values)
     }

@@ -58,12 +58,12 @@ impl Compiled<'_> {
                     ..blank.clone()
                 },
                 None => {
-                    let occurs = self.bounds_of(&model, question.property, cancel)?;
-                    let opportunity = question
-                        .opportunity
+                    let (numerator, divisor) = question.texts();
+                    let numerator = self.bounds_of(&model, numerator, cancel)?;
+                    let divisor = divisor
                         .map(|text| self.bounds_of(&model, text, cancel))
                         .transpose()?;
-                    bounded(&blank, occurs, opportunity)
+                    bounded(&blank, question, numerator, divisor)
                 }
             });
         }
@@ -103,6 +103,7 @@ impl Compiled<'_> {
 /// The bounds of a question: of a probability, or of the quotient of two.
 fn bounded(
     blank: &RobustBounds,
+    question: &super::Question<'_>,
     occurs: Result<Interval, String>,
     opportunity: Option<Result<Interval, String>>,
 ) -> RobustBounds {
@@ -111,12 +112,13 @@ fn bounded(
             low: (occurs.low / opportunity.high).next_down().max(0.0),
             high: (occurs.high / opportunity.low).next_up().min(1.0),
         }),
-        false => Err("the opportunity may have probability 0".to_owned()),
+        false => Err("what triggers it may have probability 0".to_owned()),
     };
     let found = match opportunity {
         None => occurs,
         Some(opportunity) => occurs.and_then(|occurs| quotient(occurs, opportunity?)),
     };
+    let found = found.map(|interval| question.oriented(interval));
     match found {
         Ok(interval) => RobustBounds {
             interval: Some(interval),

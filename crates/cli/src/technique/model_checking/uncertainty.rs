@@ -16,6 +16,7 @@
 //! error. Beside them stand robust bounds, which hold (see [`super::robust`]).
 
 use super::answer::{answer, explore};
+use super::functions::Rate;
 use super::{Compiled, CountedConstant, MAX_STATES};
 use crate::problem::Problem;
 use crate::study::{FormText, Method};
@@ -58,7 +59,8 @@ impl Compiled<'_> {
             for (place, question) in self.questions.iter().enumerate() {
                 if let (Subject::Requirement(requirement), Subject::FailureMode(mode)) =
                     (question.subject, &constant.subject)
-                    && let (Some(before), Some(after)) = (as_written[place], moved[place])
+                    && let (Some(before), Some(after)) =
+                        (as_written[place].value, moved[place].value)
                 {
                     influences.push(Influence {
                         requirement: requirement.clone(),
@@ -100,7 +102,7 @@ impl Compiled<'_> {
             &format!("{id}: uncertainty of its constants"),
             design.rows().len() as u64,
         );
-        let rows: Vec<Vec<Option<f64>>> = design
+        let rows: Vec<Vec<Rate>> = design
             .rows()
             .par_iter()
             .map(|point| {
@@ -119,23 +121,34 @@ impl Compiled<'_> {
         let robust = self.robust_bounds(counted, &posteriors, level, &|| interrupt.is_set())?;
         let names: Vec<&str> = counted.iter().map(|one| one.name.as_str()).collect();
         for (place, question) in self.questions.iter().enumerate() {
-            let values: Option<Vec<f64>> = rows.iter().map(|row| row[place]).collect();
-            let finding = findings.iter_mut().find(|f| &f.subject == question.subject);
-            if let (
-                Some(values),
-                Some(Finding {
-                    measure: Measure::Probability { credible, .. },
-                    ..
-                }),
-            ) = (values, finding)
-            {
+            let Some(finding) = findings.iter_mut().find(|f| &f.subject == question.subject) else {
+                continue;
+            };
+            let carried = |values: Option<Vec<f64>>, measure: &mut Measure, robust| {
+                let (
+                    Some(values),
+                    Measure::Probability {
+                        answer, credible, ..
+                    },
+                ) = (values, measure)
+                else {
+                    return Ok(());
+                };
                 let found = CredibleInterval::of_design(&names, &design, &values, level)
                     .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
                 *credible = Some(CredibleInterval {
                     by_function: functions.is_some(),
-                    robust: Some(Box::new(robust[place].clone())),
-                    ..found
+                    robust,
+                    ..found.beside(answer.value)
                 });
+                Ok(())
+            };
+            let rates = rows.iter().map(|row| row[place].value).collect();
+            let bounds = Some(Box::new(robust[place].clone()));
+            carried(rates, &mut finding.measure, bounds)?;
+            if let Some(trigger) = &mut finding.trigger {
+                let values = rows.iter().map(|row| row[place].trigger).collect();
+                carried(values, trigger, None)?;
             }
         }
         Ok(())
@@ -148,19 +161,28 @@ impl Compiled<'_> {
         counted: &[CountedConstant],
         point: &[f64],
         cancel: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Vec<Option<f64>>, Problem> {
+    ) -> Result<Vec<Rate>, Problem> {
         let names = counted.iter().map(|constant| constant.name.clone());
         let point: Vec<(String, f64)> = names.zip(point.iter().copied()).collect();
         let model = self.model_at(&point)?;
         let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
-        let value = |text: &FormText| -> Result<f64, Problem> {
+        let mut known: BTreeMap<String, f64> = BTreeMap::new();
+        let mut value = |text: &FormText| -> Result<f64, Problem> {
+            if let Some(value) = known.get(&text.text) {
+                return Ok(*value);
+            }
             let property = self.property(&model, text)?;
-            Ok(answer(&property, Method::Sound, &space, None, cancel)?.value)
+            let value = answer(&property, Method::Sound, &space, None, cancel)?.value;
+            known.insert(text.text.clone(), value);
+            Ok(value)
         };
-        let mut known: BTreeMap<&str, f64> = BTreeMap::new();
-        for text in self.texts() {
-            known.insert(&text.text, value(text)?);
-        }
-        Ok(self.rates(&known))
+        let rate = |question: &super::Question<'_>| {
+            if question.missing.is_some() {
+                return Ok(Rate::default());
+            }
+            let (value, trigger) = question.rate_at(&mut value)?;
+            Ok(Rate { value, trigger })
+        };
+        self.questions.iter().map(rate).collect()
     }
 }

@@ -45,6 +45,7 @@ fn of_people(clusters: &[Sample]) -> Belief {
     Belief::Counts {
         sample: rate.total,
         effective: rate.worth,
+        before: None,
     }
 }
 
@@ -52,6 +53,7 @@ fn of_episodes(sample: Sample) -> Belief {
     Belief::Counts {
         sample,
         effective: sample.into(),
+        before: None,
     }
 }
 

@@ -40,7 +40,15 @@ impl<'a> Side<'a> {
 
     /// The belief once `y` of the further trials have succeeded.
     pub fn after(&self, y: u64) -> Belief {
-        let (Belief::Counts { sample, effective }, true) = (self.belief, self.worth > 0) else {
+        let (
+            Belief::Counts {
+                sample,
+                effective,
+                before,
+            },
+            true,
+        ) = (self.belief, self.worth > 0)
+        else {
             return self.belief.clone();
         };
         let more = EffectiveSample {
@@ -59,29 +67,32 @@ impl<'a> Side<'a> {
                 trials,
             },
             effective: more,
+            before: before.clone(),
         }
     }
 
-    /// The probability of outcomes that decide nothing, when the other side stands at `rate`.
+    /// The probability of outcomes that show agreement, and of those that show a conflict, when the other side stands
+    /// at `rate`.
     ///
     /// On either side of equality, outcomes near to it show agreement, those far from it a
     /// difference, and what lies between neither.
-    pub fn undecided(
+    pub fn shown(
         &self,
         rate: f64,
         guess: &mut [u64; 4],
         test: impl Fn(u64, Kind) -> bool,
-    ) -> f64 {
+    ) -> (f64, f64) {
         let Belief::Counts { effective, .. } = self.belief else {
-            return f64::from(u8::from(
-                !test(0, Kind::Agreement) && !test(0, Kind::Conflict),
-            ));
+            let agrees = test(0, Kind::Agreement);
+            let differs = !agrees && test(0, Kind::Conflict);
+            return (f64::from(u8::from(agrees)), f64::from(u8::from(differs)));
         };
         let total = effective.trials + self.worth as f64;
         let equal = (rate * total - effective.successes)
             .round()
             .clamp(0.0, self.worth as f64) as u64;
-        let mut open = 0.0;
+        let (mut agreement, mut conflict) = (0.0, 0.0);
+        let mass = |one: u64, other: u64| self.next.probability(one.min(other), one.max(other));
         for (side, most) in [(0, equal), (1, self.worth - equal)] {
             let at = |distance: u64| {
                 if side == 0 {
@@ -94,13 +105,17 @@ impl<'a> Side<'a> {
             let same = leading(most, guess[2 * side + 1], |d| !test(at(d), Kind::Conflict));
             (guess[2 * side], guess[2 * side + 1]) = (agree, same);
             // Equality itself belongs to the upper side.
-            let from = if side == 0 { agree.max(1) } else { agree };
-            if from < same {
-                let (near, far) = (at(from), at(same - 1));
-                open += self.next.probability(near.min(far), near.max(far));
+            let first = if side == 0 { 1 } else { 0 };
+            if first < agree {
+                agreement += mass(at(first), at(agree - 1));
+            }
+            // Agreement comes before a difference.
+            let from = same.max(agree).max(first);
+            if from <= most {
+                conflict += mass(at(from), at(most));
             }
         }
-        open
+        (agreement, conflict)
     }
 }
 

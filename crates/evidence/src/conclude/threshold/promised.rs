@@ -42,7 +42,14 @@ fn promised_and_kept(now: &ClusteredRate, further: u64, then: &ClusteredRate) ->
     let effect = now.total.trials as f64 / now.worth.trials;
     let worth = (further as f64 / effect).round() as u64;
     let next = Predictive::new(&BetaPosterior::jeffreys(now.worth), worth);
-    let promised = chance(now.worth, effect > 1.0, &next, THRESHOLD, LEVEL);
+    let (below, above) = chances(
+        (now.worth, Looked(None)),
+        effect > 1.0,
+        &next,
+        THRESHOLD,
+        LEVEL,
+    );
+    let promised = below + above;
     let clustered = then.worth.trials < then.total.trials as f64;
     let (below, above) = shown_below_and_above(then.worth, clustered, THRESHOLD, LEVEL);
     (promised, f64::from(u8::from(below || above)))

@@ -1,0 +1,475 @@
+//! Requirement models changed one value at a time, each tried on all the evidence.
+//!
+//! # Definition
+//! For every edit that something in the study suggests ([`super::candidates`]) what it reaches is produced again: the
+//! formal models' answers, the tables' counts, or the verdicts on the recordings that are kept. Of each pair of pieces
+//! under the same conditions the strength of disagreement ([`evidence::strength`]) is taken before and after. An edit
+//! *explains* the pairs that disagreed strongly ([`evidence::STRONG`]) and do not any more; it is dropped if it makes any
+//! other pair disagree strongly, or leaves strong disagreement on a subject that it explains in part. Of those that are
+//! left the ones that explain most are clues, and those that explain as much are named with them.
+//!
+//! An edit that something else in the study suggests, too (a column that nobody counts, a unit in a field's name, a
+//! duration in the text), takes [`HINTED`] of what it explains, and leaves the rest to the system models; one that is
+//! only a slip by a factor takes [`UNHINTED`].
+//!
+//! # Source and guarantee
+//! The method of difference (J. S. Mill, 1843). An edit has no free parameter: what it predicts is computed, not fitted,
+//! so that its explaining several pairs at once is no coincidence of fitting; the number of edits that were tried is
+//! said. The shares are prior odds, which nothing here estimates.
+//!
+//! # Cost
+//! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
+//! strong disagreement.
+
+use super::candidates::{Reach, TextEdit, candidates};
+use super::{Diagnosing, Gathered};
+use crate::problem::{Problem, Source};
+use crate::study::{Study, Work};
+use crate::technique::experiment::Tables;
+use crate::technique::judging::Judges;
+use crate::technique::model_checking::Compiled;
+use crate::technique::operation::only_violations;
+use crate::technique::recording::ReadingRules;
+use crate::technique::simulation;
+use evidence::{
+    Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
+    Symptom, strength,
+};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The share of what it explains that an edit takes which something else suggests, too.
+const HINTED: f64 = 0.9;
+
+/// The share of one that nothing else suggests.
+const UNHINTED: f64 = 0.4;
+
+/// Recordings of one piece of evidence that are judged again, at most.
+const MOST_RUNS: usize = 400;
+
+/// Strengths that differ by less explain as much.
+const AS_MUCH: f64 = 0.5;
+
+/// Values of a model that differ by less are the same.
+const SAME: f64 = 1e-6;
+
+/// Pairs of pieces on a subject, with how strongly they disagree.
+type Pairs = BTreeMap<(String, String, Subject), f64>;
+
+/// An edit with what it explains.
+struct Explained {
+    edit: TextEdit,
+    /// The pairs that do not disagree strongly any more, with what goes away.
+    pairs: Pairs,
+    /// What goes away: the sum over subjects of the strongest.
+    score: f64,
+    /// Requirements that evidence misses now and meets with the edit, one clause each.
+    hides: Vec<String>,
+}
+
+impl Diagnosing<'_> {
+    /// Looks for single edits that explain strong disagreement.
+    pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+        let before = self.disagreements(&self.result.evidence);
+        if before.values().all(|apart| *apart <= STRONG) {
+            return Ok(());
+        }
+        let scratch = Scratch::new(self.study, self.folder)?;
+        let mut found: Vec<Explained> = Vec::new();
+        let mut tried = 0;
+        for edit in candidates(self.study)? {
+            self.setting.go_on()?;
+            // An edit with which the study cannot be read is none.
+            let after = scratch
+                .with(&edit)
+                .and_then(|study| self.produced_with(&study, &scratch, edit.reach));
+            self.setting.go_on()?;
+            if let Ok(evidence) = after {
+                tried += 1;
+                let after = self.disagreements(&evidence);
+                found.extend(explained(edit, &before, &after).map(|it| Explained {
+                    hides: self.hidden_by(&evidence),
+                    ..it
+                }));
+            }
+        }
+        gathered.in_order.push(format!(
+            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {} explain what disagrees",
+            found.len()
+        ));
+        found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
+        let best = found.first().map_or(0.0, Explained::weight);
+        found.retain(|it| it.weight() > best - AS_MUCH);
+        let places: Vec<String> = found.iter().map(Explained::in_words).collect();
+        for (at, it) in found.iter().enumerate() {
+            let others = places.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != at);
+            let others: Vec<String> = others.map(|(_, place)| place.clone()).collect();
+            gathered.clues.extend(self.clues_of(it, &others, tried));
+        }
+        Ok(())
+    }
+
+    /// How strongly the pieces that speak for themselves disagree, pair by pair.
+    fn disagreements(&self, evidence: &[Evidence]) -> Pairs {
+        let speaks = |piece: &&Evidence| {
+            !(piece.intermediate || piece.published && piece.reproduced_by.is_some())
+        };
+        let pieces: Vec<&Evidence> = evidence.iter().filter(speaks).collect();
+        let mut pairs = Pairs::new();
+        for (place, one) in pieces.iter().enumerate() {
+            let others = pieces[place + 1..].iter();
+            for other in others.filter(|other| other.conditions == one.conditions) {
+                for finding in &one.findings {
+                    let subject = &finding.subject;
+                    let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
+                    if let (Some(a), Some(b), true) =
+                        (Rate::of(&finding.measure), theirs, self.is_own(subject))
+                    {
+                        let apart = strength(a, b, self.margin(subject));
+                        pairs.insert((one.id.clone(), other.id.clone(), subject.clone()), apart);
+                    }
+                }
+            }
+        }
+        pairs
+    }
+
+    /// The evidence with what an edit reaches produced again.
+    fn produced_with(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        reach: Reach,
+    ) -> Result<Vec<Evidence>, Problem> {
+        let mut evidence = self.result.evidence.clone();
+        for piece in &mut evidence {
+            let entry = self.study.entry(&piece.id)?;
+            let findings = match (&entry.work, reach) {
+                (Work::Check { model, .. }, Reach::Models) => {
+                    self.answers(study, model, &piece.findings)?
+                }
+                (
+                    Work::Read {
+                        technique,
+                        cohort,
+                        requirements,
+                        failure_modes,
+                    },
+                    Reach::Tables,
+                ) => {
+                    let [cohort, requirements, failure_modes] =
+                        [cohort, requirements, failure_modes].map(|it| it.as_deref());
+                    let tables = Tables::read(study, cohort, requirements, failure_modes)?;
+                    tables.produce(study, &piece.id, *technique)?.findings
+                }
+                (Work::Check { .. } | Work::Read { .. }, _) => continue,
+                (Work::Judge { recordings, .. }, Reach::Runs) => {
+                    let folder = self.study.folder.join(recordings);
+                    self.verdicts(study, scratch, &folder)?
+                }
+                (_, Reach::Runs) => {
+                    let folder = self.folder.join("episodes").join(&piece.id);
+                    self.verdicts(study, scratch, &folder)?
+                }
+                _ => continue,
+            };
+            let known = findings.into_iter();
+            for new in known {
+                let old = piece.findings.iter_mut();
+                if let Some(old) = old.into_iter().find(|old| old.subject == new.subject) {
+                    *old = new;
+                }
+            }
+        }
+        Ok(evidence)
+    }
+
+    /// A model's answers; what it did not answer by its plain values before stays as it is.
+    fn answers(
+        &self,
+        study: &Study,
+        model: &Path,
+        known: &[Finding],
+    ) -> Result<Vec<Finding>, Problem> {
+        let cancel = || self.setting.interrupt.is_set();
+        let values = |study: &Study| {
+            let source = Source::read(&self.study.folder.join(model))?;
+            Compiled::of_source(study, source)?.values_at(&[], &cancel)
+        };
+        let (now, then) = (values(self.study)?, values(study)?);
+        let changed = known.iter().filter_map(|finding| {
+            let Measure::Probability { answer, .. } = &finding.measure else {
+                return None;
+            };
+            let now = now.get(&finding.subject).copied().flatten()?;
+            let then = then.get(&finding.subject).copied().flatten()?;
+            if (now - answer.value).abs() > SAME {
+                return None;
+            }
+            let mut finding = finding.clone();
+            if let Measure::Probability { answer, .. } = &mut finding.measure {
+                answer.value = then;
+            }
+            Some(finding)
+        });
+        Ok(changed.collect())
+    }
+
+    /// The verdicts on recordings that are kept.
+    fn verdicts(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        folder: &Path,
+    ) -> Result<Vec<Finding>, Problem> {
+        let Ok(found) = recording::trials(folder) else {
+            return Ok(Vec::new());
+        };
+        if found.trials.is_empty() {
+            return Ok(Vec::new());
+        }
+        let trials = super::events::evenly(found.trials, MOST_RUNS);
+        let rules = ReadingRules::of_study(&scratch.folder, None)?;
+        let judges = Judges::new(study, |_| true)?;
+        let go_on = || self.setting.go_on();
+        let judged: Vec<_> = trials
+            .par_iter()
+            .map(|trial| {
+                let judged = rules.judge(&judges, &trial.path, &go_on)?;
+                Ok(match judged.complete {
+                    true => judged.judgements,
+                    false => only_violations(judged.judgements),
+                })
+            })
+            .collect::<Result<_, Problem>>()?;
+        let names: Vec<String> = trials.iter().map(|trial| trial.name.clone()).collect();
+        simulation::findings(study, &judges, &judged, &names)
+    }
+
+    /// Requirements that a piece misses as it is and meets as it then is.
+    fn hidden_by(&self, evidence: &[Evidence]) -> Vec<String> {
+        let mut found = Vec::new();
+        for (now, then) in self.result.evidence.iter().zip(evidence) {
+            for requirement in &self.study.requirements {
+                let subject = Subject::Requirement(requirement.id.clone());
+                let meets = |piece: &Evidence| {
+                    let rate = piece.finding(&subject)?.measure.estimate()?;
+                    Some(match &requirement.threshold {
+                        Some(it) => match it.direction {
+                            evidence::Direction::AtLeast => rate >= it.value,
+                            evidence::Direction::AtMost => rate <= it.value,
+                        },
+                        None => rate >= 1.0,
+                    })
+                };
+                if let (Some(false), Some(true)) = (meets(now), meets(then)) {
+                    found.push(format!(
+                        "{} misses requirement {} now and meets it then",
+                        now.id, requirement.id
+                    ));
+                }
+            }
+        }
+        found
+    }
+
+    /// The clues against what an edit would change, one for each subject.
+    fn clues_of(&self, it: &Explained, others: &[String], tried: u64) -> Vec<Clue> {
+        let edit = &it.edit;
+        let subjects: std::collections::BTreeSet<&Subject> =
+            it.pairs.keys().map(|(.., subject)| subject).collect();
+        let line = self.line_of(edit);
+        let of = |subject: &Subject| {
+            let own = it.pairs.iter().filter(|((.., s), _)| s == subject);
+            let pairs: Vec<[String; 2]> = own
+                .clone()
+                .map(|((a, b, _), _)| [a.clone(), b.clone()])
+                .collect();
+            let whole = own.map(|(_, apart)| *apart).fold(0.0, f64::max);
+            let words: Vec<String> = pairs.iter().map(|[a, b]| format!("{a} and {b}")).collect();
+            let hint = edit.hint.as_ref();
+            let hint = hint.map_or(String::new(), |hint| format!(" And {hint}."));
+            let hides = match it.hides.as_slice() {
+                [] => String::new(),
+                all => format!(
+                    " {}: unless the text of the requirement says so, this would hide a defect of the system.",
+                    all.join("; ")
+                ),
+            };
+            Clue {
+                inaccuracy: Inaccuracy::RequirementModel,
+                asset: SuspectAsset {
+                    kind: edit.kind,
+                    file: Some(edit.file.into()),
+                    part: Some(edit.part.clone()),
+                    evidence: evidence_of(&pairs),
+                    together: others.to_vec(),
+                    line,
+                },
+                subject: subject.clone(),
+                score: whole * it.share(),
+                title: format!(
+                    "`{}` in place of `{}` explains a conflict",
+                    edit.new, edit.old
+                ),
+                explanation: format!(
+                    "With `{}` in place of `{}` {} agree on {} ({whole:.1} decades go away), and nothing else comes to \
+                     disagree; of {tried} single edits that were tried.{hint}{hides}",
+                    edit.new,
+                    edit.old,
+                    words.join(", "),
+                    subject.id()
+                ),
+                symptom: Symptom::EditExplains {
+                    subject: subject.clone(),
+                    found: edit.old.clone(),
+                    instead: edit.new.clone(),
+                    pairs,
+                    share: it.share(),
+                },
+                figures: vec![Figure {
+                    name: "explained, decades".into(),
+                    value: whole,
+                    interval: None,
+                }],
+                witnesses: Vec::new(),
+                ruled_out: Vec::new(),
+                resolved_by: None,
+            }
+        };
+        subjects.into_iter().map(of).collect()
+    }
+
+    fn line_of(&self, edit: &TextEdit) -> Option<u32> {
+        let text = std::fs::read_to_string(self.study.folder.join(edit.file)).ok()?;
+        let (line, _) = prism_lang::line_and_column(&text, edit.span.start);
+        u32::try_from(line).ok()
+    }
+}
+
+fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
+    let mut all: Vec<String> = pairs.iter().flatten().cloned().collect();
+    all.sort();
+    all.dedup();
+    all
+}
+
+/// What an edit explains, if it makes nothing worse.
+fn explained(edit: TextEdit, before: &Pairs, after: &Pairs) -> Option<Explained> {
+    let mut pairs = Pairs::new();
+    let mut left: Vec<&Subject> = Vec::new();
+    for (pair, was) in before {
+        // A rate that is lost explains nothing.
+        let is = *after.get(pair)?;
+        match (*was > STRONG, is > STRONG) {
+            (true, false) => {
+                pairs.insert(pair.clone(), was - is);
+            }
+            (false, true) => return None,
+            (true, true) if is < was - AS_MUCH => left.push(&pair.2),
+            (true, true) if is > was + AS_MUCH => return None,
+            (true, true) => left.push(&pair.2),
+            (false, false) => {}
+        }
+    }
+    pairs.retain(|(.., subject), _| !left.contains(&subject));
+    let mut most: BTreeMap<&Subject, f64> = BTreeMap::new();
+    for ((.., subject), gone) in &pairs {
+        let known = most.entry(subject).or_default();
+        *known = known.max(*gone);
+    }
+    let score: f64 = most.values().sum();
+    (score > STRONG).then(|| Explained {
+        edit,
+        pairs,
+        score,
+        hides: Vec::new(),
+    })
+}
+
+impl Explained {
+    fn share(&self) -> f64 {
+        match self.edit.hint {
+            Some(_) => HINTED,
+            None => UNHINTED,
+        }
+    }
+
+    /// By what it is ranked among the edits.
+    fn weight(&self) -> f64 {
+        self.score * self.share()
+    }
+
+    fn in_words(&self) -> String {
+        let edit = &self.edit;
+        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
+    }
+}
+
+/// The texts of a study in a folder of their own, where they can be edited and read.
+struct Scratch {
+    folder: PathBuf,
+    study: PathBuf,
+}
+
+/// The texts that are read to judge, to ask and to count.
+const TEXTS: [&str; 5] = [
+    "study.toml",
+    "parameters.toml",
+    "requirements.toml",
+    "vocabulary.toml",
+    "topics.toml",
+];
+
+impl Scratch {
+    fn new(study: &Study, results: &Path) -> Result<Self, Problem> {
+        let folder = results.join("edits");
+        std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
+        Ok(Self {
+            folder,
+            study: study.folder.clone(),
+        })
+    }
+
+    /// The study with an edit; its other files stay where they are, and it has no ledger.
+    fn with(&self, edit: &TextEdit) -> Result<Study, Problem> {
+        for name in TEXTS {
+            let path = self.study.join(name);
+            if !path.exists() {
+                continue;
+            }
+            let mut text = Source::read(&path)?.text;
+            if name == "study.toml" {
+                text = without_entries(&text);
+            }
+            if name == edit.file {
+                text.replace_range(edit.span.clone(), &edit.new);
+            }
+            let target = self.folder.join(name);
+            std::fs::write(&target, text)
+                .map_err(|error| Problem::cannot_write(&target, &error))?;
+        }
+        let mut study = Study::load(&self.folder)?;
+        study.folder.clone_from(&self.study);
+        Ok(study)
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // What cannot be removed is in nobody's way.
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// study.toml without what it says of the ledger's entries.
+fn without_entries(text: &str) -> String {
+    let Ok(mut table) = text.parse::<toml::Table>() else {
+        return text.to_owned();
+    };
+    table.remove("weights");
+    table.remove("costs");
+    table.to_string()
+}

@@ -1,0 +1,247 @@
+//! A pair that is looked at again: its tests over all looks.
+//!
+//! # Definition
+//! At each look the pair has the p-values that it would have if that were the only look. Of "no difference" a one-sided
+//! one for each direction (half the two-sided p-value where the estimate lies in that direction, and one minus that
+//! where it does not), of which twice the smaller counts; of equivalence the larger of its two. Its information is
+//! `1 / (1/n1 + 1/n2)` at the effective sizes, those of earlier looks at the design effect of today; a known rate has
+//! infinite size. What they amount to over all looks is `stats::continuation`'s p-value from scores.
+//!
+//! # Guarantee
+//! At the first look the level is kept exactly as the tests keep it. Later ones hold as far as scores have independent
+//! normal increments: their error rates are not measured yet
+//! (`stats/examples/looking_again.rs` simulates them).
+
+use super::Belief;
+use super::pair::Pair;
+use stats::{ScoredLook, continued_p, continued_rejects};
+use std::rc::Rc;
+
+/// What was known of both sides at each look before this one, oldest first; `None` where it is not of the same trials.
+pub(super) type Before = [Vec<Option<Belief>>; 2];
+
+/// A look before this one.
+#[derive(Clone, Debug)]
+struct PastLook {
+    /// The p-value of "no difference", by Fisher's test too, and the sign of the difference.
+    difference: (f64, f64, f64),
+    equivalence: f64,
+    sides: [Belief; 2],
+}
+
+/// Which p-value is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    Difference,
+    DifferenceByFisher,
+    Equivalence,
+}
+
+/// All looks before this one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Past {
+    looks: Rc<Vec<PastLook>>,
+}
+
+impl Past {
+    pub fn new(before: &Before, margin: f64) -> Self {
+        let both = before[0].iter().zip(&before[1]);
+        let known = both.filter_map(|(a, b)| Some((a.clone()?, b.clone()?)));
+        let looks = known.map(|(first, second)| PastLook::of(&Pair::new(first, second, margin)));
+        Self {
+            looks: Rc::new(looks.collect()),
+        }
+    }
+
+    /// The same and a pair that was looked at since.
+    pub fn and(&self, pair: &Pair) -> Self {
+        let mut looks = self.looks.to_vec();
+        looks.push(PastLook::of(pair));
+        Self {
+            looks: Rc::new(looks),
+        }
+    }
+
+    /// The number of the present look.
+    pub fn number(&self, pair: &Pair) -> u64 {
+        let all = self.scored(pair, Asked::Equivalence, 1.0, 1.0);
+        let mut number = 0;
+        let mut information = 0.0;
+        for look in all {
+            if look.information > information * (1.0 + 1e-9) {
+                number += 1;
+                information = look.information;
+            }
+        }
+        number.max(1)
+    }
+
+    /// The p-value over all looks, given that of the present one.
+    pub fn p(&self, pair: &Pair, asked: Asked, once: f64) -> f64 {
+        if once <= 0.0 || size_of(pair.first()).is_none() && size_of(pair.second()).is_none() {
+            return once;
+        }
+        if asked == Asked::Equivalence {
+            return continued_p(&self.scored(pair, asked, 1.0, once));
+        }
+        let side = |sign: f64| continued_p(&self.scored(pair, asked, sign, once));
+        (2.0 * side(1.0).min(side(-1.0))).min(1.0)
+    }
+
+    /// Whether it is shown at this level, over all looks.
+    pub fn shows(&self, pair: &Pair, asked: Asked, once: f64, level: f64) -> bool {
+        if once <= 0.0 || size_of(pair.first()).is_none() && size_of(pair.second()).is_none() {
+            return once <= level;
+        }
+        if asked == Asked::Equivalence {
+            return continued_rejects(&self.scored(pair, asked, 1.0, once), level);
+        }
+        let side =
+            |sign: f64| continued_rejects(&self.scored(pair, asked, sign, once), 0.5 * level);
+        side(1.0) || side(-1.0)
+    }
+
+    /// The looks with their p-values in one direction.
+    fn scored(&self, pair: &Pair, asked: Asked, sign: f64, once: f64) -> Vec<ScoredLook> {
+        let now = [pair.first(), pair.second()];
+        let directed = |p: f64, difference: f64| match difference * sign > 0.0 {
+            true => 0.5 * p,
+            false => 1.0 - 0.5 * p,
+        };
+        let mut looks: Vec<ScoredLook> = Vec::with_capacity(self.looks.len() + 1);
+        for look in self.looks.iter() {
+            let (exact, fisher, difference) = look.difference;
+            let p = match asked {
+                Asked::Difference => directed(exact, difference),
+                Asked::DifferenceByFisher => directed(fisher, difference),
+                Asked::Equivalence => look.equivalence,
+            };
+            let [first, second] = &look.sides;
+            looks.push(ScoredLook {
+                p,
+                information: information([size_at(first, now[0]), size_at(second, now[1])]),
+            });
+        }
+        let p = match asked {
+            Asked::Equivalence => once,
+            _ => directed(once, pair.difference()),
+        };
+        looks.push(ScoredLook {
+            p,
+            information: information(now.map(|side| size_of(side).unwrap_or(f64::INFINITY))),
+        });
+        looks
+    }
+}
+
+impl PastLook {
+    fn of(pair: &Pair) -> Self {
+        let exact = pair.p_difference_once();
+        Self {
+            difference: (
+                exact,
+                pair.p_by_fisher_once().unwrap_or(exact),
+                pair.difference(),
+            ),
+            equivalence: pair.doubt_of_equivalence_once(),
+            sides: [pair.first().clone(), pair.second().clone()],
+        }
+    }
+}
+
+/// Independent trials; `None` for a known rate.
+fn size_of(belief: &Belief) -> Option<f64> {
+    match belief {
+        Belief::Counts { effective, .. } => Some(effective.trials),
+        Belief::Known { .. } => None,
+        Belief::Distribution { posterior, .. } => {
+            let (a, b) = posterior.parameters();
+            Some(a + b)
+        }
+    }
+}
+
+/// The size of an earlier count at the design effect of today, so that more trials are never less information.
+fn size_at(then: &Belief, now: &Belief) -> f64 {
+    match (then, now) {
+        (
+            Belief::Counts { sample: then, .. },
+            Belief::Counts {
+                sample, effective, ..
+            },
+        ) => then.trials as f64 * effective.trials / sample.trials as f64,
+        _ => size_of(now).unwrap_or(f64::INFINITY),
+    }
+}
+
+fn information([first, second]: [f64; 2]) -> f64 {
+    1.0 / (1.0 / first + 1.0 / second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stats::Confidence;
+
+    fn counts(count: u64, trials: u64) -> Belief {
+        Belief::of_counts(count, trials, None).expect("counts")
+    }
+
+    fn at(looks: &[[(u64, u64); 2]], margin: f64) -> Pair {
+        let (now, before) = looks.split_last().expect("a look");
+        let side = |place: usize| -> Vec<Option<Belief>> {
+            let of = |look: &[(u64, u64); 2]| Some(counts(look[place].0, look[place].1));
+            before.iter().map(of).collect()
+        };
+        let pair = Pair::new(
+            counts(now[0].0, now[0].1),
+            counts(now[1].0, now[1].1),
+            margin,
+        );
+        pair.looked_at([side(0), side(1)])
+    }
+
+    #[test]
+    fn the_first_look_costs_a_fifth() {
+        let pair = at(&[[(80, 100), (460, 500)]], 0.1);
+        let once = pair.p_difference_once();
+        assert!((pair.p_difference() / (once / 0.8) - 1.0).abs() < 1e-6);
+        let (continued, once) = (pair.p_equivalence(), pair.doubt_of_equivalence_once());
+        assert!((continued.expect("a p-value") - (once / 0.8).min(1.0)).abs() < 1e-6);
+        assert_eq!(pair.look(), Some(1));
+    }
+
+    #[test]
+    fn looks_before_cost_more_and_empty_ones_nothing() {
+        let single = at(&[[(180, 200), (460, 500)]], 0.08);
+        let again = at(&[[(90, 100), (460, 500)], [(180, 200), (460, 500)]], 0.08);
+        assert!(again.p_equivalence() > single.p_equivalence());
+        assert_eq!(again.look(), Some(2));
+        let twice = at(&[[(180, 200), (460, 500)], [(180, 200), (460, 500)]], 0.08);
+        assert_eq!(twice.p_equivalence(), single.p_equivalence());
+        assert_eq!((twice.look(), single.look()), (Some(1), Some(1)));
+    }
+
+    /// What a plan asks of an outcome is what the comparison will say of it.
+    #[test]
+    fn what_a_plan_asks_is_what_will_be_said() {
+        let now = at(&[[(80, 100), (44, 50)]], 0.15);
+        for (a, b) in [(160, 88), (180, 88), (140, 96), (170, 85), (196, 60)] {
+            let planned = now.with(counts(a, 200), counts(b, 100));
+            let then = at(&[[(80, 100), (44, 50)], [(a, 200), (b, 100)]], 0.15);
+            assert_eq!(planned.p_difference(), then.p_difference());
+            for level in [0.9, 0.95, 0.99] {
+                let level = Confidence::new(level).expect("a level");
+                assert_eq!(
+                    planned.differs(level),
+                    then.p_difference() <= level.alpha(),
+                    "{a} {b} {level:?}"
+                );
+                assert_eq!(
+                    planned.shows_agreement(level),
+                    then.p_equivalence() <= Some(level.alpha()) && then.is_inside_margin()
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! The verdict on one requirement from how each piece stands, and the step of it.
+//!
+//! # Definition
+//! In this order, over the standings under the conditions of the conclusion:
+//!
+//! | verdict | step | when |
+//! |---|---|---|
+//! | not covered | none | nothing has a number on it |
+//! | conflicting | of the system | two trials of the system conflict and stand differently |
+//! | violated | of the system | independent trials of the system deny it |
+//! | satisfied | of the system | independent trials of the system support it |
+//! | conflicting | none | two pieces conflict and stand differently |
+//! | violated, satisfied | corroborated | a model whose agreement carries over denies or supports it |
+//! | violated | in simulation, for the model | a simulation or model denies it |
+//! | satisfied | in simulation, for the model | one supports it |
+//! | undecided | none | else |
+//!
+//! A piece *conflicts* with another where the comparison of both says so (`compare`) and they are independent. That one
+//! supports and another denies is no conflict by itself: their rates may lie close on either side of the threshold.
+//!
+//! Then what denies the requirement under other conditions is added: a requirement is asked under each of them. A model
+//! that denies it there gives way to trials of the system under the same conditions that support it.
+
+use crate::{PieceStanding, Standing, Step, Verdict};
+
+/// A verdict with the step on which it stands.
+pub(super) type Decided = (Verdict, Option<Step>);
+
+/// A piece with how it stands and whether it may decide.
+#[derive(Clone, Debug)]
+pub(super) struct Judged {
+    pub standing: PieceStanding,
+    /// `false` for trials that rest on other trials which take part.
+    pub decides: bool,
+    /// Under which conditions.
+    pub conditions: String,
+}
+
+/// The verdict on standings, with the pairs of independent pieces that conflict.
+pub(super) fn decide(judged: &[Judged], conflicts: &[(String, String)]) -> Decided {
+    let here: Vec<&Judged> = judged.iter().filter(|it| !it.standing.elsewhere).collect();
+    let decided = decide_here(&here, conflicts);
+    let elsewhere = denied_elsewhere(judged);
+    match (decided, elsewhere) {
+        ((Verdict::NotCovered | Verdict::Conflicting, _), _) | (_, None) => decided,
+        ((Verdict::Violated, step), other) => (Verdict::Violated, step.max(other)),
+        (_, other) => (Verdict::Violated, other),
+    }
+}
+
+fn decide_here(here: &[&Judged], conflicts: &[(String, String)]) -> Decided {
+    if here.is_empty() {
+        return (Verdict::NotCovered, None);
+    }
+    let trials = of_steps(here, &[Step::System]);
+    if let Some(verdict) = by_trials(&trials, conflicts) {
+        return (verdict, Some(Step::System));
+    }
+    if stand_differently(here, conflicts) {
+        return (Verdict::Conflicting, None);
+    }
+    let models = [
+        &[Step::Corroborated][..],
+        &[Step::Simulation, Step::Model][..],
+    ];
+    for steps in models {
+        let models = of_steps(here, steps);
+        for (standing, verdict) in [
+            (Standing::Denies, Verdict::Violated),
+            (Standing::Supports, Verdict::Satisfied),
+        ] {
+            if let Some(step) = highest(&models, standing) {
+                return (verdict, Some(step));
+            }
+        }
+    }
+    (Verdict::Undecided, None)
+}
+
+/// What the trials of the system say, if they decide.
+fn by_trials(trials: &[&Judged], conflicts: &[(String, String)]) -> Option<Verdict> {
+    let any = |wanted: Standing| {
+        let mut trials = trials.iter();
+        trials.any(|it| it.decides && it.standing.standing == wanted)
+    };
+    if stand_differently(trials, conflicts) {
+        Some(Verdict::Conflicting)
+    } else if any(Standing::Denies) {
+        Some(Verdict::Violated)
+    } else if any(Standing::Supports) {
+        Some(Verdict::Satisfied)
+    } else {
+        None
+    }
+}
+
+fn of_steps<'a>(here: &[&'a Judged], steps: &[Step]) -> Vec<&'a Judged> {
+    let wanted = |it: &&&Judged| steps.contains(&it.standing.step);
+    here.iter().filter(wanted).copied().collect()
+}
+
+/// Whether two of them conflict and stand differently.
+fn stand_differently(judged: &[&Judged], conflicts: &[(String, String)]) -> bool {
+    let standing = |id: &str| {
+        let mut judged = judged.iter();
+        let own =
+            judged.find(|it| it.standing.evidence == id && it.standing.step != Step::Corroborated);
+        own.map(|it| it.standing.standing)
+    };
+    conflicts
+        .iter()
+        .any(|(left, right)| match (standing(left), standing(right)) {
+            (Some(left), Some(right)) => left != right,
+            _ => false,
+        })
+}
+
+/// The highest step on which a piece stands so.
+fn highest(judged: &[&Judged], wanted: Standing) -> Option<Step> {
+    let so = judged.iter().filter(|it| it.standing.standing == wanted);
+    so.map(|it| it.standing.step).max()
+}
+
+/// The highest step on which something denies the requirement under other conditions.
+fn denied_elsewhere(judged: &[Judged]) -> Option<Step> {
+    let elsewhere = judged.iter().filter(|it| it.standing.elsewhere);
+    let denies = elsewhere.filter(|it| is_denial(it, judged));
+    denies.map(|it| it.standing.step).max()
+}
+
+/// Whether a piece under other conditions denies the requirement and no trials of the system there support it.
+pub(super) fn is_denial(piece: &Judged, judged: &[Judged]) -> bool {
+    let overruled = || {
+        judged.iter().any(|other| {
+            other.standing.elsewhere
+                && other.conditions == piece.conditions
+                && other.standing.step == Step::System
+                && other.standing.standing == Standing::Supports
+        })
+    };
+    piece.standing.standing == Standing::Denies
+        && (piece.standing.step == Step::System || !overruled())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Interval;
+
+    fn piece(id: &str, step: Step, standing: Standing) -> Judged {
+        Judged {
+            standing: PieceStanding {
+                evidence: id.to_owned(),
+                step,
+                standing,
+                p_not_met: 0.5,
+                p_met: 0.5,
+                level_met: 0.05,
+                level_missed: 0.05,
+                limits: Interval {
+                    low: 0.0,
+                    high: 1.0,
+                },
+                elsewhere: false,
+                words: String::new(),
+            },
+            decides: true,
+            conditions: "here".to_owned(),
+        }
+    }
+
+    fn elsewhere(step: Step, standing: Standing) -> Judged {
+        let mut piece = piece("X", step, standing);
+        piece.standing.elsewhere = true;
+        piece.conditions = "there".to_owned();
+        piece
+    }
+
+    use Standing::{Denies, Neither, Supports};
+    use Step::{Corroborated, Model, Simulation, System};
+
+    #[test]
+    fn trials_of_the_system_decide_over_models() {
+        for model in [Model, Simulation, Corroborated] {
+            for (trials, says, verdict) in [
+                (Supports, Denies, Verdict::Satisfied),
+                (Denies, Supports, Verdict::Violated),
+            ] {
+                let pieces = [piece("M", model, says), piece("E", System, trials)];
+                assert_eq!(decide(&pieces, &[]), (verdict, Some(System)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_alone_speaks_of_itself() {
+        let alone = |step, standing| decide(&[piece("M", step, standing)], &[]);
+        assert_eq!(alone(Model, Supports), (Verdict::Satisfied, Some(Model)));
+        assert_eq!(
+            alone(Simulation, Denies),
+            (Verdict::Violated, Some(Simulation))
+        );
+        assert_eq!(alone(Model, Neither), (Verdict::Undecided, None));
+        let both = [piece("M", Model, Denies), piece("S", Simulation, Supports)];
+        assert_eq!(decide(&both, &[]), (Verdict::Violated, Some(Model)));
+    }
+
+    #[test]
+    fn a_conflict_needs_a_pair_that_conflicts() {
+        let pieces = [piece("E", System, Supports), piece("F", System, Denies)];
+        assert_eq!(decide(&pieces, &[]), (Verdict::Violated, Some(System)));
+        let pair = [("E".to_owned(), "F".to_owned())];
+        assert_eq!(decide(&pieces, &pair), (Verdict::Conflicting, Some(System)));
+        let with_model = [piece("E", System, Neither), piece("M", Model, Supports)];
+        let pair = [("M".to_owned(), "E".to_owned())];
+        assert_eq!(decide(&with_model, &pair), (Verdict::Conflicting, None));
+        let decided = [piece("E", System, Denies), piece("M", Model, Supports)];
+        assert_eq!(decide(&decided, &pair), (Verdict::Violated, Some(System)));
+    }
+
+    #[test]
+    fn trials_that_rest_on_others_do_not_decide() {
+        let mut copy = piece("F", System, Supports);
+        copy.decides = false;
+        let pieces = [piece("E", System, Neither), copy];
+        assert_eq!(decide(&pieces, &[]), (Verdict::Undecided, None));
+    }
+
+    #[test]
+    fn denials_under_other_conditions_count_unless_the_system_passes_there() {
+        let here = piece("E", System, Supports);
+        let simulated = elsewhere(Simulation, Denies);
+        let both = [here.clone(), simulated.clone()];
+        assert_eq!(decide(&both, &[]), (Verdict::Violated, Some(Simulation)));
+        let passed = [here.clone(), simulated, elsewhere(System, Supports)];
+        assert_eq!(decide(&passed, &[]), (Verdict::Satisfied, Some(System)));
+        let failed = [here, elsewhere(System, Denies)];
+        assert_eq!(decide(&failed, &[]), (Verdict::Violated, Some(System)));
+    }
+}

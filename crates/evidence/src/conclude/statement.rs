@@ -1,0 +1,210 @@
+//! The statement of a verdict: claim, figures, what speaks against it, and why it is not more.
+//!
+//! All of it is made from the standings, so that no sentence can contradict a figure beside it.
+
+use super::judge::{Asked, Level};
+use super::ladder::{Judged, is_denial};
+use super::words;
+use crate::compare::Belief;
+use crate::compare::words::{list, points};
+use crate::{Direction, Excluded, Outcome, Standing, Step, Verdict};
+
+/// What a statement is made from.
+pub(super) struct Statement<'s> {
+    pub asked: &'s Asked<'s>,
+    pub level: &'s Level,
+    pub judged: &'s [Judged],
+    pub verdict: Verdict,
+    pub step: Option<Step>,
+    pub excluded: &'s [Excluded],
+}
+
+impl Statement<'_> {
+    /// All sentences.
+    pub fn words(&self) -> String {
+        let mut sentences = vec![self.claim()];
+        sentences.extend(self.figures());
+        sentences.extend(self.elsewhere());
+        sentences.extend(self.conflicts());
+        sentences.extend(self.contrary_models());
+        sentences.extend(self.why_not_more());
+        sentences.extend(self.left_out());
+        sentences.join(" ")
+    }
+
+    fn claim(&self) -> String {
+        let asked = capital(&words::asked(self.asked.threshold));
+        let by = |step: Option<Step>| match step {
+            Some(Step::System) => "by trials of the system",
+            Some(Step::Corroborated) => {
+                "for the system by a model whose agreement with it carries over"
+            }
+            Some(Step::Simulation) => "in simulation",
+            Some(Step::Model) => "for the model",
+            None => "by nothing",
+        };
+        match self.verdict {
+            Verdict::NotCovered if self.excluded.is_empty() => {
+                "Not covered by any evidence.".to_owned()
+            }
+            Verdict::NotCovered => "Not covered by any evidence that takes part.".to_owned(),
+            Verdict::Satisfied if self.step < Some(Step::Corroborated) => {
+                format!("{asked} is supported {} only.", by(self.step))
+            }
+            Verdict::Satisfied => format!("{asked} is supported {}.", by(self.step)),
+            Verdict::Violated => format!("{asked} is refuted {}.", by(self.step)),
+            Verdict::Undecided => format!("{asked} is neither supported nor refuted."),
+            Verdict::Conflicting => {
+                format!("{asked} is not decided, because pieces of evidence conflict.")
+            }
+        }
+    }
+
+    /// The figures of all current pieces by step, the strongest first.
+    fn figures(&self) -> Vec<String> {
+        let steps = Step::ALL.iter().rev();
+        steps
+            .filter_map(|step| {
+                let of_step = self
+                    .judged
+                    .iter()
+                    .filter(|it| it.standing.step == *step && !it.standing.elsewhere);
+                let figures: Vec<&str> = of_step.map(|it| it.standing.words.as_str()).collect();
+                let head = capital(step.words());
+                (!figures.is_empty()).then(|| format!("{head}: {}.", figures.join("; ")))
+            })
+            .collect()
+    }
+
+    /// What refutes it under other conditions.
+    fn elsewhere(&self) -> Option<String> {
+        let denials = self.judged.iter();
+        let denials = denials.filter(|it| it.standing.elsewhere && is_denial(it, self.judged));
+        let figures: Vec<String> = denials
+            .map(|it| format!("{} ({})", it.standing.words, it.standing.step.words()))
+            .collect();
+        (!figures.is_empty())
+            .then(|| format!("Refuted under other conditions: {}.", figures.join("; ")))
+    }
+
+    fn conflicts(&self) -> Vec<String> {
+        let conflicts = self.asked.among.iter();
+        conflicts
+            .filter(|comparison| comparison.outcome == Outcome::Conflicts)
+            .map(|it| {
+                let size = points(it.difference.unwrap_or(0.0).abs());
+                format!(
+                    "{} and {} conflict: they differ by {size}.",
+                    it.left, it.right
+                )
+            })
+            .collect()
+    }
+
+    /// Models that say the contrary of a verdict that stands above them.
+    fn contrary_models(&self) -> Option<String> {
+        let (shown, contrary) = match self.verdict {
+            Verdict::Satisfied => (Standing::Supports, Standing::Denies),
+            Verdict::Violated => (Standing::Denies, Standing::Supports),
+            _ => return None,
+        };
+        // What is decided under other conditions is not contradicted under these.
+        self.judged.iter().find(|it| {
+            let standing = &it.standing;
+            !standing.elsewhere && Some(standing.step) == self.step && standing.standing == shown
+        })?;
+        let below = self.judged.iter().filter(|it| {
+            let standing = &it.standing;
+            !standing.elsewhere && Some(standing.step) < self.step && standing.standing == contrary
+        });
+        let ids: Vec<String> = below
+            .map(|it| format!("{} ({})", it.standing.evidence, it.standing.step.words()))
+            .collect();
+        let claim = match contrary {
+            Standing::Denies => "refuted",
+            _ => "supported",
+        };
+        let asked = words::asked(self.asked.threshold);
+        (!ids.is_empty()).then(|| {
+            format!(
+                "By {} alone {asked} would be {claim}; evidence of a higher step decides.",
+                list(&ids)
+            )
+        })
+    }
+
+    /// What is missing for the requirement to be decided on the step that it needs.
+    fn why_not_more(&self) -> Vec<String> {
+        let needs = self.asked.requirement.needs;
+        let is_below = self.verdict == Verdict::Satisfied && self.step < Some(needs);
+        if !is_below && self.verdict != Verdict::Undecided {
+            return Vec::new();
+        }
+        let mut sentences = Vec::new();
+        if is_below {
+            sentences.push(format!(
+                "This is not enough: the requirement needs the step \"{}\".",
+                needs.name()
+            ));
+        }
+        let threshold = self.asked.threshold;
+        let trials = self.asked.pieces.iter();
+        let has_counts = trials
+            .clone()
+            .any(|piece| matches!(piece.belief, Belief::Counts { .. }));
+        let has_trials = trials
+            .clone()
+            .any(|piece| Step::of(piece.evidence.technique) == Step::System);
+        if words::is_certainty(threshold) {
+            if has_counts || is_below {
+                sentences.push(
+                    "No number of trials shows certainty; a threshold below 100 % could be shown."
+                        .replace(
+                            "below 100 %",
+                            match threshold.direction {
+                                Direction::AtLeast => "below 100 %",
+                                Direction::AtMost => "above 0 %",
+                            },
+                        ),
+                );
+            }
+        } else if !has_trials && needs >= Step::Corroborated {
+            sentences.push(self.trials_without_violation());
+        }
+        sentences
+    }
+
+    /// How many trials of the system without a violation would show the threshold to be met.
+    fn trials_without_violation(&self) -> String {
+        let threshold = self.asked.threshold;
+        let share = match threshold.direction {
+            Direction::AtLeast => threshold.value,
+            Direction::AtMost => 1.0 - threshold.value,
+        };
+        let level = self.level.of_trials().met;
+        let trials = (level.ln() / share.ln()).ceil().max(1.0);
+        format!("No trials of the system cover it; {trials:.0} without a violation would show it.")
+    }
+
+    /// Trials that the study leaves out although they would change the verdict.
+    fn left_out(&self) -> Vec<String> {
+        let hidden = self.excluded.iter();
+        hidden
+            .filter_map(|it| {
+                let (verdict, step) = it.verdict_with_it?;
+                let step = step.map_or(String::new(), |step| format!(" ({})", step.words()));
+                Some(format!(
+                    "{} is left out as intermediate; with it the verdict would be {}{step}.",
+                    it.evidence,
+                    verdict.words()
+                ))
+            })
+            .collect()
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string());
+    first.unwrap_or_default() + letters.as_str()
+}

@@ -1,0 +1,230 @@
+//! A model whose agreement with the system is shown and declared to carry over to a requirement.
+//!
+//! # Definition
+//! Let a model M say of a requirement that its rate is `q`, and let it (or the same model under other conditions) agree
+//! with the system on another quantity or under other conditions, the *anchor*: a comparison of `compare` that is
+//! independent, with trials of the system, and whose outcome is "corroborates". The study declares that the difference
+//! between M and the system is below the requirement's margin `m` here wherever it is below the anchor's margin there.
+//! Then the system's rate `p` is above `q - m` and below `q + m`, and
+//!
+//! ```text
+//! p-value of "p < t"  = max(p-value of the anchor's equivalence, p-value of "q < t + m")
+//! p-value of "p >= t" = max(p-value of the anchor's equivalence, p-value of "q >= t - m")
+//! ```
+//!
+//! Where several trials of the system are compared on the anchor, the smallest of their p-values is multiplied by their
+//! number. Nothing carries over where any of them conflicts with the model. A model that was calibrated on the trials
+//! only fits them: it is no anchor.
+//!
+//! For the requirement that is its own anchor this is never stronger than the trials' own counts, since equivalence with
+//! `q` within `m` shows no more of `p` than that it is above `q - m`. It is meant for what the trials did not cover.
+//!
+//! # Source
+//! R. L. Berger, "Multiparameter hypothesis testing and acceptance sampling" (1982), for the larger of two p-values
+//! (intersection-union test): one of the two hypotheses is true where the claim is false and the declaration holds.
+//!
+//! # Guarantee
+//! Given the declaration, a claim shown at a level is wrong with at most that probability, with no division between the
+//! two tests.
+
+use super::judge::Asked;
+use super::stand::{self, ClaimLevels};
+use super::words::{self, percent_down, percent_up};
+use super::{Piece, is_trial, limits};
+use crate::compare::Study;
+use crate::compare::words::{p_value, points};
+use crate::{
+    CarryOver, Comparison, Direction, Evidence, Interval, Outcome, PieceStanding, Requirement,
+    Step, Subject, Threshold,
+};
+
+/// A carried-over model, or why it carries nothing over.
+#[derive(Clone)]
+pub(super) struct Transfer<'a> {
+    pub declared: &'a CarryOver,
+    /// The model's number on the requirement.
+    pub piece: Piece<'a>,
+    /// p-value of the anchor's equivalence, and the trials with which it is shown.
+    pub anchor: Result<(f64, String), String>,
+}
+
+/// The declared transfers of a requirement whose model is current.
+pub(super) fn transfers<'a>(
+    study: &Study<'a>,
+    requirement: &'a Requirement,
+    pieces: &[Piece<'a>],
+    comparisons: &[Comparison],
+) -> Vec<Transfer<'a>> {
+    let declared = requirement.carries_over.iter();
+    let current = declared.filter_map(|declared| {
+        let mut pieces = pieces.iter();
+        let piece = pieces.find(|piece| piece.evidence.id == declared.evidence)?;
+        (!is_trial(piece.evidence)).then(|| Transfer {
+            declared,
+            piece: piece.clone(),
+            anchor: anchor(study, declared, comparisons),
+        })
+    });
+    current.collect()
+}
+
+/// The p-value of equivalence with trials of the system on the anchor, or why there is none.
+fn anchor(
+    study: &Study<'_>,
+    declared: &CarryOver,
+    comparisons: &[Comparison],
+) -> Result<(f64, String), String> {
+    let subject = match &declared.on {
+        Subject::Requirement(id) => {
+            let mut requirements = study.requirements.iter();
+            match requirements.find(|requirement| &requirement.id == id) {
+                Some(requirement) => super::quantity(study.requirements, requirement),
+                None => declared.on.clone(),
+            }
+        }
+        mode @ Subject::FailureMode(_) => mode.clone(),
+    };
+    let model = &declared.shown_by;
+    let on = declared.on.id();
+    let with_trials: Vec<(&Comparison, &str)> = comparisons
+        .iter()
+        .filter(|it| it.subject == subject && it.outcome != Outcome::NotComparable)
+        .filter_map(|it| Some((it, other_side(it, model)?)))
+        .filter(|(_, other)| is_trial_in(study.evidence, other))
+        .collect();
+    if let Some((_, other)) = with_trials
+        .iter()
+        .find(|(it, _)| it.outcome == Outcome::Conflicts)
+    {
+        return Err(format!("{model} and {other} conflict on {on}"));
+    }
+    let independent: Vec<&(&Comparison, &str)> = with_trials
+        .iter()
+        .filter(|(it, _)| it.independent)
+        .collect();
+    let count = independent.len() as f64;
+    let shown = independent
+        .iter()
+        .filter(|(it, _)| it.outcome == Outcome::Corroborates);
+    let best = shown
+        .map(|(it, other)| ((p_of_equivalence(it) * count).min(1.0), *other, it.margin))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        Some((p, other, margin)) => Ok((p, format!("{other} on {on} within {}", points(margin)))),
+        None if independent.is_empty() => Err(format!(
+            "no independent trials of the system are compared with {model} on {on}"
+        )),
+        None => Err(format!(
+            "agreement of {model} with the system on {on} is not shown"
+        )),
+    }
+}
+
+/// The other piece of a comparison in which this one takes part.
+fn other_side<'c>(comparison: &'c Comparison, id: &str) -> Option<&'c str> {
+    match (comparison.left == id, comparison.right == id) {
+        (true, false) => Some(&comparison.right),
+        (false, true) => Some(&comparison.left),
+        _ => None,
+    }
+}
+
+fn is_trial_in(evidence: &[Evidence], id: &str) -> bool {
+    evidence
+        .iter()
+        .any(|piece| piece.id == id && is_trial(piece))
+}
+
+fn p_of_equivalence(comparison: &Comparison) -> f64 {
+    let posterior = comparison
+        .probability_within_margin
+        .map(|within| 1.0 - within);
+    comparison.p_equivalence.or(posterior).unwrap_or(1.0)
+}
+
+impl Transfer<'_> {
+    /// p-values of "not met" and "met"; 1 where nothing carries over.
+    pub fn doubts(&self, threshold: Threshold, margin: f64) -> (f64, f64) {
+        let Ok((anchor, _)) = &self.anchor else {
+            return (1.0, 1.0);
+        };
+        let shifted = |by: f64| {
+            let value = threshold.value + by;
+            (0.0..=1.0)
+                .contains(&value)
+                .then_some(Threshold { value, ..threshold })
+        };
+        let (up, down) = match threshold.direction {
+            Direction::AtLeast => (margin, -margin),
+            Direction::AtMost => (-margin, margin),
+        };
+        let not_met = shifted(up).map_or(1.0, |it| stand::doubts(&self.piece.belief, it).0);
+        let met = shifted(down).map_or(1.0, |it| stand::doubts(&self.piece.belief, it).1);
+        (not_met.max(*anchor), met.max(*anchor))
+    }
+
+    /// How it stands to the threshold.
+    pub fn stand(&self, asked: &Asked<'_>, levels: ClaimLevels) -> PieceStanding {
+        let (threshold, margin) = (asked.threshold, asked.requirement.margin);
+        let (p_not_met, p_met) = self.doubts(threshold, margin);
+        let own = limits::limits(&self.piece.belief, threshold, levels);
+        let holds = |level: f64| self.anchor.as_ref().is_ok_and(|(p, _)| *p <= level);
+        let (for_low, for_high) = match threshold.direction {
+            Direction::AtLeast => (levels.met, levels.missed),
+            Direction::AtMost => (levels.missed, levels.met),
+        };
+        let limits = Interval {
+            low: if holds(for_low) {
+                (own.low - margin).max(0.0)
+            } else {
+                0.0
+            },
+            high: if holds(for_high) {
+                (own.high + margin).min(1.0)
+            } else {
+                1.0
+            },
+        };
+        PieceStanding {
+            evidence: self.piece.evidence.id.clone(),
+            step: Step::Corroborated,
+            standing: stand::standing(p_not_met, p_met, levels),
+            p_not_met,
+            p_met,
+            level_met: levels.met,
+            level_missed: levels.missed,
+            limits,
+            elsewhere: false,
+            words: self.words(limits, margin, (p_not_met, p_met), threshold),
+        }
+    }
+
+    fn words(
+        &self,
+        limits: Interval,
+        margin: f64,
+        (p_not_met, p_met): (f64, f64),
+        threshold: Threshold,
+    ) -> String {
+        let id = &self.piece.evidence.id;
+        let (_, with) = match &self.anchor {
+            Err(reason) => return format!("{id} does not carry over: {reason}"),
+            Ok(anchor) => anchor,
+        };
+        let declared = self.declared;
+        let who = match declared.shown_by == declared.evidence {
+            true => String::new(),
+            false => format!(" as {}", declared.shown_by),
+        };
+        let because = &declared.because;
+        let p = p_value(p_not_met.min(p_met));
+        let against = words::hypothesis(threshold, p_met < p_not_met);
+        format!(
+            "{id}, which agrees{who} with {with}, carries over within {} as declared (\"{because}\"): rate {} to {} \
+             (p {p} against {against})",
+            points(margin),
+            percent_down(limits.low),
+            percent_up(limits.high),
+        )
+    }
+}

@@ -1,0 +1,204 @@
+//! The figures of a verdict in words. A limit is rounded away from its threshold's side, so that it never seems to lie on
+//! the other one.
+
+use super::stand::ClaimLevels;
+use crate::compare::Belief;
+use crate::compare::words::{p_value, percent, probability};
+use crate::{Direction, Interval, Threshold};
+
+/// Bounds of a computed value that are nearer to each other are within the digits in which the value is shown.
+const SHOWN: f64 = 1e-4;
+
+/// One piece in words, for example `E3: 88/100, rate <= 92.9 % (one-sided 95 % limit, p = 0.004 against rate >= 95 %)`.
+pub(super) fn piece(
+    id: &str,
+    belief: &Belief,
+    threshold: Threshold,
+    (p_not_met, p_met): (f64, f64),
+    (limits, levels): (Interval, ClaimLevels),
+) -> String {
+    let leans_to_met = p_not_met <= p_met;
+    match belief {
+        Belief::Counts {
+            sample, effective, ..
+        } => {
+            let counts = counted(sample.successes, sample.trials, effective.trials);
+            if is_certainty(threshold) {
+                let contrary = match threshold.direction {
+                    Direction::AtLeast => sample.failures(),
+                    Direction::AtMost => sample.successes,
+                };
+                let seen = match contrary {
+                    0 => "no violation".to_owned(),
+                    1 => "1 violation".to_owned(),
+                    many => format!("{many} violations"),
+                };
+                return format!("{id}: {counts}, {seen}");
+            }
+            let (p, level) = match leans_to_met {
+                true => (p_not_met, levels.met),
+                false => (p_met, levels.missed),
+            };
+            format!(
+                "{id}: {counts}, {} (one-sided {} limit, p {} against {})",
+                limit(limits, threshold, leans_to_met),
+                percent(1.0 - level),
+                p_value(p),
+                hypothesis(threshold, !leans_to_met),
+            )
+        }
+        Belief::Known {
+            bounds,
+            is_range: true,
+            ..
+        } => format!(
+            "{id}: computed {} to {} over all schedulers",
+            percent(bounds.low),
+            percent(bounds.high)
+        ),
+        Belief::Known { value, bounds, .. } if bounds.high - bounds.low >= SHOWN => format!(
+            "{id}: computed {} (between {} and {})",
+            percent(*value),
+            percent_down(bounds.low),
+            percent_up(bounds.high)
+        ),
+        Belief::Known { value, .. } => format!("{id}: computed {}", percent(*value)),
+        Belief::Distribution { value, .. } => {
+            // The posterior probability of meeting it is the doubt of missing it.
+            let (level, chance) = match leans_to_met {
+                true => (levels.met, p_met),
+                false => (levels.missed, p_not_met),
+            };
+            format!(
+                "{id}: computed {}, {} ({} credible limit, probability {} of {})",
+                percent(*value),
+                limit(limits, threshold, leans_to_met),
+                percent(1.0 - level),
+                probability(chance),
+                hypothesis(threshold, leans_to_met),
+            )
+        }
+    }
+}
+
+/// `88/100 (effective sample size 37)`.
+pub(super) fn counted(successes: u64, trials: u64, effective: f64) -> String {
+    if effective < trials as f64 {
+        let size = match effective {
+            size if size < 10.0 => format!("{size:.1}"),
+            size => format!("{size:.0}"),
+        };
+        return format!("{successes}/{trials} (effective sample size {size})");
+    }
+    format!("{successes}/{trials}")
+}
+
+/// The limit toward which a piece leans: `rate >= 90.1 %`.
+fn limit(limits: Interval, threshold: Threshold, leans_to_met: bool) -> String {
+    let is_lower = (threshold.direction == Direction::AtLeast) == leans_to_met;
+    match is_lower {
+        true => format!("rate >= {}", lower(limits.low, threshold.value)),
+        false => format!("rate <= {}", upper(limits.high, threshold.value)),
+    }
+}
+
+/// "The threshold is met" or its contrary: `rate >= 95 %`, `rate < 95 %`.
+pub(super) fn hypothesis(threshold: Threshold, is_met: bool) -> String {
+    let sign = match (threshold.direction, is_met) {
+        (Direction::AtLeast, true) => ">=",
+        (Direction::AtLeast, false) => "<",
+        (Direction::AtMost, true) => "<=",
+        (Direction::AtMost, false) => ">",
+    };
+    format!("rate {sign} {}", percent(threshold.value))
+}
+
+/// Whether a requirement asks for all or none.
+pub(super) fn is_certainty(threshold: Threshold) -> bool {
+    match threshold.direction {
+        Direction::AtLeast => threshold.value >= 1.0,
+        Direction::AtMost => threshold.value <= 0.0,
+    }
+}
+
+/// What a requirement asks for, as the subject of a sentence.
+pub(super) fn asked(threshold: Threshold) -> String {
+    match is_certainty(threshold) {
+        true if threshold.direction == Direction::AtLeast => "certainty (rate = 100 %)".to_owned(),
+        true => "impossibility (rate = 0 %)".to_owned(),
+        false => hypothesis(threshold, true),
+    }
+}
+
+/// A lower limit with as many digits as show on which side of the threshold it lies.
+fn lower(limit: f64, threshold: f64) -> String {
+    with_digits(limit, threshold, f64::floor, percent_down)
+}
+
+/// An upper limit, likewise.
+fn upper(limit: f64, threshold: f64) -> String {
+    with_digits(limit, threshold, f64::ceil, percent_up)
+}
+
+fn with_digits(
+    limit: f64,
+    threshold: f64,
+    round: fn(f64) -> f64,
+    plain: fn(f64) -> String,
+) -> String {
+    let mut scale = 1e3;
+    while scale < 1e12 {
+        let rounded = round(limit * scale) / scale;
+        if (rounded < threshold) == (limit < threshold)
+            && (rounded > threshold) == (limit > threshold)
+        {
+            break;
+        }
+        scale *= 10.0;
+    }
+    if scale == 1e3 || limit <= 0.0 || limit >= 1.0 {
+        return plain(limit);
+    }
+    let digits = (scale.log10() - 2.0).round() as usize;
+    format!("{:.*} %", digits, 100.0 * round(limit * scale) / scale)
+}
+
+/// A lower bound in percent, rounded down so that the sentence stays true.
+pub(super) fn percent_down(bound: f64) -> String {
+    if bound >= 1.0 {
+        return percent(1.0);
+    }
+    let mut scale = 1e3;
+    while 1.0 - bound < 1.0 / scale && scale < 1e12 {
+        scale *= 10.0;
+    }
+    percent((bound * scale).floor() / scale)
+}
+
+/// An upper bound in percent, rounded up.
+pub(super) fn percent_up(bound: f64) -> String {
+    if bound <= 0.0 {
+        return percent(0.0);
+    }
+    let mut scale = 1e3;
+    while bound < 1.0 / scale && scale < 1e12 {
+        scale *= 10.0;
+    }
+    percent(((bound * scale).ceil() / scale).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rounded_limit_stays_on_its_side_of_the_threshold() {
+        assert_eq!(lower(0.9512, 0.95), "95.1 %");
+        assert_eq!(lower(0.95001, 0.95), "95.001 %");
+        assert_eq!(lower(0.94999, 0.95), "94.9 %");
+        assert_eq!(upper(0.94999, 0.95), "94.999 %");
+        assert_eq!(upper(0.9412, 0.95), "94.2 %");
+        assert_eq!(upper(1.0, 0.95), "100 %");
+        assert_eq!(lower(0.0, 0.95), "0 %");
+    }
+}

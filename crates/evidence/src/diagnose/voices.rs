@@ -1,0 +1,79 @@
+//! Which pieces of evidence rest on a common assumption, and so have one voice against the others.
+//!
+//! # Definition
+//! Two pieces share an assumption on a subject if
+//! * a file that says how the system behaves, or a table, is among the assets of both (the same path or the same
+//!   content);
+//! * one was calibrated on the other on the subject, or both on the same counts of the subject;
+//! * something of the one looks copied from the other ([`crate::LineageQuestion`]) and the ledger has not settled it;
+//! * rows of their tables repeat each other beyond chance.
+//!
+//! The *voice* of a piece is the set of pieces that are reached from it by such pairs.
+//!
+//! # Source and guarantee
+//! Pieces that inherit one error are not independent witnesses (L. Bovens, S. Hartmann, "Bayesian Epistemology", 2003,
+//! chapter 4). The relation is symmetric and the voices partition the pieces, so that each error is counted once. What
+//! no asset, lineage or table shows is taken as independent.
+
+use crate::{AssetRole, Evidence, Subject};
+
+/// Whether two pieces share an assumption on a subject.
+#[must_use]
+pub fn share_assumption(one: &Evidence, other: &Evidence, subject: &Subject) -> bool {
+    share_file(one, other)
+        || share_counts(one, other, subject)
+        || [(one, other), (other, one)]
+            .into_iter()
+            .any(|(a, b)| is_taken(a, b, subject))
+}
+
+fn share_file(one: &Evidence, other: &Evidence) -> bool {
+    let speaks = |role: AssetRole| role != AssetRole::RequirementModel;
+    let ours = one.assets.iter().filter(|a| speaks(a.role));
+    ours.into_iter().any(|a| {
+        let mut theirs = other.assets.iter().filter(|b| b.role == a.role);
+        theirs.any(|b| a.path == b.path || !a.hash.is_empty() && a.hash == b.hash)
+    })
+}
+
+fn share_counts(one: &Evidence, other: &Evidence, subject: &Subject) -> bool {
+    let of = |piece: &Evidence| -> Vec<String> {
+        let all = piece.calibrated.iter().filter(|c| &c.subject == subject);
+        all.map(|c| c.from.clone()).collect()
+    };
+    let theirs = of(other);
+    of(one).iter().any(|from| theirs.contains(from))
+}
+
+/// Whether `copy` was set to `source` on the subject, or looks so.
+fn is_taken(copy: &Evidence, source: &Evidence, subject: &Subject) -> bool {
+    let calibrated = copy
+        .calibrated
+        .iter()
+        .any(|c| c.from == source.id && &c.subject == subject);
+    let asked = copy.lineage_questions.iter().any(|question| {
+        let bears = question.subjects.is_empty() || question.subjects.contains(subject);
+        question.with == source.id && bears && question.is_open()
+    });
+    calibrated || asked || copy.shared_rows.iter().any(|rows| rows.with == source.id)
+}
+
+/// The voices of these pieces on a subject: each piece in one of them, in the order of the first.
+#[must_use]
+pub fn voices<'e>(pieces: &[&'e Evidence], subject: &Subject) -> Vec<Vec<&'e Evidence>> {
+    let mut voices: Vec<Vec<&Evidence>> = Vec::new();
+    for piece in pieces {
+        let is_own = |voice: &Vec<&Evidence>| {
+            let mut members = voice.iter();
+            members.any(|member| share_assumption(member, piece, subject))
+        };
+        let (own, rest): (Vec<_>, Vec<_>) = voices.into_iter().partition(is_own);
+        voices = rest;
+        let mut joined: Vec<&Evidence> = own.into_iter().flatten().collect();
+        joined.push(piece);
+        voices.push(joined);
+    }
+    let place = |piece: &Evidence| pieces.iter().position(|other| other.id == piece.id);
+    voices.sort_by_key(|voice| voice.iter().filter_map(|piece| place(piece)).min());
+    voices
+}

@@ -1,0 +1,273 @@
+//! Looks: which counts a study was judged by before, so that adding trials and judging again keeps its error rates.
+//!
+//! # Definition
+//! A *look* is a run of the study at which some count was another than at the look before. The trials between two looks
+//! on the same evidence are a stage of one sequence of trials, as long as the later counts contain the earlier ones (no
+//! fewer successes, no fewer failures); counts that do not contain them begin a new sequence. Tests of counts with looks
+//! before them are those of `stats::continuation`: the first look costs a fifth of the level, and each later one gives the
+//! p-value of all stages.
+//!
+//! Nothing is charged where no trials can be added (published and reproduced evidence, computed values), and nowhere if
+//! a study declares that its sample sizes were fixed in advance.
+//!
+//! # Guarantee
+//! That of `stats::continuation`: with the looks recorded, whoever goes on until something is shown errs no more often
+//! than the declared level. Looks that were not recorded are not known.
+
+pub(crate) mod over_looks;
+
+use crate::compare::words::percent;
+use crate::compare::{Belief, CountsThen};
+use crate::{Evidence, Interval, Measure, Subject};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use stats::Confidence;
+
+/// The looks at a study's counts, oldest first.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Looks {
+    /// The looks; the last may be the present one.
+    #[serde(default)]
+    pub looks: Vec<Look>,
+}
+
+/// All counts at one look.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Look {
+    /// The counts, in the order of the ledger.
+    #[serde(default)]
+    pub counts: Vec<LookedAt>,
+}
+
+/// One count at a look.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LookedAt {
+    /// The evidence.
+    pub evidence: String,
+    /// What was counted.
+    pub subject: Subject,
+    /// Runs that passed, or occurrences of the failure mode.
+    pub count: u64,
+    /// Runs that were covered, or opportunities.
+    pub trials: u64,
+    /// Independent trials that say as much; `None` if all are independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effective_trials: Option<f64>,
+}
+
+/// What it costs that trials may be added and judged again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Looking {
+    /// The evidence whose counts were looked at.
+    pub evidence: Vec<String>,
+    /// The number of this look, from 1.
+    pub look: u64,
+    /// Where the rate lies at the study's level, valid at all looks together; none for a pair.
+    pub interval: Option<Interval>,
+    /// The same if this was the only look.
+    pub single_look_interval: Option<Interval>,
+    /// The cost in one sentence.
+    pub statement: String,
+}
+
+impl Look {
+    /// The counts of all evidence to which trials can be added.
+    #[must_use]
+    pub fn of(evidence: &[Evidence]) -> Self {
+        let open = evidence.iter().filter(|piece| is_open(piece));
+        let counts = open.flat_map(|piece| {
+            piece
+                .findings
+                .iter()
+                .filter_map(|finding| match finding.measure {
+                    Measure::Counts {
+                        count,
+                        trials,
+                        effective_trials,
+                        ..
+                    } if trials > 0 => Some(LookedAt {
+                        evidence: piece.id.clone(),
+                        subject: finding.subject.clone(),
+                        count,
+                        trials,
+                        effective_trials,
+                    }),
+                    _ => None,
+                })
+        });
+        Self {
+            counts: counts.collect(),
+        }
+    }
+
+    fn of_piece(&self, id: &str, subject: &Subject) -> Option<&LookedAt> {
+        let mut all = self.counts.iter();
+        all.find(|one| one.evidence == id && &one.subject == subject)
+    }
+}
+
+/// What looking costs at one piece's counts; `None` if this is the only look at them.
+pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Looking> {
+    let Belief::Counts {
+        effective,
+        before: Some(_),
+        ..
+    } = belief
+    else {
+        return None;
+    };
+    let look = over_looks::number(belief);
+    let error = 0.5 * level.alpha();
+    let all = Interval {
+        low: over_looks::lower_limit(belief, error),
+        high: over_looks::upper_limit(belief, error),
+    };
+    let once = stats::IntervalMethod::ClopperPearson.interval(*effective, level);
+    let once = Interval {
+        low: once.low,
+        high: once.high,
+    };
+    let in_words =
+        |interval: Interval| format!("{} to {}", percent(interval.low), percent(interval.high));
+    Some(Looking {
+        evidence: vec![id.to_owned()],
+        look,
+        interval: Some(all),
+        single_look_interval: Some(once),
+        statement: format!(
+            "{id}: look {look}. Trials may be added and judged again; the {} interval that allows for it is {}, instead \
+             of {} if this was the only look.",
+            percent(level.level()),
+            in_words(all),
+            in_words(once)
+        ),
+    })
+}
+
+/// Whether trials can be added: not to what others published.
+pub(crate) fn is_open(piece: &Evidence) -> bool {
+    !piece.published && piece.reproduced_by.is_none()
+}
+
+impl Looks {
+    /// The same with a further look, if any of its counts is new.
+    #[must_use]
+    pub fn with(mut self, look: Look) -> Self {
+        if self.looks.last() != Some(&look) && !look.counts.is_empty() {
+            self.looks.push(look);
+        }
+        self
+    }
+
+    /// What was known of one count at each look before the present one; `None` where it was not of the same sequence of
+    /// trials. What is not counted was the same at all looks.
+    pub(crate) fn before(&self, id: &str, subject: &Subject, now: &Belief) -> Vec<Option<Belief>> {
+        let Belief::Counts { sample, .. } = now else {
+            return vec![Some(now.clone()); self.looks.len()];
+        };
+        let mut next = *sample;
+        let mut is_same = true;
+        let mut found: Vec<Option<Belief>> = Vec::new();
+        for look in self.looks.iter().rev() {
+            let belief = look.of_piece(id, subject).and_then(LookedAt::belief);
+            let held = belief.filter(|belief| match belief {
+                Belief::Counts { sample, .. } => {
+                    is_same &=
+                        sample.successes <= next.successes && sample.failures() <= next.failures();
+                    next = if is_same { *sample } else { next };
+                    is_same
+                }
+                _ => false,
+            });
+            found.push(held);
+        }
+        found.reverse();
+        found
+    }
+}
+
+impl Belief {
+    /// The same counts after looks at some of the trials before.
+    pub(crate) fn looked_at(self, earlier: &[Option<Belief>]) -> Self {
+        let Belief::Counts {
+            sample, effective, ..
+        } = self
+        else {
+            return self;
+        };
+        let then = |one: &Belief| match one {
+            Belief::Counts {
+                sample, effective, ..
+            } => Some(CountsThen {
+                sample: *sample,
+                effective: *effective,
+            }),
+            _ => None,
+        };
+        let mut looks: Vec<CountsThen> = Vec::new();
+        for one in earlier.iter().flatten().filter_map(then) {
+            if one.sample != sample && looks.last().is_none_or(|last| last.sample != one.sample) {
+                looks.push(one);
+            }
+        }
+        Belief::Counts {
+            sample,
+            effective,
+            before: Some(looks.into()),
+        }
+    }
+}
+
+impl LookedAt {
+    fn belief(&self) -> Option<Belief> {
+        Belief::of_counts(self.count, self.trials, self.effective_trials).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(counts: &[(&str, u64, u64)]) -> Look {
+        let counts = counts.iter().map(|(evidence, count, trials)| LookedAt {
+            evidence: (*evidence).into(),
+            subject: Subject::Requirement("1".into()),
+            count: *count,
+            trials: *trials,
+            effective_trials: None,
+        });
+        Look {
+            counts: counts.collect(),
+        }
+    }
+
+    #[test]
+    fn a_look_is_one_if_a_count_is_new() {
+        let first = look(&[("a", 1, 2)]);
+        let looks = Looks::default().with(first.clone()).with(first.clone());
+        assert_eq!(looks.looks.len(), 1);
+        assert_eq!(looks.with(look(&[("a", 1, 3)])).looks.len(), 2);
+    }
+
+    #[test]
+    fn counts_that_do_not_contain_the_earlier_ones_are_another_sequence() {
+        let looks = Looks {
+            looks: vec![
+                look(&[("a", 9, 10)]),
+                look(&[("a", 3, 10), ("b", 1, 1)]),
+                look(&[("b", 1, 4)]),
+                look(&[("a", 5, 12)]),
+            ],
+        };
+        let now = Belief::of_counts(8, 20, None).expect("counts");
+        let before = looks.before("a", &Subject::Requirement("1".into()), &now);
+        let trials: Vec<Option<f64>> = before
+            .iter()
+            .map(|one| Some(one.as_ref()?.worth_in_counts()?.trials))
+            .collect();
+        assert_eq!(trials, [None, Some(10.0), None, Some(12.0)]);
+    }
+}

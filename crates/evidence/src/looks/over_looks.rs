@@ -1,0 +1,177 @@
+//! Counts against a threshold over all looks at them.
+//!
+//! # Definition
+//! Of independent trials the p-values are those of `stats::continued_above` and `continued_below`, exact at every look.
+//! Of correlated trials each look has the p-value of the test of correlated trials, and its information is the number of
+//! trials at the design effect of today: `stats::continued_p`. The limits of the rate are where the p-value is the error.
+//!
+//! # Guarantee
+//! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
+
+use crate::compare::{Belief, CountsThen};
+use stats::{
+    EffectiveSample, Sample, ScoredLook, clustered_test_above, clustered_test_below,
+    continued_above, continued_below, continued_p,
+};
+
+/// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
+pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
+    let looks = looks(belief);
+    let is_independent = |look: &CountsThen| look.effective.trials >= look.sample.trials as f64;
+    if looks.iter().all(is_independent) {
+        let samples: Vec<Sample> = looks.iter().map(|look| look.sample).collect();
+        let above = continued_above(&samples, threshold);
+        return (above, continued_below(&samples, threshold));
+    }
+    let p = |test: fn(EffectiveSample, f64) -> f64| {
+        let scored = looks.iter().map(|look| ScoredLook {
+            p: test(look.effective, threshold),
+            information: look.sample.trials as f64,
+        });
+        continued_p(&scored.collect::<Vec<_>>())
+    };
+    let below = if threshold >= 1.0 {
+        1.0
+    } else {
+        p(clustered_test_above)
+    };
+    let at_least = if threshold <= 0.0 {
+        1.0
+    } else {
+        p(clustered_test_below)
+    };
+    (below, at_least)
+}
+
+/// All looks, the present one last.
+fn looks(belief: &Belief) -> Vec<CountsThen> {
+    let Belief::Counts {
+        sample,
+        effective,
+        before,
+    } = belief
+    else {
+        return Vec::new();
+    };
+    let now = CountsThen {
+        sample: *sample,
+        effective: *effective,
+    };
+    let before = before.iter().flat_map(|before| before.iter().copied());
+    before.chain([now]).collect()
+}
+
+/// The counts after further trials, at these counts in independent trials, looked at again.
+pub(crate) fn after(now: &Belief, then: EffectiveSample) -> Belief {
+    let Belief::Counts {
+        sample, effective, ..
+    } = now
+    else {
+        return now.clone();
+    };
+    let effect = (sample.trials as f64 / effective.trials).max(1.0);
+    let trials = (then.trials * effect).round() as u64;
+    let successes = (then.successes * effect).round() as u64;
+    let counts = Sample {
+        successes: successes.min(trials),
+        trials,
+    };
+    let is_independent = effective.trials >= sample.trials as f64;
+    Belief::Counts {
+        sample: counts,
+        effective: if is_independent { counts.into() } else { then },
+        before: Some(looks(now).into()),
+    }
+}
+
+/// The number of the present look.
+pub(crate) fn number(belief: &Belief) -> u64 {
+    looks(belief).len() as u64
+}
+
+/// The largest rate up to which all are excluded as too low, at this one-sided error.
+pub(crate) fn lower_limit(belief: &Belief, error: f64) -> f64 {
+    excluded(|rate| doubts(belief, rate).0 <= error, belief.estimate())
+}
+
+/// The least rate from which on all are excluded as too high.
+pub(crate) fn upper_limit(belief: &Belief, error: f64) -> f64 {
+    1.0 - excluded(
+        |rest| doubts(belief, 1.0 - rest).1 <= error,
+        1.0 - belief.estimate(),
+    )
+}
+
+/// By halving, the end of the rates from 0 on that are excluded, not beyond the estimate.
+fn excluded(holds: impl Fn(f64) -> bool, estimate: f64) -> f64 {
+    let (mut low, mut high) = (0.0, estimate);
+    for _ in 0..50 {
+        let middle = f64::midpoint(low, high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stats::{Confidence, Interval, continued_interval};
+
+    fn looked_at(looks: &[(u64, u64, Option<f64>)]) -> Belief {
+        let of = |look: &(u64, u64, Option<f64>)| {
+            Belief::of_counts(look.0, look.1, look.2).expect("counts")
+        };
+        let (now, before) = looks.split_last().expect("a look");
+        let before: Vec<Option<Belief>> = before.iter().map(|look| Some(of(look))).collect();
+        of(now).looked_at(&before)
+    }
+
+    #[test]
+    fn limits_are_those_of_continued_counts() {
+        let belief = looked_at(&[(17, 20, None), (45, 50, None), (93, 100, None)]);
+        let samples =
+            [(17, 20), (45, 50), (93, 100)].map(|(successes, trials)| Sample { successes, trials });
+        let expected = continued_interval(&samples, Confidence::P95);
+        let found = Interval {
+            low: lower_limit(&belief, 0.025),
+            high: upper_limit(&belief, 0.025),
+        };
+        assert!(
+            (found.low - expected.low).abs() < 1e-9,
+            "{found} {expected}"
+        );
+        assert!(
+            (found.high - expected.high).abs() < 1e-9,
+            "{found} {expected}"
+        );
+        assert_eq!(number(&belief), 3);
+    }
+
+    /// What a plan asks of further trials is what will be concluded from them.
+    #[test]
+    fn further_trials_are_judged_as_they_will_be() {
+        let now = looked_at(&[(17, 20, None), (45, 50, None)]);
+        let then = EffectiveSample {
+            successes: 93.0,
+            trials: 100.0,
+        };
+        let later = looked_at(&[(17, 20, None), (45, 50, None), (93, 100, None)]);
+        assert_eq!(doubts(&after(&now, then), 0.85), doubts(&later, 0.85));
+    }
+
+    #[test]
+    fn correlated_trials_say_less_and_looks_cost() {
+        let plain = looked_at(&[(88, 100, None)]);
+        let alike = looked_at(&[(88, 100, Some(40.0))]);
+        let again = looked_at(&[(44, 50, Some(20.0)), (88, 100, Some(40.0))]);
+        let low = |belief: &Belief| lower_limit(belief, 0.05);
+        assert!(low(&alike) < low(&plain), "{} {}", low(&alike), low(&plain));
+        assert!(low(&again) < low(&alike), "{} {}", low(&again), low(&alike));
+        // One failure denies certainty at any look, and no count shows it.
+        assert!(doubts(&again, 1.0).1 < 1e-9 && doubts(&again, 1.0).0 >= 1.0);
+    }
+}

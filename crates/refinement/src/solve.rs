@@ -1,0 +1,154 @@
+//! A constant for which a model has a counted rate.
+//!
+//! # Definition
+//! `f(c)` is the model's rate of a failure mode with the constant at `c`. Wanted is `c` with `f(c) = k/n`, the counted
+//! share. A constant that acts more than once in a run (a chance for each step, a draw that is repeated) is not the share
+//! itself. From the present value the log-odds of the constant are moved by 1, 2, 4, ... in either direction until `f`
+//! crosses the share; the crossing is then enclosed by regula falsi in the log-odds of both, with the Illinois rule.
+//! The interval of the counts (Clopper and Pearson) is carried over by the same search for its two ends.
+//!
+//! # Source
+//! M. Dowell, P. Jarratt, "A modified regula falsi method for computing the root of an equation", BIT 11 (1971); C. J.
+//! Clopper, E. S. Pearson, Biometrika 26 (1934).
+//!
+//! # Cost and guarantee
+//! Some ten solutions of the model for each value. Where the model's transitions stay the same, `f` is a quotient of
+//! polynomials and continuous, so that an enclosed crossing is a solution; of several, the one next to the present
+//! value in its direction is taken. What is returned has been solved, and has the share to within [`CLOSE`] of it. A
+//! value at which the model is not valid, such as probabilities above 1, is never crossed.
+
+/// The relative error of the rate at which the search ends.
+pub(crate) const CLOSE: f64 = 1e-4;
+
+/// Constants nearer to 0 or 1 than this are not tried.
+const LEAST: f64 = 1e-9;
+
+/// Solutions of one search, at most.
+const MOST_STEPS: usize = 60;
+
+/// A rate as a function of a constant; `None` where the model cannot be solved.
+pub(crate) type Rate<'f> = dyn FnMut(f64) -> Option<f64> + 'f;
+
+/// The value of a constant with which the rate is `target`, at most `farthest` away from `start` in log-odds.
+pub(crate) fn crossing(rate: &mut Rate<'_>, start: f64, target: f64, farthest: f64) -> Option<f64> {
+    if !(target > 0.0 && target < 1.0) {
+        return None;
+    }
+    let origin = log_odds(start);
+    let mut at = |x: f64| rate(probability(x)).map(|found| log_odds(found) - log_odds(target));
+    let first = at(origin)?;
+    if is_close(first, target) {
+        return Some(start);
+    }
+    // Both directions in turn: which of them raises the rate is not known before.
+    let mut ends = [(origin, first, true), (origin, first, true)];
+    let mut step = 1.0_f64;
+    let mut reached = 0.0_f64;
+    while reached < farthest && ends.iter().any(|(.., goes_on)| *goes_on) {
+        let next = step.min(farthest);
+        for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+            let (low, of_low, goes_on) = *end;
+            let high = origin + sign * next;
+            let Some(of_high) = at(high).filter(|_| goes_on) else {
+                // Beyond a value at which the model is not valid nothing is looked for.
+                end.2 = false;
+                continue;
+            };
+            if of_low * of_high <= 0.0 {
+                return enclosed(&mut at, (low, of_low), (high, of_high), target);
+            }
+            *end = (high, of_high, true);
+        }
+        reached = next;
+        step *= 2.0;
+    }
+    None
+}
+
+/// The crossing between two places of opposite signs.
+fn enclosed(
+    at: &mut dyn FnMut(f64) -> Option<f64>,
+    mut low: (f64, f64),
+    mut high: (f64, f64),
+    target: f64,
+) -> Option<f64> {
+    for end in [low, high] {
+        if is_close(end.1, target) {
+            return Some(probability(end.0));
+        }
+    }
+    for _ in 0..MOST_STEPS {
+        let x = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let found = at(x)?;
+        if is_close(found, target) {
+            return Some(probability(x));
+        }
+        if found * high.1 < 0.0 {
+            low = high;
+        } else {
+            // The Illinois rule: the end that stays counts half, so that both ends move.
+            low.1 /= 2.0;
+        }
+        high = (x, found);
+    }
+    None
+}
+
+/// Whether a difference in log-odds is a relative difference of the rate of at most [`CLOSE`].
+fn is_close(difference: f64, target: f64) -> bool {
+    // d(rate)/rate = (1 - rate) d(log-odds).
+    difference.abs() * (1.0 - target) <= CLOSE
+}
+
+/// The log-odds of a probability, which is kept away from 0 and 1.
+pub(crate) fn log_odds(value: f64) -> f64 {
+    let value = value.clamp(LEAST, 1.0 - LEAST);
+    (value / (1.0 - value)).ln()
+}
+
+fn probability(log_odds: f64) -> f64 {
+    1.0 / (1.0 + (-log_odds).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chance_for_each_step_is_solved_for() {
+        // At least once in n steps: 1 - (1-c)^n, whose inverse is known.
+        for (steps, target) in [(1, 0.3), (12, 0.135), (500, 0.02), (40, 0.9)] {
+            let mut rate = |c: f64| Some(1.0 - (1.0 - c).powi(steps));
+            let exact = 1.0 - (1.0_f64 - target).powf(1.0 / f64::from(steps));
+            let found = crossing(&mut rate, 0.03, target, 12.0).expect("a crossing");
+            assert!(
+                (found / exact - 1.0).abs() < 1e-3,
+                "{steps} {target}: {found} {exact}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_tried_again_until_it_succeeds_is_solved_for() {
+        let mut rate = |c: f64| Some(c.powi(3));
+        let found = crossing(&mut rate, 0.3, 0.125, 12.0).expect("a crossing");
+        assert!((found - 0.5).abs() < 1e-4, "{found}");
+        // A probability of success: the rate falls with the constant.
+        let mut falling = |c: f64| Some((1.0 - c).powi(2));
+        let found = crossing(&mut falling, 0.9, 0.25, 12.0).expect("a crossing");
+        assert!((found - 0.5).abs() < 1e-4, "{found}");
+    }
+
+    #[test]
+    fn what_no_value_gives_is_not_found() {
+        let mut bounded = |c: f64| Some(0.1 + 0.2 * c);
+        assert_eq!(crossing(&mut bounded, 0.5, 0.5, 12.0), None);
+        // The model is not valid above 0.4, where the crossing would be.
+        let mut partial = |c: f64| (c < 0.4).then_some(c);
+        assert_eq!(crossing(&mut partial, 0.1, 0.6, 12.0), None);
+        // Too far away.
+        let mut plain = |c: f64| Some(c);
+        assert_eq!(crossing(&mut plain, 0.01, 0.9, 2.0), None);
+        assert_eq!(crossing(&mut plain, 0.01, 0.0, 2.0), None);
+    }
+}

@@ -1,0 +1,219 @@
+//! What a change of a model repairs and what it breaks, tried on all evidence before it is offered.
+//!
+//! # Definition
+//! The changed model is solved. On each subject whose value moved it is held against every other piece of evidence under
+//! the same conditions that speaks for itself, before and after, by the strength of disagreement
+//! ([`evidence::strength`]). The change *repairs* a pair whose disagreement was strong (more than [`evidence::STRONG`], which a
+//! difference within the margin never is) and is not any more, and *breaks* one that was not and is. Of simulations that share an assumption only the latest speaks: those
+//! before it were replaced.
+//!
+//! Where evidence of the real system contradicts a simulation already, no model agrees with both: a change that does not
+//! move away from the former is not held to break the latter. It takes a side, which is said.
+//!
+//! Independent voices ([`evidence::voices`]) vote on each subject that moved by the strongest disagreement within the voice:
+//! those with whom it shrinks by at least [`MOVED`] against those with whom it grows. A change is *harmful* if it breaks a
+//! pair, or if on some subject more voices are moved away from than towards.
+//!
+//! # Source and guarantee
+//! What is predicted is the figures that the next run computes, as far as the evidence that is there allows: nothing is
+//! sampled. The votes are those of independent pieces (as in a sign test), so that a number that was copied does not
+//! count twice.
+
+use crate::model_change::Values;
+use crate::model_offers::Ground;
+use evidence::{
+    Evidence, Measure, Rate, STRONG, Subject, Technique, share_assumption, strength, voices,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// Decades by which a disagreement has to change to count as a vote.
+const MOVED: f64 = 0.1;
+
+/// Values that differ by less are the same.
+const SAME_VALUE: f64 = 1e-9;
+
+/// A pair of the changed model and another piece.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct Touch {
+    /// The other evidence.
+    pub evidence: String,
+    /// On what.
+    pub subject: Subject,
+    /// How strongly they disagree now, in decades.
+    pub before: f64,
+    /// How strongly after the change.
+    pub after: f64,
+}
+
+/// What a change does to the agreement with all other evidence.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
+pub struct Trial {
+    /// Pairs that disagree strongly now and do not after it.
+    pub repairs: Vec<Touch>,
+    /// Pairs that do not disagree strongly now and do after it.
+    pub breaks: Vec<Touch>,
+    /// The same with simulations that evidence of the real system contradicts already, and to which the model does not
+    /// come nearer than to that: it takes the side of the real system.
+    pub sides: Vec<Touch>,
+    /// Subjects on which it moves away from the majority of independent evidence.
+    pub against_majority: Vec<Subject>,
+}
+
+impl Trial {
+    /// Whether it makes other evidence conflict, or moves away from the majority of it.
+    #[must_use]
+    pub fn is_harmful(&self) -> bool {
+        !(self.breaks.is_empty() && self.against_majority.is_empty())
+    }
+}
+
+impl Ground<'_> {
+    /// What a change of the model that gives `target` does, from its values before and after.
+    #[must_use]
+    pub fn tried(&self, target: &str, before: &Values, after: &Values) -> Trial {
+        let mut trial = Trial::default();
+        let Some(own) = self.evidence.iter().find(|piece| piece.id == target) else {
+            return trial;
+        };
+        for (subject, value) in before {
+            let new = after.get(subject).copied().flatten();
+            let is_moved = match (value, new) {
+                (Some(old), Some(new)) => (old - new).abs() > SAME_VALUE,
+                (old, new) => old.is_some() != new.is_some(),
+            };
+            if is_moved && self.is_own(subject) {
+                self.on_subject(own, subject, [*value, new], &mut trial);
+            }
+        }
+        trial
+    }
+
+    /// How strongly a model with these values disagrees with all other evidence: the sum over subjects of the strongest.
+    #[must_use]
+    pub fn disagreement(&self, target: &str, values: &Values) -> f64 {
+        let Some(own) = self.evidence.iter().find(|piece| piece.id == target) else {
+            return 0.0;
+        };
+        let of_subject = |(subject, value): (&Subject, &Option<f64>)| {
+            let pieces = self.speaking(own, subject).into_iter();
+            let apart = pieces.filter_map(|piece| self.apart(piece, subject, [*value, *value]));
+            apart.map(|[apart, _]| apart).fold(0.0, f64::max)
+        };
+        let own = values.iter().filter(|(subject, _)| self.is_own(subject));
+        own.map(of_subject).sum()
+    }
+
+    /// Requirements that differ only in a threshold count once.
+    fn is_own(&self, subject: &Subject) -> bool {
+        let mut all = self.requirements.iter();
+        !all.any(|r| {
+            matches!(subject, Subject::Requirement(id) if id == &r.id)
+                && r.same_quantity_as.is_some()
+        })
+    }
+
+    fn on_subject(
+        &self,
+        own: &Evidence,
+        subject: &Subject,
+        values: [Option<f64>; 2],
+        trial: &mut Trial,
+    ) {
+        let pieces = self.speaking(own, subject);
+        let [mut toward, mut away] = [0, 0];
+        for voice in voices(&pieces, subject) {
+            let mut most = [0.0_f64; 2];
+            let contradicted = voice
+                .iter()
+                .all(|piece| self.is_contradicted(piece, &pieces, subject, values));
+            for piece in voice {
+                let Some([was, is]) = self.apart(piece, subject, values) else {
+                    continue;
+                };
+                most = [most[0].max(was), most[1].max(is)];
+                let touch = || Touch {
+                    evidence: piece.id.clone(),
+                    subject: subject.clone(),
+                    before: was,
+                    after: is,
+                };
+                match (was > STRONG, is > STRONG) {
+                    (true, false) => trial.repairs.push(touch()),
+                    (false, true) if contradicted => trial.sides.push(touch()),
+                    (false, true) => trial.breaks.push(touch()),
+                    _ => {}
+                }
+            }
+            let [was, is] = most;
+            toward += usize::from(was - is >= MOVED);
+            away += usize::from(is - was >= MOVED && !contradicted);
+        }
+        if away > toward {
+            trial.against_majority.push(subject.clone());
+        }
+    }
+
+    /// Whether a simulation disagrees strongly with evidence of the real system from which the change does not move away.
+    fn is_contradicted(
+        &self,
+        piece: &Evidence,
+        pieces: &[&Evidence],
+        subject: &Subject,
+        values: [Option<f64>; 2],
+    ) -> bool {
+        let rate = |piece: &Evidence| Rate::of(&piece.finding(subject)?.measure);
+        let is_real =
+            |it: &&&Evidence| matches!(it.technique, Technique::Experiment | Technique::Operation);
+        piece.technique == Technique::Simulation
+            && pieces.iter().filter(is_real).any(|real| {
+                let apart = rate(piece)
+                    .zip(rate(real))
+                    .map_or(0.0, |(a, b)| strength(a, b, self.margin(subject)));
+                let toward = self.apart(real, subject, values);
+                apart > STRONG && toward.is_some_and(|[was, is]| is <= was)
+            })
+    }
+
+    /// How strongly a piece disagrees with two values; a failure mode that a model cannot express never occurs there.
+    fn apart(
+        &self,
+        piece: &Evidence,
+        subject: &Subject,
+        values: [Option<f64>; 2],
+    ) -> Option<[f64; 2]> {
+        let theirs = Rate::of(&piece.finding(subject)?.measure)?;
+        let margin = self.margin(subject);
+        let is_mode = matches!(subject, Subject::FailureMode(_));
+        Some(values.map(|value| match value.or(is_mode.then_some(0.0)) {
+            Some(value) => strength(Rate::Computed(value), theirs, margin),
+            None => 0.0,
+        }))
+    }
+
+    /// The other pieces that speak for themselves on a subject.
+    fn speaking(&self, own: &Evidence, subject: &Subject) -> Vec<&Evidence> {
+        let counts = |piece: &&Evidence| {
+            piece.id != own.id
+                && piece.conditions == own.conditions
+                && !piece.intermediate
+                && !(piece.published && piece.reproduced_by.is_some())
+                && matches!(
+                    piece.finding(subject).map(|f| &f.measure),
+                    Some(Measure::Counts { trials, .. }) if *trials > 0
+                )
+        };
+        let all: Vec<&Evidence> = self.evidence.iter().filter(counts).collect();
+        let is_replaced = |(place, piece): (usize, &&Evidence)| {
+            piece.technique == Technique::Simulation
+                && all[place + 1..].iter().any(|later| {
+                    later.technique == piece.technique && share_assumption(piece, later, subject)
+                })
+        };
+        let kept = all
+            .iter()
+            .enumerate()
+            .filter(|(place, piece)| !is_replaced((*place, piece)));
+        kept.map(|(_, piece)| *piece).collect()
+    }
+}
