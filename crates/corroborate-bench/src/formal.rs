@@ -112,6 +112,8 @@ impl Formal {
             .map(|(question, measure)| Finding {
                 subject: question.subject.clone(),
                 measure,
+                denominator: evidence::Denominator::default(),
+                trigger: None,
                 undecided: 0,
                 witnesses: Vec::new(),
                 readings: Vec::new(),

@@ -282,6 +282,8 @@ pub(crate) fn finding(
     Ok(Finding {
         subject,
         measure,
+        denominator: evidence::Denominator::default(),
+        trigger: None,
         undecided,
         witnesses: Vec::new(),
         readings: Vec::new(),

@@ -14,6 +14,7 @@
 //! * [`matrix`]: requirement models on traces of each system model;
 //! * [`words`], [`texts`]: what the formal model's propositions mean, and the assets as texts;
 //! * [`repair`]: the first proposal applied, and the study run again;
+//! * [`grammar`]: studies drawn from a grammar, written as folders and judged by running the program itself;
 //! * [`theory`]: the power of the test that matches a fault, the bound to be measured against;
 //! * [`score`], [`coverage`], [`mod@bench`], [`table`], [`targets`]: the figures.
 //!
@@ -37,6 +38,7 @@ pub mod coverage;
 pub mod family;
 pub mod fault;
 pub mod formal;
+pub mod grammar;
 pub mod journey;
 pub mod judges;
 pub mod matrix;

@@ -143,6 +143,8 @@ fn clue(
                 assets.step.map_or(1.0, |it| it.step)
             )),
             evidence: vec![ids::SIMULATION.to_owned()],
+            together: Vec::new(),
+            line: None,
         },
         score,
         title: format!(

@@ -129,6 +129,7 @@ pub fn stated(forms: &[Forms]) -> Vec<Requirement> {
             monitor: form.monitor.clone(),
             margin: MARGIN,
             same_quantity_as: None,
+            ..Requirement::default()
         })
         .collect()
 }

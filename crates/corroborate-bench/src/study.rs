@@ -97,6 +97,7 @@ impl Synthetic {
             evidence: &evidence,
             influences: &influences,
             levels: levels()?,
+            looks: None,
         };
         let comparisons = compare(&study);
         let more = assets
@@ -138,6 +139,7 @@ impl Synthetic {
             evidence: &self.evidence,
             influences: &influences,
             levels: levels()?,
+            looks: None,
         };
         Ok(combine(&study, &self.comparisons, &Weights::default()))
     }
@@ -482,6 +484,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         failures: Vec::new(),
         clusters: None,
         shared_rows: Vec::new(),
+        lineage_questions: Vec::new(),
         inputs: String::new(),
     }
 }
