@@ -99,7 +99,7 @@ pub use evaluate::bounds_of_states::{Outcomes, StateBounds};
 pub use method::{Method, Termination};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
-pub use sample::sample_path;
+pub use sample::{Visit, sample_path};
 pub use scheduler::{Scheduler, scheduler, scheduler_exact};
 pub use stop::Stop;
 pub use witness::{Witness, witness};

@@ -193,7 +193,8 @@ fn number(answer: &Answer) -> f64 {
 /// Estimates the probability from paths closed to loops at a late return to the same state.
 fn sampled(space: &StateSpace<f64>, labels: &[u8], formula: &Ltl, paths: u64) -> f64 {
     let holds = |seed: u64| {
-        let path = sample_path(space, seed, 240);
+        let path = sample_path(space, seed, 240).expect("a chain").into_iter();
+        let path: Vec<usize> = path.map(|visit| visit.state).collect();
         let letters: Vec<u64> = path.iter().map(|state| u64::from(labels[*state])).collect();
         let end = path.len() - 1;
         // A path that was not cut short ended in a state that it cannot leave.

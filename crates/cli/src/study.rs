@@ -138,7 +138,7 @@ pub enum SampleSizes {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelUnits {
-    /// The duration of one step, for example `0.1 s`.
+    /// The duration of one step, in continuous time of one unit of time, for example `0.1 s`.
     pub step: Option<String>,
     /// What one unit of a variable means, for example `0.1 s` of a timer.
     #[serde(default)]
@@ -146,8 +146,7 @@ pub struct ModelUnits {
 }
 
 impl ModelUnits {
-    /// The duration of a step in seconds; it was checked when the study was
-    /// loaded.
+    /// The duration of a step or of a unit of continuous time in seconds; it was checked when the study was loaded.
     pub fn step_secs(&self) -> Option<f64> {
         quantity(self.step.as_deref()?).map(|step| step.si_value())
     }

@@ -112,7 +112,7 @@ pub use heterogeneity::{
 pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wilson};
 pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
-pub use posterior::{BetaPosterior, probability_greater, probability_within};
+pub use posterior::{BetaPosterior, PosteriorPlaces, probability_greater, probability_within};
 pub use power::{Arm, FurtherTrials, Goal, further_trials, trials_per_arm};
 pub use predictive::Predictive;
 pub use propagation::{

@@ -16,7 +16,7 @@
 //! below 1e-9; within 1e-11 of 30 digits from 0 of 5 to counts of 10^8, the ends included.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, StatsError};
-use crate::quadrature::integrate_over_pieces;
+use crate::quadrature::{integrate_over_pieces, kronrod_places};
 use crate::special::{
     beta_cdf, beta_quantile, beta_quantile_upper, beta_sf, beta_tails, power_over_beta,
 };
@@ -141,6 +141,47 @@ impl BetaPosterior {
     }
 }
 
+/// A posterior as places with weights that sum to 1, for means over it that are taken thousands of times.
+///
+/// The Kronrod rule over the posterior's probability in three pieces, so that the tails have places of their own: 45 places. The
+/// probabilities that it gives are within 2e-4 of [`probability_within`] and [`probability_greater`] (tested); they serve
+/// plans, never conclusions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PosteriorPlaces(Vec<(f64, f64)>);
+
+/// Where the pieces of probability end.
+const PIECES: [f64; 4] = [0.0, 0.05, 0.95, 1.0];
+
+impl PosteriorPlaces {
+    /// The places of a posterior.
+    #[must_use]
+    pub fn new(posterior: &BetaPosterior) -> Self {
+        let pieces = PIECES.windows(2);
+        let levels = pieces.flat_map(|piece| kronrod_places(piece[0], piece[1]));
+        Self(
+            levels
+                .map(|(level, weight)| (posterior.quantile(level), weight))
+                .collect(),
+        )
+    }
+
+    /// About `P(|p1 - p2| < margin)`, `p1` of these places.
+    #[must_use]
+    pub fn within(&self, other: &BetaPosterior, margin: f64) -> f64 {
+        let near = |x: f64| other.probability_between(x - margin, x + margin);
+        self.0.iter().map(|(x, weight)| weight * near(*x)).sum()
+    }
+
+    /// About `P(p2 < p1)`, `p1` of these places.
+    #[must_use]
+    pub fn greater(&self, other: &BetaPosterior) -> f64 {
+        self.0
+            .iter()
+            .map(|(x, weight)| weight * other.cdf(*x))
+            .sum()
+    }
+}
+
 /// `P(|p1 - p2| < margin)` for independent posteriors.
 #[must_use]
 pub fn probability_within(first: &BetaPosterior, second: &BetaPosterior, margin: f64) -> f64 {
@@ -233,6 +274,32 @@ impl BetaPosterior {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_give_nearly_the_same_probabilities() {
+        let mut worst = 0.0_f64;
+        for (s, n) in [(0, 5), (1, 20), (17, 20), (50, 50), (174, 200), (2, 1000)] {
+            for (a, b) in [
+                (0.7, 3.0),
+                (9.5, 1.5),
+                (40.0, 3.0),
+                (200.0, 30.0),
+                (3.0, 997.0),
+            ] {
+                let counted = BetaPosterior::jeffreys(crate::Sample::new(s, n).unwrap());
+                let computed = BetaPosterior::new(a, b).unwrap();
+                let places = PosteriorPlaces::new(&computed);
+                for margin in [0.02, 0.05, 0.1] {
+                    let exact = probability_within(&computed, &counted, margin);
+                    worst = worst.max((places.within(&counted, margin) - exact).abs());
+                }
+                let exact = probability_greater(&computed, &counted);
+                worst = worst.max((places.greater(&counted) - exact).abs());
+            }
+        }
+        assert!(worst < 2e-4, "{worst:e}");
+    }
+
     use crate::counts::Sample;
 
     fn posterior(successes: u64, trials: u64) -> BetaPosterior {

@@ -81,6 +81,19 @@ pub(crate) fn kronrod(function: &impl Fn(f64) -> f64, low: f64, high: f64) -> f6
     half * (pairs.sum::<f64>() + KRONROD[7] * function(centre))
 }
 
+/// The Kronrod rule's places between two ends, with their weights.
+pub(crate) fn kronrod_places(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
+    let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let both = move |(node, weight): (&f64, &f64)| {
+        [
+            (centre - half * node, half * weight),
+            (centre + half * node, half * weight),
+        ]
+    };
+    let outer = NODES[..7].iter().zip(&KRONROD).flat_map(both);
+    outer.chain([(centre, half * KRONROD[7])])
+}
+
 /// The Kronrod value and the error estimate of QUADPACK, `(200 |K - G| / scale)^1.5 scale`.
 fn gauss_kronrod(function: &impl Fn(f64) -> f64, low: f64, high: f64) -> (f64, f64) {
     let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));

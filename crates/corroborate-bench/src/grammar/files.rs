@@ -94,10 +94,7 @@ fn study(draft: &Draft) -> String {
         draft.seed.1 + 1,
     );
     let secs = draft.truth.step_secs;
-    let _ = match draft.truth.time {
-        Time::Rates => writeln!(text, "units = {{ time = \"{secs} s\" }}"),
-        _ => writeln!(text, "step = \"{secs} s\""),
-    };
+    let _ = writeln!(text, "step = \"{secs} s\"");
     text
 }
 

@@ -3,11 +3,12 @@
 use super::Belief;
 use super::past::{Asked, Before, Past};
 use stats::{
-    BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, Sample,
-    binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
+    BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, PosteriorPlaces,
+    Sample, binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
     fisher_exact, probability_greater, probability_within,
 };
 use std::cell::OnceCell;
+use std::rc::Rc;
 
 /// The part of the level at which plans test equivalence of counts.
 const PLANNED: f64 = 0.9;
@@ -22,6 +23,11 @@ pub(super) struct Pair {
     past: Option<(Before, Past)>,
     /// The looks up to and with this one, for those to come.
     past_of_next: OnceCell<Past>,
+    /// Where a plan asks what more counts would show against a distribution: the distribution's places, for means over
+    /// it that are taken thousands of times. A conclusion has none and integrates.
+    places: Option<Rc<PosteriorPlaces>>,
+    /// The places of this pair's distribution, for plans.
+    places_of_next: OnceCell<Option<Rc<PosteriorPlaces>>>,
 }
 
 impl Pair {
@@ -32,6 +38,8 @@ impl Pair {
             margin,
             past: None,
             past_of_next: OnceCell::new(),
+            places: None,
+            places_of_next: OnceCell::new(),
         }
     }
 
@@ -42,14 +50,39 @@ impl Pair {
         self
     }
 
-    /// The same margin for other beliefs; those of more trials, looked at after these, if the pair is looked at again.
+    /// The same margin for what is planned: beliefs of more trials, looked at after these if the pair is looked at again.
     pub fn with(&self, first: Belief, second: Belief) -> Self {
         let mut next = Self::new(first, second, self.margin);
+        next.places = self
+            .places_of_next
+            .get_or_init(|| self.places_of_distribution())
+            .clone();
         if let Some((_, past)) = &self.past {
             let past = self.past_of_next.get_or_init(|| past.and(self));
             next.past = Some((Before::default(), past.clone()));
         }
         next
+    }
+
+    /// The places of the side that is a distribution, if the other has counts.
+    fn places_of_distribution(&self) -> Option<Rc<PosteriorPlaces>> {
+        use Belief::{Counts, Distribution};
+        match (&self.first, &self.second) {
+            (Distribution { posterior, .. }, Counts { .. })
+            | (Counts { .. }, Distribution { posterior, .. }) => {
+                Some(Rc::new(PosteriorPlaces::new(posterior)))
+            }
+            _ => None,
+        }
+    }
+
+    /// The distribution's places with the posterior of the counts, in a plan.
+    fn planned(&self) -> Option<(&PosteriorPlaces, BetaPosterior)> {
+        let places = self.places.as_deref()?;
+        let counts = match (&self.first, &self.second) {
+            (counts @ Belief::Counts { .. }, _) | (_, counts) => counts.posterior()?,
+        };
+        Some((places, counts))
     }
 
     /// What was known at the looks before this one.
@@ -158,6 +191,10 @@ impl Pair {
     /// The same if this was the only look.
     pub fn p_difference_once(&self) -> f64 {
         use Belief::{Counts, Known};
+        if let Some((places, counts)) = self.planned() {
+            let above = places.greater(&counts);
+            return (2.0 * above.min(1.0 - above)).clamp(0.0, 1.0);
+        }
         match (&self.first, &self.second) {
             (
                 Counts {
@@ -288,6 +325,9 @@ impl Pair {
 
     /// Posterior probability that the difference is below the margin.
     pub fn probability_within(&self) -> f64 {
+        if let Some((places, counts)) = self.planned() {
+            return places.within(&counts, self.margin);
+        }
         match (self.first.posterior(), self.second.posterior()) {
             (Some(a), Some(b)) => probability_within(&a, &b, self.margin),
             (Some(a), None) => near(&a, &to_agree_with(&self.second), self.margin),

@@ -111,13 +111,13 @@ impl Abstraction {
     fn quotient(&mut self, formal: &Formal, steps: usize) {
         let class_of = &self.class_of;
         for (from, class) in class_of.iter().enumerate() {
-            for (to, _) in formal.space.matrix.row(from) {
+            for (to, _) in formal.steps().row(from) {
                 if class_of[to] != *class {
                     self.transitions.insert((*class, class_of[to]));
                 }
             }
         }
-        let bottom = bottom_components(&formal.space.matrix);
+        let bottom = bottom_components(formal.steps());
         let last = bottom.iter().flatten().map(|s| class_of[*s as usize]);
         self.ends = last.collect();
         let mut next: BTreeMap<Class, BTreeSet<Class>> = BTreeMap::new();

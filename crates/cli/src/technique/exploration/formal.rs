@@ -4,10 +4,12 @@ use crate::problem::{Problem, Source};
 use crate::study::{Study, Work};
 use crate::talk::Interrupt;
 use crate::technique::model_checking::explore;
-use checker::state_space::StateSpace;
+use checker::state_space::{Csr, StateSpace};
 use prism_lang::{
     Constants, Property, StateFormula, parse_properties, resolve_properties, resolved,
 };
+
+use std::collections::BTreeSet;
 
 /// The most states that a model of an exploration may have.
 const MAX_STATES: usize = 5_000_000;
@@ -18,6 +20,8 @@ pub struct Formal {
     pub model: resolved::Model,
     /// Its states.
     pub space: StateSpace<f64>,
+    /// Of a model that leaves choices open: from each state the states that some choice leads to.
+    by_any_choice: Option<Csr<f64>>,
 }
 
 /// What an expression means to a model.
@@ -47,7 +51,17 @@ impl Formal {
             .map_err(|found| first_problem(&source, &found))?;
         let cancel = || interrupt.is_set();
         let space = explore::<f64>(&source, &model, MAX_STATES, &cancel)?;
-        Ok(Self { model, space })
+        let by_any_choice = by_any_choice(&space);
+        Ok(Self {
+            model,
+            space,
+            by_any_choice,
+        })
+    }
+
+    /// The states that some step leads to from each state, by whichever choice.
+    pub fn steps(&self) -> &Csr<f64> {
+        self.by_any_choice.as_ref().unwrap_or(&self.space.matrix)
     }
 
     /// Where an expression over the model's variables holds.
@@ -98,6 +112,20 @@ impl Formal {
             )),
         }
     }
+}
+
+fn by_any_choice(space: &StateSpace<f64>) -> Option<Csr<f64>> {
+    if space.choice_start.is_empty() {
+        return None;
+    }
+    let rows = (0..space.num_states()).map(|state| {
+        let choices = space.choices(state);
+        let targets = choices.flat_map(|choice| space.matrix.row(choice));
+        let targets = targets.map(|(target, _)| target as u32);
+        let targets: BTreeSet<u32> = targets.collect();
+        targets.into_iter().map(|target| (target, 1.0)).collect()
+    });
+    Some(Csr::from_rows(rows.collect()))
 }
 
 fn first_problem(source: &Source, found: &[prism_lang::Diagnostic]) -> Problem {

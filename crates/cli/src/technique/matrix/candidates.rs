@@ -6,10 +6,12 @@
 //! | edit | suggested by |
 //! |---|---|
 //! | a `column` of the vocabulary names another column | a column that no proposition counts, where two propositions count the same one, or one counts the attempts |
-//! | a `model` binding `variable=value` names another value | a value that the model assigns and no proposition names, where two propositions mean the same states |
+//! | a `model` binding `variable=value` names another value, or `variable` another variable | a value that the model assigns and no proposition names, where two propositions mean the same states |
 //! | a `trace` binding becomes another signal | a signal of topics.toml that no proposition reads, where two propositions read the same predicate |
+//! | a `trace` binding `signal == 'value'` names another value | a value of the signal that no proposition names, where two propositions read the same predicate |
+//! | a quantity in a `trace` binding has another unit | another unit of the dimension |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
-//! | a limit `within_secs` | a duration in the requirement's own text, or a slip by a factor |
+//! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension |
 //!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
@@ -17,6 +19,8 @@
 //!
 //! # Guarantee
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
+
+mod limits;
 
 use crate::problem::Problem;
 use crate::study::{Rule, Study, SubjectForm, Work, quoted_names};
@@ -68,13 +72,15 @@ pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
     found.extend(model_bindings(study)?);
     for form in &study.forms.subjects {
         found.extend(other_words(study, form));
-        found.extend(limits(study, form));
+        found.extend(limits::of_form(study, form));
     }
+    found.extend(quantities(study));
     let path = study.folder.join(TOPICS);
     if path.exists() {
         let topics = Topics::of(&crate::problem::Source::read(&path)?.text);
         found.extend(topics.units());
         found.extend(topics.signals(study));
+        found.extend(topics.values(study));
     }
     Ok(found)
 }
@@ -155,48 +161,69 @@ fn plain(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().concat()
 }
 
+fn is_word(word: &str) -> bool {
+    !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
 /// `variable=value`, if a binding is that.
 fn equality(text: &str) -> Option<(String, String)> {
     let (variable, value) = text.split_once('=')?;
-    let is_word = |word: &str| {
-        !word.is_empty() && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-    };
     let (variable, value) = (variable.trim(), value.trim());
     (is_word(variable) && is_word(value)).then(|| (variable.to_owned(), value.to_owned()))
 }
 
-/// Bindings to values that the models assign and that no proposition names.
+/// What a model's text lets a binding be instead: the same variable with another value that is assigned, or another
+/// variable that is made true.
+fn other_states(text: &str, binding: &str) -> Vec<String> {
+    if let Some((variable, _)) = equality(binding) {
+        let values = assigned(text, &variable).into_iter();
+        return values.map(|value| format!("{variable}={value}")).collect();
+    }
+    match is_word(binding.trim()) {
+        true => made_true(text).into_iter().collect(),
+        false => Vec::new(),
+    }
+}
+
+/// The variables that a model's text makes true: of `(done'=true)` it is `done`.
+fn made_true(text: &str) -> BTreeSet<String> {
+    let updates = text.split('(').filter_map(|part| {
+        let (name, rest) = part.split_once('\'')?;
+        let value = rest.trim_start().strip_prefix('=')?.trim_start();
+        let is_true = value.strip_prefix("true")?.trim_start().starts_with(')');
+        (is_true && is_word(name.trim())).then(|| name.trim().to_owned())
+    });
+    updates.collect()
+}
+
+/// Bindings to states that the models come to and that no proposition names.
 fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
-    let bound: Vec<(&String, &crate::study::Binding, (String, String))> = study
+    let bound: Vec<(&String, &crate::study::Binding)> = study
         .vocabulary
         .propositions
         .iter()
-        .filter_map(|(name, p)| {
-            let place = p.model.as_ref()?;
-            Some((name, place, equality(&place.text)?))
-        })
+        .filter_map(|(name, p)| Some((name, p.model.as_ref()?)))
         .collect();
+    let known: BTreeSet<String> = bound.iter().map(|(_, b)| plain(&b.text)).collect();
     let mut found = Vec::new();
     for entry in &study.ledger {
         let Work::Check { model, .. } = &entry.work else {
             continue;
         };
         let text = crate::problem::Source::read(&study.folder.join(model))?.text;
-        for (name, place, (variable, value)) in &bound {
-            for other in assigned(&text, variable) {
-                let own = (variable.clone(), other.clone());
-                if &other == value || bound.iter().any(|(.., known)| known == &own) {
+        for (name, place) in &bound {
+            for new in other_states(&text, &place.text) {
+                if known.contains(&plain(&new)) {
                     continue;
                 }
-                let all = bound.iter().map(|(_, place, _)| place.text.as_str());
+                let all = bound.iter().map(|(_, place)| place.text.as_str());
                 let hint = is_shared(&place.text, all).then(|| {
                     format!(
-                        "{} assigns `{variable}={other}`, which no proposition names, and two mean `{}`",
+                        "{} comes to `{new}`, which no proposition names, and two mean `{}`",
                         model.display(),
                         place.text
                     )
                 });
-                let new = format!("{variable}={other}");
                 let edit = binding((name, "model"), place, new, Reach::Models, hint);
                 if !found.contains(&edit) {
                     found.push(edit);
@@ -354,79 +381,68 @@ fn values(text: &str, within: Range<usize>, key: &str) -> Vec<(Range<usize>, Str
     found
 }
 
-/// Slips of a limit.
-const FACTORS: [f64; 6] = [10.0, 0.1, 60.0, 1.0 / 60.0, 2.0, 0.5];
-
-/// Limits by the durations of the requirement's own text, or by a factor.
-fn limits(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
-    let said = match &form.subject {
-        Subject::Requirement(id) => {
-            let mut all = study.requirements.iter();
-            all.find(|r| &r.id == id).map(|r| r.text.clone())
-        }
-        Subject::FailureMode(id) => {
-            let mut all = study.failure_modes.iter();
-            all.find(|m| &m.id == id).map(|m| m.meaning.clone())
-        }
-    };
-    let durations = durations(&said.unwrap_or_default());
-    let text = &study.forms.source.text;
-    let mut found = Vec::new();
-    for (span, old) in values(text, block(text, form), "within_secs") {
-        let Ok(now) = old.replace('_', "").parse::<f64>() else {
-            continue;
-        };
-        let is_said = durations.iter().any(|secs| (secs - now).abs() < 1e-9);
-        let edit = |secs: f64, hint: Option<String>| TextEdit {
-            file: REQUIREMENTS,
-            span: span.clone(),
-            old: old.clone(),
-            new: secs.to_string(),
-            kind: SuspectKind::Monitor,
-            part: part_of(form, "monitor"),
-            reach: Reach::Runs,
-            hint,
-        };
-        if !is_said {
-            let hint = |secs: &f64| Some(format!("its text says {secs} s"));
-            found.extend(durations.iter().map(|secs| edit(*secs, hint(secs))));
-            found.extend(FACTORS.iter().map(|factor| edit(now * factor, None)));
-        }
-    }
-    found
-}
-
-/// The durations in a text, in seconds.
-fn durations(text: &str) -> Vec<f64> {
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let unit = |word: &str| match word.trim_matches(|c: char| !c.is_alphabetic()) {
-        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
-        "ms" | "millisecond" | "milliseconds" => Some(1e-3),
-        "min" | "minute" | "minutes" => Some(60.0),
-        "h" | "hour" | "hours" => Some(3600.0),
-        _ => None,
-    };
-    let mut found = Vec::new();
-    for (place, word) in words.iter().enumerate() {
-        let digits = word.find(|c: char| !(c.is_ascii_digit() || c == '.'));
-        let (number, rest) = word.split_at(digits.unwrap_or(word.len()));
-        let next = words.get(place + 1).copied().unwrap_or_default();
-        let scale = match rest.is_empty() {
-            true => unit(next),
-            false => unit(rest),
-        };
-        if let (Ok(number), Some(scale)) = (number.parse::<f64>(), scale) {
-            found.push(number * scale);
-        }
-    }
-    found
-}
-
 /// Units that are written for one another.
 const UNITS: [&str; 24] = [
     "mm", "cm", "m", "km", "mm/s", "cm/s", "m/s", "km/h", "ms", "s", "min", "rad", "deg", "rad/s",
     "deg/s", "g", "kg", "mN", "N", "kN", "mA", "A", "mV", "V",
 ];
+
+/// Quantities in the predicates of traces, with other units of their dimension.
+fn quantities(study: &Study) -> Vec<TextEdit> {
+    let mut found = Vec::new();
+    for (name, proposition) in &study.vocabulary.propositions {
+        let Some(place) = &proposition.trace else {
+            continue;
+        };
+        for (span, number, unit) in numbers_with_units(&place.text) {
+            for other in other_units(unit) {
+                found.push(TextEdit {
+                    span: place.span.start + span.start..place.span.start + span.end,
+                    old: place.text[span.clone()].to_owned(),
+                    ..binding(
+                        (name, "trace"),
+                        place,
+                        format!("{number} {other}"),
+                        Reach::Runs,
+                        None,
+                    )
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The numbers of a predicate that have a unit: of `/x.v < 0.3 m/s` it is `0.3` and `m/s`, with their place.
+fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    for word in text.split_inclusive(' ') {
+        let (start, number) = (at, word.trim_end());
+        at += word.len();
+        let is_number = number.parse::<f64>().is_ok() && word.ends_with(' ');
+        let rest = &text[at..];
+        let length = rest.find([' ', ')', '&', '|']).unwrap_or(rest.len());
+        let unit = &rest[..length];
+        if is_number && UNITS.contains(&unit) {
+            found.push((start..at + length, number, unit));
+        }
+    }
+    found
+}
+
+/// Other units of the same dimension.
+fn other_units(unit: &str) -> Vec<&'static str> {
+    let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
+    let Some(own) = parsed(unit) else {
+        return Vec::new();
+    };
+    let is_other = |other: &&&str| {
+        let value = parsed(other);
+        value.is_some_and(|v| v.dimension() == own.dimension() && v.si_value() != own.si_value())
+    };
+    UNITS.iter().filter(is_other).copied().collect()
+}
 
 /// A signal of topics.toml.
 struct Signal {
@@ -434,6 +450,7 @@ struct Signal {
     from: String,
     kind: Option<String>,
     unit: Option<(Range<usize>, String)>,
+    values: Vec<String>,
 }
 
 /// What topics.toml says, with places.
@@ -452,6 +469,7 @@ impl Topics {
             Some(Signal {
                 name,
                 from: unquoted(value("from")?.1),
+                values: listed(&text[pair[0]..pair[1]], "values"),
                 kind: value("kind").map(|(_, kind)| unquoted(kind)),
                 unit: value("unit").map(|(span, unit)| {
                     let unit = unquoted(unit);
@@ -466,20 +484,12 @@ impl Topics {
 
     /// Other units of the same dimension.
     fn units(&self) -> Vec<TextEdit> {
-        let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
         let mut found = Vec::new();
         for signal in &self.signals {
             let Some((span, unit)) = &signal.unit else {
                 continue;
             };
-            let Some(own) = parsed(unit) else { continue };
-            let is_other = |other: &&&str| {
-                let value = parsed(other);
-                value.is_some_and(|v| {
-                    v.dimension() == own.dimension() && v.si_value() != own.si_value()
-                })
-            };
-            for other in UNITS.iter().filter(is_other) {
+            for other in other_units(unit) {
                 let suffix = format!("_{}", other.replace('/', "_per_")).to_lowercase();
                 let says = signal.from.to_lowercase().ends_with(&suffix);
                 let hint = says.then(|| format!("its field is called `{}`", signal.from));
@@ -487,12 +497,49 @@ impl Topics {
                     file: TOPICS,
                     span: span.clone(),
                     old: unit.clone(),
-                    new: (*other).to_owned(),
+                    new: other.to_owned(),
                     kind: SuspectKind::Vocabulary,
                     part: format!("{}, unit", signal.name),
                     reach: Reach::Runs,
                     hint,
                 });
+            }
+        }
+        found
+    }
+
+    /// Bindings of propositions to values of their signal that none of them names.
+    fn values(&self, study: &Study) -> Vec<TextEdit> {
+        let words = &study.vocabulary.propositions;
+        let bound: Vec<(&String, &crate::study::Binding)> = words
+            .iter()
+            .filter_map(|(name, p)| Some((name, p.trace.as_ref()?)))
+            .collect();
+        let known: BTreeSet<String> = bound.iter().map(|(_, b)| plain(&b.text)).collect();
+        let mut found = Vec::new();
+        for (name, place) in &bound {
+            let Some((signal, value)) = place.text.split_once("==") else {
+                continue;
+            };
+            let (signal, value) = (signal.trim(), value.trim());
+            let is_one = value.len() > 1 && value[1..].find('\'') == Some(value.len() - 2);
+            let own = self.signals.iter().find(|it| it.name == signal);
+            let Some(own) = own.filter(|_| value.starts_with('\'') && is_one) else {
+                continue;
+            };
+            for other in &own.values {
+                let new = format!("{signal} == '{other}'");
+                if known.contains(&plain(&new)) {
+                    continue;
+                }
+                let all = bound.iter().map(|(_, place)| place.text.as_str());
+                let hint = is_shared(&place.text, all).then(|| {
+                    format!(
+                        "no proposition names `{other}` of {signal}, and two read `{}`",
+                        place.text
+                    )
+                });
+                found.push(binding((name, "trace"), place, new, Reach::Runs, hint));
             }
         }
         found
@@ -529,6 +576,17 @@ impl Topics {
     }
 }
 
+/// The texts of a list on one line of a TOML text.
+fn listed(text: &str, key: &str) -> Vec<String> {
+    let mut lines = text.lines().filter_map(|line| {
+        let (name, list) = line.split_once('=')?;
+        (name.trim() == key).then(|| list.trim().trim_matches(['[', ']']))
+    });
+    let list = lines.next().unwrap_or_default().split(',');
+    let texts = list.map(|word| word.trim().trim_matches(['"', '\'']).to_owned());
+    texts.filter(|word| !word.is_empty()).collect()
+}
+
 /// What can be said of a signal: that it holds, or that it is on either side of a parameter that nothing compares.
 fn predicates(study: &Study, signal: &Signal, texts: &[&String]) -> Vec<String> {
     if signal.kind.as_deref() == Some("bool") {
@@ -558,16 +616,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_of_a_text_are_read_with_their_units() {
-        assert_eq!(
-            durations("within 60 s, or after 1.5 minutes (500ms)"),
-            [60.0, 90.0]
-        );
-        assert_eq!(durations("at least 70% of 12 attempts"), Vec::<f64>::new());
-        assert_eq!(durations("in 500ms at most"), [0.5]);
-    }
-
-    #[test]
     fn values_stand_where_they_are_found() {
         let text = "a.then = [{ wait_for = \"x\", within_secs = 25 }]\nwithin_secs=7\n";
         let found = values(text, 0..text.len(), "within_secs");
@@ -582,8 +630,22 @@ mod tests {
         let text = "[] s=0 -> 0.5:(s'=done) + 0.5:(s'=s+1); [] s=1 -> (s' = 3);";
         let found: Vec<String> = assigned(text, "s").into_iter().collect();
         assert_eq!(found, ["3", "done"]);
+        let text =
+            "[] at_a -> 0.5:(at_a'=false)&(done'=true) + 0.5:(at_a' = false) & (lost'= true);";
+        assert_eq!(other_states(text, "at_b"), ["done", "lost"]);
         assert_eq!(equality("s=done"), Some(("s".into(), "done".into())));
         assert_eq!(equality("s=1 & t=2"), None);
+    }
+
+    #[test]
+    fn quantities_stand_with_their_units() {
+        let text = "/x.v < 0.3 m/s & (/x.gap > 20 mm)";
+        let found: Vec<&str> = numbers_with_units(text)
+            .into_iter()
+            .map(|(span, ..)| &text[span])
+            .collect();
+        assert_eq!(found, ["0.3 m/s", "20 mm"]);
+        assert_eq!(other_units("m/s"), ["mm/s", "cm/s", "km/h"]);
     }
 
     #[test]

@@ -47,7 +47,7 @@ impl Diagnosing<'_> {
                 Ok(paths) => paths,
                 Err(problem) if self.setting.interrupt.is_set() => return Err(problem),
                 Err(problem) => {
-                    let said = format!("cells A and D of {}: {}", entry.id, problem.code);
+                    let said = format!("cells A and D of {}: {}", entry.id, problem.message());
                     gathered.not_done.push(said);
                     continue;
                 }

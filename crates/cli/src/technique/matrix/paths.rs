@@ -5,8 +5,9 @@
 //! the model; a proposition without one, whose meaning to traces is put together of propositions that
 //! have one, follows from them. Steps that change no proposition are left out, which no untimed formula
 //! without a next-step operator can see (L. Lamport, "What good is temporal logic?", 1983). If study.toml
-//! declares how long a step takes, all steps are kept and time is counted; otherwise forms with limits in
-//! seconds cannot be judged.
+//! declares how long a step takes (in continuous time, a unit of time), all steps are kept and time is counted;
+//! otherwise forms with limits in seconds cannot be judged. A model that leaves choices open has no paths to be sampled:
+//! its answers are ranges, and no one way of choosing stands for all.
 //!
 //! A path ends where the model can only stay as it is; from there on LTL on finite traces and on infinite
 //! ones agree. One that is cut after [`LONGEST`] steps is incomplete, so that what the rest might decide is
@@ -17,7 +18,7 @@ use crate::forms::judged_on_paths;
 use crate::problem::Problem;
 use crate::study::{JudgingForm, Rule, Study, SubjectForm, TriggerForm, Vocabulary};
 use crate::talk::Interrupt;
-use checker::sample_path;
+use checker::{Visit, sample_path};
 use evidence::{JudgedBy, Subject};
 use std::collections::{BTreeMap, BTreeSet};
 use temporal::formula::{Formula, TimeModel, TimeUnit};
@@ -63,6 +64,13 @@ impl ModelPaths {
     /// The model of a ledger's entry.
     pub fn of_entry(study: &Study, id: &str, interrupt: &Interrupt) -> Result<Self, Problem> {
         let formal = Formal::of_entry(study, id, interrupt)?;
+        if !formal.space.choice_start.is_empty() {
+            return Err(Problem::new(
+                "open-choices",
+                format!("{id} leaves choices open, so that it has no one distribution of paths"),
+            )
+            .remedy("ask for the least and the greatest value over all schedulers instead"));
+        }
         let mut holds = BTreeMap::new();
         for (name, proposition) in &study.vocabulary.propositions {
             if let Some(binding) = &proposition.model
@@ -87,33 +95,33 @@ impl ModelPaths {
 
     /// The path with this seed, as a trace.
     pub fn trace(&self, seed: u64) -> Result<Trace, Problem> {
-        let path = sample_path(&self.formal.space, seed, LONGEST);
+        let path = self.path(seed);
         let fields = self.holds.keys().map(|name| Field::bool(name.as_str()));
         let mut trace = Trace::new();
         let bad = |error: trace::TraceError| Problem::new("bad-recording", error.to_string());
         let place = trace.add_channel(TOPIC, fields.collect()).map_err(bad)?;
         let step_secs = self.step_secs.unwrap_or(1.0);
         let mut before: Option<Vec<f64>> = None;
-        for (step, state) in path.iter().enumerate() {
-            let values = self.values(*state);
+        for (step, visit) in path.iter().enumerate() {
+            let values = self.values(visit.state);
             let is_last = step + 1 == path.len();
             if self.step_secs.is_none() && !is_last && before.as_ref() == Some(&values) {
                 continue;
             }
             trace.channels[place]
-                .push(step as f64 * step_secs, &values)
+                .push(visit.time * step_secs, &values)
                 .map_err(bad)?;
             before = Some(values);
         }
-        trace.complete = path.last().is_some_and(|state| self.stays(*state));
+        trace.complete = path.last().is_some_and(|visit| self.stays(visit.state));
         Ok(trace)
     }
 
     /// The steps of the path with this seed that change what holds.
     pub fn shown(&self, seed: u64) -> Vec<ShownStep> {
-        let path = sample_path(&self.formal.space, seed, LONGEST);
+        let path = self.path(seed);
         let mut shown: Vec<ShownStep> = Vec::new();
-        for (step, state) in path.iter().enumerate() {
+        for (step, Visit { state, .. }) in path.iter().enumerate() {
             let all = self.holds.iter().filter(|(_, flags)| flags[*state]);
             let holds: Vec<String> = all.map(|(name, _)| name.clone()).collect();
             if shown.last().is_none_or(|last| last.holds != holds) || step + 1 == path.len() {
@@ -122,6 +130,11 @@ impl ModelPaths {
             }
         }
         shown
+    }
+
+    /// The path with this seed; a model with open choices was refused.
+    fn path(&self, seed: u64) -> Vec<Visit> {
+        sample_path(&self.formal.space, seed, LONGEST).unwrap_or_default()
     }
 
     fn values(&self, state: usize) -> Vec<f64> {
