@@ -1,8 +1,8 @@
 //! Whose counts an asset is set to.
 //!
 //! # Definition
-//! Nearest to the real system comes first: operation, experiments, simulation; among equals, what is later in the
-//! ledger. It must hold under the same conditions, count the subject, and not be a step on the way, published
+//! What counted the real system (operation and experiments) comes before simulation; among equals what had more
+//! opportunities, then what is later in the ledger. It must hold under the same conditions, count the subject, and not be a step on the way, published
 //! evidence that other evidence of the study reproduces, or evidence that was itself set to the asset's.
 
 use evidence::{Evidence, Measure, Subject, Technique};
@@ -57,7 +57,7 @@ impl Counts {
 /// All counts of a subject that the asset of `target` may be set to, best first.
 #[must_use]
 pub fn anchors(evidence: &[Evidence], target: &Evidence, subject: &Subject) -> Vec<Counts> {
-    let mut found: Vec<(u8, usize, Counts)> = Vec::new();
+    let mut found: Vec<(u8, u64, usize, Counts)> = Vec::new();
     for (place, piece) in evidence.iter().enumerate() {
         let is_usable = piece.conditions == target.conditions
             && piece.id != target.id
@@ -67,19 +67,23 @@ pub fn anchors(evidence: &[Evidence], target: &Evidence, subject: &Subject) -> V
         if let (true, Some(nearness), Some(counts)) =
             (is_usable, nearness(piece.technique), counts(piece, subject))
         {
-            found.push((nearness, usize::MAX - place, counts));
+            found.push((
+                nearness,
+                u64::MAX - counts.trials,
+                usize::MAX - place,
+                counts,
+            ));
         }
     }
-    found.sort_by_key(|(nearness, place, _)| (*nearness, *place));
-    found.into_iter().map(|(_, _, counts)| counts).collect()
+    found.sort_by_key(|(nearness, few, place, _)| (*nearness, *few, *place));
+    found.into_iter().map(|(.., counts)| counts).collect()
 }
 
 /// How near to the real system a technique is; none for a model.
 fn nearness(technique: Technique) -> Option<u8> {
     match technique {
-        Technique::Operation => Some(0),
-        Technique::Experiment => Some(1),
-        Technique::Simulation => Some(2),
+        Technique::Operation | Technique::Experiment => Some(0),
+        Technique::Simulation => Some(1),
         Technique::ModelChecking => None,
     }
 }

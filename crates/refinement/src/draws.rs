@@ -2,7 +2,7 @@
 //!
 //! # Definition
 //! A formula is taken as a conjunction of `variable=value` (a bare Boolean
-//! variable is `=true`, a negated one `=false`). An update makes it true if it
+//! variable is `=true`, a negated one `=false`; the name of a formula is what the formula says). An update makes it true if it
 //! assigns one of these values, and its command's guard asks for none of the
 //! others to be different. If some guards ask for all the others, only these
 //! updates count: they are the last step, behind which the formula holds. What
@@ -12,7 +12,9 @@
 //! themselves, so an update may be found that in fact is never taken. A change
 //! that is made there is solved before it is offered, which shows it.
 
-use prism_lang::ast::{BinaryOp, Command, Expr, ExprKind, Model, ModuleBody, UnaryOp, Update};
+use prism_lang::ast::{
+    BinaryOp, Command, Expr, ExprKind, Formula, Model, ModuleBody, UnaryOp, Update,
+};
 use prism_lang::edit::{Body, body_of};
 use prism_lang::{Value, resolved};
 
@@ -31,20 +33,20 @@ pub struct Draw<'a> {
     is_last: bool,
 }
 
-/// A state formula as a conjunction of equalities; `None` if it is none.
-pub fn equalities(text: &str) -> Option<Vec<Equality>> {
+/// A state formula as a conjunction of equalities, by the formulas of its model; `None` if it is none.
+pub fn equalities(text: &str, formulas: &[Formula]) -> Option<Vec<Equality>> {
     let parsed = prism_lang::parse_properties(text);
     let property = parsed.tree.properties.first()?;
     if !parsed.diagnostics.is_empty() || parsed.tree.properties.len() != 1 {
         return None;
     }
     let mut found = Vec::new();
-    let is_conjunction = collect(&property.formula, &mut found);
+    let is_conjunction = collect(&property.formula, formulas, &mut found);
     is_conjunction.then_some(found)
 }
 
 /// Adds the equalities of a conjunction; whether it has no other parts.
-fn collect(expr: &Expr, into: &mut Vec<Equality>) -> bool {
+fn collect(expr: &Expr, formulas: &[Formula], into: &mut Vec<Equality>) -> bool {
     let truth = |value| Expr {
         kind: ExprKind::Bool(value),
         span: expr.span,
@@ -52,8 +54,8 @@ fn collect(expr: &Expr, into: &mut Vec<Equality>) -> bool {
     match &expr.kind {
         ExprKind::Bool(true) => true,
         ExprKind::Binary(BinaryOp::And, left, right) => {
-            let left = collect(left, into);
-            collect(right, into) && left
+            let left = collect(left, formulas, into);
+            collect(right, formulas, into) && left
         }
         ExprKind::Binary(BinaryOp::Equal, left, right) => match &left.kind {
             ExprKind::Name(name) => {
@@ -62,12 +64,15 @@ fn collect(expr: &Expr, into: &mut Vec<Equality>) -> bool {
             }
             _ => false,
         },
-        ExprKind::Name(name) => {
-            into.push((name.clone(), truth(true)));
-            true
-        }
+        ExprKind::Name(name) => match formulas.iter().find(|f| &f.name.text == name) {
+            Some(formula) => collect(&formula.body, formulas, into),
+            None => {
+                into.push((name.clone(), truth(true)));
+                true
+            }
+        },
         ExprKind::Unary(UnaryOp::Not, inner) => match &inner.kind {
-            ExprKind::Name(name) => {
+            ExprKind::Name(name) if formulas.iter().all(|f| &f.name.text != name) => {
                 into.push((name.clone(), truth(false)));
                 true
             }
@@ -78,9 +83,9 @@ fn collect(expr: &Expr, into: &mut Vec<Equality>) -> bool {
 }
 
 /// The equalities that a guard asks for, as far as it is a conjunction.
-pub fn of_guard(command: &Command) -> Vec<Equality> {
+pub fn of_guard(command: &Command, formulas: &[Formula]) -> Vec<Equality> {
     let mut found = Vec::new();
-    collect(&command.guard, &mut found);
+    collect(&command.guard, formulas, &mut found);
     found
 }
 
@@ -142,7 +147,7 @@ pub fn draws<'a>(tree: &'a Model, model: &resolved::Model, wanted: &[Equality]) 
             continue;
         };
         for command in commands {
-            found.extend(of_command(command, &body, model, &wanted));
+            found.extend(of_command(command, &body, (tree, model), &wanted));
         }
     }
     if found.iter().any(|draw| draw.is_last) {
@@ -154,10 +159,10 @@ pub fn draws<'a>(tree: &'a Model, model: &resolved::Model, wanted: &[Equality]) 
 fn of_command<'a>(
     command: &'a Command,
     body: &Body<'a>,
-    model: &resolved::Model,
+    (tree, model): (&Model, &resolved::Model),
     wanted: &[(&str, i64)],
 ) -> Vec<Draw<'a>> {
-    let guard = of_guard(command);
+    let guard = of_guard(command, &tree.formulas);
     let asks = |variable: &str| {
         let mut own = guard.iter().filter(|(n, _)| body.renamed(n) == variable);
         own.find_map(|(_, expr)| value_of(expr, Some(body), model))

@@ -10,9 +10,12 @@
 //!   with which all other answers change least.
 //! * *Solve*: where no constant, set to the share, gives the counted rate, since it acts more than once in a run or
 //!   shares its expression with others, the constant is solved for ([`crate::solve`]). Of several constants with which
-//!   the model would have the rate, the one is taken whose log-odds change least; the others are named.
-//! * *Branch*: the proposition is `variable=name` with a name that the model
-//!   does not have. The variable gets one more value of this name. A command of
+//!   the model would have the rate, the one is taken whose log-odds change least; the others are named. Where the
+//!   updates that make the proposition true are certain (the last of so many attempts has failed), the chance lies in
+//!   what leads there: every constant of the model is tried, and the one is taken that leaves least disagreement with
+//!   all evidence.
+//! * *Branch*: the proposition is `variable=value` and no command gives the variable this value. If the model has no such
+//!   value, the variable gets one more of this name. A command of
 //!   its module that assigns it gets an update that sets it, with the share that
 //!   was counted as its probability; all its other probabilities are multiplied
 //!   by the rest. Tried are the commands whose guard asks for what the
@@ -73,8 +76,8 @@ pub enum ModelChange {
     Solve {
         /// The failure mode.
         mode: String,
-        /// Its proposition.
-        occurs: String,
+        /// The constant.
+        constant: String,
         /// What was counted.
         counts: Counts,
     },
@@ -168,9 +171,23 @@ impl<'a> Read<'a> {
         }
     }
 
+    fn equalities(&self, text: &str) -> Result<Vec<Equality>, Refusal> {
+        equalities(text, &self.tree.formulas)
+            .ok_or_else(|| format!("`{text}` is no conjunction of `variable=value`"))
+    }
+
+    /// The constants that can be probabilities between 0 and 1, in the order of the text.
+    fn chances(&self) -> Vec<String> {
+        let names = self.tree.constants.iter().map(|it| it.name.text.clone());
+        let is_chance = |name: &String| {
+            matches!(self.model.constant(name), Some(Value::Double(_)))
+                && self.constant(name).is_some_and(|it| it > 0.0 && it < 1.0)
+        };
+        names.filter(is_chance).collect()
+    }
+
     fn draws(&self, occurs: &str) -> Result<Vec<Draw<'_>>, Refusal> {
-        let wanted = equalities(occurs)
-            .ok_or_else(|| format!("`{occurs}` is no conjunction of `variable=value`"))?;
+        let wanted = self.equalities(occurs)?;
         let found = draws(&self.tree, &self.model, &wanted);
         match found.is_empty() {
             true => Err(format!("no command makes `{occurs}` true")),
@@ -195,8 +212,12 @@ fn deciding_constant(text: &str, occurs: &str) -> Result<(String, f64), Refusal>
             [] => "its probability is no constant of the model".into(),
             several => format!("{} decide it together", several.join(", ")),
         }),
+        Deciding::Certain => Err(CERTAIN.into()),
     }
 }
+
+/// Why there is no constant to be set.
+const CERTAIN: &str = "the model has no chance there: it is certain";
 
 /// What decides how often a proposition becomes true.
 enum Deciding {
@@ -204,6 +225,8 @@ enum Deciding {
     Constant(String),
     /// Expressions of these constants.
     Expression(Vec<String>),
+    /// No chance is left there: what leads there decides.
+    Certain,
 }
 
 fn deciding(read: &Read, occurs: &str) -> Result<Deciding, Refusal> {
@@ -211,8 +234,9 @@ fn deciding(read: &Read, occurs: &str) -> Result<Deciding, Refusal> {
     let mut names: Vec<String> = Vec::new();
     let mut is_plain = true;
     for draw in &draws {
-        let probability = draw.update.probability.as_ref();
-        let probability = probability.ok_or("the model has no chance there: it is certain")?;
+        let Some(probability) = draw.update.probability.as_ref() else {
+            return Ok(Deciding::Certain);
+        };
         is_plain &= matches!(probability.kind, ExprKind::Name(_));
         let mut found = Vec::new();
         names_of(probability, &mut found);
@@ -229,13 +253,20 @@ fn deciding(read: &Read, occurs: &str) -> Result<Deciding, Refusal> {
     })
 }
 
+/// Whether some command makes a proposition true, as far as it can be read.
+pub(crate) fn comes_to(text: &str, occurs: &str) -> bool {
+    let read = Read::new(text);
+    read.is_ok_and(|read| read.equalities(occurs).is_err() || read.draws(occurs).is_ok())
+}
+
 /// Whether the constant that decides a proposition has the counted share already, so that only how often it is
 /// drawn can be wrong.
 ///
 /// # Errors
 /// Why nothing decides it.
 pub(crate) fn is_set_to(text: &str, occurs: &str, counts: &Counts) -> Result<bool, Refusal> {
-    if let Deciding::Expression(_) = deciding(&Read::new(text)?, occurs)? {
+    let read = Read::new(text)?;
+    if let Deciding::Expression(_) | Deciding::Certain = deciding(&read, occurs)? {
         return Ok(false);
     }
     let (_, value) = deciding_constant(text, occurs)?;
@@ -277,9 +308,14 @@ impl ModelChange {
             } => rate(text, solver, occurs, (mode, counts)),
             Self::Solve {
                 mode,
-                occurs,
+                constant,
                 counts,
-            } => solved(text, solver, occurs, (mode, counts)).map(|(changed, _)| changed),
+            } => {
+                let names = std::slice::from_ref(constant);
+                let mut found = solved(text, solver, names, (mode, counts))?;
+                let made = (self.clone(), found.swap_remove(0).changed);
+                Ok(with_interval(text, solver, made).1)
+            }
             Self::Once { mode, occurs, .. } => once(text, solver, mode, occurs),
             Self::Branch { .. } => self.branch(text, solver),
         }
@@ -407,6 +443,7 @@ fn rate(
     let names = match deciding(&read, occurs)? {
         Deciding::Constant(name) => return set(&read, solver, &name, false, counts),
         Deciding::Expression(names) => names,
+        Deciding::Certain => return Err(CERTAIN.into()),
     };
     // Of several constants in one expression, it is the one with which the model has the counted rate, and with which
     // all else changes least: a constant that keeps the opportunity from coming, or the run from ending, can give
@@ -545,9 +582,13 @@ pub(crate) fn rate_or_solve(
             },
         });
     }
-    options.extend(solved_option(text, solver, (&mode, &occurs, &counts), left));
+    options.extend(
+        solved_options(text, solver, (&mode, &occurs, &counts), left)
+            .into_iter()
+            .flatten(),
+    );
     match best(options) {
-        Some(made) => Ok(made),
+        Some(made) => Ok(with_interval(text, solver, made)),
         None => set.map(|changed| (of_rate(), changed)),
     }
 }
@@ -569,29 +610,43 @@ pub(crate) fn once_or_solve(
             },
             changed,
         )),
-        Err(refusal) => solved_option(text, solver, (&mode, &occurs, &counts), left)
-            .map(|it| (it.change, it.changed))
+        Err(refusal) => solved_options(text, solver, (&mode, &occurs, &counts), left)
+            .ok()
+            .and_then(best)
+            .map(|made| with_interval(text, solver, made))
             .ok_or(refusal),
     }
 }
 
-fn solved_option(
+/// The constants solved for that decide a proposition; where nothing is left to chance there, any of the model's.
+fn solved_options(
     text: &str,
     solver: &dyn Solver,
     (mode, occurs, counts): (&str, &str, &Counts),
     left: &dyn Fn(&Values) -> f64,
-) -> Option<Candidate> {
-    let (changed, size) = solved(text, solver, occurs, (mode, counts)).ok()?;
-    Some(Candidate {
-        left: left(&changed.values),
-        size,
+) -> Result<Vec<Candidate>, Refusal> {
+    let read = Read::new(text)?;
+    let (names, is_any) = match deciding(&read, occurs)? {
+        Deciding::Constant(name) => (vec![name], false),
+        Deciding::Expression(names) => (names, false),
+        Deciding::Certain => (read.chances(), true),
+    };
+    let mut found = solved(text, solver, &names, (mode, counts))?;
+    if !is_any {
+        // Constants of one expression act at one place: the smaller change is as good a guess as any.
+        found.truncate(1);
+    }
+    let candidate = |it: Solved| Candidate {
+        left: left(&it.changed.values),
+        size: it.size,
         change: ModelChange::Solve {
             mode: mode.to_owned(),
-            occurs: occurs.to_owned(),
+            constant: it.constant,
             counts: counts.clone(),
         },
-        changed,
-    })
+        changed: it.changed,
+    };
+    Ok(found.into_iter().map(candidate).collect())
 }
 
 /// The one that leaves least disagreement; of those that leave as much, the smallest.
@@ -605,20 +660,25 @@ fn best(options: Vec<Candidate>) -> Option<(ModelChange, Changed)> {
     Some((best.change, best.changed))
 }
 
-/// The model with the constant solved for that decides a proposition.
+/// A model with a constant solved for.
+struct Solved {
+    constant: String,
+    /// How far its log-odds moved.
+    size: f64,
+    changed: Changed,
+}
+
+/// The models with each of these constants solved for, of those with which the model has the counted rate; the smallest
+/// change first.
 fn solved(
     text: &str,
     solver: &dyn Solver,
-    occurs: &str,
+    names: &[String],
     (mode, counts): (&str, &Counts),
-) -> Result<(Changed, f64), Refusal> {
+) -> Result<Vec<Solved>, Refusal> {
     let read = Read::new(text)?;
-    let names = match deciding(&read, occurs)? {
-        Deciding::Constant(name) => vec![name],
-        Deciding::Expression(names) => names,
-    };
     let mut found: Vec<(f64, &String, f64)> = Vec::new();
-    for name in &names {
+    for name in names {
         let Some(now) = read
             .constant(name)
             .filter(|value| *value > 0.0 && *value < 1.0)
@@ -632,42 +692,67 @@ fn solved(
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((size, name, value)) = found.first().copied() else {
-        return Err(match names.as_slice() {
+    if found.is_empty() {
+        return Err(match names {
             [] => "its probability has no constant of the model".into(),
             all => format!("no value of {} gives the counted rate", all.join(" or ")),
         });
+    }
+    let one = |(size, name, value): &(f64, &String, f64)| {
+        let others = found.iter().filter(|(_, other, _)| other != name);
+        let notes: Vec<String> = others
+            .map(|(_, name, value)| {
+                format!("{name} = {} would give the same rate.", digits(*value))
+            })
+            .collect();
+        let text = with_value(&read, name, *value)?;
+        Ok(Solved {
+            constant: (*name).clone(),
+            size: *size,
+            changed: Changed {
+                values: solver.values(&text)?,
+                text,
+                what: format!(
+                    "{name} set to {}, with which the rate is that of {}",
+                    digits(*value),
+                    counts.words()
+                ),
+                constant: Some(SetConstant {
+                    name: (*name).clone(),
+                    is_complement: false,
+                    is_solved: true,
+                }),
+                notes,
+                settled: None,
+            },
+        })
     };
-    let others = found[1..].iter();
-    let mut notes: Vec<String> = others
-        .map(|(_, name, value)| format!("{name} = {} would give the same rate.", digits(*value)))
-        .collect();
-    let interval = interval_of(&read, solver, name, value, (mode, counts));
-    notes.extend(interval.map(|[low, high]| {
-        format!(
-            "{name} lies between {} and {}, by the 95 % interval of the counts.",
+    found.iter().map(one).collect()
+}
+
+/// The change with what the interval of the counts leaves open, where a constant was solved for.
+fn with_interval(
+    text: &str,
+    solver: &dyn Solver,
+    (change, mut changed): (ModelChange, Changed),
+) -> (ModelChange, Changed) {
+    if let ModelChange::Solve {
+        mode,
+        constant,
+        counts,
+    } = &change
+        && let Ok(read) = Read::new(text)
+        && let Ok(now) = Read::new(&changed.text)
+        && let Some(value) = now.constant(constant)
+        && let Some([low, high]) = interval_of(&read, solver, constant, value, (mode, counts))
+    {
+        changed.notes.push(format!(
+            "{constant} lies between {} and {}, by the 95 % interval of the counts.",
             digits(low),
             digits(high)
-        )
-    }));
-    let text = with_value(&read, name, value)?;
-    let changed = Changed {
-        values: solver.values(&text)?,
-        text,
-        what: format!(
-            "{name} set to {}, with which the rate is that of {}",
-            digits(value),
-            counts.words()
-        ),
-        constant: Some(SetConstant {
-            name: name.clone(),
-            is_complement: false,
-            is_solved: true,
-        }),
-        notes,
-        settled: None,
-    };
-    Ok((changed, size))
+        ));
+    }
+    (change, changed)
 }
 
 /// The constant at the ends of the interval of the counts, in order.
@@ -729,15 +814,18 @@ fn once(text: &str, solver: &dyn Solver, mode: &str, occurs: &str) -> Result<Cha
     }
 }
 
-/// The variable and the missing value of a proposition `variable=name`.
-fn missing_value<'e>(read: &Read, wanted: &'e [Equality]) -> Result<(&'e str, &'e str), Refusal> {
-    match wanted {
-        [(variable, expr)] => match &expr.kind {
-            ExprKind::Name(name) if read.model.constant(name).is_none() => Ok((variable, name)),
-            _ => Err("its proposition names no value that the model lacks".into()),
-        },
-        _ => Err("its proposition is not of the form `variable=name`".into()),
-    }
+/// The variable and the value of a proposition `variable=value`, and whether the model lacks the value.
+fn wanted_value(read: &Read, wanted: &[Equality]) -> Result<(String, String, bool), Refusal> {
+    let [(variable, expr)] = wanted else {
+        return Err("its proposition is not of the form `variable=value`".into());
+    };
+    let (value, is_missing) = match &expr.kind {
+        ExprKind::Name(name) => (name.clone(), read.model.constant(name).is_none()),
+        ExprKind::Int(value) => (value.to_string(), false),
+        ExprKind::Bool(value) => (value.to_string(), false),
+        _ => return Err("its proposition names no value".into()),
+    };
+    Ok((variable.clone(), value, is_missing))
 }
 
 /// Commands that may get the branch, best first.
@@ -746,10 +834,10 @@ fn candidates<'r>(
     occurs: &str,
     after: Option<&str>,
 ) -> Result<Vec<&'r Command>, Refusal> {
-    let wanted = equalities(occurs)
-        .ok_or_else(|| format!("`{occurs}` is no conjunction of `variable=value`"))?;
-    let (variable, _) = missing_value(read, &wanted)?;
-    let after = after.and_then(equalities).unwrap_or_default();
+    let (variable, ..) = wanted_value(read, &read.equalities(occurs)?)?;
+    let variable = variable.as_str();
+    let after = after.and_then(|text| read.equalities(text).ok());
+    let after = after.unwrap_or_default();
     let owner = read.tree.modules.iter().find_map(|m| match &m.body {
         ModuleBody::Written {
             variables,
@@ -792,7 +880,7 @@ fn rank(
     initial: Option<i64>,
 ) -> u8 {
     let value = |expr: &Expr| value_of(expr, None, &read.model);
-    let guard = of_guard(command);
+    let guard = of_guard(command, &read.tree.formulas);
     let asks = |(name, expr): &Equality| {
         let mut own = guard.iter().filter(|(n, _)| n == name);
         own.any(|(_, asked)| value(asked) == value(expr))
@@ -821,21 +909,24 @@ fn with_branch(
     occurs: &str,
     counts: &Counts,
 ) -> Result<Branched, Refusal> {
-    let wanted = equalities(occurs).unwrap_or_default();
-    let (variable, value) = missing_value(read, &wanted)?;
+    let (variable, value, is_missing) = wanted_value(read, &read.equalities(occurs)?)?;
+    let (variable, value) = (variable.as_str(), value.as_str());
     let known = read.model.variables.iter().find(|v| v.name == variable);
     let (_, high) = known
         .map(|v| v.kind.bounds())
         .ok_or_else(|| format!("the model has no variable `{variable}`"))?;
-    let extension = edit::extend_range(read.text, &read.tree, variable, high, value)
-        .map_err(|error| error.to_string())?;
+    let mut edits = Vec::new();
+    if is_missing {
+        let extension = edit::extend_range(read.text, &read.tree, variable, high, value)
+            .map_err(|error| error.to_string())?;
+        edits.extend(extension.edits);
+    }
     let constant = new_name(&read.tree, mode);
     let line = format!(
         "const double {constant} = {}; // {mode}: {}",
         counts.fraction(),
         counts.words()
     );
-    let mut edits = extension.edits;
     edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
     match update {
         None => edits.extend(edit::add_branch(

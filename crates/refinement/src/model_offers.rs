@@ -1,14 +1,16 @@
 //! What could be changed in a formal model so that its failures come as often as they were counted.
 //!
 //! # Definition
-//! For each failure mode: if the model cannot express it and it was counted, a branch ([`ModelChange::Branch`]). Else,
+//! For each failure mode: if the model cannot express it, or no command leads to it, and it was counted, a branch
+//! ([`ModelChange::Branch`]). Else,
 //! if its rate is farther than the declared margin from the counts that it may be set to ([`anchors`], the first of
 //! them), or their exact binomial p-value is below the study's level: the constant set to the counted share or, where
 //! that does not give the rate, solved for; or, if it has the share already, the draw made once, else solved for.
 
 use crate::counts::{Counts, anchors};
 use crate::model_change::{
-    Changed, ModelChange, SAME, Solver, Values, is_set_to, once_or_solve, rate_of, rate_or_solve,
+    Changed, ModelChange, SAME, Solver, Values, comes_to, is_set_to, once_or_solve, rate_of,
+    rate_or_solve,
 };
 use evidence::{Comparison, Evidence, FailureMode, Requirement, Subject};
 
@@ -116,6 +118,8 @@ impl Ground<'_> {
             let reason = "its `occurs` names no single proposition of the model";
             return is_missing.then(|| Err(reason.into()));
         };
+        // What the model knows, but never comes to, has no probability that could be set.
+        let rate = rate.filter(|rate| *rate > 0.0 || comes_to(model.text, &occurs));
         let Some(rate) = rate else {
             let counts = counted.into_iter().find(|it| it.count > 0)?;
             return Some(Ok(ModelChange::Branch {

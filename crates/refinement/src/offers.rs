@@ -5,7 +5,7 @@
 //!
 //! | suspect | offer |
 //! |---|---|
-//! | formal model | [`Ground::of_model`] of the latest that rests on it, the failure modes that the suspect is named for first |
+//! | formal model | [`Ground::of_model`] of the latest that rests on it, as far as it is about a failure mode that the suspect is named for, or repairs what the suspect is named for |
 //! | property, monitor | the form goes, and that of the sentence takes its place |
 //! | solver whose answer counts | the method whose bounds hold comes first |
 //! | time step | divided until the error that is left is a tenth of the margin ([`crate::steps`]) |
@@ -131,15 +131,30 @@ struct OfModel<'a> {
 }
 
 impl OfModel<'_> {
-    /// Offers all that is left, the changes for these subjects first.
-    fn take(&mut self, first: &[Subject]) -> Vec<(Offer, Option<Trial>)> {
-        let place = |change: &ModelChange| {
-            let mut all = first.iter();
-            let place = all.position(|subject| subject.id() == change.mode());
-            place.unwrap_or(usize::MAX)
+    /// Offers what is left for these subjects, in their order: changes of their own rates, then those that by their trial
+    /// repair one of them. Without subjects all that is left.
+    fn take(&mut self, subjects: Option<&[Subject]>) -> Vec<(Offer, Option<Trial>)> {
+        let all = std::mem::take(&mut self.changes);
+        let mut changes = match subjects {
+            None => all,
+            Some(subjects) => {
+                let place = |(change, _, trial): &(ModelChange, Changed, Trial)| {
+                    let own = |subject: &Subject| subject.id() == change.mode();
+                    let repairs = |subject: &Subject| {
+                        let mut touched = trial.repairs.iter();
+                        touched.any(|touch| &touch.subject == subject)
+                    };
+                    let by_repair = || subjects.iter().position(repairs);
+                    let by_repair = || Some(subjects.len() + by_repair()?);
+                    subjects.iter().position(own).or_else(by_repair)
+                };
+                let (mut own, rest): (Vec<_>, Vec<_>) =
+                    all.into_iter().partition(|it| place(it).is_some());
+                self.changes = rest;
+                own.sort_by_key(place);
+                own
+            }
         };
-        let mut changes = std::mem::take(&mut self.changes);
-        changes.sort_by_key(|(change, ..)| place(change));
         let offer = |(change, changed, trial)| {
             let offer = Offer::Model {
                 evidence: self.evidence.to_owned(),
@@ -148,7 +163,7 @@ impl OfModel<'_> {
             };
             (offer, Some(trial))
         };
-        changes.into_iter().map(offer).collect()
+        changes.drain(..).map(offer).collect()
     }
 }
 
@@ -170,14 +185,14 @@ impl<'m> Asking<'m> {
         }
     }
 
-    /// Offers what is left of what a model asks for, the changes for these subjects first.
+    /// Offers what is left of what a model asks for, for these subjects or all ([`OfModel::take`]).
     fn take(
         &mut self,
         place: usize,
-        first: &[Subject],
+        subjects: Option<&[Subject]>,
     ) -> Result<Vec<(Offer, Option<Trial>)>, String> {
         if let Some(known) = &mut self.asked[place] {
-            return Ok(known.take(first));
+            return Ok(known.take(subjects));
         }
         let model = &self.models[place];
         let before = model.solver.values(model.text)?;
@@ -193,7 +208,7 @@ impl<'m> Asking<'m> {
             evidence: model.evidence,
             changes: changes.collect(),
         });
-        Ok(known.take(first))
+        Ok(known.take(subjects))
     }
 }
 
@@ -253,7 +268,7 @@ impl<'g> Ground<'g> {
         }
         for place in 0..models.len() {
             if found.harmless() < most {
-                found.extend(None, asking.take(place, &[])?);
+                found.extend(None, asking.take(place, None)?);
             }
         }
         let rest = simulations.iter().filter(|id| !found.fits(id));
@@ -300,7 +315,7 @@ impl<'g> Ground<'g> {
         margin.map_or(0.0, |(_, margin)| margin)
     }
 
-    /// What the latest model asks for that the suspect rests on, the failure modes first that it is named for.
+    /// What the latest model that the suspect rests on asks for on what the suspect is named for.
     fn of_formal(
         &self,
         suspect: &Suspect,
@@ -311,7 +326,7 @@ impl<'g> Ground<'g> {
             all.position(|model| model.evidence == piece.id)
         });
         match latest {
-            Some(place) => asking.take(place, &suspect.subjects),
+            Some(place) => asking.take(place, Some(&suspect.subjects)),
             None => Ok(Vec::new()),
         }
     }

@@ -103,6 +103,15 @@ impl Offered {
         proposal.number = self.proposals.len() + 1;
         self.proposals.push(proposal);
     }
+
+    /// Puts what does no harm before what does, and of these what is for the first suspects first.
+    pub(super) fn in_order(&mut self) {
+        let place = |it: &Proposal| (it.tried.is_harmful(), it.suspect.unwrap_or(u32::MAX));
+        self.proposals.sort_by_key(place);
+        for (number, proposal) in (1..).zip(&mut self.proposals) {
+            proposal.number = number;
+        }
+    }
 }
 
 /// The current evidence of each technique: the last in the ledger under each

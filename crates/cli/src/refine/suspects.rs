@@ -67,6 +67,7 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
     let mut offered = offering.offered;
     offered.refused.extend(found.refused);
     of_forms(study, result, &mut offered);
+    offered.in_order();
     Ok(offered)
 }
 
@@ -156,7 +157,7 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
         let part = suspect.asset.part.as_deref().unwrap_or("it");
         let title = format!("{part}: `{instead}` in place of `{found}`");
         let note = "This decides what a word, a form or a number of the study means; that it makes the evidence agree \
-                    does not show that it is right. Nothing else comes to disagree.";
+                    does not show that it is right.";
         match value.make(&source.text) {
             Ok(changed) => offered.add(Proposal {
                 title,

@@ -124,7 +124,7 @@ impl Matter<'_> {
             ],
             witnesses: Vec::new(),
             ruled_out: Vec::new(),
-            resolved_by: None,
+            resolved_by: self.mended(piece, against, subject),
         };
         Some((clue, rest))
     }

@@ -263,7 +263,7 @@ impl<'a> Matter<'a> {
                 )],
                 false => Vec::new(),
             },
-            resolved_by: None,
+            resolved_by: self.mended(piece, against, subject),
         }
     }
 
@@ -444,8 +444,28 @@ impl<'a> Matter<'a> {
         }
     }
 
-    /// Later evidence of the same technique that does not differ from what this one differs from.
-    fn mended(&self, piece: &Evidence, against: &Evidence, subject: &Subject) -> Option<String> {
+    /// Later evidence of the same technique that does not differ from what this one differs from; or in place of a model or
+    /// a simulation that this one differs from (data are added to, not replaced), one under the same conditions that does
+    /// not differ from this one.
+    pub(super) fn mended(
+        &self,
+        piece: &Evidence,
+        against: &Evidence,
+        subject: &Subject,
+    ) -> Option<String> {
+        let is_made =
+            [Technique::ModelChecking, Technique::Simulation].contains(&against.technique);
+        self.replaced(piece, against, subject).or_else(|| {
+            let by = is_made.then(|| self.replaced(against, piece, subject));
+            let same = |id: &String| {
+                let by = self.piece(id);
+                by.is_some_and(|by| by.conditions == against.conditions)
+            };
+            by.flatten().filter(same)
+        })
+    }
+
+    fn replaced(&self, piece: &Evidence, against: &Evidence, subject: &Subject) -> Option<String> {
         let place = self.evidence.iter().position(|e| e.id == piece.id)?;
         let later = self.evidence.iter().skip(place + 1);
         let mut later =

@@ -20,7 +20,7 @@
 //! # Guarantee
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
-mod limits;
+pub(super) mod limits;
 
 use crate::problem::Problem;
 use crate::study::{Rule, Study, SubjectForm, Work, quoted_names};
@@ -60,6 +60,8 @@ pub(super) struct TextEdit {
     pub reach: Reach,
     /// What suggests it, in one clause; none for a slip by a factor or another unit of the dimension.
     pub hint: Option<String>,
+    /// Whether the hint says this very value, not only that one is free.
+    pub is_said: bool,
 }
 
 const VOCABULARY: &str = "vocabulary.toml";
@@ -102,6 +104,7 @@ fn binding(
         part: format!("{proposition}, {key}"),
         reach,
         hint,
+        is_said: false,
     }
 }
 
@@ -173,16 +176,31 @@ fn equality(text: &str) -> Option<(String, String)> {
 }
 
 /// What a model's text lets a binding be instead: the same variable with another value that is assigned, or another
-/// variable that is made true.
+/// variable that is made true, or another formula or label.
 fn other_states(text: &str, binding: &str) -> Vec<String> {
     if let Some((variable, _)) = equality(binding) {
         let values = assigned(text, &variable).into_iter();
         return values.map(|value| format!("{variable}={value}")).collect();
     }
-    match is_word(binding.trim()) {
-        true => made_true(text).into_iter().collect(),
-        false => Vec::new(),
+    let binding = binding.trim();
+    let formulas = declared(text, "formula");
+    let labels = declared(text, "label");
+    match (is_word(binding), formulas.contains(binding)) {
+        (true, true) => formulas.into_iter().collect(),
+        (true, false) => made_true(text).into_iter().collect(),
+        (false, _) if labels.contains(binding) => labels.into_iter().collect(),
+        (false, _) => Vec::new(),
     }
+}
+
+/// What a model's text declares by a keyword at the beginning of a line: `in_dock`, or `"done"`, quotes and all.
+fn declared(text: &str, keyword: &str) -> BTreeSet<String> {
+    let names = text.lines().filter_map(|line| {
+        let rest = line.trim_start().strip_prefix(keyword)?;
+        let (name, _) = rest.strip_prefix(' ')?.split_once('=')?;
+        Some(name.trim().to_owned())
+    });
+    names.collect()
 }
 
 /// The variables that a model's text makes true: of `(done'=true)` it is `done`.
@@ -299,6 +317,7 @@ fn other_words(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
                     part: part_of(form, "property"),
                     reach: Reach::Models,
                     hint: Some(format!("the other forms of it name `{other}`")),
+                    is_said: true,
                 });
             }
         }
@@ -324,6 +343,7 @@ fn other_words(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
                 part: part_of(form, "monitor"),
                 reach: Reach::Runs,
                 hint: Some(format!("the other forms of it name `{other}`")),
+                is_said: true,
             });
         }
     }
@@ -501,6 +521,7 @@ impl Topics {
                     kind: SuspectKind::Vocabulary,
                     part: format!("{}, unit", signal.name),
                     reach: Reach::Runs,
+                    is_said: hint.is_some(),
                     hint,
                 });
             }

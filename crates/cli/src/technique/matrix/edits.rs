@@ -3,25 +3,33 @@
 //! # Definition
 //! For every edit that something in the study suggests ([`super::candidates`]) what it reaches is produced again: the
 //! formal models' answers, the tables' counts, or the verdicts on the recordings that are kept. Of each pair of pieces
-//! under the same conditions the strength of disagreement ([`evidence::strength`]) is taken before and after. An edit
-//! *explains* the pairs that disagreed strongly ([`evidence::STRONG`]) and do not any more; it is dropped if it makes any
-//! other pair disagree strongly, or leaves strong disagreement on a subject that it explains in part. Of those that are
-//! left the ones that explain most are clues, and those that explain as much are named with them.
+//! under the same conditions the strength of disagreement ([`evidence::strength`]) is taken before and after; of a subject
+//! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
+//! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
+//! comes up, since chance alone moves the weaker pairs. Of those that are left the ones that explain most are clues, and
+//! those that explain as much are named with them.
 //!
-//! An edit that something else in the study suggests, too (a column that nobody counts, a unit in a field's name, a
-//! duration in the text), takes [`HINTED`] of what it explains, and leaves the rest to the system models; one that is
-//! only a slip by a factor takes [`UNHINTED`].
+//! What an edit explains it shares with the system models, which explain it, too, by rates of their own. Its odds against
+//! them are, in decades,
+//!
+//! * how well all agree on what it explains: the evidence for one rate, of each subject that of its weakest pair. Rates
+//!   that are free agree with anything, and say nothing;
+//! * [`STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
+//!   otherwise fails somehow;
+//! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
+//!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
+//! * less the decades of the number of edits that were tried.
 //!
 //! # Source and guarantee
-//! The method of difference (J. S. Mill, 1843). An edit has no free parameter: what it predicts is computed, not fitted,
-//! so that its explaining several pairs at once is no coincidence of fitting; the number of edits that were tried is
-//! said. The shares are prior odds, which nothing here estimates.
+//! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
+//! prior probability (H. Jeffreys, "Theory of Probability", 1961, section 5.04). An edit has no free parameter: what it
+//! predicts is computed, not fitted. [`STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
 //!
 //! # Cost
 //! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
 //! strong disagreement.
 
-use super::candidates::{Reach, TextEdit, candidates};
+use super::candidates::{Reach, TextEdit, candidates, limits};
 use super::{Diagnosing, Gathered};
 use crate::problem::{Problem, Source};
 use crate::study::{Study, Work};
@@ -33,17 +41,23 @@ use crate::technique::recording::ReadingRules;
 use crate::technique::simulation;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    Symptom, strength,
+    Symptom, Technique, strength,
 };
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The share of what it explains that an edit takes which something else suggests, too.
-const HINTED: f64 = 0.9;
+/// Decades for an edit whose very value something else says, too.
+const SAID: f64 = 2.5;
 
-/// The share of one that nothing else suggests.
-const UNHINTED: f64 = 0.4;
+/// Decades for an edit to what is free.
+const FREE: f64 = 1.0;
+
+/// Decades for an edit if requirements alone disagree.
+const STRUCTURE: f64 = 1.0;
+
+/// The least and the most that an edit takes of what it explains.
+const SHARES: [f64; 2] = [0.03, 0.97];
 
 /// Recordings of one piece of evidence that are judged again, at most.
 const MOST_RUNS: usize = 400;
@@ -62,8 +76,12 @@ struct Explained {
     edit: TextEdit,
     /// The pairs that do not disagree strongly any more, with what goes away.
     pairs: Pairs,
-    /// What goes away: the sum over subjects of the strongest.
+    /// What goes away, less what comes up: sums over subjects of the strongest.
     score: f64,
+    /// How well all agree on what it explains, and what the structure adds; in decades.
+    agreement: f64,
+    /// Decades for or against it before the evidence.
+    prior: f64,
     /// Requirements that evidence misses now and meets with the edit, one clause each.
     hides: Vec<String>,
 }
@@ -77,7 +95,7 @@ impl Diagnosing<'_> {
         }
         let scratch = Scratch::new(self.study, self.folder)?;
         let mut found: Vec<Explained> = Vec::new();
-        let mut tried = 0;
+        let mut tried = 0_u32;
         for edit in candidates(self.study)? {
             self.setting.go_on()?;
             // An edit with which the study cannot be read is none.
@@ -88,7 +106,12 @@ impl Diagnosing<'_> {
             if let Ok(evidence) = after {
                 tried += 1;
                 let after = self.disagreements(&evidence);
-                found.extend(explained(edit, &before, &after).map(|it| Explained {
+                let is_timed = |subject: &Subject| {
+                    let form = self.study.forms.of(subject);
+                    form.is_some_and(|form| limits::is_timed(self.study, form))
+                };
+                let explained = explained(edit, &before, &after, &is_timed);
+                found.extend(explained.map(|it| Explained {
                     hides: self.hidden_by(&evidence),
                     ..it
                 }));
@@ -98,6 +121,14 @@ impl Diagnosing<'_> {
             "{tried} single edits of vocabulary, forms and units were tried on all evidence; {} explain what disagrees",
             found.len()
         ));
+        for it in &mut found {
+            let hint = match (&it.edit.hint, it.edit.is_said) {
+                (Some(_), true) => SAID,
+                (Some(_), false) => FREE,
+                (None, _) => 0.0,
+            };
+            it.prior = hint - f64::from(tried.max(1)).log10();
+        }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
         found.retain(|it| it.weight() > best - AS_MUCH);
@@ -120,7 +151,13 @@ impl Diagnosing<'_> {
         let mut pairs = Pairs::new();
         for (place, one) in pieces.iter().enumerate() {
             let others = pieces[place + 1..].iter();
-            for other in others.filter(|other| other.conditions == one.conditions) {
+            // Two models have no data between them that could tell.
+            let both_computed = |other: &Evidence| {
+                [one.technique, other.technique] == [Technique::ModelChecking; 2]
+            };
+            let comparable =
+                |other: &&&Evidence| other.conditions == one.conditions && !both_computed(other);
+            for other in others.filter(comparable) {
                 for finding in &one.findings {
                     let subject = &finding.subject;
                     let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
@@ -276,7 +313,7 @@ impl Diagnosing<'_> {
     }
 
     /// The clues against what an edit would change, one for each subject.
-    fn clues_of(&self, it: &Explained, others: &[String], tried: u64) -> Vec<Clue> {
+    fn clues_of(&self, it: &Explained, others: &[String], tried: u32) -> Vec<Clue> {
         let edit = &it.edit;
         let subjects: std::collections::BTreeSet<&Subject> =
             it.pairs.keys().map(|(.., subject)| subject).collect();
@@ -315,7 +352,7 @@ impl Diagnosing<'_> {
                     edit.new, edit.old
                 ),
                 explanation: format!(
-                    "With `{}` in place of `{}` {} agree on {} ({whole:.1} decades go away), and nothing else comes to \
+                    "With `{}` in place of `{}` {} agree on {} ({whole:.1} decades go away), and little else comes to \
                      disagree; of {tried} single edits that were tried.{hint}{hides}",
                     edit.new,
                     edit.old,
@@ -356,50 +393,65 @@ fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
     all
 }
 
-/// What an edit explains, if it makes nothing worse.
-fn explained(edit: TextEdit, before: &Pairs, after: &Pairs) -> Option<Explained> {
-    let mut pairs = Pairs::new();
-    let mut left: Vec<&Subject> = Vec::new();
+/// What an edit explains, if it makes little worse.
+fn explained(
+    edit: TextEdit,
+    before: &Pairs,
+    after: &Pairs,
+    is_timed: &dyn Fn(&Subject) -> bool,
+) -> Option<Explained> {
+    let mut subjects: BTreeMap<&Subject, [f64; 2]> = BTreeMap::new();
     for (pair, was) in before {
         // A rate that is lost explains nothing.
         let is = *after.get(pair)?;
-        match (*was > STRONG, is > STRONG) {
-            (true, false) => {
-                pairs.insert(pair.clone(), was - is);
-            }
-            (false, true) => return None,
-            (true, true) if is < was - AS_MUCH => left.push(&pair.2),
-            (true, true) if is > was + AS_MUCH => return None,
-            (true, true) => left.push(&pair.2),
-            (false, false) => {}
+        let most = subjects.entry(&pair.2).or_insert([f64::NEG_INFINITY; 2]);
+        *most = [most[0].max(*was), most[1].max(is)];
+    }
+    let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
+    let mut mended: Vec<&Subject> = Vec::new();
+    for (subject, [was, is]) in &subjects {
+        come += (is.max(0.0) - was.max(0.0)).max(0.0);
+        if *was > STRONG && *is <= STRONG {
+            gone += was - is.max(0.0);
+            agreement += (-is).max(0.0);
+            mended.push(subject);
         }
     }
-    pairs.retain(|(.., subject), _| !left.contains(&subject));
-    let mut most: BTreeMap<&Subject, f64> = BTreeMap::new();
-    for ((.., subject), gone) in &pairs {
-        let known = most.entry(subject).or_default();
-        *known = known.max(*gone);
+    let is_mode = |subject: &Subject| matches!(subject, Subject::FailureMode(_));
+    let mut modes = subjects.iter().filter(|(subject, _)| is_mode(subject));
+    let modes_agree = subjects.keys().any(|subject| is_mode(subject))
+        && modes.all(|(_, [was, _])| *was <= STRONG);
+    let is_plain = mended
+        .iter()
+        .any(|subject| !is_mode(subject) && !is_timed(subject));
+    if modes_agree && is_plain {
+        agreement += STRUCTURE;
     }
-    let score: f64 = most.values().sum();
-    (score > STRONG).then(|| Explained {
+    let pairs = before
+        .iter()
+        .filter(|(pair, was)| **was > STRONG && mended.contains(&&pair.2));
+    let pairs = pairs.map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)));
+    let score = gone - come;
+    (score > STRONG && come <= STRONG).then(|| Explained {
+        pairs: pairs.collect(),
         edit,
-        pairs,
         score,
+        agreement,
+        prior: 0.0,
         hides: Vec::new(),
     })
 }
 
 impl Explained {
+    /// The part of what it explains that it takes from the system models.
     fn share(&self) -> f64 {
-        match self.edit.hint {
-            Some(_) => HINTED,
-            None => UNHINTED,
-        }
+        let odds = 10.0_f64.powf(self.agreement + self.prior);
+        (odds / (1.0 + odds)).clamp(SHARES[0], SHARES[1])
     }
 
     /// By what it is ranked among the edits.
     fn weight(&self) -> f64 {
-        self.score * self.share()
+        self.score + self.agreement + self.prior
     }
 
     fn in_words(&self) -> String {

@@ -114,7 +114,11 @@ impl Diagnosing<'_> {
                 match main.filter(|_| is_triggered) {
                     Some(main) => {
                         let sum = counts(triggered(episodes, (form, main)));
-                        property.counted((sum.kept, sum.kept + sum.violated), sum, level)
+                        let count = match property.subject {
+                            Subject::Requirement(_) => sum.kept,
+                            Subject::FailureMode(_) => sum.violated,
+                        };
+                        property.counted((count, sum.kept + sum.violated), sum, level)
                     }
                     None => property.filled(sum(&episodes.forms, form), level),
                 }
@@ -173,10 +177,13 @@ impl Diagnosing<'_> {
     }
 }
 
-/// Whether the computed value of a requirement is given its trigger, so that other runs do not count for it.
+/// Whether the computed value is given a requirement's trigger or a failure mode's opportunity, so that other runs do not
+/// count for it.
 fn is_triggered(form: &SubjectForm) -> bool {
-    let is_requirement = matches!(form.subject, Subject::Requirement(_));
-    is_requirement && matches!(form.trigger, TriggerForm::Runs(_))
+    match form.subject {
+        Subject::Requirement(_) => matches!(form.trigger, TriggerForm::Runs(_)),
+        Subject::FailureMode(_) => form.opportunity.is_some(),
+    }
 }
 
 /// What the property says of the runs on which the monitor is triggered.

@@ -67,6 +67,7 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
                 } else {
                     Reach::Runs
                 },
+                is_said: hint.is_some(),
                 hint,
             };
             let said = said
@@ -101,6 +102,13 @@ pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
     let mut found = of(&monitor, secs(&property), "property", "monitor");
     found.extend(of(&property, secs(&monitor), "monitor", "property"));
     found
+}
+
+/// Whether some form of a requirement, its text or its sentence has a limit of time.
+pub(in super::super) fn is_timed(study: &Study, form: &SubjectForm) -> bool {
+    !(of_monitor(study, form).is_empty()
+        && of_property(form, None).is_empty()
+        && said(study, &form.subject).is_empty())
 }
 
 /// The durations of a subject's text and sentence.
