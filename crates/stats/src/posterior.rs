@@ -143,14 +143,14 @@ impl BetaPosterior {
 
 /// A posterior as places with weights that sum to 1, for means over it that are taken thousands of times.
 ///
-/// The Kronrod rule over the posterior's probability in three pieces, so that the tails have places of their own: 45 places. The
-/// probabilities that it gives are within 2e-4 of [`probability_within`] and [`probability_greater`] (tested); they serve
+/// The Kronrod rule over the posterior's probability in seven pieces, so that the tails have places of their own. The
+/// probabilities that it gives are within 4e-3 of [`probability_within`] and [`probability_greater`] (tested); they serve
 /// plans, never conclusions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PosteriorPlaces(Vec<(f64, f64)>);
 
 /// Where the pieces of probability end.
-const PIECES: [f64; 4] = [0.0, 0.05, 0.95, 1.0];
+const PIECES: [f64; 8] = [0.0, 0.01, 0.1, 0.35, 0.65, 0.9, 0.99, 1.0];
 
 impl PosteriorPlaces {
     /// The places of a posterior.
@@ -297,7 +297,7 @@ mod tests {
                 worst = worst.max((places.greater(&counted) - exact).abs());
             }
         }
-        assert!(worst < 2e-4, "{worst:e}");
+        assert!(worst < 4e-3, "{worst:e}");
     }
 
     use crate::counts::Sample;
