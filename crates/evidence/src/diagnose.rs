@@ -45,7 +45,7 @@ pub use contrast::{SameTraces, contrasts};
 pub use matter::{Clue, Matter, requirement_form, system_model};
 pub use names::mixed_up;
 pub use ranking::rank;
-pub use strength::{CERTAIN, Rate, STRONG, strength};
+pub use strength::{CERTAIN, Rate, STRONG, signed_strength, strength};
 pub use suspect::{
     Cell, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy, Suspect, SuspectAsset,
     SuspectKind, Symptom, Traces, Witness,

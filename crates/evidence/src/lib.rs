@@ -49,7 +49,7 @@ pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy,
     Matter, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces,
     VerdictCounts, Witness, contrasts, mixed_up, rank, requirement_form, share_assumption,
-    strength, system_model, voices,
+    signed_strength, strength, system_model, voices,
 };
 pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,

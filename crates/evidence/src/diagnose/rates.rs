@@ -15,7 +15,8 @@
 //!   other form a computed value is moved by what the two forms differ by on the same sampled paths. Of these
 //!   `m` is the least that is left; the requirement models' share is `T_s - m` if that is strong
 //!   evidence (at least 1), else 0;
-//! * *system model*: the rest. It is shared out between `X` and `Y` by how much better the data of all
+//! * *system model*: the rest, of the strongest of its conflicts what it differs by from all others together, where these
+//!   have voices of their own and agree. It is shared out between `X` and `Y` by how much better the data of all
 //!   pieces under the same conditions are explained with that piece alone apart:
 //!   `P(X alone) P(others together)` against `P(Y alone) P(others together)`. Pieces that share an assumption with
 //!   `X` ([`mod@super::voices`]), but not with `Y`, may be wrong together with it: the likelier of "`X` alone" and "`X`
@@ -56,7 +57,80 @@ impl<'a> Matter<'a> {
         let clues = conflicts
             .iter()
             .flat_map(|conflict| self.of_conflict(conflict));
-        clues.collect()
+        let mut clues: Vec<Clue> = clues.collect();
+        self.against_all(&mut clues);
+        clues
+    }
+
+    /// Where a piece differs from several that have voices of their own and agree with one another, its strongest clue is
+    /// as strong as what it differs by from all of them together.
+    fn against_all(&self, clues: &mut [Clue]) {
+        let mut groups: Vec<(String, Subject, Vec<usize>)> = Vec::new();
+        for (place, clue) in clues.iter().enumerate() {
+            let Symptom::RateDiffers { evidence, .. } = &clue.symptom else {
+                continue;
+            };
+            let is_open = clue.resolved_by.is_none();
+            if clue.inaccuracy != Inaccuracy::SystemModel || !is_open {
+                continue;
+            }
+            let mut all = groups.iter_mut();
+            match all.find(|(id, subject, _)| id == evidence && subject == &clue.subject) {
+                Some((.., places)) => places.push(place),
+                None => groups.push((evidence.clone(), clue.subject.clone(), vec![place])),
+            }
+        }
+        for (id, subject, mut places) in groups {
+            places.sort_by(|a, b| clues[*b].score.total_cmp(&clues[*a].score));
+            if let Some(score) = self.against_pool(&id, &subject, &places, clues) {
+                let strongest = &mut clues[places[0]];
+                strongest.score = strongest.score.max(score);
+            }
+        }
+    }
+
+    fn against_pool(
+        &self,
+        id: &str,
+        subject: &Subject,
+        places: &[usize],
+        clues: &[Clue],
+    ) -> Option<f64> {
+        let margin = self.margin(subject);
+        let own = rate_or_never(self.piece(id)?, subject)?;
+        let mut pool: Vec<(&Evidence, Rate)> = Vec::new();
+        let mut share = 1.0_f64;
+        for place in places {
+            let clue = &clues[*place];
+            let Symptom::RateDiffers { others, .. } = &clue.symptom else {
+                continue;
+            };
+            let other = self.piece(&others.first()?.0)?;
+            let Some(rate @ Rate::Counted { .. }) = rate_or_never(other, subject) else {
+                continue;
+            };
+            let is_new = pool.iter().all(|(known, theirs)| {
+                known.id != other.id
+                    && !super::voices::share_assumption(known, other, subject)
+                    && strength(*theirs, rate, margin) < STRONG
+            });
+            if is_new {
+                pool.push((other, rate));
+                let odd = clue.figures.iter().find(|it| it.name == ODD_ONE_OUT)?;
+                share = share.min(odd.value);
+            }
+        }
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (_, rate) in &pool {
+            if let Rate::Counted { count, trials } = rate {
+                (sum, size) = (sum + count, size + trials);
+            }
+        }
+        let all = Rate::Counted {
+            count: sum,
+            trials: size,
+        };
+        (pool.len() > 1).then(|| share * strength(own, all, margin))
     }
 
     fn of_conflict(&self, conflict: &Comparison) -> Vec<Clue> {

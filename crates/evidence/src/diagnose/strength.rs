@@ -97,6 +97,15 @@ pub fn strength(one: Rate, other: Rate, margin: f64) -> f64 {
     strength.clamp(0.0, CERTAIN)
 }
 
+/// The same, below 0 by how strongly the data speak for one rate, in decades.
+pub fn signed_strength(one: Rate, other: Rate, margin: f64) -> f64 {
+    let strength = strength(one, other, margin);
+    match strength > 0.0 {
+        true => strength,
+        false => against_one_rate(one, other, margin).min(0.0),
+    }
+}
+
 /// The decimal logarithm of the Bayes factor.
 fn against_one_rate(one: Rate, other: Rate, window: f64) -> f64 {
     match (one, other) {

@@ -6,9 +6,9 @@
 //! | edit | suggested by |
 //! |---|---|
 //! | a `column` of the vocabulary names another column | a column that no proposition counts, where two propositions count the same one, or one counts the attempts |
-//! | a `model` binding `variable=value` names another value, or `variable` another variable | a value that the model assigns and no proposition names, where two propositions mean the same states |
+//! | a `model` binding `variable=value` names another value, or `variable` another variable | a value that the model assigns and no proposition names, where it has the proposition's name, or where two propositions mean the same states |
 //! | a `trace` binding becomes another signal | a signal of topics.toml that no proposition reads, where two propositions read the same predicate |
-//! | a `trace` binding `signal == 'value'` names another value | a value of the signal that no proposition names, where two propositions read the same predicate |
+//! | a `trace` binding `signal == 'value'` names another value | a value of the signal that no proposition names, where it has the proposition's name, or where two propositions read the same predicate |
 //! | a quantity in a `trace` binding has another unit | another unit of the dimension |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
@@ -160,6 +160,18 @@ fn columns(study: &Study) -> Result<Vec<TextEdit>, Problem> {
     Ok(found)
 }
 
+/// Whether a value, a variable or a signal has a proposition's name: `at_done` and `s=done` have that of `done`.
+fn is_named_after(text: &str, proposition: &str) -> bool {
+    let letters = |text: &str| text.to_lowercase().replace(['-', ' '], "_");
+    let (text, name) = (letters(text), letters(proposition));
+    let mut places = text.match_indices(name.as_str());
+    places.any(|(at, _)| {
+        let (before, after) = (&text[..at], &text[at + name.len()..]);
+        let is_end = |c: Option<char>| c.is_none_or(|c| !c.is_ascii_alphanumeric());
+        is_end(before.chars().next_back()) && is_end(after.chars().next())
+    })
+}
+
 fn plain(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().concat()
 }
@@ -235,14 +247,20 @@ fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
                     continue;
                 }
                 let all = bound.iter().map(|(_, place)| place.text.as_str());
-                let hint = is_shared(&place.text, all).then(|| {
-                    format!(
-                        "{} comes to `{new}`, which no proposition names, and two mean `{}`",
-                        model.display(),
-                        place.text
-                    )
-                });
-                let edit = binding((name, "model"), place, new, Reach::Models, hint);
+                let is_said = is_named_after(&new, name) && !is_named_after(&place.text, name);
+                let free = format!(
+                    "{} comes to `{new}`, which no proposition names",
+                    model.display()
+                );
+                let hint = match (is_said, is_shared(&place.text, all)) {
+                    (true, _) => Some(format!("{free} and which has this one's name")),
+                    (false, true) => Some(format!("{free}, and two mean `{}`", place.text)),
+                    (false, false) => None,
+                };
+                let edit = TextEdit {
+                    is_said,
+                    ..binding((name, "model"), place, new, Reach::Models, hint)
+                };
                 if !found.contains(&edit) {
                     found.push(edit);
                 }
@@ -554,13 +572,17 @@ impl Topics {
                     continue;
                 }
                 let all = bound.iter().map(|(_, place)| place.text.as_str());
-                let hint = is_shared(&place.text, all).then(|| {
-                    format!(
-                        "no proposition names `{other}` of {signal}, and two read `{}`",
-                        place.text
-                    )
+                let is_said = is_named_after(other, name) && !is_named_after(value, name);
+                let free = format!("no proposition names `{other}` of {signal}");
+                let hint = match (is_said, is_shared(&place.text, all)) {
+                    (true, _) => Some(format!("{free}, which has this one's name")),
+                    (false, true) => Some(format!("{free}, and two read `{}`", place.text)),
+                    (false, false) => None,
+                };
+                found.push(TextEdit {
+                    is_said,
+                    ..binding((name, "trace"), place, new, Reach::Runs, hint)
                 });
-                found.push(binding((name, "trace"), place, new, Reach::Runs, hint));
             }
         }
         found
@@ -656,6 +678,13 @@ mod tests {
         assert_eq!(other_states(text, "at_b"), ["done", "lost"]);
         assert_eq!(equality("s=done"), Some(("s".into(), "done".into())));
         assert_eq!(equality("s=1 & t=2"), None);
+    }
+
+    #[test]
+    fn names_are_told_as_words() {
+        assert!(is_named_after("s=at_Finished_round", "finished_round"));
+        assert!(is_named_after("done", "done") && is_named_after("in-dock", "in_dock"));
+        assert!(!is_named_after("s=undone", "done") && !is_named_after("s=done2", "done"));
     }
 
     #[test]

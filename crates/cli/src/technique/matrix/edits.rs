@@ -3,7 +3,7 @@
 //! # Definition
 //! For every edit that something in the study suggests ([`super::candidates`]) what it reaches is produced again: the
 //! formal models' answers, the tables' counts, or the verdicts on the recordings that are kept. Of each pair of pieces
-//! under the same conditions the strength of disagreement ([`evidence::strength`]) is taken before and after; of a subject
+//! under the same conditions the strength of disagreement ([`evidence::signed_strength`]) is taken before and after; of a subject
 //! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
 //! comes up, since chance alone moves the weaker pairs. Of those that are left the ones that explain most are clues, and
@@ -19,6 +19,8 @@
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
 //!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
 //! * less the decades of the number of edits that were tried.
+//!
+//! Odds of edits of one place add up: whichever of its values is meant, the place is wrong.
 //!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
@@ -41,7 +43,7 @@ use crate::technique::recording::ReadingRules;
 use crate::technique::simulation;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    Symptom, Technique, strength,
+    Symptom, Technique, signed_strength,
 };
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -82,6 +84,8 @@ struct Explained {
     agreement: f64,
     /// Decades for or against it before the evidence.
     prior: f64,
+    /// The odds of all edits of its place that explain something: they accuse one asset.
+    odds: f64,
     /// Requirements that evidence misses now and meets with the edit, one clause each.
     hides: Vec<String>,
 }
@@ -129,6 +133,14 @@ impl Diagnosing<'_> {
             };
             it.prior = hint - f64::from(tried.max(1)).log10();
         }
+        for place in 0..found.len() {
+            let edit = &found[place].edit;
+            let (file, span) = (edit.file, edit.span.clone());
+            let same = found
+                .iter()
+                .filter(|it| (it.edit.file, &it.edit.span) == (file, &span));
+            found[place].odds = same.map(Explained::own_odds).sum();
+        }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
         found.retain(|it| it.weight() > best - AS_MUCH);
@@ -164,7 +176,7 @@ impl Diagnosing<'_> {
                     if let (Some(a), Some(b), true) =
                         (Rate::of(&finding.measure), theirs, self.is_own(subject))
                     {
-                        let apart = strength(a, b, self.margin(subject));
+                        let apart = signed_strength(a, b, self.margin(subject));
                         pairs.insert((one.id.clone(), other.id.clone(), subject.clone()), apart);
                     }
                 }
@@ -438,15 +450,20 @@ fn explained(
         score,
         agreement,
         prior: 0.0,
+        odds: 0.0,
         hides: Vec::new(),
     })
 }
 
 impl Explained {
+    /// Its odds against the system models.
+    fn own_odds(&self) -> f64 {
+        10.0_f64.powf(self.agreement + self.prior)
+    }
+
     /// The part of what it explains that it takes from the system models.
     fn share(&self) -> f64 {
-        let odds = 10.0_f64.powf(self.agreement + self.prior);
-        (odds / (1.0 + odds)).clamp(SHARES[0], SHARES[1])
+        (self.odds / (1.0 + self.odds)).clamp(SHARES[0], SHARES[1])
     }
 
     /// By what it is ranked among the edits.
