@@ -2,7 +2,7 @@
 //! the text, and what was read can be written and read again.
 //!
 //! Each function is a fuzzing target (`fuzz_targets/`); the ordinary tests call them too, on the inputs that are kept in
-//! `inputs/` and on variations of them (`crates/cli/tests/fuzz_inputs.rs`).
+//! `inputs/` and on variations of them (`crates/cli/tests/integration/fuzz_inputs.rs`).
 
 use checker::explore::{ExploreOptions, explore_with};
 use prism_lang::{

@@ -1,12 +1,14 @@
-"""Compares two campaigns of the same seeds, episode by episode: every verdict of every monitor.
+"""Compares two explorations of the same seeds, episode by episode: every verdict of every monitor.
 
-    corroborate simulate COPY_WITH_FULL_PHYSICS E4 -n 1000 --keep none --out full
-    corroborate simulate STUDY E4 -n 1000 --keep none --out fast
+Evidence is always of the full physics, so the fast one runs in searches only: here explorations of the bench's own tests as
+they are, whose files differ in `physics` (`tests/fast/plan` prints one).
+
+    tests/fast/plan E4 full > full.toml; corroborate explore STUDY $PWD/full.toml --plain -n 1000 --out full
+    tests/fast/plan E4 fast > fast.toml; corroborate explore STUDY $PWD/fast.toml --plain -n 1000 --out fast
     python3 tests/fast/verdicts.py full fast
 
-Each side is such a table, or a folder in which all are read (`episodes.parquet`,
-`episodes-501.parquet`). A monitor's verdict in one episode is compared as "violated or not" and as
-"covered or not". For each it prints how many episodes show it in either campaign, in how many only one
+Each side is such a table of episodes, or a folder in which all are read. A monitor's verdict in one episode is compared
+as "violated or not" and as "covered or not". For each it prints how many episodes show it in either campaign, in how many only one
 of them does, and
 
 * the exact p of McNemar's test (twice the lower tail of a binomial of the discordant episodes and 1/2,
@@ -83,22 +85,12 @@ def interval(first, second, number):
 def comparisons(pairs, monitors):
     """What is counted: (monitor, what, in the first and the second, only in the first and the second)."""
     for monitor in monitors:
-        for what, wanted in (("violated", ("violated",)), ("not covered", ("not-covered",))):
-            shown = [[side[f"{monitor}.verdict"] in wanted for side in pair] for pair in pairs]
+        for what, column, wanted in (("violated", "violated", True), ("not covered", "triggered", False)):
+            shown = [[side[f"{monitor}.{column}"] is wanted for side in pair] for pair in pairs]
             if any(map(any, shown)):
                 counts = [sum(one) for one in zip(*shown)]
                 only = [sum(a and not b for a, b in shown), sum(b and not a for a, b in shown)]
                 yield monitor, what, counts, only
-
-
-def robustness(pairs, monitors):
-    for monitor in monitors:
-        values = [[side[f"{monitor}.robustness_low"] for side in pair] for pair in pairs]
-        finite = [abs(a - b) for a, b in values if a is not None and b is not None and math.isfinite(a - b)]
-        if any(finite):
-            finite.sort()
-            middle, most = finite[len(finite) // 2], finite[-1]
-            print(f"robustness of {monitor}: differs by {middle:.2e} in the median, {most:.2e} at most")
 
 
 def main(first, second, most=None):
@@ -107,7 +99,7 @@ def main(first, second, most=None):
     if not pairs:
         print(f"{first} and {second} have no episode of the same seed")
         return 1
-    monitors = [name[: -len(".verdict")] for name in pairs[0][0] if name.endswith(".verdict")]
+    monitors = [name[: -len(".violated")] for name in pairs[0][0] if name.endswith(".violated")]
     rows = list(comparisons(pairs, monitors))
     tested = [mcnemar(*only) for *_, only in rows if any(only)]
     corrected, plain = iter(holm(tested)), iter(tested)
@@ -123,12 +115,12 @@ def main(first, second, most=None):
             f"{name:<36}{counts[0]:>7}{counts[1]:>7}{only[0]:>9}{only[1]:>9}{p:>8.3f}{after:>8.3f}"
             f"   {100 * low:+.2f} to {100 * high:+.2f}"
         )
-    differ = sum(any(a[f"{it}.verdict"] != b[f"{it}.verdict"] for it in monitors) for a, b in pairs)
+    columns = [f"{monitor}.{what}" for monitor in monitors for what in ("violated", "triggered")]
+    differ = sum(any(a[it] != b[it] for it in columns) for a, b in pairs)
     print(
         f"{differ} episodes differ in some verdict; smallest corrected p {worst:.3f}; "
         f"every rate is the same within {100 * widest:.2f} points"
     )
-    robustness(pairs, monitors)
     return int(worst < 0.05 or widest > MARGIN if most is None else differ > most)
 
 

@@ -212,6 +212,19 @@ pub struct Answer {
     pub printed: Vec<(usize, AnswerValue)>,
 }
 
+/// Relative width of its bounds up to which a complement is shown.
+const SHARP: f64 = 1e-3;
+
+impl Answer {
+    /// The complement, unless its bounds are so far apart that its digits mean nothing.
+    pub fn sharp_complement(&self) -> Option<f64> {
+        match self.complement_bounds {
+            Some((low, high)) if high - low > low * SHARP => None,
+            _ => self.complement,
+        }
+    }
+}
+
 /// Why there is no answer.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -47,6 +47,7 @@ use crate::method::Method;
 use crate::property::Checker;
 use crate::state_space::{Csr, StateSpace};
 use prism_lang::Property;
+use prism_lang::resolved::ModelType;
 use solve::Robust;
 
 /// A chain with intervals for transition probabilities.
@@ -68,6 +69,44 @@ impl IntervalModel {
         labels: Vec<(String, Vec<bool>)>,
     ) -> Result<Self, IntervalModelError> {
         let space = StateSpace::from_matrix(Csr::from_rows(rows), initial, labels);
+        Self::feasible(space)
+    }
+
+    /// All chains whose transition probabilities are within `radius` of those of a chain, for example because these are written
+    /// with so many digits only. A transition that is certain stays so. Rewards have no ranges.
+    ///
+    /// # Errors
+    /// [`IntervalModelError::Form`] if it is no `dtmc`; [`IntervalModelError::Row`] if a transition might have no probability.
+    ///
+    /// ```
+    /// use checker::explore::explore;
+    /// use checker::interval_model::IntervalModel;
+    /// use checker::{Guarantee, Options};
+    /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
+    ///
+    /// let text = "dtmc module m s : [0..2]; [] s=0 -> 0.25:(s'=1) + 0.75:(s'=2); endmodule";
+    /// let model = resolve(&parse_model(text).tree, &Constants::new()).expect("a correct model");
+    /// let intervals = IntervalModel::around(explore(&model)?, 0.01)?;
+    /// let properties = parse_properties("P=? [ F s=1 ]").tree;
+    /// let properties = resolve_properties(&properties, &model, &Constants::new()).expect("correct");
+    /// let answer = intervals.check(&properties[0].property, &Options::default())?;
+    /// let Guarantee::Bounded { low, high } = answer.guarantee else { unreachable!() };
+    /// assert!((low - 0.24).abs() < 1e-12 && (high - 0.26).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn around(space: StateSpace<f64>, radius: f64) -> Result<Self, IntervalModelError> {
+        if space.kind != ModelType::Dtmc {
+            let kind = space.kind.keyword();
+            let why = format!("the probabilities of a {kind} have no ranges");
+            return Err(IntervalModelError::Form(why));
+        }
+        let mut space = corners::as_ranges(space);
+        for range in &mut space.matrix.value {
+            if range.low < 1.0 {
+                range.low = (range.low - radius).next_down();
+                range.high = (range.high + radius).next_up().min(1.0);
+            }
+        }
         Self::feasible(space)
     }
 

@@ -33,8 +33,11 @@ use crate::state_space::StateSpace;
 
 pub(crate) mod countdown;
 mod induced;
+mod path;
 pub(crate) mod stationary;
 pub(crate) mod tour;
+
+pub use path::ScheduledPath;
 
 /// Most pairs of a state and a memory.
 const MOST_NODES: usize = 20_000_000;

@@ -98,7 +98,7 @@ pub fn witness(
     Ok(Some(told(space, answer, &chain, &path, contrary)))
 }
 
-fn path_of(property: &Property) -> Option<&Formula> {
+pub(crate) fn path_of(property: &Property) -> Option<&Formula> {
     match property {
         Property::Probability { path, .. } => Some(path),
         Property::Number(Quantity::Probability { path, .. })
@@ -108,7 +108,7 @@ fn path_of(property: &Property) -> Option<&Formula> {
 }
 
 /// The chain in which all other states are never left.
-fn only_through(chain: &StateSpace<f64>, passable: &[bool]) -> StateSpace<f64> {
+pub(crate) fn only_through(chain: &StateSpace<f64>, passable: &[bool]) -> StateSpace<f64> {
     let mut matrix = Csr::with_capacity(passable.len());
     for (state, passable) in passable.iter().enumerate() {
         match passable {

@@ -23,14 +23,26 @@ pub use explore::Explore;
 pub use format::FormatFiles;
 pub use peers::with_peers_spelling;
 pub use rare::{Calibrate, Rare};
-pub use recordings::{EndingChoice, Inspect, Monitor, Opening, Requirements, TimeChoice};
+pub use recordings::{EndingChoice, Inspect, Monitor, Requirements, TimeChoice};
 pub use refine::{Refine, WhatIf};
 pub use replay::{Replay, Shrink};
 pub use simulate::{RecordingForm, Simulate};
 pub use watch::Watch;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
+use study::Choice;
+
+/// Reads one of the words of a choice that files of a study have, too.
+fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let offered = T::CHOICES.iter();
+    let offered = offered.map(|(_, word, meaning)| PossibleValue::new(*word).help(*meaning));
+    PossibleValuesParser::new(offered).try_map(|read: String| {
+        let chosen = T::CHOICES.iter().find(|(_, word, _)| *word == read);
+        chosen.map(|(choice, ..)| *choice).ok_or("not offered")
+    })
+}
 
 /// Corroborative verification and validation: model checking, simulation and
 /// experiments on the same requirements, compared and explained.
@@ -107,6 +119,8 @@ pub enum Command {
     Verify(Verify),
     /// Make a new study from a template.
     Init(Init),
+    /// Show the keys of a study's files, or their JSON Schemas for an editor.
+    Schema(SchemaOfFile),
     /// Explain a diagnostic, a verdict or a word of the report.
     Explain(Explain),
 }
@@ -119,6 +133,21 @@ pub enum Format {
     Text,
     /// For programs; the schemas are in `schemas/`.
     Json,
+}
+
+/// Arguments of `schema`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate schema                            which files there are
+  corroborate schema scene.toml                 every key of a scene, with its type and meaning
+  corroborate schema scene.toml --format json   the JSON Schema, for editors")]
+pub struct SchemaOfFile {
+    /// The kind of file, for example `scene.toml`; all kinds are listed without it.
+    pub file: Option<String>,
+    /// How it is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
 }
 
 /// Arguments of `run`.

@@ -18,6 +18,7 @@ mod replay;
 mod report;
 mod requirements;
 mod run;
+mod schema;
 mod shrink;
 mod simulate;
 mod verify;
@@ -25,32 +26,9 @@ mod watch;
 mod what_if;
 
 use crate::args::Command;
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::talk::{Interrupt, Talk};
-use std::path::PathBuf;
-
-/// What every command is given.
-#[derive(Debug)]
-pub struct Setting {
-    /// Where talk and progress go.
-    pub talk: Talk,
-    /// Whether the user has asked to stop.
-    pub interrupt: Interrupt,
-    /// The physics library, if its place is known.
-    pub physics_library: Option<PathBuf>,
-}
-
-impl Setting {
-    /// Fails if the user has asked to stop.
-    pub fn go_on(&self) -> Result<(), Problem> {
-        if self.interrupt.is_set() {
-            Err(Problem::interrupted())
-        } else {
-            Ok(())
-        }
-    }
-}
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
+pub use host::Host;
 
 /// A finished command.
 #[derive(Debug)]
@@ -62,7 +40,7 @@ pub struct Done {
 }
 
 /// Carries out a command.
-pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> {
+pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
     match command {
         Command::Run(arguments) => run::run(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
@@ -86,6 +64,7 @@ pub fn carry_out(command: &Command, setting: &Setting) -> Result<Done, Problem> 
         Command::Assure(arguments) => assure::assure(arguments),
         Command::Verify(arguments) => verify::verify(arguments, setting),
         Command::Init(arguments) => init::init(arguments),
+        Command::Schema(arguments) => schema::schema(arguments),
         Command::Explain(arguments) => crate::explain::explain(arguments),
     }
 }

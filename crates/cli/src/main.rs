@@ -6,34 +6,28 @@
 
 mod args;
 mod command;
-mod corroboration;
 mod explain;
-mod forms;
 mod memory;
-mod outcome;
-mod problem;
-mod published;
-mod refine;
-mod store;
-mod study;
-mod talk;
-mod technique;
-mod what_if;
+mod shown_problem;
+mod terminal;
 
 use clap::Parser;
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 fn main() -> ExitCode {
     let arguments = args::with_peers_spelling(std::env::args_os());
     let parsed = args::Arguments::try_parse_from(arguments).unwrap_or_else(|error| error.exit());
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let setting = command::Setting {
-        talk: talk::Talk::new(parsed.quiet),
-        interrupt: talk::Interrupt::install(),
+    let host = host::Host {
+        events: terminal::events(parsed.quiet),
+        cancel: terminal::cancel_on_interrupt(),
         physics_library: std::env::var_os("CORROBORATE_MUJOCO").map(Into::into),
+        build: corroborate::build(),
+        memory: Arc::new(host::Unlimited),
     };
-    match command::carry_out(&parsed.command, &setting) {
+    match command::carry_out(&parsed.command, &host) {
         Ok(done) => finish(&done),
         Err(problem) => {
             let problem = match parsed.command {
@@ -43,8 +37,8 @@ fn main() -> ExitCode {
                 | args::Command::Calibrate(_) => problem.resumable(),
                 _ => problem,
             };
-            talk::to_stderr(&problem.render(colour));
-            ExitCode::from(problem.exit_code())
+            terminal::to_stderr(&shown_problem::rendered(&problem, colour));
+            ExitCode::from(shown_problem::exit_code(&problem))
         }
     }
 }
@@ -58,8 +52,8 @@ fn finish(done: &command::Done) -> ExitCode {
     match printed {
         // The reader of a pipe may stop early; that is no fault of ours.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            talk::to_stderr(&format!("the result could not be printed: {error}"));
-            ExitCode::from(outcome::Outcome::DataLost.exit_code())
+            terminal::to_stderr(&format!("the result could not be printed: {error}"));
+            ExitCode::from(corroborate::outcome::Outcome::DataLost.exit_code())
         }
         _ => ExitCode::from(done.outcome.exit_code()),
     }

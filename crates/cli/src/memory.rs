@@ -1,53 +1,173 @@
-//! What the C library does with memory that is given back: the program's only `unsafe` code beside the
-//! binding to the physics engine, as the C library's setting has no safe face.
+//! A limit of memory, so that a model that is too large ends with a message and is not killed.
 //!
-//! Each simulated episode makes a model, its data and a trace, mostly in blocks of a few hundred kilobytes,
-//! and gives them back. As it comes, the GNU C library asks the system for the first block of a size, and
-//! once that was given back keeps all of that size for itself (`man mallopt`, `M_MMAP_THRESHOLD`, "dynamic
-//! mmap threshold"): parallel episodes then hold 2.9 MiB each where 1.9 are enough.
+//! A thread looks every few milliseconds at what the process holds, as Linux tells it; elsewhere there is no limit. Of the limit
+//! [`TO_STOP`] may be taken before the work is asked to stop, the rest is for what it takes to give the bounds reached.
+//! Halfway through the rest it is asked to give up without bounds. Some steps of the work ask nobody, and may take more than is
+//! left: at the limit the thread itself says so and ends the process, since the other end is to be killed without a
+//! message. Files are written whole or not at all, so nothing is left half done.
 
-#![allow(unsafe_code)]
+mod available;
 
-/// Blocks of this size and above go back to the system.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-const LARGE_BYTES: libc::c_int = 64 * 1024;
+use crate::shown_problem::{exit_code, rendered};
+use crate::terminal::to_stderr;
+use available::available_bytes;
+use diagnostic::Problem;
+use host::MemoryBudget;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-/// From now on, gives large blocks back to the system as soon as they are free; says whether the C
-/// library does so. It costs a system call each, so things stay as they are where the physics library is
-/// not loaded.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-pub(crate) fn give_large_blocks_back() -> bool {
-    // SAFETY: `mallopt` takes two numbers and sets a parameter under the allocator's own lock, so that any
-    // thread may call it at any time; blocks that were handed out before stay as they are.
-    unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BYTES) == 1 }
+/// The limit, and how near it is.
+#[derive(Debug)]
+pub struct Memory {
+    limit: Option<Limit>,
+    state: Arc<State>,
 }
 
-/// Other C libraries decide that for themselves.
-#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
-pub(crate) fn give_large_blocks_back() -> bool {
-    false
+/// What the watching thread and the work tell each other.
+#[derive(Debug, Default)]
+struct State {
+    must_stop: AtomicBool,
+    must_give_up: AtomicBool,
+    is_over: AtomicBool,
 }
 
-#[cfg(all(test, target_os = "linux", target_env = "gnu"))]
+/// A limit, in units of 10^9 bytes.
+#[derive(Clone, Copy, Debug)]
+struct Limit {
+    gigabytes: f64,
+    is_default: bool,
+}
+
+/// Time between two looks.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(5);
+/// The part of what is free that may be taken by default.
+const PART: f64 = 0.9;
+/// The part of the limit at which the work is asked to stop.
+const TO_STOP: f64 = 0.8;
+/// Gigabytes that there are at least between that and the end of the process.
+const LEAST_REST: f64 = 0.1;
+
+impl Memory {
+    /// With a limit, in units of 10^9 bytes; by default what is held now and a part of what is free.
+    pub fn new(asked: Option<f64>) -> Self {
+        let by_default = || {
+            let free = available_bytes()? as f64 / 1e9;
+            Some(resident_gigabytes()? + PART * free)
+        };
+        let limit = asked.or_else(by_default).map(|gigabytes| Limit {
+            gigabytes,
+            is_default: asked.is_none(),
+        });
+        let state = Arc::<State>::default();
+        if let Some(limit) = limit {
+            look(limit, &state);
+            let state = state.clone();
+            // Without the thread the work could not be ended; it goes on without a limit, as elsewhere.
+            let _ = std::thread::Builder::new().spawn(move || watch(limit, &state));
+        }
+        Self { limit, state }
+    }
+}
+
+impl MemoryBudget for Memory {
+    fn must_stop(&self) -> bool {
+        self.state.must_stop.load(Ordering::Relaxed)
+    }
+
+    fn must_give_up(&self) -> bool {
+        self.state.must_give_up.load(Ordering::Relaxed)
+    }
+
+    fn problem(&self, doing: &str) -> Problem {
+        match self.limit {
+            Some(limit) => limit.problem(doing),
+            None => host::Unlimited.problem(doing),
+        }
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        self.state.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Limit {
+    /// What may be held before the work is asked to stop.
+    fn stop(self) -> f64 {
+        TO_STOP * self.gigabytes
+    }
+
+    /// What may be held before the process is ended.
+    fn end(self) -> f64 {
+        self.gigabytes.max(self.stop() + LEAST_REST)
+    }
+
+    fn problem(self, doing: &str) -> Problem {
+        let gigabytes = self.gigabytes;
+        let limit = match self.is_default {
+            true => format!("{gigabytes:.1} GB of memory that were free"),
+            false => format!("{gigabytes} GB of memory that it may take"),
+        };
+        let message = format!("the work needs more than the {limit}{doing}");
+        Problem::undecided("memory-limit", message)
+            .remedy("raise --memory-limit, or make the model smaller, for example by its constants")
+    }
+}
+
+/// Looks at what is held until the command is over.
+fn watch(limit: Limit, state: &State) {
+    while !state.is_over.load(Ordering::Relaxed) {
+        let Some(held) = look(limit, state) else {
+            return;
+        };
+        if held > limit.end() {
+            let doing = " in a step that could not be stopped";
+            let problem = limit.problem(doing);
+            to_stderr(&rendered(&problem, false));
+            std::process::exit(i32::from(exit_code(&problem)));
+        }
+        std::thread::sleep(BETWEEN_LOOKS);
+    }
+}
+
+/// What is held, if that is told; the work is asked to stop if it is too much.
+fn look(limit: Limit, state: &State) -> Option<f64> {
+    let held = resident_gigabytes()?;
+    if held > limit.stop() {
+        state.must_stop.store(true, Ordering::Relaxed);
+    }
+    if held > 0.5 * (limit.stop() + limit.end()) {
+        state.must_give_up.store(true, Ordering::Relaxed);
+    }
+    Some(held)
+}
+
+/// What the process holds in memory, in units of 10^9 bytes.
+fn resident_gigabytes() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kibibytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024.0 / 1e9)
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
 mod tests {
     use super::*;
 
-    /// Blocks that were asked for from the system one by one, as the C library counts them.
-    fn blocks_from_system() -> usize {
-        // SAFETY: it only reads the allocator's counters.
-        unsafe { libc::mallinfo2() }.hblks
-    }
-
     #[test]
-    fn large_blocks_come_from_the_system_after_others_were_given_back_to_it() {
-        assert!(give_large_blocks_back());
-        // As it comes, the C library would keep what is of this size from here on.
-        drop(vec![1_u8; 16 << 20]);
-        let before = blocks_from_system();
-        // So many that what other tests do meanwhile is no matter.
-        let blocks: Vec<Vec<u8>> = (0..1000).map(|_| vec![0_u8; 200_000]).collect();
-        assert!(blocks_from_system() >= before + 900, "{before}");
-        drop(blocks);
-        assert!(blocks_from_system() < before + 100, "{before}");
+    fn a_limit_that_is_passed_stops_the_work() {
+        let memory = Memory::new(Some(1e6));
+        assert!(!memory.must_stop());
+        memory.state.must_stop.store(true, Ordering::Relaxed);
+        assert!(memory.must_stop());
+        let problem = memory.problem("");
+        assert_eq!((problem.code, exit_code(&problem)), ("memory-limit", 3));
+        let by_default = Memory::new(None).limit.expect("Linux tells what is free");
+        assert!(by_default.is_default && by_default.gigabytes > 0.0);
     }
 }

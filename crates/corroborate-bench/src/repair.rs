@@ -26,7 +26,9 @@ use crate::texts;
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Observed};
 use checker::Method;
 use evidence::{Interval, Outcome, Subject};
-use refinement::{Asked, Counts, Ground, Model, ModelChange, Offer, Solver, TextChange, Values};
+use refinement::{
+    Asked, Counts, Exchange, Ground, Model, ModelChange, Offer, Solver, TextChange, Values,
+};
 use stats::Confidence;
 
 /// What came of the first proposal.
@@ -150,10 +152,10 @@ fn touches_fault(study: &Synthetic, offer: &Offer) -> bool {
         (Offer::Text { change, .. }, Some(site)) => match change {
             TextChange::Methods { .. } => site == Site::Solver,
             TextChange::Step { .. } => site == Site::TimeStep,
-            TextChange::Names { modes } => {
-                site == Site::Data && modes.iter().all(|mode| is_subject(mode))
-            }
         },
+        (Offer::Exchange { modes, .. }, Some(Site::Data)) => {
+            modes.iter().all(|mode| is_subject(mode))
+        }
         _ => false,
     }
 }
@@ -195,11 +197,13 @@ fn applied(study: &Synthetic, offer: &Offer) -> Result<Applied, String> {
                 let step = assets.step.as_mut().ok_or("no step is too large")?;
                 step.step = part;
             }
-            TextChange::Names { .. } => {
-                let text = change.make(&texts::table(&assets))?;
-                assets.columns = texts::read_table(&text, &assets.modes)?;
-            }
         },
+        // The table here has names and no counts, so that either kind of exchange is one of names.
+        Offer::Exchange { modes, .. } => {
+            let modes = modes.clone();
+            let text = Exchange::Names { modes }.make(&texts::table(&assets))?;
+            assets.columns = texts::read_table(&text, &assets.modes)?;
+        }
         Offer::Parameters { counts, .. } => fitted = fit(study, &mut assets, counts)?,
     }
     Ok(Applied { assets, fitted })
@@ -318,9 +322,9 @@ fn is_the_truth(study: &Synthetic, offer: &Offer, fitted: &[(String, Interval)])
                     Subject::Requirement(_) => true,
                 })
             }
-            TextChange::Names { .. } => study.assets.columns.is_sorted(),
             TextChange::Methods { .. } => study.assets.methods.first() == Some(&Method::Sound),
         },
+        Offer::Exchange { .. } => study.assets.columns.is_sorted(),
         Offer::Form(change) => {
             let (requirement, _) = change.touches();
             let mut forms = study.assets.forms.iter();

@@ -77,6 +77,7 @@ fn computed(subject: usize) -> Measure {
                 spread: vec![],
                 quantiles: draws,
                 robust: None,
+                ends: None,
             }
         });
     Measure::Probability {

@@ -7,8 +7,12 @@
 //! experiment whose rate is lower by 0.3: conflicts among the other pieces are false, and the study tests fewer true
 //! hypotheses.
 
+#[path = "../tests/integration/support/mod.rs"]
+mod support;
+
 use evidence::*;
 use serde_json::{Value, json};
+pub use support::Uniform;
 
 /// Trials of the simulation and of both experiments.
 const TRIALS: [u64; 3] = [200, 60, 40];
@@ -16,23 +20,6 @@ const IDS: [&str; 4] = ["M", "S", "E", "F"];
 const RATES: [f64; 5] = [0.9, 0.95, 0.8, 0.6, 0.99];
 /// Margins for which conflicts are counted.
 pub const MARGINS: [f64; 3] = [0.001, 0.05, 0.1];
-
-/// Uniform numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, 2014).
-pub struct Uniform(pub u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn count(&mut self, trials: u64, rate: f64) -> u64 {
-        (0..trials).filter(|_| self.next() < rate).count() as u64
-    }
-}
 
 /// Which false statements a study made.
 #[derive(Clone, Copy, Default)]

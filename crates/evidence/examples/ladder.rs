@@ -3,92 +3,11 @@
 //! `cargo run -p evidence --release --example ladder` prints the tables of `conclude`. Seeded, so that it prints the same
 //! each time.
 
-use evidence::{
-    Conclusion, Direction, ErrorFamily, Evidence, Finding, Guarantee, Influences, Interval, Levels,
-    Measure, MethodAnswer, Requirement, Study, Subject, Technique, Threshold, Tool, Verdict,
-    compare, conclude,
-};
+#[path = "../tests/integration/support/mod.rs"]
+mod support;
 
-/// Uniform numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, 2014).
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn count(&mut self, trials: u64, rate: f64) -> u64 {
-        (0..trials).filter(|_| self.next() < rate).count() as u64
-    }
-}
-
-fn counts(count: u64, trials: u64) -> Measure {
-    Measure::Counts {
-        count,
-        trials,
-        effective_trials: None,
-        interval: Interval {
-            low: 0.0,
-            high: 1.0,
-        },
-    }
-}
-
-fn computed(value: f64) -> Measure {
-    Measure::Probability {
-        answer: MethodAnswer {
-            method: "exact".into(),
-            value,
-            complement: None,
-            guarantee: Guarantee::Exact { rational: None },
-            iterations: None,
-        },
-        others: Vec::new(),
-        credible: None,
-    }
-}
-
-/// A piece with one measure for each requirement.
-fn piece(id: &str, technique: Technique, measures: Vec<Measure>) -> Evidence {
-    let finding = |(index, measure): (usize, Measure)| Finding {
-        subject: Subject::Requirement(index.to_string()),
-        measure,
-        denominator: evidence::Denominator::default(),
-        trigger: None,
-        undecided: 0,
-        witnesses: Vec::new(),
-        readings: Vec::new(),
-    };
-    Evidence {
-        id: id.into(),
-        title: id.into(),
-        technique,
-        tool: Tool {
-            name: String::new(),
-            version: String::new(),
-            settings: String::new(),
-        },
-        assets: Vec::new(),
-        conditions: "typical".into(),
-        changed: String::new(),
-        calibrated: Vec::new(),
-        intermediate: false,
-        published: false,
-        reproduced_by: None,
-        findings: measures.into_iter().enumerate().map(finding).collect(),
-        form_differences: Vec::new(),
-        description_gaps: Vec::new(),
-        failures: Vec::new(),
-        clusters: None,
-        shared_rows: Vec::new(),
-        lineage_questions: Vec::new(),
-        inputs: String::new(),
-    }
-}
+use evidence::*;
+use support::{Uniform, counts, exact, piece};
 
 fn conclusions(
     ledger: &[Evidence],
@@ -138,12 +57,12 @@ fn one_requirement() {
                 for _ in 0..STUDIES {
                     let model = match technique {
                         Technique::Simulation => counts((1000.0 * value) as u64, 1000),
-                        _ => computed(value),
+                        _ => exact(value),
                     };
                     let counted = counts(uniform.count(trials, truth), trials);
                     let ledger = [
-                        piece("M", technique, vec![model]),
-                        piece("E", Technique::Experiment, vec![counted]),
+                        piece("M", technique, vec![(0, model)]),
+                        piece("E", Technique::Experiment, vec![(0, counted)]),
                     ];
                     let found = &conclusions(&ledger, 1, threshold, ErrorFamily::Study)[0];
                     any += u64::from(found.verdict == Verdict::Satisfied);
@@ -173,9 +92,9 @@ fn several_requirements() {
                 let mut uniform = Uniform(2);
                 let (mut violated, mut satisfied) = (0, 0);
                 for _ in 0..STUDIES {
-                    let measures = |uniform: &mut Uniform| -> Vec<Measure> {
+                    let measures = |uniform: &mut Uniform| -> Vec<(usize, Measure)> {
                         let all = 0..requirements;
-                        all.map(|_| counts(uniform.count(trials, 0.9), trials))
+                        all.map(|it| (it, counts(uniform.count(trials, 0.9), trials)))
                             .collect()
                     };
                     let ledger = [piece("E", Technique::Experiment, measures(&mut uniform))];

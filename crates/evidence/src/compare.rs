@@ -42,6 +42,7 @@
 mod belief;
 mod closed;
 mod decide;
+mod ends;
 mod further;
 mod lineage;
 mod pair;
@@ -55,6 +56,7 @@ mod together;
 pub(crate) mod words;
 
 pub(crate) use belief::{Belief, CountsThen};
+pub(crate) use ends::End;
 pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
 pub(crate) use lineage::Lineage;

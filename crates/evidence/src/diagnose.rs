@@ -43,7 +43,7 @@ mod voices;
 pub use cells::{CellPlace, VerdictCounts};
 pub use contrast::{SameTraces, contrasts};
 pub use matter::{Clue, Matter, requirement_form, system_model};
-pub use names::mixed_up;
+pub use names::{MixedUp, mixed_up};
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, STRONG, signed_strength, strength};
 pub use suspect::{

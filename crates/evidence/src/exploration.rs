@@ -18,8 +18,10 @@ pub struct Exploration<F = Discovery> {
     pub statement: String,
     /// What was run: an entry of the ledger.
     pub evidence: String,
-    /// The version of the physics engine.
+    /// The version of the physics engine, and which physics the episodes are of if it is not the full one.
     pub engine: String,
+    /// What the full physics showed of it, where the episodes are of a fast one; absent where they are of the full one.
+    pub confirmation: Option<Confirmation<F>>,
     /// The ledger's entry whose formal model the episodes were held against.
     pub model: Option<String>,
     /// The file that says how it explored, relative to the study where it is one of the study's.
@@ -39,6 +41,16 @@ pub struct Exploration<F = Discovery> {
     /// Episodes whose physics gave no numbers, so that nothing is said of the robot in them. That it happens is a
     /// finding of its own (the simulator fails), of which the first can be replayed.
     pub broken: Vec<BrokenEpisode>,
+}
+
+/// What the full physics showed of an exploration in a fast one. All findings are shown by it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Confirmation<F = Discovery> {
+    /// The version of the physics engine.
+    pub engine: String,
+    /// What episodes of the fast physics showed, and the full physics in none of those that were run again in it: no
+    /// findings.
+    pub not_confirmed: Vec<F>,
 }
 
 /// Why an exploration ended.
@@ -68,7 +80,7 @@ pub struct Discovery {
     pub seed: String,
     /// What led to it.
     pub found_by: String,
-    /// How many episodes showed it.
+    /// How many episodes of the exploration showed it, in the physics that these were run in.
     pub episodes: u64,
     /// Whether it was shown again when that episode was run again.
     pub replayed: bool,

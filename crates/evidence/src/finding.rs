@@ -77,12 +77,30 @@ pub enum Guarantee {
         low: f64,
         /// Not below the greatest value.
         high: f64,
+        /// What the worst scheduler does, where it makes the subject miss its threshold.
+        #[serde(default)]
+        worst: Option<Box<WorstCase>>,
     },
     /// An iteration stopped; the error is unknown.
     Estimated {
         /// Why there is no bound, for example the stopping rule.
         reason: String,
     },
+}
+
+/// What the scheduler of the worst case does along the most probable path on which the subject fails.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WorstCase {
+    /// The probability of the path under that scheduler.
+    pub probability: Option<f64>,
+    /// Its steps in words: the action that is taken, and what changes.
+    pub steps: Vec<String>,
+    /// The file of the results in which it is a test for the bench, relative to the study, if it is one.
+    pub file: Option<String>,
+    /// The test, as it is in that file.
+    pub test: Option<String>,
+    /// How the test is run, or why there is none.
+    pub note: String,
 }
 
 /// The answer of one method of model checking.
@@ -137,14 +155,44 @@ pub struct RobustBounds {
     pub reason: Option<String>,
 }
 
+/// The distribution of one end of the range over all schedulers, of a model whose constants are estimated from counts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EndDistribution {
+    /// Mean of the distribution.
+    pub mean: f64,
+    /// Its central interval at the study's confidence level, extended to the mean and to the end with the constants as
+    /// they are written.
+    pub interval: Interval,
+    /// Which constant contributes how much to its variance, largest first.
+    pub spread: Vec<Spread>,
+    /// Evenly spaced quantiles (0.5 % to 99.5 %), equal weight each, ascending.
+    pub quantiles: Vec<f64>,
+}
+
+/// The least and the greatest probability over all schedulers, each with its distribution.
+///
+/// Each lies beyond its outer limit with at most half of what the study's level leaves, so that with the level's
+/// probability the whole range lies between the outer limits.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SchedulerEnds {
+    /// The probability under the scheduler that makes it least.
+    pub least: EndDistribution,
+    /// The probability under the scheduler that makes it greatest.
+    pub greatest: EndDistribution,
+}
+
 /// A probability whose model has constants estimated from counts: the
 /// constants' Jeffreys posteriors pushed through the model.
+///
+/// Of a model with choices it is the probability under the scheduler that is worst for the subject at each point of the
+/// constants, and the interval is that of `ends`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CredibleInterval {
     /// Mean of the distribution.
     pub mean: f64,
     /// Its central interval at the study's confidence level, extended to the mean and to the answer with the constants as
-    /// they are written where these lie outside (in a skewed distribution).
+    /// they are written where these lie outside (in a skewed distribution). Of a range over all schedulers it reaches from
+    /// the lower limit of the least to the upper limit of the greatest probability.
     pub interval: Interval,
     /// At how many points of the constants it was answered.
     pub solves: u64,
@@ -159,6 +207,9 @@ pub struct CredibleInterval {
     /// Robust bounds beside the distribution.
     #[serde(default)]
     pub robust: Option<Box<RobustBounds>>,
+    /// Both ends of the range, where the model leaves choices open.
+    #[serde(default)]
+    pub ends: Option<Box<SchedulerEnds>>,
 }
 
 /// What was found.
@@ -292,12 +343,13 @@ impl Measure {
                 answer, credible, ..
             } => Some(match (credible, &answer.guarantee) {
                 (Some(credible), _) => credible.interval,
-                (None, Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high }) => {
-                    Interval {
-                        low: *low,
-                        high: *high,
-                    }
-                }
+                (
+                    None,
+                    Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. },
+                ) => Interval {
+                    low: *low,
+                    high: *high,
+                },
                 (None, _) => Interval {
                     low: answer.value,
                     high: answer.value,

@@ -165,7 +165,8 @@ pub struct RepeatedRows {
     pub chance: f64,
 }
 
-/// What looks taken from other evidence though no lineage says so: a question that a line of the ledger settles.
+/// What looks taken from other evidence though no lineage says so, or looks dependent within one piece: a question that a
+/// line of the ledger settles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LineageQuestion {
     /// The other evidence.
@@ -206,6 +207,13 @@ pub enum CopyKind {
     Counts,
     /// Rows of a table.
     Rows,
+    /// A number in an asset that is a product of two rates of the other evidence's counts.
+    Product,
+    /// Trials of the piece itself that are alike where the table does not say that they belong together; the other
+    /// evidence is the piece.
+    Trials,
+    /// Episodes with the same seeds as the other evidence's.
+    Seeds,
 }
 
 impl Evidence {

@@ -32,6 +32,9 @@ mod requirement;
 mod sensitivity;
 mod step;
 mod synthesis;
+#[cfg(test)]
+#[path = "../tests/integration/support/uniform.rs"]
+mod uniform;
 mod verdict;
 
 pub use asset::{Asset, AssetRole, Technique, Tool};
@@ -47,7 +50,7 @@ pub use conclude::{CERTAINTY, conclude};
 pub use description::DescriptionGap;
 pub use diagnose::{
     CERTAIN, Cell, CellPlace, Clue, Contrast, Diagnosis, Effort, Figure, HALF_STEP, JudgedBy,
-    Matter, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces,
+    Matter, MixedUp, Rate, STRONG, SameTraces, Suspect, SuspectAsset, SuspectKind, Symptom, Traces,
     VerdictCounts, Witness, contrasts, mixed_up, rank, requirement_form, share_assumption,
     signed_strength, strength, system_model, voices,
 };
@@ -55,11 +58,14 @@ pub use disagreement::{
     ContextParameter, ContextRange, ContextRegion, DisagreementMap, MapPlace, RegionOutcome,
     RegionShares, SearchEnd,
 };
-pub use exploration::{BrokenEpisode, CauseFound, CauseSetting, Discovery, Exploration, Stopped};
+pub use exploration::{
+    BrokenEpisode, CauseFound, CauseSetting, Confirmation, Discovery, Exploration, Stopped,
+};
 pub use failure::{EpisodeFailures, FailureKind};
 pub use finding::{
-    ConstantInterval, CredibleInterval, Denominator, Finding, FormDifference, Guarantee, Measure,
-    MethodAnswer, Reading, RobustBounds, Spread, Subject,
+    ConstantInterval, CredibleInterval, Denominator, EndDistribution, Finding, FormDifference,
+    Guarantee, Measure, MethodAnswer, Reading, RobustBounds, SchedulerEnds, Spread, Subject,
+    WorstCase,
 };
 pub use fit::{
     CalibrationReport, DirectionReport, FileReport, HeldOutRunsReport, Identification, Likeness,
@@ -71,6 +77,7 @@ pub use ledger::{
     RepeatedRows, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
+pub use measure::Worst;
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
 pub use step::{CarryOver, Step};

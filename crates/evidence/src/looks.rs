@@ -12,7 +12,8 @@
 //!
 //! # Guarantee
 //! That of `stats::continuation`: with the looks recorded, whoever goes on until something is shown errs no more often
-//! than the declared level. Looks that were not recorded are not known.
+//! than the declared level: exactly for independent counts, approximately for correlated ones, which exceed it where few
+//! people are added at many looks (`ERROR_RATES.md`). Looks that were not recorded are not known.
 
 pub(crate) mod over_looks;
 

@@ -7,7 +7,10 @@
 //! Source: E. B. Wilson (1927) for the interval; `stats` for clusters and draws. Guarantee: bounds of a
 //! quotient hold, since each division is rounded outwards.
 
-use crate::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Spread};
+use crate::{
+    CredibleInterval, EndDistribution, Guarantee, Interval, Measure, MethodAnswer, SchedulerEnds,
+    Spread,
+};
 use stats::{
     ClusterMethod, ClusteredRate, CommonCorrelation, Confidence, EffectiveSample, Sample,
     SharesDesign, StatsError,
@@ -172,6 +175,77 @@ impl CredibleInterval {
         Ok(Self::of_draws(&found.draws, values.len(), spread, level))
     }
 
+    /// What a model with choices says at the rows of a design: the least and the greatest probability over all schedulers
+    /// at each, of which `worst` names that which is the subject's value.
+    ///
+    /// The interval reaches from the lower limit of the central interval of the least to the upper limit of that of the
+    /// greatest probability: the posterior probability that the whole range lies within is at least the level
+    /// (Bonferroni's inequality).
+    ///
+    /// # Errors
+    /// Those of [`SharesDesign::analyse`].
+    ///
+    /// ```
+    /// use evidence::{CredibleInterval, Worst};
+    /// use stats::{BetaPosterior, Confidence, Sample, SharesDesign};
+    /// let p = BetaPosterior::jeffreys(Sample { successes: 90, trials: 100 });
+    /// let design = SharesDesign::new(&[p], 1000, 1);
+    /// let ends = |of: fn(f64) -> f64| -> Vec<f64> { design.rows().iter().map(|x| of(x[0])).collect() };
+    /// let (least, greatest) = (ends(|p| p * p), ends(|p| p));
+    /// let found = CredibleInterval::of_ends(&["p"], &design, (&least, &greatest), Worst::Least, Confidence::P95)?;
+    /// assert!((found.interval.low - p.quantile(0.025).powi(2)).abs() < 1e-3);
+    /// assert!((found.interval.high - p.quantile(0.975)).abs() < 1e-3);
+    /// # Ok::<(), stats::StatsError>(())
+    /// ```
+    pub fn of_ends(
+        constants: &[&str],
+        design: &SharesDesign,
+        (least, greatest): (&[f64], &[f64]),
+        worst: Worst,
+        level: Confidence,
+    ) -> Result<Self, StatsError> {
+        let least = Self::of_design(constants, design, least, level)?;
+        let greatest = Self::of_design(constants, design, greatest, level)?;
+        let interval = Interval {
+            low: least.interval.low,
+            high: greatest.interval.high,
+        };
+        let ends = SchedulerEnds {
+            least: least.end(),
+            greatest: greatest.end(),
+        };
+        let worst = match worst {
+            Worst::Least => least,
+            Worst::Greatest => greatest,
+        };
+        Ok(Self {
+            interval,
+            ends: Some(Box::new(ends)),
+            ..worst
+        })
+    }
+
+    fn end(&self) -> EndDistribution {
+        EndDistribution {
+            mean: self.mean,
+            interval: self.interval,
+            spread: self.spread.clone(),
+            quantiles: self.quantiles.clone(),
+        }
+    }
+
+    /// The same beside the ends of the range with the constants as they are written, as [`CredibleInterval::beside`].
+    pub fn beside_ends(mut self, as_written: Interval) -> Self {
+        if let Some(ends) = &mut self.ends {
+            let (least, greatest) = (&mut ends.least, &mut ends.greatest);
+            least.interval = least.interval.with(as_written.low).with(least.mean);
+            greatest.interval = greatest.interval.with(as_written.high).with(greatest.mean);
+            self.interval.low = self.interval.low.min(least.interval.low);
+            self.interval.high = self.interval.high.max(greatest.interval.high);
+        }
+        self
+    }
+
     /// The same beside the answer with the constants as they are written: no number lies outside the interval that is
     /// shown with it. The interval only becomes wider, so it holds at least at its level.
     pub fn beside(self, value: f64) -> Self {
@@ -203,8 +277,18 @@ impl CredibleInterval {
                 .map(|i| draws.quantile((f64::from(i) + 0.5) / 100.0))
                 .collect(),
             robust: None,
+            ends: None,
         }
     }
+}
+
+/// Which end of the range over all schedulers is a subject's value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Worst {
+    /// The least probability, of a requirement.
+    Least,
+    /// The greatest, of a failure mode.
+    Greatest,
 }
 
 impl MethodAnswer {
@@ -215,7 +299,7 @@ impl MethodAnswer {
                 low: self.value,
                 high: self.value,
             }),
-            Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+            Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => {
                 Some(Interval {
                     low: *low,
                     high: *high,
@@ -254,9 +338,13 @@ impl MethodAnswer {
                 let (low, high) = turned(*low, *high);
                 Guarantee::Bounded { low, high }
             }
-            Guarantee::Schedulers { low, high } => {
+            Guarantee::Schedulers { low, high, worst } => {
                 let (low, high) = turned(*low, *high);
-                Guarantee::Schedulers { low, high }
+                Guarantee::Schedulers {
+                    low,
+                    high,
+                    worst: worst.clone(),
+                }
             }
             Guarantee::Estimated { reason } => Guarantee::Estimated {
                 reason: reason.clone(),

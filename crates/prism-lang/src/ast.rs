@@ -9,7 +9,7 @@ mod property;
 pub use composition::{Observables, System, SystemExpr, SystemKind};
 pub use property::{
     Coalition, Comparison, Filter, Optimum, Property, PropertyFile, Quantifier, Reward,
-    RewardIndex, RewardObjective, StateFilter, StepBound, Strategy, TemporalOp,
+    RewardIndex, RewardObjective, StateFilter, StepBound, Strategy, TemporalOp, UnreadProperty,
 };
 
 use crate::diagnostic::Span;

@@ -55,7 +55,7 @@ pub enum Severity {
 }
 
 /// One thing that is wrong (or suspicious) in a text, where, and what to do about it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Diagnostic {
     /// Stable identifier of this kind of mistake, such as `unknown-name`.
     pub code: &'static str,

@@ -18,7 +18,7 @@ use crate::number::{Constants, ConstantsError, Number, Value, is_identifier, par
 /// assert_eq!(second.get("p").unwrap().to_string(), "0.2");
 /// # Ok::<(), prism_lang::ConstantsError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Experiment {
     axes: Vec<Axis>,
 }

@@ -220,7 +220,7 @@ impl<'t> Lexer<'t> {
             self.diagnostics
                 .push(error.remedy("Close the name with `\"`."));
         } else if !is_name {
-            let message = format!("\"{name}\" is not a name.");
+            let message = format!("\"{}\" is not a name.", crate::parser::shortened(name));
             let error = Diagnostic::error("not-a-name", Span::new(self.at, end), message);
             self.diagnostics.push(
                 error.remedy("Names are letters, digits and `_`, and do not start with a digit."),

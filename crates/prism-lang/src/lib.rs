@@ -54,7 +54,7 @@
 //!
 //! Real numbers are exact as long as they are rational: `1-0.95` is one twentieth, and `3*0.1=0.3` holds.
 //! Integers have 64 bits. A command's probabilities must sum to 1 to within 1e-12: PRISM rescales sums that
-//! are off by up to 1e-5. See [`resolve()`] and [`Expr::eval_bool`].
+//! are off by up to 1e-5, which [`resolve_rounded`] does where it is asked for. See [`resolve()`] and [`Expr::eval_bool`].
 
 mod arithmetic;
 pub mod ast;
@@ -84,4 +84,4 @@ pub use format::{format_model, format_properties};
 pub use number::{Constants, ConstantsError, Number, Rational, Value, rational_to_f64};
 pub use parser::{parse_model, parse_properties};
 pub use property::{Bound, Comparison, NamedProperty, Path, Property, StateFormula, TimeBound};
-pub use resolve::{resolve, resolve_open, resolve_properties, resolve_with};
+pub use resolve::{resolve, resolve_open, resolve_properties, resolve_rounded, resolve_with};

@@ -13,6 +13,9 @@ pub type Rational = num_rational::BigRational;
 /// Largest magnitude of a decimal exponent in a literal: beyond it, an exact value would only eat memory.
 const MAX_EXPONENT: i64 = 5_000;
 
+/// Longest literal: an exact value takes time that grows faster than its length.
+const MAX_LENGTH: usize = 10_000;
+
 /// A real number: exact if it is rational, and in any case the nearest (or a near) `f64`.
 ///
 /// Literals such as `0.1` are exact (one tenth). Only irrational results (logarithms, roots) lose exactness.
@@ -50,8 +53,11 @@ impl Number {
 
     /// Reads an unsigned decimal literal (`0.25`, `1e-3`, `.5`) exactly.
     ///
-    /// `None` when it is not such a literal or its exponent is beyond five thousand.
+    /// `None` when it is not such a literal, has more than ten thousand characters, or its exponent is beyond five thousand.
     pub fn parse(literal: &str) -> Option<Self> {
+        if literal.len() > MAX_LENGTH {
+            return None;
+        }
         let approximate: f64 = literal.parse().ok()?;
         let (mantissa, exponent) = match literal.find(['e', 'E']) {
             Some(at) => (&literal[..at], literal[at + 1..].parse::<i64>().ok()?),

@@ -90,6 +90,17 @@ pub struct Model {
     pub init: Init,
     /// What was suspicious, but no error.
     pub warnings: Vec<Diagnostic>,
+    /// Commands whose probabilities were divided by their sum (see [`crate::resolve_rounded`]).
+    pub rounded: Vec<RoundedSum>,
+}
+
+/// A command whose probabilities, as they are written, do not sum to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoundedSum {
+    /// The command.
+    pub span: Span,
+    /// How far from 1 they sum up, in magnitude; no less than that.
+    pub excess: f64,
 }
 
 /// A constant and its value.

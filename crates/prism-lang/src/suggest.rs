@@ -6,11 +6,20 @@
 //! number is at most a third of the word's length (rounded down; for a shorter word only its case may differ);
 //! of several, the first. Cost: product of lengths.
 
+/// Longest word that is compared.
+const LONGEST: usize = 100;
+
 /// The nearest of `known`, if one is near.
 pub(crate) fn suggest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    // Nobody mistypes a longer one, and its distance would take long.
+    if word.len() > LONGEST {
+        return None;
+    }
     let allowed = word.chars().count() / 3;
     known
         .into_iter()
+        // Each character takes one to four bytes; the distance is at least the difference of the lengths.
+        .filter(|name| name.len() <= 4 * (word.len() + allowed))
         .map(|name| (distance(word, name), name))
         .filter(|(d, _)| *d <= allowed)
         .min_by_key(|(d, _)| *d)

@@ -120,6 +120,12 @@ impl TopicMap {
         parse::parse(name, text)
     }
 
+    /// The JSON Schema of the file.
+    #[must_use]
+    pub fn schema() -> schemars::Schema {
+        parse::schema()
+    }
+
     /// The entry that gives the signal `name`, and which of its parts it is.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<(&MappedSignal, usize)> {

@@ -34,9 +34,12 @@
 mod counts;
 mod diff;
 mod draws;
+mod exchange;
+mod fit;
 mod form_change;
 mod model_change;
 mod model_offers;
+mod named_numbers;
 mod offers;
 mod solve;
 mod text_change;
@@ -45,11 +48,14 @@ mod trial;
 
 pub use counts::{Counts, anchors};
 pub use diff::unified;
+pub use exchange::Exchange;
+pub use fit::{MOST as MOST_RUNS_OF_A_FIT, Tried, fitted};
 pub use form_change::FormChange;
 pub use model_change::{
     Changed, ModelChange, NEAR, Refusal, SAME, SetConstant, Solver, Values, rate_of,
 };
 pub use model_offers::{Asked, Ground, Model, ModelOffers};
+pub use named_numbers::{NamedNumber, is_all_named, named_numbers};
 pub use offers::{Offer, Offers, Ranked};
 pub use text_change::{TextChange, steps};
 pub use trial::{Touch, Trial};

@@ -10,9 +10,9 @@
 //! | solver whose answer counts | the method whose bounds hold comes first |
 //! | time step | divided until the error that is left is a tenth of the margin ([`crate::steps`]) |
 //! | simulation | its parameters fitted to the counts of the failure modes that it is named for, if it is likelier than not the odd one out |
-//! | data | two names change places, if that explains what the table differs in |
+//! | data | two failure modes change places, in all texts that count them, if that explains what the table differs in |
 //!
-//! *Two names* of a table were mixed up as [`evidence::mixed_up`] defines it.
+//! *Two failure modes* of a table were mixed up as [`evidence::mixed_up`] defines it.
 //!
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
@@ -56,6 +56,15 @@ pub enum Offer {
         evidence: String,
         /// How.
         change: TextChange,
+    },
+    /// Two failure modes of a table change places, in all texts that count them.
+    Exchange {
+        /// The evidence that rests on the table.
+        evidence: String,
+        /// The failure modes.
+        modes: [String; 2],
+        /// Whether their opportunities change places, too.
+        is_whole: bool,
     },
     /// A simulation's parameters are fitted.
     Parameters {
@@ -305,7 +314,9 @@ impl<'g> Ground<'g> {
         all.filter(|piece| ids.contains(&piece.id))
     }
 
-    pub(crate) fn margin(&self, subject: &Subject) -> f64 {
+    /// The declared margin of a subject.
+    #[must_use]
+    pub fn margin(&self, subject: &Subject) -> f64 {
         let modes = self.failure_modes.iter().map(|m| (&m.id, m.margin));
         let requirements = self.requirements.iter().map(|r| (&r.id, r.margin));
         let margin = match subject {
@@ -488,11 +499,11 @@ impl<'g> Ground<'g> {
     fn of_data(&self, suspect: &Suspect) -> Vec<Offer> {
         let pieces = self.pieces(suspect);
         let offers = pieces.filter_map(|piece| {
-            let modes = mixed_up(self.evidence, piece, &|subject| self.margin(subject))?;
-            let modes = modes.map(|mode| mode.id().to_owned());
-            Some(Offer::Text {
+            let found = mixed_up(self.evidence, piece, &|subject| self.margin(subject))?;
+            Some(Offer::Exchange {
                 evidence: piece.id.clone(),
-                change: TextChange::Names { modes },
+                modes: found.modes.map(|mode| mode.id().to_owned()),
+                is_whole: found.is_whole,
             })
         });
         offers.collect()

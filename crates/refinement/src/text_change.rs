@@ -1,11 +1,8 @@
-//! Changes of the texts that are neither a formal model nor the requirements: the ledger's methods, a scene's time step,
-//! the names in a table of failure modes.
+//! Changes of the texts that are neither a formal model nor the requirements: the ledger's methods, a scene's time step.
 //!
 //! # Definition
 //! * *Methods*: the method whose bounds hold comes first in `methods`, so that its answer counts.
 //! * *Step*: a time step is divided by a power of two ([`steps`]).
-//! * *Names*: two rows of a table `mode,...` get each other's name, where the counts of other evidence say that they
-//!   were mixed up ([`crate::offers`]).
 //!
 //! # Source of [`steps`]
 //! L. F. Richardson, "The approximate arithmetical solution by finite differences" (1911): of an error that is
@@ -32,11 +29,6 @@ pub enum TextChange {
         /// By what.
         divisor: u32,
     },
-    /// Two rows of a table get each other's name.
-    Names {
-        /// The names.
-        modes: [String; 2],
-    },
 }
 
 impl TextChange {
@@ -48,7 +40,6 @@ impl TextChange {
         match self {
             Self::Methods { evidence, first } => methods(text, evidence, first),
             Self::Step { key, divisor } => step(text, key, *divisor),
-            Self::Names { modes } => names(text, modes),
         }
     }
 }
@@ -85,31 +76,6 @@ fn step(text: &str, key: &str, divisor: u32) -> Result<String, String> {
     let old = number(value.get_ref()).ok_or_else(missing)?;
     let edit = Edit::replace(span_of(value), (old / f64::from(divisor)).to_string());
     edit::apply(text, &[edit]).map_err(|error| error.to_string())
-}
-
-/// The rows' names change places; all else of each row stays.
-fn names(text: &str, modes: &[String; 2]) -> Result<String, String> {
-    let of_line = |line: &str| line.split(',').next().map(|name| name.trim().to_owned());
-    let mut found = [false; 2];
-    let mut changed = String::with_capacity(text.len());
-    for line in text.split_inclusive('\n') {
-        let name = of_line(line);
-        let place = modes.iter().position(|mode| name.as_ref() == Some(mode));
-        match place {
-            Some(place) => {
-                found[place] = true;
-                changed.push_str(&line.replacen(&modes[place], &modes[1 - place], 1));
-            }
-            None => changed.push_str(line),
-        }
-    }
-    match found {
-        [true, true] => Ok(changed),
-        _ => Err(format!(
-            "the table has no rows `{}` and `{}`",
-            modes[0], modes[1]
-        )),
-    }
 }
 
 /// By which power of two a time step is divided so that what is left of its error is at most `allowed`. Episodes that
@@ -186,17 +152,5 @@ mod tests {
         assert_eq!(steps([30, 20], 10, 100, 0.08), 4);
         assert_eq!(steps([30, 20], 10, 100, 0.077), 4);
         assert_eq!(steps([30, 20], 10, 100, 0.075), 8);
-    }
-
-    #[test]
-    fn two_rows_get_each_others_name() {
-        let text = "mode,occurrences,opportunities\nslip,7,98\ngaze,3,98\nslip_late,1,9\n";
-        let change = |modes: [&str; 2]| TextChange::Names {
-            modes: modes.map(str::to_owned),
-        };
-        let made = change(["slip", "gaze"]).make(text);
-        let swapped = "mode,occurrences,opportunities\ngaze,7,98\nslip,3,98\nslip_late,1,9\n";
-        assert_eq!(made, Ok(swapped.to_owned()));
-        assert!(change(["slip", "none"]).make(text).is_err());
     }
 }

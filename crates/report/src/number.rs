@@ -110,7 +110,7 @@ pub fn interval(interval: Interval) -> String {
 /// A computed probability: two decimals of a percentage, or its distance from
 /// one where the answer carries that; of a decision process its range over all schedulers.
 pub fn answer(answer: &MethodAnswer) -> String {
-    if let Guarantee::Schedulers { low, high } = answer.guarantee {
+    if let Guarantee::Schedulers { low, high, .. } = answer.guarantee {
         return interval(Interval { low, high });
     }
     match answer.complement {
@@ -157,7 +157,7 @@ pub fn guarantee(guarantee: &Guarantee) -> String {
                 high: *high
             })
         ),
-        Guarantee::Schedulers { low, high } => format!(
+        Guarantee::Schedulers { low, high, .. } => format!(
             "over all schedulers: {}",
             interval(Interval {
                 low: *low,

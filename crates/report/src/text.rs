@@ -4,7 +4,10 @@
 //! Text of the study is stripped of control characters before it is printed,
 //! so that no file can write escape sequences to the reader's terminal.
 
-use evidence::{Conclusion, DescriptionGap, Measure, Outcome, Requirement, StudyResult, Technique};
+use evidence::{
+    Conclusion, CopyKind, DescriptionGap, LineageQuestion, Measure, Outcome, Requirement,
+    StudyResult, Technique,
+};
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
 use crate::number;
@@ -378,8 +381,16 @@ fn questions(page: &mut Page, study: &StudyResult) {
     let pieces = study.evidence.iter();
     let all = pieces.flat_map(|piece| &piece.lineage_questions);
     let open: Vec<_> = all.filter(|question| question.is_open()).collect();
+    let (trials, copied): (Vec<_>, Vec<_>) = open
+        .into_iter()
+        .partition(|question| question.kind == CopyKind::Trials);
+    asked(page, "Possibly copied: state the lineage", &copied);
+    asked(page, "Trials that are possibly not independent", &trials);
+}
+
+fn asked(page: &mut Page, heading: &str, open: &[&LineageQuestion]) {
     if !open.is_empty() {
-        page.heading("Possibly copied: state the lineage");
+        page.heading(heading);
     }
     for question in open {
         let places = question.places.join(", ");

@@ -221,7 +221,9 @@ pub fn figures(measure: &Measure) -> Markup {
                 @match credible.as_ref().filter(|c| c.interval.low < c.interval.high) {
                     Some(credible) => {
                         " " (range(credible.interval))
-                        " " span class="counts" { "credible" }
+                        " " span class="counts" {
+                            @if credible.ends.is_some() { "credible, over all schedulers" } @else { "credible" }
+                        }
                     },
                     None => { " " span class="counts" { (number::guarantee(&answer.guarantee)) } },
                 }

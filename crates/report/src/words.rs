@@ -208,7 +208,7 @@ fn certainty(measure: &Measure) -> Mark {
     };
     let (low, high) = match answer.guarantee {
         Guarantee::Exact { .. } => (answer.value, answer.value),
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => (low, high),
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => (low, high),
         Guarantee::Estimated { .. } => return mark("?", "error unknown", "open"),
     };
     let short_of_one = answer.complement.is_some_and(|rest| rest > 0.0) || low < 1.0;

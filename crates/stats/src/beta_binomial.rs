@@ -22,7 +22,7 @@
 //! cluster costs the same at 5 and at 10^8 trials; clusters alike are counted once. Where all
 //! outcomes are the same the interval is that of `k` trials, one for each cluster, since `rho` may
 //! then be 1. Cost: some thousands of likelihoods. Guarantee: asymptotic in the number of clusters;
-//! measured coverage and false alarms are in `tests/calibration.rs`.
+//! measured coverage and false alarms are in `tests/integration/calibration.rs`.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;

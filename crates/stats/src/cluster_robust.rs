@@ -16,7 +16,7 @@
 //! Student's distribution, because a trial's own variance is known; where the clusters' rates do
 //! not differ at all (0 of n and n of n among them), `V` says nothing and `n*` is `k`, one trial
 //! for each cluster. Cost: linear. Guarantee: asymptotic in the number of clusters; measured
-//! coverage is in `tests/calibration.rs`.
+//! coverage is in `tests/integration/calibration.rs`.
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;

@@ -16,7 +16,7 @@
 //! subject it then speaks of that subject.
 //!
 //! # Coverage
-//! Exact, by all outcomes that clusters of these sizes can have (`tests/cluster_coverage.rs`): percent of 95 % intervals,
+//! Exact, by all outcomes that clusters of these sizes can have (`tests/integration/cluster_coverage.rs`): percent of 95 % intervals,
 //! by the rate, from the least to the most of correlations 0, 0.05, 0.1, 0.2, 0.3, 0.5 and 0.7.
 //!
 //! | clusters x trials | 0.5 | 0.7 | 0.88 | 0.95 | 0.97 | 0.99 |

@@ -110,6 +110,45 @@ pub fn constant_by_chance(counts: Sample, value: f64, step: f64) -> f64 {
     within(step).max(common_multiple(below) * within(1.0 / below as f64))
 }
 
+/// The probability that an independent source writes this number, in steps of `step`, where the product of two rates (or
+/// 1 minus it) is about as large; and whether the number is the product, rounded. `None` where the number is so far from
+/// the product that it has no probability.
+///
+/// The product has the mean and the variance of the product of both posteriors, and is taken as normal (delta method).
+///
+/// ```
+/// use stats::{Sample, product_by_chance};
+/// let stages = [(174, 200), (187, 200)].map(|(successes, trials)| Sample { successes, trials });
+/// let (chance, met) = product_by_chance(stages, false, 0.81345, 0.00001).unwrap();
+/// assert!(met && chance < 2e-4);
+/// let (chance, met) = product_by_chance(stages, true, 0.19, 0.01).unwrap();
+/// assert!(met && chance > 0.1);
+/// assert!(product_by_chance(stages, false, 0.2, 0.01).is_none());
+/// ```
+#[must_use]
+pub fn product_by_chance(
+    rates: [Sample; 2],
+    is_of_rest: bool,
+    value: f64,
+    step: f64,
+) -> Option<(f64, bool)> {
+    let [first, second] = rates.map(BetaPosterior::jeffreys);
+    let (a, b) = (first.mean(), second.mean());
+    let (u, v) = (first.variance(), second.variance());
+    let deviation = (a * a * v + b * b * u + u * v).sqrt();
+    let turned = |product: f64| if is_of_rest { 1.0 - product } else { product };
+    let distance = (value - turned(a * b)) / deviation;
+    if distance.is_nan() || distance.abs() > 6.0 + step / deviation {
+        return None;
+    }
+    let [p, q] = rates.map(|it| it.rate().unwrap_or(f64::NAN));
+    let met = (value - turned(p * q)).abs() <= 0.5 * step * (1.0 + 1e-9);
+    let reach = 0.5 * step / deviation;
+    let below = |z: f64| crate::special::normal_cdf(z);
+    let chance = below(distance + reach) - below(distance - reach);
+    (chance > 0.0).then_some((chance, met))
+}
+
 fn greatest_divisor(a: u64, b: u64) -> u64 {
     match a {
         0 => b,

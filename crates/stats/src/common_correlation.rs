@@ -37,7 +37,7 @@
 //! wherever it is used. Cost: some thousand likelihoods for each column, once.
 //!
 //! Coverage in percent and, in brackets, mean width of 95 % intervals over 500 draws for each row, beside three columns
-//! of rates 0.12, 0.05 and 0.03 (measured by `tests/cluster_coverage.rs`, which also has a correlation of 0.1). *By
+//! of rates 0.12, 0.05 and 0.03 (measured by `tests/integration/cluster_coverage.rs`, which also has a correlation of 0.1). *By
 //! cluster*: with this interval where all outcomes are the same, and else by the column's own correlation, whose exact
 //! coverage [`mod@crate::clustered`] has: 93.4 % and more. *Of a total*: this interval, clusters unknown: 94.2 % and more (a
 //! figure's standard error is about 1). *Independent*: Wilson's, clusters ignored. *Each once*: by cluster,

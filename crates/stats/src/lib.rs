@@ -18,7 +18,8 @@
 //! | Do two tables repeat each other's rows? | [`shared_rows()`], [`renamed_rows()`], [`rows_by_chance`], [`contents_by_chance`] |
 //! | Is a number or a count copied from another? | [`constant_by_chance`], [`count_by_chance`], [`any_coincidence`] |
 //! | Do like outcomes stand together in time? | [`runs_test`] |
-//! | From which clustering on does a decision fall? | [`critical_correlation`] |
+//! | What are trials worth that are alike within groups? | [`kish_design_effect`] |
+//! | Does one subject differ from all others? | [`outlier`](outlier()) |
 //! | What may be said while trials go on, at any time? | [`confidence_sequence`], [`SequentialTest`] |
 //! | What may be said when trials are added and the question is asked again? | [`continued_above`], [`continued_p`], [`continued_interval`] |
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
@@ -61,10 +62,12 @@ pub mod equivalence;
 pub mod exact_equivalence;
 pub mod fisher;
 mod gauss_grid;
+pub mod grouping;
 pub mod heterogeneity;
 pub mod interval;
 pub mod kruskal_wallis;
 pub mod multiple;
+pub mod outlier;
 pub mod paired;
 pub mod posterior;
 pub mod power;
@@ -80,7 +83,7 @@ pub mod shared_rows;
 pub mod spearman;
 pub mod special;
 
-pub use alike_trials::{critical_correlation, kish_design_effect};
+pub use alike_trials::kish_design_effect;
 pub use beta_binomial::BetaBinomial;
 pub use binomial::{binomial_test_above, binomial_test_below, binomial_test_two_sided};
 pub use boschloo::boschloo_exact;
@@ -92,7 +95,7 @@ pub use clustered::{
 };
 pub use coincidence::{
     Possible, any_coincidence, coincidences, constant_by_chance, contents_by_chance,
-    count_by_chance, quotient_by_chance, rows_by_chance, several_coincidences,
+    count_by_chance, product_by_chance, quotient_by_chance, rows_by_chance, several_coincidences,
 };
 pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use common_correlation::CommonCorrelation;
@@ -106,13 +109,17 @@ pub use draws::{Draws, VarianceShare, variance_shares};
 pub use equivalence::{Difference, DifferenceVariance, Tost, difference_interval, tost};
 pub use exact_equivalence::exact_equivalence;
 pub use fisher::fisher_exact;
+pub use grouping::{alike_by_label, alike_in_order};
 pub use heterogeneity::{
     ChiSquared, Combined, Heterogeneity, chi_squared_homogeneity, heterogeneity, pool,
 };
 pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wilson};
 pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
-pub use posterior::{BetaPosterior, PosteriorPlaces, probability_greater, probability_within};
+pub use outlier::{Outlier, outlier};
+pub use posterior::{
+    BetaPosterior, PosteriorPlaces, probability_exceeds, probability_greater, probability_within,
+};
 pub use power::{Arm, FurtherTrials, Goal, further_trials, trials_per_arm};
 pub use predictive::Predictive;
 pub use propagation::{

@@ -1,12 +1,14 @@
 //! Adaptive integration of a smooth function over an interval that is already cut at its bends.
 //!
-//! Each piece is integrated by the Gauss-Kronrod pair of 7 and 15 points; a piece whose two
-//! values differ by more than its share of the tolerance is halved.
+//! Each piece is integrated by the Gauss-Kronrod pair of 7 and 15 points, whose difference estimates its error. The piece with
+//! the largest error is halved until the errors add up to no more than the tolerance. A piece whose halves have the same value
+//! and no smaller error is at the rounding noise of the function: it is not halved again. At most [`MOST_HALVINGS`] are made.
 //!
-//! Source: R. Piessens and others, "QUADPACK" (1983), routine QK15. Deviation: local instead of
-//! global adaptation, with a bound on the depth, so that the order of operations (and with it
-//! every bit of the result) is fixed. Cost: 15 evaluations for each piece. Guarantee: the error
-//! estimate is usually pessimistic by several digits for smooth functions.
+//! Source: R. Piessens and others, "QUADPACK" (1983), routines QAG and QK15, with its detection of roundoff. Deviation: a piece
+//! at the noise is left alone where QAG gives up as a whole, so that one noisy piece does not spoil the others. The order of
+//! operations is fixed, and with it every bit of the result. Cost: 15 evaluations for each piece, 30 for each halving: at most
+//! 30,000 beyond the first pieces, whatever the function. Guarantee: the error estimate is usually pessimistic by several
+//! digits for smooth functions; where a function is noisy, the result is as good as the noise allows.
 
 /// Positive nodes of the 15-point Kronrod rule; every second one is also a Gauss node.
 const NODES: [f64; 8] = [
@@ -40,8 +42,58 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 
-/// Halvings allowed below one piece.
-const MAX_DEPTH: u32 = 24;
+/// Halvings allowed in one integral.
+const MOST_HALVINGS: usize = 1_000;
+
+/// Halves whose errors add up to more than this part of the whole's are not more accurate than it.
+const NO_GAIN: f64 = 0.99;
+
+/// Halves that differ from the whole by more than this part have seen something that the whole has not.
+const SAME: f64 = 1e-5;
+
+/// A part of the interval.
+#[derive(Clone, Copy)]
+struct Piece {
+    low: f64,
+    high: f64,
+    value: f64,
+    error: f64,
+    /// Whether halving it may make it more accurate.
+    improves: bool,
+}
+
+impl Piece {
+    fn new(function: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
+        let (value, error) = gauss_kronrod(function, low, high);
+        Self {
+            low,
+            high,
+            value,
+            error,
+            improves: true,
+        }
+    }
+
+    /// Both halves; `None` if there is no number between the ends.
+    fn halves(&self, function: &impl Fn(f64) -> f64) -> Option<[Self; 2]> {
+        let middle = 0.5 * (self.low + self.high);
+        if middle <= self.low || middle >= self.high {
+            return None;
+        }
+        let mut halves = [
+            Self::new(function, self.low, middle),
+            Self::new(function, middle, self.high),
+        ];
+        let [first, second] = &halves;
+        let value = first.value + second.value;
+        let is_new = (value - self.value).abs() > SAME * value.abs();
+        let improves = is_new || first.error + second.error <= NO_GAIN * self.error;
+        for half in &mut halves {
+            half.improves = improves;
+        }
+        Some(halves)
+    }
+}
 
 /// The integral of `function` over the consecutive pieces between the sorted `cuts`, to about
 /// `tolerance` in absolute terms.
@@ -50,26 +102,37 @@ pub(crate) fn integrate_over_pieces(
     cuts: &[f64],
     tolerance: f64,
 ) -> f64 {
-    cuts.windows(2)
-        .filter(|piece| piece[1] > piece[0])
-        .map(|piece| integrate(function, piece[0], piece[1], tolerance, MAX_DEPTH))
-        .sum()
+    let ends = cuts.windows(2).filter(|ends| ends[1] > ends[0]);
+    let mut pieces: Vec<Piece> = ends
+        .map(|ends| Piece::new(function, ends[0], ends[1]))
+        .collect();
+    for _ in 0..MOST_HALVINGS {
+        let Some(worst) = to_halve(&pieces, tolerance) else {
+            break;
+        };
+        match pieces[worst].halves(function) {
+            Some([first, second]) => {
+                pieces[worst] = first;
+                pieces.push(second);
+            }
+            None => pieces[worst].improves = false,
+        }
+    }
+    pieces.sort_by(|a, b| a.low.total_cmp(&b.low));
+    pieces.iter().map(|piece| piece.value).sum()
 }
 
-fn integrate(
-    function: &impl Fn(f64) -> f64,
-    low: f64,
-    high: f64,
-    tolerance: f64,
-    depth: u32,
-) -> f64 {
-    let (value, error) = gauss_kronrod(function, low, high);
-    let middle = 0.5 * (low + high);
-    if error <= tolerance || depth == 0 || middle <= low || middle >= high {
-        return value;
+/// The piece with the largest error, if the errors of those that halving improves exceed the tolerance.
+fn to_halve(pieces: &[Piece], tolerance: f64) -> Option<usize> {
+    let improving = pieces.iter().enumerate().filter(|(_, it)| it.improves);
+    let (mut sum, mut worst, mut largest) = (0.0, None, f64::NEG_INFINITY);
+    for (place, piece) in improving {
+        sum += piece.error;
+        if piece.error > largest {
+            (worst, largest) = (Some(place), piece.error);
+        }
     }
-    integrate(function, low, middle, 0.5 * tolerance, depth - 1)
-        + integrate(function, middle, high, 0.5 * tolerance, depth - 1)
+    worst.filter(|_| sum > tolerance)
 }
 
 /// The Kronrod value alone.
@@ -130,6 +193,34 @@ mod tests {
         assert!((weights - 2.0).abs() < 1e-15);
         let weights: f64 = 2.0 * GAUSS[..3].iter().sum::<f64>() + GAUSS[3];
         assert!((weights - 2.0).abs() < 1e-15);
+    }
+
+    /// A function whose values are off by a hash of the place, far more than the tolerance.
+    #[test]
+    fn a_noisy_function_ends_within_its_budget_and_near_the_integral() {
+        let evaluations = std::cell::Cell::new(0_u32);
+        let noisy = |x: f64| {
+            evaluations.set(evaluations.get() + 1);
+            let hash = x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+            x.exp() * (1.0 + 1e-9 * (hash as f64 / f64::from(1 << 24) - 0.5))
+        };
+        let value = integrate_over_pieces(&noisy, &[0.0, 0.1, 0.5, 1.0], 1e-13);
+        let exact = std::f64::consts::E - 1.0;
+        assert!((value - exact).abs() < 1e-9, "{:e}", value - exact);
+        // Three pieces, and few halvings: the noise is seen, the budget is not used up.
+        assert!(evaluations.get() < 3_000, "{}", evaluations.get());
+    }
+
+    /// Nothing is gained for long at a pole, whose integral is infinite.
+    #[test]
+    fn no_function_takes_more_than_the_budget() {
+        let evaluations = std::cell::Cell::new(0_u32);
+        let pole = |x: f64| {
+            evaluations.set(evaluations.get() + 1);
+            1.0 / x
+        };
+        integrate_over_pieces(&pole, &[0.0, 1.0], 1e-13);
+        assert!(evaluations.get() <= 30_015, "{}", evaluations.get());
     }
 
     #[test]

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::distribution::Distribution;
@@ -28,7 +29,7 @@ use crate::setting::Setting;
 ///     "send activate; receive announcement; set gaze=true location=true");
 /// # Ok::<(), toml::de::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AbstractTest {
     /// What the test is called.
@@ -38,7 +39,7 @@ pub struct AbstractTest {
 }
 
 /// One action: a verb, and how long after the action before it is done.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(try_from = "ActionText", into = "ActionText")]
 pub struct Action {
     /// What is done.
@@ -59,15 +60,19 @@ pub enum Verb {
 }
 
 /// An action as it is written: exactly one of the three verbs.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ActionText {
+    /// Sends this signal to the system, or
     #[serde(skip_serializing_if = "Option::is_none")]
     send_signal: Option<String>,
+    /// waits until the system sends this signal, or
     #[serde(skip_serializing_if = "Option::is_none")]
     receive_signal: Option<String>,
+    /// sets these parameters; what is not named stays as it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     set_param: Option<BTreeMap<String, Setting>>,
+    /// How long after the action before it is done, in seconds.
     #[serde(default = "at_once", skip_serializing_if = "is_at_once")]
     after_secs: Distribution,
 }

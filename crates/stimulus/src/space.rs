@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::abstract_test::{AbstractTest, Verb};
@@ -38,7 +39,7 @@ use crate::stimulus::Stimulus;
 /// assert_eq!(settings["hand.surface"], stimulus::Setting::from("dusty"));
 /// # Ok::<(), stimulus::StimulusError>(())
 /// ```
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Space {
     /// The parameters: one coordinate each, in this order.
@@ -50,7 +51,7 @@ pub struct Space {
 }
 
 /// One quantity that varies between episodes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(try_from = "ParameterText", into = "ParameterText")]
 pub struct Parameter {
     /// What it is called; unique in its space.
@@ -68,7 +69,7 @@ pub struct Parameter {
 }
 
 /// A linear constraint between parameters: `at_least <= sum of factor * value <= at_most`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
     /// A factor for each parameter that takes part, by name.
@@ -83,7 +84,7 @@ pub struct Constraint {
 
 /// A value for each parameter of a space, in its order: numbers as they are, yes as 1 and no as
 /// 0, a label as its place in the list, from 0.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(transparent)]
 pub struct Point(pub Vec<f64>);
 
@@ -440,18 +441,23 @@ impl Constraint {
 }
 
 /// A parameter as it is written: the distribution's keys stand beside its own.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Serialize, JsonSchema, Deserialize)]
 struct ParameterText {
+    /// What it is called; unique in its file.
     name: String,
+    /// The dotted keys of the data that it sets, all to the same value; those that begin with `test.actions.` set a delay or a value of the test.
     sets: Vec<String>,
+    /// Its unit, for the report.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     unit: Option<String>,
     #[serde(flatten)]
     distribution: Table,
+    /// The value that needs no explanation; shrinking goes towards it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     nominal: Option<f64>,
     /// What no field took: keys that are unknown.
     #[serde(flatten, skip_serializing)]
+    #[schemars(skip)]
     unknown: BTreeMap<String, serde::de::IgnoredAny>,
 }
 

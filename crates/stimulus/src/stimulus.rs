@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::abstract_test::{AbstractTest, Action};
@@ -32,7 +33,7 @@ use crate::setting::Settings;
 /// assert_eq!(Stimulus::from_json(&stimulus.to_json())?.hash(), stimulus.hash());
 /// # Ok::<(), stimulus::StimulusError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stimulus {
     /// What is done.

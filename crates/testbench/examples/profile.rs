@@ -2,8 +2,10 @@
 //!
 //! `cargo run --release -p testbench --example profile -- tuned 20 [first seed]`
 //!
-//! The full physics alone; with `CAMPAIGN_FAST=1` the fast one alone; with `CAMPAIGN_FAST=both` the two take
-//! turns, seed by seed, and the last line is how many times less time the fast one takes.
+//! The full physics alone; with `CAMPAIGN_FAST=1` the fast one alone. With `CAMPAIGN_FAST=both` the two take
+//! turns, seed by seed, with a third: the engine alone, which takes the steps of the full physics' episode with nothing
+//! around them and ends in the same bits. The last lines are the speeds of the three, in times real time on one core,
+//! and as ratios to that of the engine alone.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,7 +13,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use testbench::robot::State;
-use testbench::{Cancel, Engine, HandoverBench, Savable, Status, Unwatched};
+use testbench::{Cancel, Engine, EngineAlone, HandoverBench, Savable, Status, Unwatched};
 
 /// Processor time of this thread.
 fn used() -> Duration {
@@ -56,6 +58,22 @@ impl Spent {
         self.total_secs += (used() - began).as_secs_f64();
         self.episodes += 1.0;
         Ok(())
+    }
+
+    /// The engine's steps of an episode, without building the physics.
+    fn engine_alone(&mut self, bench: &HandoverBench, seed: u64) -> Result<(), Box<dyn Error>> {
+        let world = bench.world(&bench.own_test("typical use")?, seed)?;
+        let alone = EngineAlone::record(&world, seed)?.ok_or("it is the fast physics")?;
+        let mut steps = alone.start()?;
+        let began = used();
+        let count = steps.take();
+        self.total_secs += (used() - began).as_secs_f64();
+        self.sim_secs += count as f64 * 0.002;
+        self.episodes += 1.0;
+        match steps.ended_the_same() {
+            true => Ok(()),
+            false => Err("the engine alone ends elsewhere".into()),
+        }
     }
 
     fn print(&self) {
@@ -108,15 +126,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|scenario| HandoverBench::new(&engine, scenario, &parameters))
         .collect::<Result<Vec<_>, _>>()?;
     let mut spent: Vec<Spent> = benches.iter().map(|_| Spent::default()).collect();
+    let mut alone = Spent::default();
     for seed in first_seed..first_seed + count {
         for (bench, spent) in benches.iter().zip(&mut spent) {
             spent.episode(bench, seed)?;
         }
+        if benches.len() > 1 {
+            alone.engine_alone(&benches[0], seed)?;
+        }
     }
     spent.iter().for_each(Spent::print);
     if let [full, fast] = &spent[..] {
-        let ratio = full.total_secs / fast.total_secs * fast.sim_secs / full.sim_secs;
-        println!("{ratio:.2} times less time");
+        let speed = |it: &Spent| it.sim_secs / it.total_secs;
+        for (name, it) in [("full", full), ("fast", fast), ("engine alone", &alone)] {
+            println!(
+                "{name:<14} {:>6.1} times real time on a core, {:>5.2} of the engine alone",
+                speed(it),
+                speed(it) / speed(&alone)
+            );
+        }
     }
     Ok(())
 }

@@ -9,33 +9,15 @@
 mod error;
 mod savable;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use stimulus::Stimulus;
 use trace::Trace;
 
 use crate::controller::ControllerError;
 use crate::viewer::Viewer;
 
+pub use diagnostic::Cancel;
 pub use error::SimError;
 pub use savable::{Savable, Status};
-
-/// A flag by which a caller ends an episode early, from any thread.
-#[derive(Debug, Default)]
-pub struct Cancel(AtomicBool);
-
-impl Cancel {
-    /// Asks running episodes to end.
-    pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether [`Cancel::cancel`] was called.
-    #[must_use]
-    pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
 
 /// What a [`Watch`] wants next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

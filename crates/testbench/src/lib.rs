@@ -69,16 +69,18 @@
 //!
 //! # Performance
 //!
-//! Handovers of 35 s at steps of 2 ms, recording, monitors and files included, take 0.42 s (tuned) and 0.34 s
-//! (untuned) of processor time in the full physics: 83 and 102 times real time; in the fast physics 251 and
-//! 215 times. `examples/campaign.rs` prints the wall-clock ratio without monitors and files, in the physics
-//! that the scenario has on (`CAMPAIGN_FAST=0` or `1` chooses one).
+//! `CAMPAIGN_FAST=both` of `examples/profile.rs` measures full physics, fast physics and the engine alone
+//! ([`EngineAlone`]) in turns. Of eight episodes each, on a machine that others used, too, the full physics with its
+//! recording ran at 0.87 (tuned) and 0.89 (untuned) of the speed of bare engine steps of the same episodes: 77 and 92
+//! times real time on one core, for 88 and 103. The fast physics ran at 2.6 and 1.6 of it, 226 and 168 times real time.
+//! `examples/campaign.rs` prints the wall-clock ratio (`CAMPAIGN_FAST=1` for the fast physics).
 //!
 //! # Fast physics
 //!
-//! `fast = true` in the scenario's `[simulation]` (or the setting `scenario.simulation.fast`) lets less
-//! than the full physics stand in for it where less will do; without it the full physics is
-//! integrated, which is the reference.
+//! [`HandoverBench::in_fast_physics`] (or `fast = true` in the scenario's `[simulation]`) lets less
+//! than the full physics stand in for it where less will do. It is approximate and for searching: what is found in it is
+//! to be shown by the full physics, which is integrated otherwise and is the reference. Which of the two a bench runs is
+//! no setting of a stimulus.
 //!
 //! * Hand empty and apart from a resting object: only the arm's joints move, each by its servo, with
 //!   the arm's inertia, Coriolis and centrifugal torques and its stops. Fingers move with it, with their
@@ -92,9 +94,9 @@
 //!   by two). With fingers that swing bursts take 0.04 s, until their dry friction has settled, and there are
 //!   glides only while they hold the object, none in which one of them comes upon it or squeezes it, none
 //!   under a pull and for 0.7 s (the untuned) after it.
-//! * The model lists the pairs that can touch, and the object's weight is a force: the same equations.
+//! * The model lists all pairs that can touch, and the object's weight is a force: the same equations.
 //!
-//! Everything that decides how the fingers meet the object is the full physics. `tests/fast.rs` bounds
+//! Everything that decides how the fingers meet the object is integrated in full. `tests/integration/fast.rs` bounds
 //! how far hand and object are from where the full physics has them.
 //!
 //! Paired by seed with the full physics, 16 of 2000 tuned handovers (E4) are judged otherwise, 7 of which lose a
@@ -166,6 +168,6 @@ pub use random::{Distribution, Purpose, Stream};
 pub use scenario::{Parameters, Scenario, ScenarioError};
 pub use viewer::{Geometry, Role, ViewKeeper, Viewer, VisibleShape};
 pub use world::{
-    Episode, HandoverBench, Outcome, RunningHandover, SavedHandover, World, run_episode,
-    run_episode_with, watch_episode,
+    EngineAlone, Episode, HandoverBench, Outcome, RunningHandover, SavedHandover, Steps, World,
+    run_episode, run_episode_with, watch_episode,
 };

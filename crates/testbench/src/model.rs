@@ -7,13 +7,15 @@
 //! when it lies. Masses and inertias are given explicitly, so shapes weigh nothing.
 
 mod part;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Write;
 
 use crate::geometry::{IDENTITY, Pose, Quaternion, Vector, about, compose, from_roll_pitch_yaw};
 use crate::scenario::{Body, Drive, InertiaSource, Parameters, Scenario, Shape};
 
-pub(crate) use part::{Part, hand_is_separable};
+pub(crate) use part::{Contacts, Part, hand_is_separable};
 
 /// Masks of who touches whom, as MJCF's `contype` and `conaffinity`.
 const HAND_MASK: &str = r#"contype="1" conaffinity="2""#;
@@ -32,10 +34,6 @@ pub(crate) const OBJECT_BODY: &str = "object";
 pub(crate) const OBJECT_GEOM: &str = "object_grip";
 /// Prefix of the shapes of the hand.
 pub(crate) const CONTACT_GEOM_PREFIX: &str = "skin_";
-/// Mocap bodies, in this order.
-pub(crate) const HUMAN_HEAD: usize = 0;
-/// See [`HUMAN_HEAD`].
-pub(crate) const HUMAN_HAND: usize = 1;
 
 /// What an episode draws for the physical model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,9 +55,20 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// The mask by which a shape finds what it touches; listed pairs need none.
-    fn mask(&self, mask: &'static str) -> &'static str {
-        if self.part.is_lean { NO_CONTACT } else { mask }
+    /// The mask by which hand and object find each other; listed pairs need none.
+    fn grip_mask(&self, mask: &'static str) -> &'static str {
+        match self.part.contacts {
+            Contacts::Listed => NO_CONTACT,
+            Contacts::Found => mask,
+        }
+    }
+
+    /// The mask by which the object finds what it stands on.
+    fn rest_mask(&self, mask: &'static str) -> &'static str {
+        match self.part.is_lean {
+            true => NO_CONTACT,
+            false => mask,
+        }
     }
 }
 
@@ -91,10 +100,12 @@ pub(crate) fn mjcf_of_part(
         body_tree(&mut text, &source, body);
     }
     object(&mut text, &source);
-    human(&mut text, scenario);
+    if !part.is_without_human {
+        human(&mut text, scenario);
+    }
     text.push_str("</worldbody>\n");
     actuators(&mut text, &source);
-    if part.is_lean {
+    if part.contacts == Contacts::Listed {
         pairs(&mut text, &source);
     }
     text.push_str("</mujoco>\n");
@@ -144,7 +155,7 @@ fn header(text: &mut String, source: &Source<'_>) {
 /// Floor and pedestal.
 fn supports(text: &mut String, source: &Source<'_>) {
     let scenario = source.scenario;
-    let mask = source.mask(SUPPORT_MASK);
+    let mask = source.rest_mask(SUPPORT_MASK);
     let friction = scenario.object.pedestal_friction;
     let pedestal = &scenario.pedestal;
     put!(
@@ -260,7 +271,7 @@ fn contact_geom(text: &mut String, source: &Source<'_>, body: &Body, shape: &Sha
         geom_shape(shape, body.shape_position_m),
         source.draws.friction,
         hand.contact_time_constant_secs,
-        source.mask(HAND_MASK)
+        source.grip_mask(HAND_MASK)
     );
 }
 
@@ -322,7 +333,10 @@ fn object(text: &mut String, source: &Source<'_>) {
 
 fn object_shapes(text: &mut String, source: &Source<'_>) {
     let object = &source.scenario.object;
-    let (grip, rest) = (source.mask(OBJECT_GRIP_MASK), source.mask(OBJECT_REST_MASK));
+    let (grip, rest) = (
+        source.grip_mask(OBJECT_GRIP_MASK),
+        source.rest_mask(OBJECT_REST_MASK),
+    );
     let friction = object.pedestal_friction;
     let half = object.length_m / 2.0;
     let end = half - object.radius_m - END_CLEARANCE_M;
@@ -369,7 +383,8 @@ fn human(text: &mut String, scenario: &Scenario) {
     );
 }
 
-/// Every pair of shapes that can touch, with the values that the engine would mix from theirs.
+/// The pairs of shapes that can touch, with the values that the engine would mix from theirs: hand and object, and in a lean
+/// model the object and what it stands on.
 fn pairs(text: &mut String, source: &Source<'_>) {
     let Source {
         scenario,
@@ -392,9 +407,11 @@ fn pairs(text: &mut String, source: &Source<'_>) {
         );
     }
     let ends = ["bottom", "top", "foot0", "foot1", "foot2", "foot3"];
+    let rest = source.part.is_lean;
     for (end, support) in ends
         .iter()
         .flat_map(|end| [(end, "floor"), (end, "pedestal")])
+        .filter(|_| rest)
     {
         put!(
             text,

@@ -23,6 +23,7 @@
 
 mod discrepancy;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{Distribution, Parameter, Point, Space};
 
@@ -35,7 +36,7 @@ use crate::random::Random;
 const PATIENCE: usize = 10_000;
 
 /// How points are spread.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Design {
     /// Independent draws from the declared distributions.

@@ -15,6 +15,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{AbstractTest, Action, Setting};
 
@@ -54,7 +55,7 @@ use crate::random::Random;
 /// assert!(test.to_string().ends_with("send ready"));
 /// # Ok::<(), campaign::CampaignError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Agent {
     /// What its tests are called.
@@ -70,7 +71,7 @@ pub struct Agent {
 }
 
 /// Something that an agent does as a whole.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// What it is called.

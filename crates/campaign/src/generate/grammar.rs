@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{AbstractTest, Action, Distribution, Setting, Verb};
 
@@ -53,7 +54,7 @@ const TRIES: usize = 2000;
 /// assert!((3..=6).contains(&test.actions.len()) && grammar.allows(&test));
 /// # Ok::<(), campaign::CampaignError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grammar {
     /// What its tests are called.
@@ -72,7 +73,7 @@ pub struct Grammar {
 }
 
 /// One thing that can be done: exactly one of the three verbs.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Alternative {
     /// Sends this signal.
@@ -96,7 +97,7 @@ pub struct Alternative {
 }
 
 /// The values that a parameter can be set to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(untagged)]
 pub enum Values {
     /// One of these, equally likely.
@@ -106,7 +107,7 @@ pub enum Values {
 }
 
 /// A rule for each occurrence of an action.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rule {
     /// The action that the rule is about.

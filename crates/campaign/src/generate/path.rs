@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{AbstractTest, Action, Distribution, Setting, Verb};
 
@@ -61,7 +62,7 @@ pub struct PathMapping {
 }
 
 /// A rule: which steps are meant (all that is given has to fit), and what they become.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepRule {
     /// The step's modules contain this one.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{AbstractTest, Action, Setting, Verb};
 
@@ -15,7 +16,7 @@ use stimulus::{AbstractTest, Action, Setting, Verb};
 /// assert!(!pattern.matches(&Action::set("gaze", true)));
 /// # Ok::<(), String>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum ActionPattern {
     /// Sends this signal.

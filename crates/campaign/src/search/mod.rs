@@ -27,6 +27,7 @@ pub(crate) mod eigen;
 mod gaussian_process;
 mod random_search;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stimulus::{Point, Space};
 
@@ -90,7 +91,7 @@ impl Best {
 }
 
 /// Which search to use.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// [`CrossEntropy`].

@@ -35,6 +35,7 @@ impl<N> StateSpace<N> {
                 .collect(),
             init: Init::Predicate(nowhere()),
             warnings: Vec::new(),
+            rounded: Vec::new(),
         }
     }
 }

@@ -166,7 +166,7 @@ fn explored(
 }
 
 /// Each probability with its own rounding.
-fn as_ranges(space: StateSpace<f64>) -> StateSpace<Range> {
+pub(super) fn as_ranges(space: StateSpace<f64>) -> StateSpace<Range> {
     let error = space.relative_error();
     let matrix = Csr {
         value: space

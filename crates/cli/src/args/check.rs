@@ -1,9 +1,9 @@
 //! Arguments of `check`.
 
-use crate::study::Method;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
+use study::Method;
 
 /// Arguments of `check`.
 #[derive(Debug, Args)]
@@ -44,7 +44,7 @@ pub struct Check {
     #[arg(long)]
     pub certify: bool,
     /// How the answer is computed; of several the last one counts.
-    #[arg(long, value_enum, default_value_t = Method::Sound, overrides_with = "method")]
+    #[arg(long, value_parser = super::choice::<Method>(), default_value = "sound", overrides_with = "method")]
     pub method: Method,
     /// Relative width of the bounds, of methods that have bounds.
     #[arg(long, value_name = "X", default_value = "1e-6", value_parser = precision)]
@@ -55,6 +55,10 @@ pub struct Check {
     /// Which change that is.
     #[arg(long, value_enum, default_value_t, overrides_with = "termination")]
     pub termination: Termination,
+    /// Take probabilities of a command that miss the sum 1 by up to X as rounded: they are divided by their sum, and the answer's
+    /// bounds hold wherever the rest belongs (PRISM's -sumroundoff; PRISM's default is 1e-5).
+    #[arg(long = "sum-roundoff", value_name = "X", value_parser = precision, overrides_with = "sum_roundoff", conflicts_with = "open")]
+    pub sum_roundoff: Option<f64>,
     /// How many states the model may have; by default as many as fit into the memory.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=4_000_000_000))]
     pub max_states: Option<u64>,

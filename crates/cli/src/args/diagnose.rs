@@ -29,8 +29,7 @@ pub struct Diagnose {
     /// How many paths to sample from each formal model.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub paths: u64,
-    /// Run N episodes of each simulation again with half the time step, both by the full physics; of the
-    /// handover's fast physics also by the full one.
+    /// Run N episodes of each simulation again with half the time step.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub half_step: Option<u64>,
     /// Run N episodes of each scene in the other physics engine, too.

@@ -1,8 +1,8 @@
 //! Arguments of `explore`.
 
 use super::Format;
-use crate::technique::exploration::SourceKind;
 use clap::Args;
+use corroborate::technique::exploration::SourceKind;
 use std::path::PathBuf;
 
 /// Arguments of `explore`.
@@ -20,7 +20,9 @@ Tests come from the formal model, from chance within rules, from agents, from
 mutation, from search, and with the faults injected that the bench's own data
 declare; sources that show new things are drawn more often. Each episode is judged by the study's monitors and
 held against the formal model. What is found is a witness and no statistical
-evidence: the episodes are chosen, not drawn. FOLDER gets exploration.json and
+evidence: the episodes are chosen, not drawn. Where the bench has a fast physics
+the search runs in it (`physics` in FILE), and the full physics has to show what
+is found; what it does not show is listed apart. FOLDER gets exploration.json and
 findings/NAME.toml, one for each thing that was found, with stimulus and seed,
 and a journal: a call that was interrupted goes on where it stopped. With
 CORROBORATE_COVERAGE=FOLDER in the environment, controllers that use the client
@@ -40,7 +42,7 @@ pub struct Explore {
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub episodes: Option<u64>,
     /// Only this source of tests (may be repeated).
-    #[arg(long, value_enum, value_name = "SOURCE", conflicts_with = "plain")]
+    #[arg(long, value_parser = super::choice::<SourceKind>(), value_name = "SOURCE", conflicts_with = "plain")]
     pub source: Vec<SourceKind>,
     /// Run the bench's own tests as they are, in turn, with nothing varied but
     /// their random draws: what an exploration is to be compared with.

@@ -10,7 +10,8 @@ use super::refused;
 use std::ffi::OsString;
 
 /// Flags with the same meaning, and ours.
-const SAME: [(&str, &[&str]); 43] = [
+const SAME: [(&str, &[&str]); 44] = [
+    ("-sumroundoff", &["--sum-roundoff"]),
     ("-const", &["--const"]),
     ("-param", &["--param"]),
     ("-pf", &["--pf"]),
@@ -152,7 +153,7 @@ const WITHOUT_EFFECT: [&str; 66] = [
 ];
 
 /// Flags with a value that change no answer.
-const VALUE_WITHOUT_EFFECT: [&str; 56] = [
+const VALUE_WITHOUT_EFFECT: [&str; 55] = [
     "-transientmethod",
     "-paretoepsilon",
     "-multimaxpoints",
@@ -183,7 +184,6 @@ const VALUE_WITHOUT_EFFECT: [&str; 56] = [
     "-exportprodstates",
     "-sccmethod",
     "-bsccmethod",
-    "-sumroundoff",
     "-ddextraactionvars",
     "-ddextrastatevars",
     "-gridresolution",
@@ -375,6 +375,8 @@ mod tests {
             "stdout",
         ];
         assert_eq!(found[2..], ours);
+        let found = rewritten(&["check", "m.pm", "-sumroundoff", "1e-5"]);
+        assert_eq!(found[2..], ["--sum-roundoff", "1e-5"]);
         let found = rewritten(&["check", "m.pm", "-exportstaterewards", "s"]);
         assert_eq!(found, ["check", "m.pm", "--export-model", "srew=s"]);
     }

@@ -45,8 +45,9 @@ Examples:
 
 FILE names a scenario, the parameters to begin with, what is to be fitted within
 which range, and the evidence whose counts are to be reproduced, some of them
-held out. Episodes at many parameters give the posterior; the fitted set is then
-run, and its counts are compared with the evidence's. Exits 0 if what was held
+held out. Episodes at many parameters give the posterior, in the fast physics
+where there is one (`physics` in FILE); the fitted set is then run in the full
+physics, and its counts are compared with the evidence's. Exits 0 if what was held
 out is shown to be within its margin, 1 if anything differs or contradicts its
 prediction, and 3 if neither is shown. Interrupted, it goes on where it stopped.")]
 pub struct Calibrate {

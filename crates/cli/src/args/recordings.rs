@@ -2,6 +2,7 @@
 
 use super::Format;
 use clap::{Args, ValueEnum};
+use recording::{OpenOptions, TimeSource};
 use std::path::PathBuf;
 
 /// How recordings are opened.
@@ -19,6 +20,18 @@ pub struct Opening {
     pub message_path: Vec<PathBuf>,
 }
 
+impl Opening {
+    /// How files are opened, as the call says.
+    pub fn options(&self) -> OpenOptions {
+        OpenOptions {
+            time_field: self.time_field.clone(),
+            time_unit: self.time_unit,
+            message_path: self.message_path.clone(),
+            ..OpenOptions::default()
+        }
+    }
+}
+
 /// Which time of a message counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum TimeChoice {
@@ -30,6 +43,18 @@ pub enum TimeChoice {
     Header,
     /// When it was received, by the simulation's /clock.
     Clock,
+}
+
+impl TimeChoice {
+    /// As the reader of recordings has it.
+    pub fn source(self) -> TimeSource {
+        match self {
+            TimeChoice::Log => TimeSource::Log,
+            TimeChoice::Publish => TimeSource::Publish,
+            TimeChoice::Header => TimeSource::Header,
+            TimeChoice::Clock => TimeSource::Clock,
+        }
+    }
 }
 
 /// What is said of times behind the end of a recording.
@@ -84,7 +109,7 @@ pub struct Monitor {
     /// By how many seconds the signals of a formula may begin later than the
     /// first of them for judging to begin when all are there.
     #[arg(long, value_name = "SECS", requires = "formula",
-          default_value_t = crate::study::START_WITHIN_SECS, value_parser = from_zero)]
+          default_value_t = study::START_WITHIN_SECS, value_parser = from_zero)]
     pub start_within: f64,
     /// Only this requirement or failure mode (may be repeated).
     #[arg(long, value_name = "ID")]

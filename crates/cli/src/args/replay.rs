@@ -2,6 +2,7 @@
 
 use super::Format;
 use clap::Args;
+use corroborate::technique::simulation::SearchPhysics;
 use std::path::PathBuf;
 
 /// Arguments of `shrink`.
@@ -41,6 +42,10 @@ pub struct Shrink {
     /// In how many of how many seeds it must show.
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = seeds)]
     pub seeds: (u32, u32),
+    /// In which physics scenarios are tried first: the fast one where the bench has one, without this. The full physics
+    /// goes on from what the fast one proposes, and shows what is kept.
+    #[arg(long, value_parser = super::choice::<SearchPhysics>(), value_name = "PHYSICS")]
+    pub physics: Option<SearchPhysics>,
     /// The exploration whose parameters say what is possible, and what needs
     /// no explanation. Without it that of the finding, or exploration.toml if
     /// it is of the same evidence.

@@ -1,9 +1,9 @@
 //! The arguments of `simulate`, and what its recordings hold.
 
-use super::{EngineChoice, Format};
-use crate::study::{Keep, OnFailure};
+use super::{EngineChoice, Format, choice};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use study::{Keep, OnFailure};
 
 /// Arguments of `simulate`.
 #[derive(Debug, Args)]
@@ -33,11 +33,11 @@ pub struct Simulate {
     #[arg(long, value_name = "RULE")]
     pub until: Option<String>,
     /// Which recordings are kept; results are kept in any case.
-    #[arg(long, value_enum, value_name = "WHICH")]
+    #[arg(long, value_parser = choice::<Keep>(), value_name = "WHICH")]
     pub keep: Option<Keep>,
     /// What is done when the robot's program or the simulator fails in an
     /// episode; as the ledger says, or counted, if left out.
-    #[arg(long, value_enum, value_name = "WHAT")]
+    #[arg(long, value_parser = choice::<OnFailure>(), value_name = "WHAT")]
     pub on_failure: Option<OnFailure>,
     /// Number of the first episode.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]

@@ -7,9 +7,10 @@ use super::report::read_current_result;
 use super::run::results_folder;
 use super::{Done, json};
 use crate::args::Assure;
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use evidence::StudyResult;
+use host::files::write_whole;
 use statement::{about_evidence, about_study};
 
 /// Writes the assurance case.

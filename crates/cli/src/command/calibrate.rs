@@ -2,27 +2,28 @@
 
 mod conclusion;
 mod counts;
-mod file;
+pub mod file;
 mod parameter_set;
 mod text;
 mod work;
 
 use super::rare::bench::TestBench;
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Calibrate, Format};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source, write_whole};
-use crate::store::{Inputs, Store, hash_of};
-use crate::study::{Study, Work as Ledgered};
-use crate::technique::bench::{check_units, tried};
-use crate::technique::confidence;
-use crate::technique::judging::Judges;
-use crate::technique::simulation::Seeds;
+use corroborate::outcome::Outcome;
+use corroborate::technique::confidence;
+use corroborate::technique::simulation::{SearchPhysics, Seeds, scenario_source};
 use counts::Reality;
+use diagnostic::{Problem, Source};
 use evidence::{CalibrationReport, FileReport, Likeness, LineageReport};
-use file::{CODE, CalibrationText, in_full_physics, merge, quoted, written};
+use file::{CODE, CalibrationText, merge, quoted, written};
+use host::files::write_whole;
+use host::store::{Inputs, Store, hash_of};
+use judging::Judges;
+use rig::{check_units, tried};
 use std::path::{Path, PathBuf};
 use stimulus::Space;
+use study::{Study, Work as Ledgered};
 use testbench::SimError;
 use toml::Table;
 use work::Work;
@@ -31,20 +32,23 @@ use work::Work;
 const CALIBRATION: &str = "calibration.json";
 
 /// Fits, checks, and writes the fitted set.
-pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Problem> {
+pub fn calibrate(arguments: &Calibrate, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
-    let source = Source::read(&arguments.file)?;
+    let source = host::files::read_source(&arguments.file)?;
     let text = CalibrationText::read(&source)?;
     let level = confidence(text.confidence)?;
     let reality = Reality::read(&study, &source, &text)?;
     let base = base_parameters(&study, &source, &text)?;
-    let mut scenario = Source::read(&study.folder.join(&text.scenario))?;
-    if text.full_physics {
-        scenario = in_full_physics(scenario)?;
-    }
+    let scenario = scenario_source(&study.folder.join(&text.scenario))?;
     let library = setting.physics_library.as_deref();
     let bench = TestBench::new(&scenario, &base, &text.test, library)?;
+    let fast =
+        SearchPhysics::choose(text.physics, || bench.in_fast_physics()).map_err(|message| {
+            let span = quoted(&source, "physics");
+            let problem = Problem::new(CODE, message).at(&source, span);
+            problem.remedy("leave `physics` out")
+        })?;
     let space = text.space();
     check_units(&space, &source, CODE)?;
     bench_accepts(&bench, &space, &source)?;
@@ -55,11 +59,19 @@ pub fn calibrate(arguments: &Calibrate, setting: &Setting) -> Result<Done, Probl
             let mut modes = reality.observed.iter();
             modes.any(|it| it.mode == subject.id())
         })?,
-        inputs: inputs(&study, &bench, &space, &reality)?,
+        inputs: inputs(
+            &study,
+            fast.as_ref().unwrap_or(&bench),
+            &space,
+            &reality,
+            &setting.build,
+        )?,
+        check_inputs: inputs(&study, &bench, &space, &reality, &setting.build)?,
         store: Store::open(&folder)?,
         seeds: Seeds::new(study.about.seed, &format!("calibration: {}", text.name)),
         text: &text,
-        bench: &bench,
+        bench: fast.as_ref().unwrap_or(&bench),
+        check_bench: &bench,
         reality,
         space,
         setting,
@@ -91,10 +103,11 @@ fn inputs(
     bench: &TestBench,
     space: &Space,
     reality: &Reality,
+    build: &host::BuildId,
 ) -> Result<Inputs, Problem> {
     let modes: Vec<&str> = reality.observed.iter().map(|it| it.mode.as_str()).collect();
     let mut inputs = Inputs::default();
-    bench.inputs(&mut inputs)?;
+    bench.inputs(&mut inputs, build)?;
     inputs
         .add("space", format!("{space:?}").as_bytes())
         .add("modes", modes.join("\n").as_bytes())
@@ -121,7 +134,7 @@ fn lineage(
         paths.extend(tables.into_iter().flatten().cloned());
     }
     let file = |path: &PathBuf| {
-        let content = Source::read(&study.folder.join(path))?;
+        let content = host::files::read_source(&study.folder.join(path))?;
         Ok(FileReport {
             file: path.display().to_string(),
             hash: hash_of(content.text.as_bytes()),
@@ -152,9 +165,9 @@ fn base_parameters(
     file: &Source,
     text: &CalibrationText,
 ) -> Result<Source, Problem> {
-    let source = Source::read(&study.folder.join(&text.parameters))?;
+    let source = host::files::read_source(&study.folder.join(&text.parameters))?;
     let mut table: Table =
-        toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+        toml::from_str(&source.text).map_err(|error| study::placed::from_toml(&source, &error))?;
     if let Err(key) = merge(&mut table, &text.known) {
         let message = format!("{} has no `{key}` that could be known", source.name);
         let last = key.rsplit('.').next().unwrap_or_default();
@@ -184,7 +197,7 @@ pub fn kept_calibration(
     })?;
     let lineage = &report.lineage;
     for of in lineage.files.iter().chain([&lineage.calibration]) {
-        let content = Source::read(&study.folder.join(&of.file))?;
+        let content = host::files::read_source(&study.folder.join(&of.file))?;
         if hash_of(content.text.as_bytes()) != of.hash {
             let message = format!("{} is of another {}", path.display(), of.file);
             return Err(Problem::new("stale-result", message).remedy(REMEDY));

@@ -2,18 +2,19 @@
 
 use super::report::read_current_result;
 use super::run::{results_folder, terminal_width, use_colour};
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Diagnose, Format};
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::store::Store;
-use crate::study::{Study, Work};
-use crate::technique::matrix::{ModelPaths, as_text, diagnose as diagnosed, path_seeds};
+use corroborate::outcome::Outcome;
+use corroborate::technique::matrix::{ModelPaths, as_text, diagnose as diagnosed, path_seeds};
+use corroborate::technique::model_checking::worst_cases_in_lines;
+use diagnostic::Problem;
 use evidence::{Diagnosis, Effort};
+use host::store::Store;
 use std::fmt::Write as _;
+use study::{Study, Work};
 
 /// Runs the command.
-pub fn diagnose(arguments: &Diagnose, setting: &Setting) -> Result<Done, Problem> {
+pub fn diagnose(arguments: &Diagnose, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     if let Some(path) = &arguments.show {
@@ -27,6 +28,11 @@ pub fn diagnose(arguments: &Diagnose, setting: &Setting) -> Result<Done, Problem
         engines: arguments.engines,
         runs: Some(arguments.runs),
     };
+    for piece in &result.evidence {
+        for line in worst_cases_in_lines(&piece.id, &piece.findings) {
+            setting.events.say(&line);
+        }
+    }
     let store = Store::open(&folder)?;
     let diagnosis = diagnosed(&study, &result, &folder, &effort, setting)?;
     let output = match arguments.format {
@@ -55,7 +61,7 @@ fn outcome(diagnosis: &Diagnosis) -> Outcome {
 }
 
 /// One sampled path, step by step.
-fn show(study: &Study, named: &str, setting: &Setting) -> Result<Done, Problem> {
+fn show(study: &Study, named: &str, setting: &Host) -> Result<Done, Problem> {
     let wrong = || {
         Problem::new(
             "bad-path",
@@ -68,7 +74,7 @@ fn show(study: &Study, named: &str, setting: &Setting) -> Result<Done, Problem> 
     if !matches!(study.entry(id)?.work, Work::Check { .. }) {
         return Err(wrong());
     }
-    let paths = ModelPaths::of_entry(study, id, &setting.interrupt)?;
+    let paths = ModelPaths::of_entry(study, id, &setting.cancel)?;
     let mut output = format!("Path {number} of {id}: the steps that change what holds\n");
     for step in paths.shown(path_seeds(study.about.seed, id).of(number)) {
         let _ = writeln!(output, "{:>7}  {}", step.step, step.holds.join(" "));

@@ -3,22 +3,22 @@
 
 mod determinism;
 
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Engines, Format};
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::store::Inputs;
-use crate::study::{Entry, Study, Work};
-use crate::technique::campaign::{Ended, FailureCounts, ended, failures_in_words, stops};
-use crate::technique::confidence;
-use crate::technique::judging::{Judges, verdict_name};
-use crate::technique::simulation::{Campaign, Seeds};
+use corroborate::outcome::Outcome;
+use corroborate::technique::campaign::{Ended, FailureCounts, ended, failures_in_words, stops};
+use corroborate::technique::confidence;
+use corroborate::technique::simulation::{Campaign, Seeds};
 use determinism::Repeated;
+use diagnostic::Problem;
 use evidence::{EpisodeFailures, FailureKind, Subject};
+use host::store::Inputs;
+use judging::{Judges, verdict_name};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
+use study::{Entry, Study, Work};
 use temporal::monitor::Verdict;
 use testbench::{Difference, Unwatched, differences};
 use trace::Trace;
@@ -103,7 +103,7 @@ pub struct VerdictPair {
 }
 
 /// Runs the command.
-pub fn engines(arguments: &Engines, setting: &Setting) -> Result<Done, Problem> {
+pub fn engines(arguments: &Engines, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
@@ -168,7 +168,7 @@ fn campaigns(
     study: &Study,
     entry: &Entry,
     determinism: bool,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Vec<Campaign>, Problem> {
     let library = setting.physics_library.as_deref();
     match &entry.work {
@@ -176,7 +176,7 @@ fn campaigns(
             let test = test.as_deref();
             let first = Campaign::of_scene(study, scene, test, library)?;
             for gap in first.gaps() {
-                setting.talk.say(&gap.to_string());
+                setting.events.say(&gap.to_string());
             }
             let second = Campaign::of_scene_in_rapier(study, scene, test)?;
             Ok(vec![first, second])
@@ -207,7 +207,7 @@ struct Called<'a> {
     campaigns: &'a [Campaign],
     numbers: Vec<u64>,
     seeds: Seeds,
-    setting: &'a Setting,
+    setting: &'a Host,
 }
 
 /// What one episode shows.
@@ -228,7 +228,7 @@ impl Called<'_> {
         let judges = Judges::new(self.study, |_| true)?;
         let stage = self
             .setting
-            .talk
+            .events
             .begin("episodes in both engines", self.numbers.len() as u64);
         let numbers = self.numbers.par_iter();
         let compared: Vec<Compared> = numbers
@@ -266,7 +266,7 @@ impl Called<'_> {
 
     fn run(&self, campaign: &Campaign, number: u64) -> Result<Ended, Problem> {
         let seed = self.seeds.of(number);
-        let run = campaign.attempt(seed, &mut Unwatched, &self.setting.interrupt);
+        let run = campaign.attempt(seed, &mut Unwatched, &self.setting.cancel);
         ended(run, seed, self.numbers.first() == Some(&number))
     }
 

@@ -9,23 +9,26 @@ pub use disagreement::{kept_map, map_again, map_file};
 pub use kept::{findings_again, kept_exploration};
 
 use super::run::assets;
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Explore, Format};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source, did_you_mean, write_whole};
-use crate::store::{Inputs, program_hash};
-use crate::study::{Finding, Shows, Study, Work};
-use crate::talk::Interrupt;
-use crate::technique::exploration::{
-    Abstraction, ExplorationReport, Explored, Exploring, Formal, Journal, ModelTests, OpenBench,
-    Plan, ShowsJudge, Situations, SourceKind, Watching, as_text, tests_of_model,
+use corroborate::outcome::Outcome;
+use corroborate::technique::exploration::{
+    Abstraction, ExplorationReport, Explored, Exploring, FindingReport, Formal, Journal, Met,
+    ModelTests, OpenBench, Plan, ShowsJudge, Situations, SourceKind, Watching, as_text,
+    tests_of_model,
 };
-use crate::technique::judging::{Judges, SpaceTime, inputs_of};
-use crate::technique::{asset, rows};
-use evidence::{Asset, AssetRole, Stopped};
+use corroborate::technique::{asset, rows};
+use diagnostic::{Problem, did_you_mean};
+use evidence::{Asset, AssetRole, Confirmation, Stopped};
+use host::BuildId;
+use host::Cancel;
+use host::files::write_whole;
+use host::store::Inputs;
+use judging::{Judges, SpaceTime, inputs_of};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use study::{Finding, Shows, Study, Work};
 use testbench::Unwatched;
 
 /// The environment's name for the folder in which controllers leave which of
@@ -36,7 +39,7 @@ const COVERAGE: &str = "CORROBORATE_COVERAGE";
 const EXPLORATION: &str = "exploration.json";
 
 /// Explores and writes what was found.
-pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> {
+pub fn explore(arguments: &Explore, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let mut study = Study::load(&arguments.study)?;
     study.about.seed = arguments.seed.unwrap_or(study.about.seed);
@@ -65,17 +68,25 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
         };
         return search.done(arguments.format, setting);
     }
-    let mut explored = exploration(&study, &plan, &bench, arguments, &folder, setting)?;
-    keep(&study, &bench, &mut explored, &folder)?;
+    let fast = plan.searching(&bench)?;
+    let searched = fast.as_ref().unwrap_or(&bench);
+    let mut explored = exploration(&study, &plan, searched, arguments, &folder, setting)?;
+    let keeping = Keeping {
+        study: &study,
+        bench: &bench,
+        is_fast: fast.is_some(),
+        folder: &folder,
+    };
+    keeping.keep(&mut explored)?;
     if let Some(budget) = arguments.causes {
         let findings = explored.findings.len() as u64;
         let stage = setting
-            .talk
+            .events
             .begin("shrinking findings: episodes", budget * findings);
         let causes = causes::Causes {
             study: &study,
             plan: &plan,
-            bench: &bench,
+            benches: (&bench, fast.as_ref()),
             budget,
             folder: &folder,
             setting,
@@ -86,7 +97,7 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
             &explored.met,
             &mut explored.report.found.findings,
         )?;
-        if setting.interrupt.is_set() {
+        if setting.cancel.is_cancelled() {
             // Causes that were not looked into are missing.
             explored.report.found.stopped = Stopped::Interrupted;
         }
@@ -98,7 +109,9 @@ pub fn explore(arguments: &Explore, setting: &Setting) -> Result<Done, Problem> 
     explored.rows.write(&folder.join(rows::FILE), &about)?;
     write(&explored, &folder, setting)?;
     let wall_secs = began.elapsed().as_secs_f64();
-    setting.talk.say(&format!("{wall_secs:.1} s of wall time"));
+    setting
+        .events
+        .say(&format!("{wall_secs:.1} s of wall time"));
     let report = &explored.report;
     Ok(Done {
         output: match arguments.format {
@@ -133,9 +146,9 @@ fn exploration(
     bench: &OpenBench,
     arguments: &Explore,
     folder: &Path,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Explored, Problem> {
-    let interrupt = &setting.interrupt;
+    let interrupt = &setting.cancel;
     let kinds = match (arguments.plain, arguments.source.is_empty()) {
         (true, _) => vec![SourceKind::Own],
         (_, false) => arguments.source.clone(),
@@ -160,7 +173,10 @@ fn exploration(
     let layout = bench.layout(interrupt)?;
     judges.start(&layout)?;
     let code = std::env::var_os(COVERAGE).map(PathBuf::from);
-    let journal = Journal::open(folder, &looked_at_by(study, plan, bench, &code)?)?;
+    let journal = Journal::open(
+        folder,
+        &looked_at_by(study, plan, bench, &code, &setting.build)?,
+    )?;
     let watching = Watching {
         study,
         bench,
@@ -172,7 +188,7 @@ fn exploration(
         abstraction: abstraction.as_ref(),
         situations: Situations::new(study, plan)?,
     };
-    let stage = setting.talk.begin("exploring", plan.data.budget.episodes);
+    let stage = setting.events.begin("exploring", plan.data.budget.episodes);
     let exploring = Exploring {
         plan,
         watching: &watching,
@@ -183,7 +199,7 @@ fn exploration(
         journal: &journal,
         interrupt,
         stage: &stage,
-        talk: &setting.talk,
+        talk: &setting.events,
     };
     exploring.run()
 }
@@ -217,9 +233,14 @@ fn searched<'a>(
 }
 
 /// What decides what any episode shows, beside its seed and its stimulus.
-fn inputs_of_all(study: &Study, plan: &Plan, bench: &OpenBench) -> Result<Inputs, Problem> {
+fn inputs_of_all(
+    study: &Study,
+    plan: &Plan,
+    bench: &OpenBench,
+    build: &BuildId,
+) -> Result<Inputs, Problem> {
     let mut inputs = Inputs::default();
-    inputs.add("program", program_hash()?.as_bytes());
+    inputs.add("program", build.as_str().as_bytes());
     inputs.add("plan", plan.source.text.as_bytes());
     inputs.add_json("files", &bench.files);
     bench.inputs(&mut inputs);
@@ -239,13 +260,14 @@ fn looked_at_by(
     plan: &Plan,
     bench: &OpenBench,
     code: &Option<PathBuf>,
+    build: &BuildId,
 ) -> Result<String, Problem> {
-    let mut inputs = inputs_of_all(study, plan, bench)?;
+    let mut inputs = inputs_of_all(study, plan, bench, build)?;
     inputs.add("code", &[u8::from(code.is_some())]);
     if let Some(model) = &plan.data.model
         && let Work::Check { model, .. } = &study.entry(model)?.work
     {
-        let model = Source::read(&study.folder.join(model))?;
+        let model = host::files::read_source(&study.folder.join(model))?;
         inputs.add("model", model.text.as_bytes());
     }
     Ok(inputs.hash())
@@ -272,48 +294,140 @@ fn assets_of(study: &Study, plan: &Plan, disagreement: bool) -> Result<Vec<Asset
     Ok(found)
 }
 
-/// Runs the first episode of each finding again, and writes the files.
-fn keep(
-    study: &Study,
-    bench: &OpenBench,
-    explored: &mut Explored,
-    folder: &Path,
-) -> Result<(), Problem> {
-    let findings = explored
-        .findings
-        .iter_mut()
-        .zip(&mut explored.report.found.findings);
-    let mut names = BTreeMap::new();
-    let mut judges = BTreeMap::new();
-    // Findings are few: an interruption leaves them to be written all the same.
-    let undisturbed = Interrupt::default();
-    for (finding, report) in findings {
-        let shown_again = shown_again(study, bench, finding, &mut judges, &undisturbed)?;
-        let report = &mut report.found;
-        report.replayed = shown_again.is_some();
-        finding.recording = shown_again;
-        let file = PathBuf::from("findings").join(name(&finding.shows, &mut names));
-        report.file = file.display().to_string();
+/// Episodes of a finding that are run again in the full physics before it counts as not confirmed, at most.
+const CONFIRMATIONS: usize = 8;
+
+/// A finding, as it is told, with all episodes that showed it.
+struct Found {
+    finding: Finding,
+    report: FindingReport,
+    met: Vec<Met>,
+}
+
+/// Findings that are run again, and kept.
+struct Keeping<'a> {
+    study: &'a Study,
+    /// That of the full physics.
+    bench: &'a OpenBench,
+    /// Whether the search ran in the fast one.
+    is_fast: bool,
+    folder: &'a Path,
+}
+
+impl Keeping<'_> {
+    /// Keeps the findings of an exploration, and tells those apart that the full physics does not show.
+    fn keep(&self, explored: &mut Explored) -> Result<(), Problem> {
+        let found = &mut explored.report.found;
+        let findings = std::mem::take(&mut explored.findings).into_iter();
+        let reports = std::mem::take(&mut found.findings).into_iter();
+        let met = std::mem::take(&mut explored.met).into_iter();
+        let all = findings.zip(reports).zip(met);
+        let all = all.map(|((finding, report), met)| Found {
+            finding,
+            report,
+            met,
+        });
+        let (kept, others) = self.sorted(all.collect())?;
+        for one in kept {
+            explored.findings.push(one.finding);
+            explored.met.push(one.met);
+            found.findings.push(one.report);
+        }
+        found.confirmation = self.is_fast.then(|| Confirmation {
+            engine: self.bench.engine.clone(),
+            not_confirmed: others.into_iter().map(|one| one.report).collect(),
+        });
+        Ok(())
+    }
+
+    /// Runs an episode of each finding again in the full physics, and writes the files: the findings, and what the fast
+    /// physics showed and the full one does not.
+    fn sorted(&self, all: Vec<Found>) -> Result<(Vec<Found>, Vec<Found>), Problem> {
+        let (mut names, mut judges) = (BTreeMap::new(), BTreeMap::new());
+        let (mut kept, mut others) = (Vec::new(), Vec::new());
+        for mut one in all {
+            let is_shown = self.run_again(&mut one, &mut judges)?;
+            let is_kept = is_shown || !self.is_fast;
+            let place = if is_kept { "findings" } else { "not-confirmed" };
+            let file = PathBuf::from(place).join(name(&one.finding.shows, &mut names));
+            one.report.found.file = file.display().to_string();
+            self.write(&one.finding, &one.report, is_kept)?;
+            match is_kept {
+                true => kept.push(one),
+                false => others.push(one),
+            }
+        }
+        Ok((kept, others))
+    }
+
+    /// Runs episodes of a finding again until one shows it, which then stands for it: the first alone if it was found in
+    /// the full physics, where nothing else but the same can come out.
+    fn run_again<'s>(
+        &'s self,
+        of: &mut Found,
+        judges: &mut BTreeMap<Shows, ShowsJudge<'s>>,
+    ) -> Result<bool, Problem> {
+        let Found {
+            finding,
+            report,
+            met,
+        } = of;
+        // Findings are few: an interruption leaves them to be written all the same.
+        let undisturbed = Cancel::default();
+        let most = if self.is_fast { CONFIRMATIONS } else { 1 };
+        for episode in met.iter().take(most) {
+            let again = Finding {
+                seed: episode.seed,
+                stimulus: episode.stimulus.clone(),
+                found_by: episode.found_by.clone(),
+                ..finding.clone()
+            };
+            let shown = shown_again(self.study, self.bench, &again, judges, &undisturbed)?;
+            if shown.is_some() {
+                *finding = again;
+                finding.recording = shown;
+                report.found.first_episode = episode.episode;
+                report.found.seed = episode.seed.to_string();
+                report.found.found_by = episode.found_by.clone();
+                report.found.replayed = true;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn write(
+        &self,
+        finding: &Finding,
+        report: &FindingReport,
+        is_kept: bool,
+    ) -> Result<(), Problem> {
+        let report = &report.found;
+        let is_shown = match is_kept {
+            true => "A witness: how often it was found says\nnothing of how often it happens.",
+            false => "Not confirmed: the fast\nphysics shows it, and the full physics does not.",
+        };
         let comment = format!(
-            "{}\nFound in episode {} of an exploration. A witness: how often it was found says\n\
-             nothing of how often it happens.",
+            "{}\nFound in episode {} of an exploration. {is_shown}",
             report.in_words, report.first_episode
         );
-        let path = folder.join(&file);
+        let path = self.folder.join(&report.file);
         finding.write(&path, &comment)?;
         if Finding::read(&path)? != *finding {
             let message = format!("{} does not hold what was written", path.display());
             return Err(Problem::data_lost("cannot-write", message));
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Writes the result.
-fn write(explored: &Explored, folder: &Path, setting: &Setting) -> Result<(), Problem> {
+fn write(explored: &Explored, folder: &Path, setting: &Host) -> Result<(), Problem> {
     let path = folder.join(EXPLORATION);
     write_whole(&path, json(&explored.report)?.as_bytes())?;
-    setting.talk.say(&format!("{} is written", path.display()));
+    setting
+        .events
+        .say(&format!("{} is written", path.display()));
     Ok(())
 }
 
@@ -323,7 +437,7 @@ fn shown_again<'s>(
     bench: &OpenBench,
     finding: &Finding,
     judges: &mut BTreeMap<Shows, ShowsJudge<'s>>,
-    interrupt: &Interrupt,
+    interrupt: &Cancel,
 ) -> Result<Option<String>, Problem> {
     let run = bench.again(&finding.stimulus, finding.seed, &mut Unwatched, interrupt);
     let Ok(recorded) = run else {
@@ -342,7 +456,7 @@ fn shown_again<'s>(
     }
     let bytes = recording::to_mcap(&recorded.trace)
         .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
-    Ok(Some(crate::store::hash_of(&bytes)))
+    Ok(Some(host::store::hash_of(&bytes)))
 }
 
 /// A file name that says what is shown; a number tells equal ones apart.
@@ -393,12 +507,95 @@ fn changes(from: &str, to: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::UnknownStep;
+    use study::UnknownStep;
 
     #[test]
     fn the_committed_schema_is_the_form_that_is_written() {
         let schema: serde_json::Value = schemars::schema_for!(ExplorationReport).into();
         crate::command::tests::assert_schema_is_committed("exploration.schema.json", &schema);
+    }
+
+    /// What an exploration of the handover found in one physics: a grip that fails, in episodes with these frictions.
+    fn found(study: &Study, frictions: &[f64]) -> Found {
+        let file = study.folder.join("regressions/grip-failure.toml");
+        let finding = Finding::read(&file).expect("a regression");
+        let met = (1..).zip(frictions).map(|(episode, friction)| {
+            let mut stimulus = finding.stimulus.clone();
+            let key = "parameters.hand.friction".to_owned();
+            stimulus.settings.insert(key, (*friction).into());
+            Met {
+                episode,
+                seed: finding.seed,
+                stimulus,
+                found_by: format!("friction {friction}"),
+            }
+        });
+        let met: Vec<Met> = met.collect();
+        let found = serde_json::from_value(serde_json::json!({
+            "in_words": finding.shows.to_string(),
+            "subject": null,
+            "file": "",
+            "first_episode": 1,
+            "seed": finding.seed.to_string(),
+            "found_by": "friction",
+            "episodes": frictions.len(),
+            "replayed": false,
+            "causes": [],
+            "without_cause": null,
+        }));
+        Found {
+            report: FindingReport {
+                shows: finding.shows.clone(),
+                found: found.expect("a discovery"),
+            },
+            finding,
+            met,
+        }
+    }
+
+    #[test]
+    fn what_the_full_physics_does_not_show_is_told_apart() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let library = root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
+        if !library.exists() && std::env::var_os("CI").is_none() {
+            return;
+        }
+        let study = Study::load(&root.join("case-studies/handover")).expect("a study");
+        let entry = study.entry("E2").expect("an entry");
+        let bench = OpenBench::of_entry(&study, entry, Some(&library)).expect("a bench");
+        let folder = std::env::temp_dir().join(format!("confirmed-{}", std::process::id()));
+        let keeping = |is_fast| Keeping {
+            study: &study,
+            bench: &bench,
+            is_fast,
+            folder: &folder,
+        };
+        // With the nominal friction the object does not slip: the first finding is shown by its second episode.
+        let all = vec![found(&study, &[0.6, 0.3, 0.31]), found(&study, &[0.6, 0.6])];
+        let (kept, others) = keeping(true).sorted(all).expect("they run");
+        let [kept] = &kept[..] else {
+            panic!("one is shown")
+        };
+        let told = &kept.report.found;
+        assert_eq!(
+            (told.first_episode, told.replayed, told.episodes),
+            (2, true, 3)
+        );
+        assert_eq!(told.found_by, "friction 0.3");
+        assert!(kept.finding.recording.is_some() && told.file.starts_with("findings/"));
+        let [other] = &others[..] else {
+            panic!("one is not")
+        };
+        assert!(!other.report.found.replayed && other.report.found.episodes == 2);
+        assert!(other.report.found.file.starts_with("not-confirmed/"));
+        let text = std::fs::read_to_string(folder.join(&other.report.found.file)).expect("kept");
+        assert!(text.contains("the full physics does not"), "{text}");
+        // A search in the full physics has nothing to confirm: an episode that does not repeat is lost data.
+        let (kept, others) = keeping(false)
+            .sorted(vec![found(&study, &[0.6, 0.3])])
+            .expect("it runs");
+        assert!(others.is_empty() && !kept[0].report.found.replayed);
+        std::fs::remove_dir_all(&folder).expect("it was made");
     }
 
     #[test]

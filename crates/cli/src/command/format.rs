@@ -2,9 +2,11 @@
 
 use super::Done;
 use crate::args::FormatFiles;
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source, write_whole};
-use std::io::Read;
+use crate::terminal::read_standard_input;
+use crate::terminal::to_stderr;
+use corroborate::outcome::Outcome;
+use diagnostic::{Problem, Source};
+use host::files::write_whole;
 use std::path::{Path, PathBuf};
 
 /// How names of property files end.
@@ -52,7 +54,7 @@ fn is_standard_input(path: &Path) -> bool {
 }
 
 fn one(path: &Path, properties: bool) -> Result<Formatted<'_>, Problem> {
-    let source = read(path)?;
+    let (source, is_utf8) = read(path)?;
     let ending = path.extension().and_then(|ending| ending.to_str());
     let is_of_properties = properties || ending.is_some_and(|e| PROPERTY_FILES.contains(&e));
     let formatted = if is_of_properties {
@@ -61,27 +63,26 @@ fn one(path: &Path, properties: bool) -> Result<Formatted<'_>, Problem> {
         prism_lang::format_model(&source.text)
     };
     let text = formatted.map_err(|mistakes| {
-        Problem::from_diagnostics(&source, &mistakes)
+        study::placed::from_diagnostics(&source, &mistakes)
             .unwrap_or_else(|| Problem::new("syntax", format!("{} has mistakes", source.name)))
     })?;
     Ok(Formatted {
         path,
-        is_changed: text != source.text,
+        is_changed: text != source.text || !is_utf8,
         text,
     })
 }
 
-fn read(path: &Path) -> Result<Source, Problem> {
-    if !is_standard_input(path) {
-        return Source::read(path);
+/// The text, and whether it is in UTF-8, as what is written always is.
+fn read(path: &Path) -> Result<(Source, bool), Problem> {
+    if is_standard_input(path) {
+        return Ok((read_standard_input()?, true));
     }
-    let mut text = String::new();
-    let read = std::io::stdin().read_to_string(&mut text);
-    read.map_err(|error| Problem::cannot_read(path, &error))?;
-    Ok(Source {
-        name: "<standard input>".to_owned(),
-        text,
-    })
+    let (source, warning) = host::files::read_prism(path)?;
+    if let Some(warning) = &warning {
+        to_stderr(&warning.warning_line());
+    }
+    Ok((source, warning.is_none()))
 }
 
 /// Writes the file behind a link, with its permissions.

@@ -1,9 +1,10 @@
 //! `corroborate init`: a new study from a template that runs as it is.
 
-use super::Done;
+use super::{Done, json, schema};
 use crate::args::Init;
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
+use host::files::write_whole;
 
 /// The template's files. It needs no simulation, so that it runs in a moment.
 const FILES: [(&str, &str); 10] = [
@@ -48,6 +49,11 @@ pub fn init(arguments: &Init) -> Result<Done, Problem> {
     for (name, content) in FILES {
         write_whole(&folder.join(name), content.as_bytes())?;
     }
+    // The first line of each file names its schema; editors that know TOML complete and check by it.
+    for file in schema::files() {
+        let path = folder.join(".schemas").join(schema::schema_name(file.name));
+        write_whole(&path, json(&file.schema)?.as_bytes())?;
+    }
     let shown = folder.display();
     Ok(Done {
         output: format!(
@@ -56,6 +62,7 @@ pub fn init(arguments: &Init) -> Result<Done, Problem> {
              \x20 requirements.toml  what is required\n\
              \x20 vocabulary.toml    what its words mean to each technique\n\
              \x20 ledger.toml        which evidence is to be produced\n\
+             \x20 .schemas           the keys of each file, for editors (`corroborate schema FILE` shows them)\n\
              Next: corroborate run {shown}\n"
         ),
         outcome: Outcome::Holds,

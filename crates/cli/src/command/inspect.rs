@@ -3,9 +3,9 @@
 
 use super::{Done, json};
 use crate::args::{Format, Inspect};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::technique::recording::open_options;
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
+use host::files::write_whole;
 use recording::{InspectOptions, Inspection};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -36,7 +36,7 @@ pub fn inspect(arguments: &Inspect) -> Result<Done, Problem> {
     let options = InspectOptions {
         gap_factor: arguments.gap_factor,
     };
-    let opening = open_options(&arguments.opening);
+    let opening = arguments.opening.options();
     let found = recording::inspect(&arguments.recording, &opening, &options)
         .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
     let outcome = outcome(&found);

@@ -2,8 +2,8 @@
 
 use super::{Done, json};
 use crate::args::Format;
-use crate::outcome::Outcome;
-use crate::problem::Problem;
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use requirement_lang::library::{Template, templates};
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -5,20 +5,21 @@ mod asked;
 mod form;
 mod text;
 
-use super::{Done, Setting, json};
+use super::{Done, Host, json};
 use crate::args::{Format, Monitor};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::technique::judging::{Judgement, Shown};
-use crate::technique::recording::{JudgedRecording, recordings};
 use asked::Asked;
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use evidence::Subject;
 use form::{MonitorReport, RecordingVerdicts, Total};
+use host::files::write_whole;
+use judging::recording::{JudgedRecording, recordings};
+use judging::{Judgement, Shown};
 use std::path::{Path, PathBuf};
 use temporal::monitor::Verdict;
 
 /// Judges recordings.
-pub fn monitor(arguments: &Monitor, setting: &Setting) -> Result<Done, Problem> {
+pub fn monitor(arguments: &Monitor, setting: &Host) -> Result<Done, Problem> {
     let asked = Asked::new(arguments)?;
     let judges = asked.judges()?;
     let rules = asked.rules(arguments)?;
@@ -28,8 +29,8 @@ pub fn monitor(arguments: &Monitor, setting: &Setting) -> Result<Done, Problem> 
         None => Vec::new(),
     };
     let warnings = asked.warnings();
-    warnings.iter().for_each(|line| setting.talk.say(line));
-    let stage = setting.talk.begin("recordings", files.len() as u64);
+    warnings.iter().for_each(|line| setting.events.say(line));
+    let stage = setting.events.begin("recordings", files.len() as u64);
     let mut report = MonitorReport::new(warnings);
     let mut judged = Vec::new();
     for (place, file) in files.iter().enumerate() {

@@ -6,41 +6,41 @@ mod report;
 mod runs;
 mod score;
 
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Rare};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source};
-use crate::store::{Inputs, Store};
-use crate::study::Study;
-use crate::technique::bench::{check_units, tried};
-use crate::technique::campaign::{FailureCounts, never_worked};
-use crate::technique::confidence;
-use crate::technique::judging::inputs_of;
-use crate::technique::rows::{self, Rows, Value};
-use crate::technique::simulation::Seeds;
 use bench::{World, stimulus_at};
 use campaign::splitting::{
     Descent, RareEstimate, SplittingOptions, SubsetOptions, combine, split, subset,
 };
+use corroborate::outcome::Outcome;
+use corroborate::technique::campaign::{FailureCounts, never_worked};
+use corroborate::technique::confidence;
+use corroborate::technique::rows::{self, Rows, Value};
+use corroborate::technique::simulation::Seeds;
+use diagnostic::{Problem, Source};
 use file::{EventText, RareText, quoted};
+use host::store::{Inputs, Store};
+use judging::inputs_of;
 use rayon::prelude::*;
 use report::{CONTRADICTION, EventReport, PlainReport, RareReport, RunFailures, text_of};
+use rig::{check_units, tried};
 use runs::{EpisodeOfInputs, Runs, RunsEnded};
 use score::Score;
 use stats::special::normal_sf;
 use stats::{Confidence, Sample, clopper_pearson};
 use std::sync::Mutex;
 use stimulus::{Space, Stimulus};
+use study::Study;
 use testbench::{Savable, SimError};
 
 /// Plain episodes that are kept together.
 const CHUNK: u64 = 64;
 
 /// Estimates all events of the file.
-pub fn rare(arguments: &Rare, setting: &Setting) -> Result<Done, Problem> {
+pub fn rare(arguments: &Rare, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
-    let source = Source::read(&arguments.file)?;
+    let source = host::files::read_source(&arguments.file)?;
     let text = RareText::read(&source)?;
     check_only(&arguments.only, &text)?;
     let wanted =
@@ -84,7 +84,7 @@ struct Asked<'a> {
     wanted: Vec<&'a EventText>,
     store: Store,
     level: Confidence,
-    setting: &'a Setting,
+    setting: &'a Host,
 }
 
 impl Asked<'_> {
@@ -134,7 +134,7 @@ impl Asked<'_> {
 
     fn inputs(&self, event: &EventText) -> Result<Inputs, Problem> {
         let mut inputs = Inputs::default();
-        self.world.inputs(&mut inputs)?;
+        self.world.inputs(&mut inputs, &self.setting.build)?;
         inputs.add("event", format!("{event:?}").as_bytes());
         inputs.add("vocabulary", self.study.vocabulary.source.text.as_bytes());
         if event.requirement.is_some() {
@@ -200,7 +200,7 @@ impl<B: Savable> Work<'_, B> {
         let stage = self
             .runs
             .setting
-            .talk
+            .events
             .begin(&event.name, event.replications);
         let (mut descents, mut ended) = (Vec::new(), RunsEnded::default());
         for replication in 0..event.replications {
@@ -313,7 +313,7 @@ impl<B: Savable> Work<'_, B> {
     ) -> Result<PlainReport, Problem> {
         let chunks = episodes.div_ceil(CHUNK);
         let title = format!("{}: plain episodes", self.runs.event.name);
-        let stage = self.runs.setting.talk.begin(&title, chunks);
+        let stage = self.runs.setting.events.begin(&title, chunks);
         let (mut count, mut failed) = (0, Vec::new());
         for chunk in 0..chunks {
             let numbers = chunk * CHUNK..((chunk + 1) * CHUNK).min(episodes);

@@ -2,29 +2,30 @@
 //! they change.
 
 use super::calibrate::calibrate;
-use super::{Done, Setting, json, run, use_threads};
+use super::{Done, Host, json, run, use_threads};
 use crate::args::{Calibrate, Format, Refine};
-use crate::corroboration;
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::refine::apply::{Applied, Applier, append_to_ledger};
-use crate::refine::ledger_text::Names;
-use crate::refine::proposal::{Change, Offered, Proposal};
-use crate::refine::report::{Open, RefineReport};
-use crate::refine::simulator::Recalibration;
-use crate::refine::solver::Solver;
-use crate::refine::suspects::offered;
-use crate::study::Study;
+use corroborate::corroboration;
+use corroborate::outcome::Outcome;
+use corroborate::refine::apply::{Applied, Applier, append_to_ledger};
+use corroborate::refine::command::fit;
+use corroborate::refine::ledger_text::Names;
+use corroborate::refine::proposal::{Change, Offered, Proposal};
+use corroborate::refine::report::{Open, RefineReport};
+use corroborate::refine::simulator::Recalibration;
+use corroborate::refine::solver::Solver;
+use corroborate::refine::suspects::offered;
+use diagnostic::Problem;
 use evidence::StudyResult;
 use std::path::{Path, PathBuf};
+use study::Study;
 
 /// Shows what is offered, and makes what is accepted.
-pub fn refine(arguments: &Refine, setting: &Setting) -> Result<Done, Problem> {
+pub fn refine(arguments: &Refine, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let folder = folder(arguments)?;
     let result = run::result(&folder, setting)?;
     let study = Study::load(&folder)?;
-    let solver = Solver::new(&study, &setting.interrupt);
+    let solver = Solver::new(&study, &setting.cancel);
     let mut offered = offered(&study, &result, &solver)?;
     if let Some(suspect) = arguments.suspect {
         known_suspect(&result, suspect)?;
@@ -46,6 +47,11 @@ pub fn refine(arguments: &Refine, setting: &Setting) -> Result<Done, Problem> {
         arguments.episodes,
         setting,
     )?);
+    for proposal in &accepted {
+        if let Change::FitCommand(wanted) = &proposal.change {
+            applied.push(fit(&study, &result, wanted, setting)?);
+        }
+    }
     let is_changed = !applied.is_empty();
     let after = is_changed
         .then(|| run::result(&folder, setting))
@@ -177,7 +183,7 @@ fn recalibrations(
     study: &Study,
     accepted: &[&Proposal],
     episodes: Option<u64>,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Vec<Applied>, Problem> {
     let wanted = accepted.iter().filter_map(|it| match &it.change {
         Change::Recalibrate(recalibration) => Some(recalibration),
@@ -192,7 +198,7 @@ fn recalibrate(
     study: &Study,
     recalibration: &Recalibration,
     episodes: Option<u64>,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Applied, Problem> {
     let entry = study.entry(&recalibration.entry)?;
     let target = recalibration.target(study, entry);
@@ -207,7 +213,7 @@ fn recalibrate(
         },
         setting,
     )?;
-    setting.talk.say(done.output.trim_end());
+    setting.events.say(done.output.trim_end());
     let id = Names::next_id(study, &entry.id, &[]);
     let new = recalibration.new_entry(entry, id.clone(), &target, episodes);
     append_to_ledger(study, &new.text())?;

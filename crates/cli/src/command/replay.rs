@@ -6,22 +6,23 @@ pub mod episode;
 mod scene;
 mod shown;
 
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Replay};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::study::Study;
-use crate::technique::campaign::kind_of;
-use crate::technique::exploration::ShowsJudge;
-use crate::technique::judging::verdict_name;
+use corroborate::outcome::Outcome;
+use corroborate::technique::campaign::kind_of;
+use corroborate::technique::exploration::ShowsJudge;
+use diagnostic::Problem;
 use episode::{Episode, failed, hash_of_trace};
 use evidence::FailureKind;
+use host::files::write_whole;
+use judging::verdict_name;
 use report::replay::Replay as Page;
 use schemars::JsonSchema;
 use serde::Serialize;
 use shown::Judged;
 use std::path::{Path, PathBuf};
 use stimulus::Distribution;
+use study::Study;
 use testbench::{Recorded, ViewKeeper};
 
 /// What `replay --format json` prints.
@@ -63,7 +64,7 @@ pub struct VerdictReport {
 }
 
 /// Replays.
-pub fn replay(arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
+pub fn replay(arguments: &Replay, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     if arguments.check {
@@ -86,18 +87,18 @@ pub fn replay(arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
     let library = setting.physics_library.as_deref();
     let (episode, bench) = Episode::named(&study, what, library)?;
     let judge = match &episode.shows {
-        Some(shows) => Some(ShowsJudge::new(&study, shows, &setting.interrupt)?),
+        Some(shows) => Some(ShowsJudge::new(&study, shows, &setting.cancel)?),
         None => None,
     };
     if bench.is_outside() {
         setting
-            .talk
+            .events
             .say("another simulator shows no bodies: the page has signals and verdicts only");
     }
     let mut keeper = ViewKeeper::default();
-    let stage = setting.talk.begin("replaying", 1);
+    let stage = setting.events.begin("replaying", 1);
     let recorded = episode
-        .run(&bench, Some(&mut keeper), &setting.interrupt)
+        .run(&bench, Some(&mut keeper), &setting.cancel)
         .map_err(|error| failed(&error))?;
     stage.advance();
     drop(stage);

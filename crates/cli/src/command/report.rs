@@ -3,9 +3,10 @@
 use super::run::{results_folder, terminal_width, use_colour};
 use super::{Done, json};
 use crate::args::{Format, Report};
-use crate::corroboration::{self, FORMAT};
-use crate::problem::{Problem, Source, write_whole};
+use corroborate::corroboration::{self, FORMAT};
+use diagnostic::Problem;
 use evidence::StudyResult;
+use host::files::write_whole;
 use std::path::Path;
 
 /// Writes the report again.
@@ -40,7 +41,7 @@ pub fn read_current_result(study: &Path, folder: &Path) -> Result<StudyResult, P
             let path = study.join(&asset.path);
             let bytes =
                 std::fs::read(&path).map_err(|error| Problem::cannot_read(&path, &error))?;
-            if crate::store::hash_of(&bytes) != asset.hash {
+            if host::store::hash_of(&bytes) != asset.hash {
                 let message = format!("{} has changed since {} was produced", asset.path, piece.id);
                 return Err(Problem::new("stale-result", message)
                     .remedy(format!("run `corroborate run {}` again", study.display())));
@@ -60,7 +61,7 @@ pub fn read_result(study: &Path, folder: &Path) -> Result<StudyResult, Problem> 
         )
         .remedy(format!("run `corroborate run {}` first", study.display())));
     }
-    let source = Source::read(&path)?;
+    let source = host::files::read_source(&path)?;
     let result: StudyResult = serde_json::from_str(&source.text).map_err(|error| {
         Problem::new("bad-result", format!("{}: {error}", path.display()))
             .remedy("run the study again")

@@ -1,18 +1,18 @@
 //! `corroborate requirements`: each requirement in all its forms, where they
 //! drifted apart, and the recordings on which they do not agree.
 
-use super::{Done, Setting, json};
+use super::{Done, Host, json};
 use crate::args::{Format, Requirements};
-use crate::forms::differences::{Difference, NamedForm, forms_of, judges, on_recording};
-use crate::forms::drift::{Drift, of_study};
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::study::{Rule, SentenceForm, Study, SubjectForm};
-use crate::technique::recording::{ReadingRules, recordings};
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use evidence::Subject;
+use judging::forms::differences::{Difference, NamedForm, forms_of, judges, on_recording};
+use judging::forms::drift::{Drift, of_study};
+use judging::recording::{ReadingRules, recordings};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
+use study::{Rule, SentenceForm, Study, SubjectForm};
 
 /// What `requirements --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -108,7 +108,7 @@ pub struct NotJudged {
 }
 
 /// Shows requirements and checks their forms against each other.
-pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done, Problem> {
+pub fn requirements(arguments: &Requirements, setting: &Host) -> Result<Done, Problem> {
     let Some(folder) = &arguments.study else {
         return super::library::library(arguments.format);
     };
@@ -148,16 +148,16 @@ pub fn requirements(arguments: &Requirements, setting: &Setting) -> Result<Done,
 }
 
 /// Says what has a meaning that is perhaps not meant, and gives it.
-fn warn(study: &Study, setting: &Setting) -> Vec<String> {
+fn warn(study: &Study, setting: &Host) -> Vec<String> {
     let found = study.forms.warnings(&[]);
     let lines: Vec<String> = found.iter().map(Problem::warning_line).collect();
-    lines.iter().for_each(|line| setting.talk.say(line));
+    lines.iter().for_each(|line| setting.events.say(line));
     lines
 }
 
 fn hold_against_recordings(
     arguments: &Requirements,
-    setting: &Setting,
+    setting: &Host,
     study: &Study,
     forms: &[NamedForm<'_>],
     report: &mut RequirementsReport,
@@ -165,7 +165,7 @@ fn hold_against_recordings(
     let rules = ReadingRules::of_study(&study.folder, arguments.map.as_deref())?;
     let files = recordings(&arguments.recordings)?;
     let judges = judges(study, forms)?;
-    let stage = setting.talk.begin("recordings", files.len() as u64);
+    let stage = setting.events.begin("recordings", files.len() as u64);
     for file in &files {
         let judged = rules.judge(&judges, file, &|| setting.go_on())?;
         let name = file.display().to_string();

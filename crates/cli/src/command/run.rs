@@ -4,29 +4,29 @@
 mod prepare;
 mod runner;
 
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{Format, Run};
-use crate::corroboration::Piece;
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::store::{Store, program_hash};
-use crate::study::{self, Study};
+use corroborate::corroboration::Piece;
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use evidence::StudyResult;
+use host::store::Store;
 use prepare::{all_assets, prepare, untils};
 use runner::Runner;
 use std::path::{Path, PathBuf};
+use study::{self, Study};
 
 pub use prepare::{assets, counted_constants};
 pub use runner::STUDY;
 
 /// Runs a study.
-pub fn run(arguments: &Run, setting: &Setting) -> Result<Done, Problem> {
+pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     Ok(carried_out(arguments, setting)?.0)
 }
 
 /// What a whole study amounts to; its results are where `run` leaves them.
-pub fn result(study: &Path, setting: &Setting) -> Result<StudyResult, Problem> {
+pub fn result(study: &Path, setting: &Host) -> Result<StudyResult, Problem> {
     let arguments = Run {
         study: study.to_owned(),
         out: None,
@@ -41,7 +41,7 @@ pub fn result(study: &Path, setting: &Setting) -> Result<StudyResult, Problem> {
 }
 
 /// What is printed, and what was compared if all was asked for.
-fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<StudyResult>), Problem> {
+fn carried_out(arguments: &Run, setting: &Host) -> Result<(Done, Option<StudyResult>), Problem> {
     let study = loaded(arguments, setting)?;
     let prepared = prepare(&study, setting)?;
     let untils = untils(&study)?;
@@ -54,7 +54,7 @@ fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<Study
         study: &study,
         store: &store,
         setting,
-        program: program_hash()?,
+        program: setting.build.as_str().to_owned(),
         assets,
         untils,
     };
@@ -71,7 +71,7 @@ fn carried_out(arguments: &Run, setting: &Setting) -> Result<(Done, Option<Study
 }
 
 /// The study, if it asks for evidence, and for all that `--only` names.
-fn loaded(arguments: &Run, setting: &Setting) -> Result<Study, Problem> {
+fn loaded(arguments: &Run, setting: &Host) -> Result<Study, Problem> {
     let study = Study::load(&arguments.study)?;
     if study.ledger.is_empty() {
         return Err(Problem::new(
@@ -84,7 +84,7 @@ fn loaded(arguments: &Run, setting: &Setting) -> Result<Study, Problem> {
         study.entry(id)?;
     }
     for warning in study.forms.warnings(&[]) {
-        setting.talk.say(&warning.warning_line());
+        setting.events.say(&warning.warning_line());
     }
     Ok(study)
 }

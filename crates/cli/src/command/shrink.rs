@@ -4,7 +4,8 @@
 //! First every number that the episode drew from its seed becomes a setting, so
 //! that what is left afterwards names the cause and the seed does not hide it.
 //! Then `campaign::shrink` makes the stimulus smaller: settings go back to their
-//! nominal values, or as near to these as still shows it. At last the episode is
+//! nominal values, or as near to these as still shows it. Where the bench has a fast physics, that proposes a smaller
+//! scenario first, and the full physics goes on from there (`trials`). At last the episode is
 //! cut to the fewest whole seconds that still show it. A cut recording counts as
 //! cut: what is violated only because nothing more comes is not decided by it,
 //! so an end cannot become the reason.
@@ -15,34 +16,39 @@ mod subject;
 mod trials;
 
 use super::replay::episode::{Episode, no_finding};
-use super::{Done, Setting, json};
+use super::{Done, Host, json};
 use crate::args::{Format, Shrink};
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::study::{Finding, Shows, Study};
-use crate::technique::exploration::{Plan, ShowsJudge};
 use campaign::ShrinkOptions;
+use corroborate::outcome::Outcome;
+use corroborate::technique::exploration::{Plan, ShowsJudge};
+use corroborate::technique::simulation::SearchPhysics;
+use diagnostic::Problem;
 use report::ShrinkReport;
 use std::path::PathBuf;
+use study::{Finding, Shows, Study};
 use subject::Subject;
 use trials::Shrunken;
 pub use trials::Trials;
 
 /// Shrinks.
-pub fn shrink(arguments: &Shrink, setting: &Setting) -> Result<Done, Problem> {
+pub fn shrink(arguments: &Shrink, setting: &Host) -> Result<Done, Problem> {
     let study = Study::load(&arguments.study)?;
     let subject = Subject::of(&study, arguments, setting)?;
     let target = target(&study, arguments, &subject)?;
     let Subject { finding, bench, .. } = &subject;
+    let fast = SearchPhysics::choose(arguments.physics, || bench.in_fast_physics())
+        .map_err(|message| Problem::new("bad-settings", message).remedy("leave out --physics"))?;
     let mut options = options(&study, arguments, finding, setting)?;
-    let judge = ShowsJudge::new(&study, &finding.shows, &setting.interrupt)?;
-    let stage = setting.talk.begin("shrinking: episodes", arguments.budget);
+    let judge = ShowsJudge::new(&study, &finding.shows, &setting.cancel)?;
+    let stage = setting
+        .events
+        .begin("shrinking: episodes", arguments.budget);
     let trials = Trials::new(
-        bench,
+        (bench, fast.as_ref()),
         &judge,
         Episode::of_named(finding.clone(), &subject.name),
         (arguments.budget, arguments.seeds),
-        (&setting.interrupt, &stage),
+        (&setting.cancel, &stage),
     );
     let shrunk = trials.shrink(finding, &mut options)?;
     drop(stage);
@@ -52,7 +58,7 @@ pub fn shrink(arguments: &Shrink, setting: &Setting) -> Result<Done, Problem> {
             Format::Json => json(&report)?,
             Format::Text => report::as_text(&report, arguments, &shrunk.regression),
         },
-        outcome: match setting.interrupt.is_set() {
+        outcome: match setting.cancel.is_cancelled() {
             true => Outcome::Interrupted,
             false => Outcome::Holds,
         },
@@ -90,7 +96,7 @@ fn options(
     study: &Study,
     arguments: &Shrink,
     finding: &Finding,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<ShrinkOptions, Problem> {
     let budget = usize::try_from(arguments.budget).unwrap_or(usize::MAX);
     let of_finding = match &finding.shows {
@@ -112,14 +118,14 @@ fn options(
     let fits = |plan: &Plan| is_asked || plan.data.evidence == finding.bench.evidence;
     let Some((plan, file)) = plan.filter(|(plan, _)| fits(plan)) else {
         setting
-            .talk
+            .events
             .say("no exploration says what is possible: any value may be tried");
         return Ok(ShrinkOptions {
             budget,
             ..ShrinkOptions::default()
         });
     };
-    setting.talk.say(&format!(
+    setting.events.say(&format!(
         "ranges and nominal values are those of {}",
         file.display()
     ));

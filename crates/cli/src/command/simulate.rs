@@ -4,21 +4,22 @@
 mod report;
 pub mod ros2_table;
 
-use super::{Done, Setting, json, use_threads};
+use super::{Done, Host, json, use_threads};
 use crate::args::{EngineChoice, Format, RecordingForm, Simulate};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::store::{Inputs, program_hash};
-use crate::study::{Entry, Study, Work};
-use crate::technique;
-use crate::technique::campaign::{
+use corroborate::outcome::Outcome;
+use corroborate::technique;
+use corroborate::technique::campaign::{
     Campaigning, Finished, Simulator, Source, Until, judged_by, parse_until, words_of,
 };
-use crate::technique::simulation::{Campaign, Seeds, record_with};
+use corroborate::technique::simulation::{Campaign, Seeds, record_with};
+use diagnostic::Problem;
 use evidence::{Alone, Step, Verdict};
+use host::files::write_whole;
+use host::store::Inputs;
 use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 use ros2_table::Ros2Table;
 use std::path::{Path, PathBuf};
+use study::{Entry, Study, Work};
 
 /// The simulator of an entry, in the engine that is asked for.
 fn simulator_of(
@@ -38,7 +39,7 @@ fn simulator_of(
 }
 
 /// Simulates and records.
-pub fn simulate(arguments: &Simulate, setting: &Setting) -> Result<Done, Problem> {
+pub fn simulate(arguments: &Simulate, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let entry = study.entry(&arguments.evidence)?;
@@ -63,7 +64,7 @@ struct Called<'a> {
     study: &'a Study,
     entry: &'a Entry,
     arguments: &'a Simulate,
-    setting: &'a Setting,
+    setting: &'a Host,
     seeds: Seeds,
     count: u64,
 }
@@ -80,8 +81,8 @@ impl Called<'_> {
             .as_ref()
             .map(|rule| Until::new(self.study, rule))
             .transpose()?;
-        let program = program_hash()?;
-        let mut inputs = self.inputs(source, &program);
+        let program = self.setting.build.as_str();
+        let mut inputs = self.inputs(source, program);
         if sampling.early_end {
             inputs.add_json("early_end", &true);
         }
@@ -98,8 +99,8 @@ impl Called<'_> {
             on_failure: arguments.on_failure.unwrap_or(sampling.on_failure),
             until: until.as_ref(),
             folder: &arguments.out,
-            judged_by: judged_by(self.study, source, &program),
-            interrupt: &self.setting.interrupt,
+            judged_by: judged_by(self.study, source, program),
+            interrupt: &self.setting.cancel,
             stage: &stage,
         };
         let finished = plan.run()?;
@@ -164,13 +165,13 @@ impl Called<'_> {
         }
         let table = Ros2Table::beside(&self.study.folder.join(scenario))?;
         let source = simulator.source();
-        let mut inputs = self.inputs(source, &program_hash()?);
+        let mut inputs = self.inputs(source, self.setting.build.as_str());
         inputs.add("ros2", table.text.as_bytes());
         let folder = &self.arguments.out;
         claim(folder, &inputs.hash())?;
         let numbers = self.arguments.first..self.arguments.first + self.count;
         let stage = self.stage();
-        let interrupt = &self.setting.interrupt;
+        let interrupt = &self.setting.cancel;
         let write = |trace: &trace::Trace, path: &Path| table.write(trace, path);
         let written = record_with(
             campaign,
@@ -184,7 +185,7 @@ impl Called<'_> {
         drop(stage);
         let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
         if left_out > 0 {
-            self.setting.talk.say(&format!(
+            self.setting.events.say(&format!(
                 "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
             ));
         }
@@ -208,9 +209,9 @@ impl Called<'_> {
         }
     }
 
-    fn stage(&self) -> crate::talk::Stage {
+    fn stage(&self) -> host::Stage {
         let title = format!("{}: episodes", self.entry.id);
-        self.setting.talk.begin(&title, self.count)
+        self.setting.events.begin(&title, self.count)
     }
 
     /// What the recordings depend on.

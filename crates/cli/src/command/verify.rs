@@ -30,19 +30,19 @@ mod sound;
 use super::assure::{self, ASSURANCE};
 use super::report::read_result;
 use super::run::STUDY;
-use super::{Done, Setting, json};
+use super::{Done, Host, json};
 use crate::args::{Format, Verify};
-use crate::corroboration::{self, Piece};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source};
-use crate::store::Stored;
-use crate::study::Study;
 use audit::{Audit, VerifyReport};
+use corroborate::corroboration::{self, Piece};
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use evidence::StudyResult;
+use host::store::Stored;
 use std::path::{Path, PathBuf};
+use study::Study;
 
 /// Verifies the results of a study.
-pub fn verify(arguments: &Verify, setting: &Setting) -> Result<Done, Problem> {
+pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
     let results = &arguments.results;
     let folder = study_folder(arguments)?;
     let study = Study::load(&folder)?;
@@ -133,7 +133,7 @@ fn figures(
     (study, pieces): (&Study, Vec<Piece>),
     claimed: &StudyResult,
     results: &Path,
-    (setting, is_deep): (&Setting, bool),
+    (setting, is_deep): (&Host, bool),
     audit: &mut Audit,
 ) -> Result<(), Problem> {
     let mut expected = corroboration::corroborate(study, pieces)?;
@@ -153,7 +153,7 @@ fn figures(
     expected.calibration = found::calibration(study, claimed, results, audit);
     let values = compare::values(&file, &expected, claimed, audit)?;
     audit.checked(values, "values of study.json follow from the evidence");
-    let text = Source::read(&file)?.text;
+    let text = host::files::read_source(&file)?.text;
     compare::bytes(&file, &json(claimed)?, &text, audit);
     let path = results.join(STUDY);
     if let Some(kept) = kept::read::<Stored<StudyResult>>(&path, audit) {

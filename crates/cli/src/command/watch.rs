@@ -27,17 +27,16 @@ mod scene_rest;
 mod simulated;
 mod teller;
 
-use super::{Done, Setting};
-use crate::args::{Format, TimeChoice, Watch};
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::study::Study;
-use crate::technique::judging::{Judgement, Judges, Session};
-use crate::technique::recording::{ReadingRules, news_of};
+use super::{Done, Host};
+use crate::args::{Format, Watch};
 use bench::Bench;
+use corroborate::outcome::Outcome;
+use diagnostic::Problem;
 use event::{LiveVerdict, WatchEvent};
 use evidence::Subject;
 use hub::{Hub, SharedHub, locked};
+use judging::recording::{ReadingRules, news_of};
+use judging::{Judgement, Judges, Session};
 use keeper::Keeper;
 use live::Source;
 use reader::{Inbox, LiveReader, SharedInbox, opened};
@@ -45,6 +44,7 @@ use recording::{Moment, Polled, SignalStream, StreamError, TimeSource, TopicMap,
 use simulated::AnyLink;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
+use study::Study;
 use teller::Teller;
 use temporal::monitor::Verdict;
 
@@ -56,11 +56,11 @@ const OVERDUE_AFTER_NANOS: i64 = 100_000_000;
 const LOOK_EVERY_NANOS: i64 = 50_000_000;
 
 /// Judges a running system until it is told to end.
-pub fn watch(arguments: &Watch, setting: &Setting) -> Result<Done, Problem> {
+pub fn watch(arguments: &Watch, setting: &Host) -> Result<Done, Problem> {
     let study = Study::load(&arguments.study)?;
     let judges = judges(&study, &arguments.only)?;
     for warning in study.forms.warnings(&arguments.only) {
-        setting.talk.say(&warning.warning_line());
+        setting.events.say(&warning.warning_line());
     }
     let map = topic_map(&study, arguments)?;
     let judged: Vec<String> = judges.signals().into_iter().collect();
@@ -91,7 +91,7 @@ struct Asked<'w> {
 /// Judges what `source` gives until it is told to end.
 fn attached(
     asked: &Asked<'_>,
-    setting: &Setting,
+    setting: &Host,
     source: Box<dyn Source>,
     bench: Option<&Bench>,
 ) -> Result<Done, Problem> {
@@ -152,12 +152,7 @@ fn judges<'a>(study: &'a Study, only: &[String]) -> Result<Judges<'a>, Problem> 
 fn topic_map(study: &Study, arguments: &Watch) -> Result<TopicMap, Problem> {
     let mut map = ReadingRules::of_study(&study.folder, arguments.map.as_deref())?.map;
     if let Some(time) = arguments.time {
-        map.time.source = match time {
-            TimeChoice::Log => TimeSource::Log,
-            TimeChoice::Publish => TimeSource::Publish,
-            TimeChoice::Header => TimeSource::Header,
-            TimeChoice::Clock => TimeSource::Clock,
-        };
+        map.time.source = time.source();
     }
     if map.time.source == TimeSource::Log {
         // Messages arrive in order of their arrival: nothing to wait for.
@@ -171,7 +166,7 @@ fn types(arguments: &Watch) -> Result<TypeDefinitions, Problem> {
         .map_err(|error| Problem::new("cannot-read", error.to_string()))
 }
 
-fn hub(arguments: &Watch, setting: &Setting, source: &dyn Source) -> Result<SharedHub, Problem> {
+fn hub(arguments: &Watch, setting: &Host, source: &dyn Source) -> Result<SharedHub, Problem> {
     let clock = source.clock();
     let now_nanos = clock.now_nanos();
     let keeper = match &arguments.out {
@@ -186,7 +181,7 @@ fn hub(arguments: &Watch, setting: &Setting, source: &dyn Source) -> Result<Shar
         clock,
         Teller::new(arguments.format, now_nanos),
         keeper,
-        setting.interrupt.clone(),
+        setting.cancel.clone(),
         ends_at_nanos,
         planned(arguments),
     );

@@ -1,23 +1,23 @@
 //! `corroborate what-if`: variants of the assets, side by side.
 
-use super::{Done, Setting, json, run, use_threads};
+use super::{Done, Host, json, run, use_threads};
 use crate::args::{Format, WhatIf};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, did_you_mean};
-use crate::study::{Entry, Study, Work};
-use crate::technique::confidence;
-use crate::technique::model_checking::Compiled;
-use crate::what_if::file::{ChangeText, Read, is_simulated, subject_of, variants};
-use crate::what_if::formal::Base;
-use crate::what_if::report::{
+use corroborate::outcome::Outcome;
+use corroborate::technique::confidence;
+use corroborate::technique::model_checking::Compiled;
+use corroborate::what_if::file::{ChangeText, Read, is_simulated, subject_of, variants};
+use corroborate::what_if::formal::Base;
+use corroborate::what_if::report::{
     ChangeReport, Gain, Row, VariantFailures, VariantReport, WhatIfReport, parted,
 };
-use crate::what_if::simulated::{Episodes, Verdicts, gain};
+use corroborate::what_if::simulated::{Episodes, Verdicts, gain};
+use diagnostic::{Problem, did_you_mean};
 use evidence::{StudyResult, Subject};
 use std::collections::BTreeMap;
+use study::{Entry, Study, Work};
 
 /// Tries the variants.
-pub fn what_if(arguments: &WhatIf, setting: &Setting) -> Result<Done, Problem> {
+pub fn what_if(arguments: &WhatIf, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let study = Study::load(&arguments.study)?;
     let mut all = variants(&study)?;
@@ -82,7 +82,7 @@ struct Trial<'a> {
     study: &'a Study,
     result: &'a StudyResult,
     arguments: &'a WhatIf,
-    setting: &'a Setting,
+    setting: &'a Host,
     level: stats::Confidence,
     /// What any of the variants looks at.
     subjects: Vec<Subject>,
@@ -169,10 +169,10 @@ impl<'a> Trial<'a> {
             return Ok(Vec::new());
         };
         let points = usize::from(self.arguments.points);
-        let interrupt = &self.setting.interrupt;
+        let interrupt = &self.setting.cancel;
         let begin = |what: &str| {
             let title = format!("{}: {what}", entry.id);
-            self.setting.talk.begin(&title, points as u64)
+            self.setting.events.begin(&title, points as u64)
         };
         if !bases.formal.contains_key(&entry.id) {
             let compiled = Compiled::new(self.study, model)?;
@@ -208,12 +208,11 @@ impl<'a> Trial<'a> {
             study: self.study,
             entry,
             count: self.arguments.episodes,
-            library: self.setting.physics_library.as_deref(),
-            interrupt: &self.setting.interrupt,
+            host: self.setting,
         };
         let begin = |what: &str| {
             let title = format!("{}: {what}", entry.id);
-            self.setting.talk.begin(&title, self.arguments.episodes)
+            self.setting.events.begin(&title, self.arguments.episodes)
         };
         if !bases.simulated.contains_key(&entry.id) {
             let verdicts = episodes.as_it_is(&self.subjects, &begin("as it is"))?;

@@ -1,7 +1,8 @@
 //! What a finding says of its rate, in the three forms that comparison knows.
 
+use super::ends::{End, Ends};
 use crate::looks::over_looks;
-use crate::{CredibleInterval, Guarantee, Measure, MethodAnswer};
+use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, IntervalMethod, Sample};
 use std::rc::Rc;
 
@@ -43,6 +44,13 @@ pub(crate) enum Belief {
         /// The distribution, as a beta distribution of the same mean and variance.
         posterior: BetaPosterior,
     },
+    /// The range over all schedulers of a model whose constants are uncertain.
+    Range {
+        /// The answer of the worst scheduler with the constants at their estimates.
+        value: f64,
+        /// Both ends with their distributions.
+        ends: Ends,
+    },
 }
 
 impl Belief {
@@ -72,7 +80,9 @@ impl Belief {
     pub fn estimate(&self) -> f64 {
         match self {
             Self::Counts { effective, .. } => effective.successes / effective.trials,
-            Self::Known { value, .. } | Self::Distribution { value, .. } => *value,
+            Self::Known { value, .. }
+            | Self::Distribution { value, .. }
+            | Self::Range { value, .. } => *value,
         }
     }
 
@@ -84,6 +94,7 @@ impl Belief {
                 is_range: true,
                 ..
             } => *bounds,
+            Self::Range { ends, .. } if ends.is_range => ends.as_written,
             other => Interval {
                 low: other.estimate(),
                 high: other.estimate(),
@@ -103,6 +114,7 @@ impl Belief {
                     high: central.high.max(*value),
                 }
             }
+            Self::Range { ends, .. } => ends.interval(confidence),
         }
     }
 
@@ -118,6 +130,7 @@ impl Belief {
             }
             Self::Known { bounds, .. } => bounds.low,
             Self::Distribution { posterior, .. } => posterior.quantile(confidence.alpha()),
+            Self::Range { ends, .. } => ends.least.quantile(confidence.alpha()),
         }
     }
 
@@ -132,24 +145,25 @@ impl Belief {
             }
             Self::Known { bounds, .. } => bounds.high,
             Self::Distribution { posterior, .. } => posterior.quantile_upper(confidence.alpha()),
+            Self::Range { ends, .. } => ends.greatest.quantile_upper(confidence.alpha()),
         }
     }
 
-    /// The posterior of the rate; `None` for a computed probability without uncertain constants.
+    /// The posterior of the rate; `None` for a computed probability without uncertain constants, and for a range.
     pub fn posterior(&self) -> Option<BetaPosterior> {
         match self {
             Self::Counts { effective, .. } => Some(BetaPosterior::jeffreys(*effective)),
-            Self::Known { .. } => None,
+            Self::Known { .. } | Self::Range { .. } => None,
             Self::Distribution { posterior, .. } => Some(*posterior),
         }
     }
 
     /// Counts that say as much: at the effective size, or those whose Jeffreys posterior is the
-    /// distribution. `None` for a probability that is known, or known less well than by one trial.
+    /// distribution. `None` for a probability that is known, or known less well than by one trial, and for a range.
     pub fn worth_in_counts(&self) -> Option<EffectiveSample> {
         match self {
             Self::Counts { effective, .. } => Some(*effective),
-            Self::Known { .. } => None,
+            Self::Known { .. } | Self::Range { .. } => None,
             Self::Distribution { posterior, .. } => {
                 let (alpha, beta) = posterior.parameters();
                 let worth = EffectiveSample {
@@ -193,6 +207,9 @@ fn counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Belief, Str
 
 fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Result<Belief, String> {
     let value = answer.value;
+    if let Some(ends) = credible.and_then(|credible| range(answer, credible)) {
+        return Ok(Belief::Range { value, ends });
+    }
     if let Some(posterior) = credible.and_then(moments_as_beta) {
         return Ok(Belief::Distribution { value, posterior });
     }
@@ -205,7 +222,7 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
                 high: value,
             },
         }),
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => {
             Ok(Belief::Known {
                 is_range: matches!(answer.guarantee, Guarantee::Schedulers { .. }),
                 value,
@@ -221,10 +238,41 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
     }
 }
 
+/// Both ends of a range with their distributions; `None` where there is no range, or neither end varies.
+fn range(answer: &MethodAnswer, credible: &CredibleInterval) -> Option<Ends> {
+    let (distributions, bounds) = (credible.ends.as_ref()?, answer.bounds()?);
+    let end = |of: &EndDistribution, as_written: f64| {
+        beta_of(of.mean, &of.quantiles).map_or(End::Known(as_written), End::Uncertain)
+    };
+    let (least, greatest) = (
+        end(&distributions.least, bounds.low),
+        end(&distributions.greatest, bounds.high),
+    );
+    let vary = [least, greatest]
+        .iter()
+        .any(|it| matches!(it, End::Uncertain(_)));
+    vary.then_some(Ends {
+        as_written: Interval {
+            low: bounds.low,
+            high: bounds.high,
+        },
+        least,
+        greatest,
+        is_range: matches!(answer.guarantee, Guarantee::Schedulers { .. }),
+    })
+}
+
 /// The beta distribution with the mean and variance of the draws; `None` when they do not vary.
 fn moments_as_beta(credible: &CredibleInterval) -> Option<BetaPosterior> {
-    let draws = stats::Draws::new(&credible.quantiles).ok()?;
-    let (mean, variance) = (credible.mean, draws.variance());
+    if credible.ends.is_some() {
+        return None;
+    }
+    beta_of(credible.mean, &credible.quantiles)
+}
+
+fn beta_of(mean: f64, quantiles: &[f64]) -> Option<BetaPosterior> {
+    let draws = stats::Draws::new(quantiles).ok()?;
+    let variance = draws.variance();
     // Draws that differ by rounding only are one number.
     if variance.sqrt() <= 1e-12 {
         return None;

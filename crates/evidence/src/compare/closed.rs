@@ -253,6 +253,7 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
         trials: 0.0,
     };
     let mut is_distribution = false;
+    let mut range = None;
     let mut is_range = true;
     for belief in beliefs {
         match belief {
@@ -276,6 +277,8 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
                 bounds.high = bounds.high.min(own.high);
                 known = Some(*value);
             }
+            // A range is left out beside others: what the others say together holds of the one rate all the same.
+            Belief::Range { .. } => range = range.or(Some(belief)),
             Belief::Distribution { posterior, .. } => {
                 is_distribution = true;
                 let (alpha, beta) = posterior.parameters();
@@ -295,6 +298,7 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
             value: effective.successes / effective.trials,
             posterior: BetaPosterior::jeffreys(effective),
         }),
+        None if sample.trials == 0 => range.cloned(),
         None => Some(Belief::Counts {
             sample,
             effective,

@@ -30,7 +30,7 @@
 //! # Guarantee
 //! The chance is exact for up to [`REPRESENTATIVES`] trials of one side, and else within 0.01
 //! (tested against the full sum). Where one side is a model's answer with uncertain constants, the posterior probabilities
-//! behind it are within 4e-3 ([`stats::PosteriorPlaces`]). Clustered sides count trials at their design effect of today, of further subjects with as
+//! behind it are within 4e-3 for each end ([`stats::PosteriorPlaces`]). Clustered sides count trials at their design effect of today, of further subjects with as
 //! many trials each: more trials of the same subjects decide less often (`promised`).
 
 mod side;

@@ -17,7 +17,7 @@
 use super::questions::{self, Questions};
 use super::shared_data::SharedData;
 use super::words::list;
-use crate::{Calibration, Evidence, Measure, Subject};
+use crate::{Calibration, Evidence, Interval, Measure, Spread, Subject};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The share of the variance from which a constant counts as an influence.
@@ -93,26 +93,39 @@ fn shares(measure: &Measure) -> BTreeMap<&str, f64> {
     else {
         return BTreeMap::new();
     };
-    let width = match (credible.quantiles.first(), credible.quantiles.last()) {
+    let Some(ends) = &credible.ends else {
+        return shares_of(&credible.spread, &credible.quantiles, credible.interval);
+    };
+    // What bears on either end of a range bears on it.
+    let mut found = BTreeMap::new();
+    for end in [&ends.least, &ends.greatest] {
+        for (constant, share) in shares_of(&end.spread, &end.quantiles, end.interval) {
+            let largest = found.entry(constant).or_insert(0.0_f64);
+            *largest = largest.max(share);
+        }
+    }
+    found
+}
+
+fn shares_of<'e>(
+    spread: &'e [Spread],
+    quantiles: &[f64],
+    interval: Interval,
+) -> BTreeMap<&'e str, f64> {
+    let width = match (quantiles.first(), quantiles.last()) {
         (Some(low), Some(high)) => high - low,
-        _ => credible.interval.high - credible.interval.low,
+        _ => interval.high - interval.low,
     };
     let varies = width > 1e-12;
-    credible
-        .spread
-        .iter()
-        .map(|spread| {
-            (
-                spread.constant.as_str(),
-                if varies {
-                    // What the share's error leaves open counts as bearing, too.
-                    spread.total.unwrap_or(0.0).max(spread.share) + spread.error.unwrap_or(0.0)
-                } else {
-                    0.0
-                },
-            )
-        })
-        .collect()
+    let share = |spread: &'e Spread| {
+        let bears = match varies {
+            // What the share's error leaves open counts as bearing, too.
+            true => spread.total.unwrap_or(0.0).max(spread.share) + spread.error.unwrap_or(0.0),
+            false => 0.0,
+        };
+        (spread.constant.as_str(), bears)
+    };
+    spread.iter().map(share).collect()
 }
 
 /// A source: evidence and what was counted in it.

@@ -1,6 +1,7 @@
 //! The statistics of one pair of rates.
 
 use super::Belief;
+use super::ends::{self, End, PlannedSide};
 use super::past::{Asked, Before, Past};
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, PosteriorPlaces,
@@ -23,11 +24,11 @@ pub(super) struct Pair {
     past: Option<(Before, Past)>,
     /// The looks up to and with this one, for those to come.
     past_of_next: OnceCell<Past>,
-    /// Where a plan asks what more counts would show against a distribution: the distribution's places, for means over
+    /// Where a plan asks what more counts would show against a side that is uncertain otherwise: that side, for means over
     /// it that are taken thousands of times. A conclusion has none and integrates.
-    places: Option<Rc<PosteriorPlaces>>,
-    /// The places of this pair's distribution, for plans.
-    places_of_next: OnceCell<Option<Rc<PosteriorPlaces>>>,
+    places: Option<Rc<PlannedSide>>,
+    /// This pair's uncertain side, for plans.
+    places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
 }
 
 impl Pair {
@@ -64,20 +65,26 @@ impl Pair {
         next
     }
 
-    /// The places of the side that is a distribution, if the other has counts.
-    fn places_of_distribution(&self) -> Option<Rc<PosteriorPlaces>> {
-        use Belief::{Counts, Distribution};
-        match (&self.first, &self.second) {
-            (Distribution { posterior, .. }, Counts { .. })
-            | (Counts { .. }, Distribution { posterior, .. }) => {
-                Some(Rc::new(PosteriorPlaces::new(posterior)))
-            }
-            _ => None,
-        }
+    /// The places of the side that is a distribution or has uncertain ends, if the other has counts.
+    fn places_of_distribution(&self) -> Option<Rc<PlannedSide>> {
+        use Belief::{Counts, Distribution, Range};
+        let uncertain = match (&self.first, &self.second) {
+            (uncertain, Counts { .. }) | (Counts { .. }, uncertain) => uncertain,
+            _ => return None,
+        };
+        Some(Rc::new(match uncertain {
+            Distribution { posterior, .. } => PlannedSide::Number(PosteriorPlaces::new(posterior)),
+            Range { ends, .. } => PlannedSide::Ends {
+                least: (&ends.least).into(),
+                greatest: (&ends.greatest).into(),
+                is_range: ends.is_range,
+            },
+            _ => return None,
+        }))
     }
 
-    /// The distribution's places with the posterior of the counts, in a plan.
-    fn planned(&self) -> Option<(&PosteriorPlaces, BetaPosterior)> {
+    /// The uncertain side's places with the posterior of the counts, in a plan.
+    fn planned(&self) -> Option<(&PlannedSide, BetaPosterior)> {
         let places = self.places.as_deref()?;
         let counts = match (&self.first, &self.second) {
             (counts @ Belief::Counts { .. }, _) | (_, counts) => counts.posterior()?,
@@ -137,7 +144,6 @@ impl Pair {
     pub fn range_in_words(&self) -> String {
         let widths = [&self.first, &self.second].map(Belief::values);
         let width = widths.iter().map(|it| it.high - it.low).fold(0.0, f64::max);
-        let is_range = |belief: &Belief| matches!(belief, Belief::Known { is_range: true, .. });
         if !is_range(&self.first) && !is_range(&self.second) {
             return String::new();
         }
@@ -178,6 +184,9 @@ impl Pair {
                     high: nearest,
                 },
             ),
+            Belief::Range { ends, .. } if ends.is_range => {
+                (nearest, ends.interval_of_nearest(nearest, confidence))
+            }
             belief => (nearest, belief.interval(confidence)),
         };
         stats::difference_interval(side(&self.second, second), side(&self.first, first))
@@ -192,8 +201,10 @@ impl Pair {
     pub fn p_difference_once(&self) -> f64 {
         use Belief::{Counts, Known};
         if let Some((places, counts)) = self.planned() {
-            let above = places.greater(&counts);
-            return (2.0 * above.min(1.0 - above)).clamp(0.0, 1.0);
+            return places.p_difference(&counts);
+        }
+        if let Some((first, second)) = self.as_ends() {
+            return ends::p_difference(&first, &second);
         }
         match (&self.first, &self.second) {
             (
@@ -323,10 +334,20 @@ impl Pair {
         }
     }
 
+    /// Both sides as ends, where one is a range whose ends are uncertain.
+    fn as_ends(&self) -> Option<(ends::Side, ends::Side)> {
+        let is_uncertain = |belief: &Belief| matches!(belief, Belief::Range { .. });
+        (is_uncertain(&self.first) || is_uncertain(&self.second))
+            .then(|| (side(&self.first), side(&self.second)))
+    }
+
     /// Posterior probability that the difference is below the margin.
     pub fn probability_within(&self) -> f64 {
         if let Some((places, counts)) = self.planned() {
-            return places.within(&counts, self.margin);
+            return places.probability_within(&counts, self.margin);
+        }
+        if let Some((first, second)) = self.as_ends() {
+            return ends::probability_within(&first, &second, self.margin);
         }
         match (self.first.posterior(), self.second.posterior()) {
             (Some(a), Some(b)) => probability_within(&a, &b, self.margin),
@@ -388,6 +409,32 @@ impl Pair {
             Some(p) => p <= level.alpha(),
             None => self.probability_within() >= level.level(),
         }
+    }
+}
+
+/// Whether every value between the ends of a side is one that its model allows.
+fn is_range(belief: &Belief) -> bool {
+    match belief {
+        Belief::Known { is_range, .. } => *is_range,
+        Belief::Range { ends, .. } => ends.is_range,
+        Belief::Counts { .. } | Belief::Distribution { .. } => false,
+    }
+}
+
+/// A side as ends; counts by their posterior.
+fn side(belief: &Belief) -> ends::Side {
+    let (least, greatest) = match (belief, belief.posterior()) {
+        (Belief::Range { ends, .. }, _) => (ends.least, ends.greatest),
+        (_, Some(posterior)) => (End::Uncertain(posterior), End::Uncertain(posterior)),
+        (other, None) => {
+            let bounds = other.interval(Confidence::P95);
+            (End::Known(bounds.low), End::Known(bounds.high))
+        }
+    };
+    ends::Side {
+        least,
+        greatest,
+        is_range: is_range(belief),
     }
 }
 
@@ -460,7 +507,7 @@ fn near(posterior: &BetaPosterior, bounds: &Interval, margin: f64) -> f64 {
 
 /// The bounds that a rate has to be near to: of a known number whose value is somewhere between its bounds, both; of a
 /// range, of which each value is one that the model allows, either (so the ends change places).
-fn to_agree_with(known: &Belief) -> Interval {
+pub(super) fn to_agree_with(known: &Belief) -> Interval {
     let bounds = known.interval(Confidence::P95);
     match known {
         Belief::Known { is_range: true, .. } => Interval {
@@ -474,7 +521,6 @@ fn to_agree_with(known: &Belief) -> Interval {
 /// Two known numbers wherever they are between their bounds; a number and some value of a range; two ranges, if each
 /// value of one has one of the other within the margin.
 fn within_for_certain(first: &Belief, second: &Belief, margin: f64) -> bool {
-    let is_range = |belief: &Belief| matches!(belief, Belief::Known { is_range: true, .. });
     let (a, b) = (
         first.interval(Confidence::P95),
         second.interval(Confidence::P95),

@@ -5,16 +5,18 @@
 //! one for each direction (half the two-sided p-value where the estimate lies in that direction, and one minus that
 //! where it does not), of which twice the smaller counts; of equivalence the larger of its two. Its information is
 //! `1 / (1/n1 + 1/n2)` at the effective sizes, those of earlier looks at the design effect of today; a known rate has
-//! infinite size. What they amount to over all looks is `stats::continuation`'s p-value from scores.
+//! infinite size. What they amount to over all looks is `stats::continuation`'s p-value from scores. Equivalence of
+//! independent counts with a known rate is asked of the counts against the two ends of the margin, exactly
+//! (`stats::continued_above` and `continued_below`).
 //!
 //! # Guarantee
-//! At the first look the level is kept exactly as the tests keep it. Later ones hold as far as scores have independent
-//! normal increments: their error rates are not measured yet
-//! (`stats/examples/looking_again.rs` simulates them).
+//! At the first look the level is kept exactly as the tests keep it, and equivalence with a known rate at every look.
+//! All else holds as far as scores have independent normal increments; `ERROR_RATES.md` has the measured rates.
 
 use super::Belief;
-use super::pair::Pair;
-use stats::{ScoredLook, continued_p, continued_rejects};
+use super::ends::End;
+use super::pair::{Pair, to_agree_with};
+use stats::{Sample, ScoredLook, continued_above, continued_below, continued_p, continued_rejects};
 use std::rc::Rc;
 
 /// What was known of both sides at each look before this one, oldest first; `None` where it is not of the same trials.
@@ -82,7 +84,8 @@ impl Past {
             return once;
         }
         if asked == Asked::Equivalence {
-            return continued_p(&self.scored(pair, asked, 1.0, once));
+            let exact = self.equivalence_with_known(pair);
+            return exact.unwrap_or_else(|| continued_p(&self.scored(pair, asked, 1.0, once)));
         }
         let side = |sign: f64| continued_p(&self.scored(pair, asked, sign, once));
         (2.0 * side(1.0).min(side(-1.0))).min(1.0)
@@ -94,11 +97,43 @@ impl Past {
             return once <= level;
         }
         if asked == Asked::Equivalence {
+            if let Some(p) = self.equivalence_with_known(pair) {
+                return p <= level;
+            }
             return continued_rejects(&self.scored(pair, asked, 1.0, once), level);
         }
         let side =
             |sign: f64| continued_rejects(&self.scored(pair, asked, sign, once), 0.5 * level);
         side(1.0) || side(-1.0)
+    }
+
+    /// The exact p-value of equivalence over all looks, where one side is known and the other counts independent trials.
+    fn equivalence_with_known(&self, pair: &Pair) -> Option<f64> {
+        let (counted, known) = match (pair.first(), pair.second()) {
+            (Belief::Counts { .. }, known @ Belief::Known { .. }) => (0, known),
+            (known @ Belief::Known { .. }, Belief::Counts { .. }) => (1, known),
+            _ => return None,
+        };
+        let now = [pair.first().clone(), pair.second().clone()];
+        let all = self.looks.iter().map(|look| &look.sides).chain([&now]);
+        let mut samples: Vec<Sample> = Vec::with_capacity(self.looks.len() + 1);
+        for sides in all {
+            let sample = independent(&sides[counted])?;
+            if samples.last() != Some(&sample) {
+                samples.push(sample);
+            }
+        }
+        let bounds = to_agree_with(known);
+        let (floor, ceiling) = (bounds.high - pair.margin(), bounds.low + pair.margin());
+        let not_below = match floor < 0.0 {
+            true => 0.0,
+            false => continued_above(&samples, floor),
+        };
+        let not_above = match ceiling > 1.0 {
+            true => 0.0,
+            false => continued_below(&samples, ceiling),
+        };
+        Some(not_below.max(not_above))
     }
 
     /// The looks with their p-values in one direction.
@@ -158,6 +193,28 @@ fn size_of(belief: &Belief) -> Option<f64> {
             let (a, b) = posterior.parameters();
             Some(a + b)
         }
+        Belief::Range { ends, .. } => {
+            let sizes = [ends.least, ends.greatest]
+                .into_iter()
+                .filter_map(|end| match end {
+                    End::Known(_) => None,
+                    End::Uncertain(posterior) => {
+                        let (a, b) = posterior.parameters();
+                        Some(a + b)
+                    }
+                });
+            sizes.reduce(f64::min)
+        }
+    }
+}
+
+/// Counts whose trials are all independent.
+fn independent(belief: &Belief) -> Option<Sample> {
+    match belief {
+        Belief::Counts {
+            sample, effective, ..
+        } if effective.trials >= sample.trials as f64 => Some(*sample),
+        _ => None,
     }
 }
 
@@ -220,6 +277,38 @@ mod tests {
         let twice = at(&[[(180, 200), (460, 500)], [(180, 200), (460, 500)]], 0.08);
         assert_eq!(twice.p_equivalence(), single.p_equivalence());
         assert_eq!((twice.look(), single.look()), (Some(1), Some(1)));
+    }
+
+    /// Equivalence with a known rate is that of the counts against both ends of the margin, and costs a fifth at first.
+    #[test]
+    fn equivalence_with_a_known_rate_is_exact_at_every_look() {
+        let known = Belief::Known {
+            value: 0.85,
+            bounds: stats::Interval {
+                low: 0.85,
+                high: 0.85,
+            },
+            is_range: false,
+        };
+        let of = |looks: &[(u64, u64)]| {
+            let (now, before) = looks.split_last().expect("a look");
+            let before: Vec<_> = before.iter().map(|(x, n)| Some(counts(*x, *n))).collect();
+            let same = vec![Some(known.clone()); before.len()];
+            Pair::new(counts(now.0, now.1), known.clone(), 0.1).looked_at([before, same])
+        };
+        let first = of(&[(52, 60)]);
+        let once = first.doubt_of_equivalence_once();
+        assert!((first.p_equivalence().expect("a p-value") - (once / 0.8).min(1.0)).abs() < 1e-6);
+        let looks = [(52, 60), (104, 120), (205, 240)];
+        let samples = looks.map(|(successes, trials)| Sample { successes, trials });
+        let expected = continued_above(&samples, 0.75).max(continued_below(&samples, 0.85 + 0.1));
+        let third = of(&looks);
+        let found = third.p_equivalence().expect("a p-value");
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        for level in [0.9, 0.99, 0.9999] {
+            let level = Confidence::new(level).expect("a level");
+            assert_eq!(third.shows_agreement(level), found <= level.alpha());
+        }
     }
 
     /// What a plan asks of an outcome is what the comparison will say of it.

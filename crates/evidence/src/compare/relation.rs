@@ -18,6 +18,8 @@
 //! definition. That a conflict's true difference exceeds the margin is not shown but estimated: of a pair whose true
 //! difference is just below the margin, the estimate is outside in about half of all samples, however large they are.
 //!
+//! `ERROR_RATES.md` has the largest probability of each cell at the worst true rates, as sums over all outcomes.
+//!
 //! # Source
 //! W. W. Tryon, "Evaluating statistical difference, equivalence, and indeterminacy using inferential confidence
 //! intervals", Psychological Methods 6 (2001), for the outcomes difference, equivalence, trivial difference and

@@ -64,7 +64,7 @@ fn share(measure: &Measure) -> Option<String> {
     match measure {
         Measure::Counts { count, trials, .. } => Some(format!("{count} of {trials}")),
         Measure::Probability { answer, .. } => Some(match answer.guarantee {
-            Guarantee::Schedulers { low, high } => {
+            Guarantee::Schedulers { low, high, .. } => {
                 format!("{} to {}", percent(low), percent(high))
             }
             _ => percent(answer.value),

@@ -273,7 +273,9 @@ fn chosen<'a>(
         let reason = match piece.belief.worth_in_counts() {
             _ if !free.contains(&index) => "rests on the counts of a piece that is combined",
             _ if weight <= 0.0 => "has a declared weight of 0",
-            None if matches!(piece.belief, Belief::Known { .. }) => "is computed, not counted",
+            None if matches!(piece.belief, Belief::Known { .. } | Belief::Range { .. }) => {
+                "is computed, not counted"
+            }
             None => "says less than one trial would",
             Some(sample) => {
                 chosen.push(Chosen {

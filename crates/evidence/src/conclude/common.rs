@@ -8,7 +8,7 @@
 //! of pieces and their dependence, without a correction for being several (an intersection-union test;
 //! R. L. Berger, "Multiparameter hypothesis testing and acceptance sampling", 1982).
 //!
-//! How often it holds, in percent of 1000 seeded studies (`tests/calibration.rs`, `table_of_common_bounds`; standard
+//! How often it holds, in percent of 1000 seeded studies (`tests/integration/calibration.rs`, `table_of_common_bounds`; standard
 //! error at most 0.7), beside limits that hold all at once (Sidak's), which is more than the statement says; in brackets
 //! the mean of the bound. 150 trials of their own or ten people with ten each.
 //!

@@ -32,6 +32,10 @@ pub(super) fn limits(belief: &Belief, threshold: Threshold, levels: ClaimLevels)
             low: posterior.quantile(above),
             high: posterior.quantile_upper(below),
         },
+        Belief::Range { ends, .. } => Interval {
+            low: ends.least.quantile(above),
+            high: ends.greatest.quantile_upper(below),
+        },
         Belief::Counts {
             before: Some(_), ..
         } => Interval {

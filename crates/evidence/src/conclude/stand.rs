@@ -1,7 +1,7 @@
 //! How one piece of evidence stands to a threshold.
 
 use super::{CERTAINTY, limits, words};
-use crate::compare::Belief;
+use crate::compare::{Belief, End};
 use crate::looks::over_looks;
 use crate::{Direction, PieceStanding, Standing, Step, Threshold};
 use stats::{
@@ -73,6 +73,10 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
         } => doubts_of_counts(*effective, effective.trials < sample.trials as f64, value),
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
+        Belief::Range { ends, .. } => (
+            doubt_of_end(&ends.least, threshold, Direction::AtLeast),
+            doubt_of_end(&ends.greatest, threshold, Direction::AtMost),
+        ),
     };
     match direction {
         Direction::AtLeast => (at_least, at_most),
@@ -86,7 +90,29 @@ pub(super) fn can_err(belief: &Belief, threshold: Threshold) -> bool {
     match belief {
         Belief::Known { .. } => false,
         Belief::Counts { .. } => threshold.value > 0.0 && threshold.value < 1.0,
-        Belief::Distribution { .. } => true,
+        Belief::Distribution { .. } | Belief::Range { .. } => true,
+    }
+}
+
+/// The probability that an end lies on the wrong side of a threshold's value; of one that is known as of a known value.
+fn doubt_of_end(end: &End, threshold: Threshold, claimed: Direction) -> f64 {
+    let value = threshold.value;
+    // What a requirement allows by rounding counts for the claim that it is met, and against the other.
+    let slack = match threshold.direction {
+        Direction::AtLeast => -CERTAINTY,
+        Direction::AtMost => CERTAINTY,
+    };
+    match (end, claimed) {
+        (End::Known(end), Direction::AtLeast) if claimed == threshold.direction => {
+            f64::from(u8::from(*end < value + slack))
+        }
+        (End::Known(end), Direction::AtLeast) => f64::from(u8::from(*end <= value + slack)),
+        (End::Known(end), Direction::AtMost) if claimed == threshold.direction => {
+            f64::from(u8::from(*end > value + slack))
+        }
+        (End::Known(end), Direction::AtMost) => f64::from(u8::from(*end >= value + slack)),
+        (end, Direction::AtLeast) => end.at_most(value),
+        (end, Direction::AtMost) => end.at_least(value),
     }
 }
 

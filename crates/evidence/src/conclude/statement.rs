@@ -41,7 +41,7 @@ impl Statement<'_> {
             }
             Some(Step::Simulation) => "in simulation",
             Some(Step::Model) => "for the model",
-            None => "by nothing",
+            None => "by no evidence",
         };
         match self.verdict {
             Verdict::NotCovered if self.excluded.is_empty() => {

@@ -63,6 +63,22 @@ pub(super) fn piece(
             percent_up(bounds.high)
         ),
         Belief::Known { value, .. } => format!("{id}: computed {}", percent(*value)),
+        Belief::Range { ends, .. } => {
+            let (level, doubt) = match leans_to_met {
+                true => (levels.met, p_not_met),
+                false => (levels.missed, p_met),
+            };
+            format!(
+                "{id}: computed {} to {} over all schedulers, {} under each of them ({} credible limit, probability {} of \
+                 {} under each)",
+                percent(ends.as_written.low),
+                percent(ends.as_written.high),
+                limit(limits, threshold, leans_to_met),
+                percent(1.0 - level),
+                probability(1.0 - doubt),
+                hypothesis(threshold, leans_to_met),
+            )
+        }
         Belief::Distribution { value, .. } => {
             // The posterior probability of meeting it is the doubt of missing it.
             let (level, chance) = match leans_to_met {

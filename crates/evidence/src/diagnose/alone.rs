@@ -65,7 +65,7 @@ impl Matter<'_> {
             (share >= NAMED).then(|| self.of_system(shows, model, subject, (whole, share)))?;
         clue.title = format!("{} alone shows {}", shows.id, name_of(subject));
         clue.explanation = format!(
-            "{}, and {} has no such failure: a disagreement of {whole:.1} decades, with probability {share:.2} the odd one \
+            "{}, and {} has no such failure: a disagreement with a Bayes factor of 10^{whole:.1}, with probability {share:.2} the odd one \
              out.",
             rate_in_words(shows, subject),
             model.id
@@ -114,7 +114,7 @@ impl Matter<'_> {
                 mode: mode.to_owned(),
                 shown: shown.iter().map(|(_, e)| counts_of(e, subject)).collect(),
             },
-            figures: vec![figure("against never occurring, decades", score)],
+            figures: vec![figure("against never occurring, log10 Bayes factor", score)],
             witnesses: self.witnesses(most, &runs, &format!("{} occurs", name_of(subject))),
             ruled_out: Vec::new(),
             resolved_by: mended.map(|e| e.id.clone()),

@@ -64,7 +64,7 @@ impl Matter<'_> {
             title: format!("{} and {} differ by the property of {}", model.id, runs.id, name_of(subject)),
             explanation: format!(
                 "By the property of {} {} computes {value:.4}, and {count} of {trials} runs of {} keep it \
-                 ({left:.1} decades); their findings do not conflict, since the monitor asks for something else.",
+                 (Bayes factor 10^{left:.1}); their findings do not conflict, since the monitor asks for something else.",
                 name_of(subject), model.id, runs.id
             ),
             symptom: Symptom::RateDiffers {
@@ -74,7 +74,7 @@ impl Matter<'_> {
                 others: vec![(runs.id.clone(), count, trials)],
             },
             figures: vec![Figure {
-                name: "hidden disagreement, decades".into(),
+                name: "hidden disagreement, log10 Bayes factor".into(),
                 value: left,
                 interval: None,
             }],

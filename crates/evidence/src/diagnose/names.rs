@@ -4,7 +4,8 @@
 //! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
 //! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
 //! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
-//! most. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
+//! most. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
+//! them right): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
 //!
 //! # Source and guarantee
 //! One exchange in place of two wrong rates: the fewer things have to be wrong, the likelier (the method of difference, as
@@ -15,37 +16,84 @@ use super::matter::{Clue, Matter, name_of, system_model};
 use super::rates::figure;
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, Inaccuracy, Subject, Technique};
+use crate::{Evidence, Finding, Inaccuracy, Measure, Subject, Technique};
 
 /// From how many decades on an exchange of names explains something.
 const MIXED_UP: f64 = 2.0;
 
-/// The two failure modes of a piece whose names were mixed up, if the other evidence says so.
+/// Two failure modes of a piece that were written down as each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MixedUp<'p> {
+    /// The failure modes.
+    pub modes: [&'p Subject; 2],
+    /// Whether their opportunities were exchanged, too.
+    pub is_whole: bool,
+}
+
+/// The two failure modes of a piece that were mixed up, if the other evidence says so.
 pub fn mixed_up<'p>(
     evidence: &[Evidence],
     piece: &'p Evidence,
     margin: &dyn Fn(&Subject) -> f64,
-) -> Option<[&'p Subject; 2]> {
-    let modes: Vec<(&Subject, Rate)> = piece
+) -> Option<MixedUp<'p>> {
+    let modes: Vec<&Finding> = piece
         .findings
         .iter()
         .filter(|finding| matches!(finding.subject, Subject::FailureMode(_)))
-        .filter_map(|finding| Some((&finding.subject, Rate::of(&finding.measure)?)))
         .collect();
     let against = |rates| against_others(evidence, piece, rates, margin);
-    let mut best: Option<(f64, [&Subject; 2])> = None;
-    for (place, (a, of_a)) in modes.iter().enumerate() {
-        for (b, of_b) in &modes[place + 1..] {
-            let (now, _) = against([(a, *of_a), (b, *of_b)]);
-            let (then, worst) = against([(a, *of_b), (b, *of_a)]);
-            let explains = now - then;
-            let is_best = best.as_ref().is_none_or(|(most, _)| explains > *most);
-            if explains >= MIXED_UP && worst < STRONG && is_best {
-                best = Some((explains, [a, b]));
+    let mut best: Option<(f64, MixedUp<'_>)> = None;
+    for (place, one) in modes.iter().enumerate() {
+        for other in &modes[place + 1..] {
+            let (a, b) = (&one.subject, &other.subject);
+            let (Some(of_a), Some(of_b)) = (Rate::of(&one.measure), Rate::of(&other.measure))
+            else {
+                continue;
+            };
+            let (now, _) = against([(a, of_a), (b, of_b)]);
+            for is_whole in [true, false] {
+                let [Some(new_a), Some(new_b)] = exchanged(one, other, is_whole) else {
+                    continue;
+                };
+                let (then, worst) = against([(a, new_a), (b, new_b)]);
+                let explains = now - then;
+                let is_best = best.as_ref().is_none_or(|(most, _)| explains > *most);
+                if explains >= MIXED_UP && worst < STRONG && is_best {
+                    let modes = [a, b];
+                    best = Some((explains, MixedUp { modes, is_whole }));
+                }
             }
         }
     }
-    best.map(|(_, modes)| modes)
+    best.map(|(_, found)| found)
+}
+
+/// The rates of two findings after their entries, or only their occurrences, changed places.
+fn exchanged(one: &Finding, other: &Finding, is_whole: bool) -> [Option<Rate>; 2] {
+    match is_whole {
+        true => [Rate::of(&other.measure), Rate::of(&one.measure)],
+        false => [with_occurrences(one, other), with_occurrences(other, one)],
+    }
+}
+
+/// A finding's opportunities with the occurrences of another.
+fn with_occurrences(own: &Finding, other: &Finding) -> Option<Rate> {
+    let Measure::Counts { count, .. } = other.measure else {
+        return None;
+    };
+    let Measure::Counts {
+        trials,
+        effective_trials,
+        ..
+    } = own.measure
+    else {
+        return None;
+    };
+    let size = effective_trials.unwrap_or(trials as f64);
+    (count <= trials && trials > 0).then(|| Rate::Counted {
+        count: count as f64 / trials as f64 * size,
+        trials: size,
+    })
 }
 
 /// How strongly rates differ from those of all other evidence: the sum, and the strongest.
@@ -81,15 +129,21 @@ impl Matter<'_> {
     ) -> Option<(Clue, f64)> {
         let is_table = piece.technique == Technique::Experiment || piece.published;
         let margin = |subject: &Subject| self.margin(subject);
-        let modes = is_table
+        let found = is_table
             .then(|| mixed_up(self.evidence, piece, &margin))
             .flatten()?;
+        let modes = found.modes;
         let other = match modes {
             [a, b] if a == subject => b,
             [a, b] if b == subject => a,
             _ => return None,
         };
-        let exchanged = Rate::of(&piece.finding(other)?.measure)?;
+        let [exchanged, _] = exchanged(
+            piece.finding(subject)?,
+            piece.finding(other)?,
+            found.is_whole,
+        );
+        let exchanged = exchanged?;
         let theirs = Rate::of(&against.finding(subject)?.measure)?;
         let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
         let value = piece.finding(subject)?.measure.estimate()?;
@@ -106,7 +160,7 @@ impl Matter<'_> {
             ),
             explanation: format!(
                 "With the counts of {} and {} exchanged {} agrees with all other evidence on both; of the conflict with \
-                 {} ({whole:.1} decades) {rest:.1} are left.",
+                 {} (Bayes factor 10^{whole:.1}) 10^{rest:.1} is left.",
                 name_of(modes[0]),
                 name_of(modes[1]),
                 piece.id,
@@ -119,8 +173,11 @@ impl Matter<'_> {
                 others: vec![super::rates::counts_of(against, subject)],
             },
             figures: vec![
-                figure("conflict, decades", whole),
-                figure("left of it with the names exchanged, decades", rest),
+                figure("conflict, log10 Bayes factor", whole),
+                figure(
+                    "left of it with the names exchanged, log10 Bayes factor",
+                    rest,
+                ),
             ],
             witnesses: Vec::new(),
             ruled_out: Vec::new(),

@@ -198,7 +198,7 @@ impl<'a> Matter<'a> {
                 title: format!("the method `{}` stopped too early in {}", answer.method, piece.id),
                 explanation: format!(
                     "For {}, `{}` answers {} and `{}` {} with bounds that hold. Of the conflict with {} \
-                     ({whole:.1} decades) {rest:.1} are left with the latter.",
+                     (Bayes factor 10^{whole:.1}) 10^{rest:.1} is left with the latter.",
                     name_of(subject), answer.method, answer.value, sound.method, sound.value, against.id
                 ),
                 symptom: Symptom::SolverStopped {
@@ -306,7 +306,7 @@ impl<'a> Matter<'a> {
                 name_of(subject)
             ),
             explanation: format!(
-                "{rates}: a conflict of {whole:.1} decades. Judged by `{}` instead, {:.1} are left.{said}{sided}",
+                "{rates}: a conflict with a Bayes factor of 10^{whole:.1}; judged by `{}` instead, 10^{:.1}.{said}{sided}",
                 like.form, like.left
             ),
             symptom: Symptom::FormsDiffer {
@@ -322,8 +322,8 @@ impl<'a> Matter<'a> {
                 runs,
             },
             figures: vec![
-                figure("conflict, decades", whole),
-                figure("left of it, decades", like.left),
+                figure("conflict, log10 Bayes factor", whole),
+                figure("left of it, log10 Bayes factor", like.left),
             ],
             witnesses: self.witnesses(
                 piece,
@@ -413,7 +413,7 @@ impl<'a> Matter<'a> {
             score: left * share,
             title: format!("{} differs in {}", piece.id, name_of(subject)),
             explanation: format!(
-                "{} against {}: a conflict of {left:.1} decades, with probability {share:.2} the odd one out.",
+                "{} against {}: a conflict with a Bayes factor of 10^{left:.1}, with probability {share:.2} the odd one out.",
                 rate_in_words(piece, subject),
                 rate_in_words(against, subject)
             ),
@@ -424,7 +424,7 @@ impl<'a> Matter<'a> {
                 others: vec![counts_of(against, subject)],
             },
             figures: vec![
-                figure("conflict, decades", left),
+                figure("conflict, log10 Bayes factor", left),
                 figure(ODD_ONE_OUT, share),
             ],
             witnesses: self.witnesses(piece, &runs, &format!("{} shows", name_of(subject))),

@@ -156,6 +156,19 @@ pub enum Symptom {
         /// The part of the disagreement that it takes from other suspects.
         share: f64,
     },
+    /// One row of a table differs from all others.
+    RowDiffers {
+        /// Of what.
+        subject: Subject,
+        /// The evidence.
+        evidence: String,
+        /// The row's name: a person, a session, a day.
+        row: String,
+        /// Its violations or occurrences, and its trials.
+        own: [u64; 2],
+        /// Those of all other rows together.
+        others: [u64; 2],
+    },
     /// A solver's answer lies outside the bounds of a sound one.
     SolverStopped {
         /// Of what.
@@ -184,7 +197,7 @@ pub enum Symptom {
     RunsOtherwise {
         /// Of what.
         subject: Subject,
-        /// What was changed: [`HALF_STEP`], the full physics, or the other engine's name.
+        /// What was changed: [`HALF_STEP`], or the other engine's name.
         changed: String,
         /// Episodes that were violated (or a failure mode's occurrences) before and after.
         violated: [u64; 2],

@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-12;
 pub(super) fn distance_from_bounds(sound: &MethodAnswer, other: &MethodAnswer) -> Option<f64> {
     let (low, high) = match &sound.guarantee {
         Guarantee::Exact { .. } => (sound.value, sound.value),
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => (*low, *high),
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => (*low, *high),
         Guarantee::Estimated { .. } => return None,
     };
     let distance = (low - other.value).max(other.value - high);

@@ -1,7 +1,7 @@
 //! What only properties contain.
 
 use super::{BinaryOp, Constant, Expr, Formula, Label, Name};
-use crate::diagnostic::Span;
+use crate::diagnostic::{Diagnostic, Span};
 
 /// The comparison of a probability or an expectation with its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -245,6 +245,39 @@ pub struct PropertyFile {
     pub labels: Vec<Label>,
     /// Properties, in the order of the text.
     pub properties: Vec<Property>,
+    /// Properties with syntax errors, in the order of the text.
+    pub unread: Vec<UnreadProperty>,
+}
+
+impl PropertyFile {
+    /// Whether something outside of properties could not be read, such as a label: then it is not known what they mean.
+    pub fn has_errors_outside(&self, diagnostics: &[Diagnostic]) -> bool {
+        let is_inside = |error: &Diagnostic| {
+            let begun = (self.unread).partition_point(|p| p.span.start <= error.span.start);
+            begun > 0 && self.unread[begun - 1].has(error)
+        };
+        diagnostics.iter().any(|d| d.is_error() && !is_inside(d))
+    }
+}
+
+/// A property that could not be read; the others of its file can.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnreadProperty {
+    /// Its place among all properties of the file, from 0.
+    pub index: usize,
+    /// Its name, if it has one.
+    pub name: Option<Name>,
+    /// What was skipped for it, verbatim (without the semicolon).
+    pub text: String,
+    /// From its beginning to that of what follows it.
+    pub span: Span,
+}
+
+impl UnreadProperty {
+    /// Whether a diagnostic is about this property.
+    pub fn has(&self, diagnostic: &Diagnostic) -> bool {
+        (self.span.start..self.span.end.max(self.span.start + 1)).contains(&diagnostic.span.start)
+    }
 }
 
 /// `"name": P=? [ F "done" ];`

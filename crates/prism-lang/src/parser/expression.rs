@@ -335,15 +335,18 @@ impl Parser<'_> {
             if let Ok(value) = token.text.parse() {
                 return Node::leaf(ExprKind::Int(value), token.span);
             }
-            let message = format!("the integer `{}` does not fit into 64 bits.", token.text);
+            let found = super::describe(&token);
+            let message = format!("the integer {found} does not fit into 64 bits.");
             let error = Diagnostic::error("literal-too-large", token.span, message);
             self.report(error.remedy("Write it as a double, with a decimal point."));
             return Node::leaf(ExprKind::Error, token.span);
         }
         if Number::parse(token.text).is_none_or(|n| !n.to_f64().is_finite()) {
-            let message = format!("the number `{}` is out of range.", token.text);
+            let message = format!("the number {} is out of range.", super::describe(&token));
             let error = Diagnostic::error("literal-too-large", token.span, message);
-            self.report(error.remedy("Use a number whose exponent is between -5000 and 308."));
+            self.report(error.remedy(
+                "Use a number of at most 10000 digits, whose exponent is between -5000 and 308.",
+            ));
             return Node::leaf(ExprKind::Error, token.span);
         }
         Node::leaf(ExprKind::Double(token.text.to_owned()), token.span)

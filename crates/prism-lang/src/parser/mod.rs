@@ -14,6 +14,8 @@ mod quantifier;
 mod strategy;
 mod system;
 
+use std::borrow::Cow;
+
 use crate::ast::Name;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::lexer::{KEYWORDS, Token, TokenKind, tokenize};
@@ -24,6 +26,9 @@ pub use properties::parse_properties;
 
 /// How deep a syntax tree may be.
 pub(crate) const MAX_DEPTH: usize = 400;
+
+/// How many characters of a token a message quotes.
+const MOST_QUOTED: usize = 60;
 
 /// A mistake that has been reported: the caller recovers, or passes it on.
 #[derive(Clone, Copy, Debug)]
@@ -238,9 +243,17 @@ fn name_of(token: &Token<'_>) -> Name {
 fn describe(token: &Token<'_>) -> String {
     match token.kind {
         TokenKind::End => "the end of the text".to_owned(),
-        TokenKind::Quoted => format!("\"{}\"", token.text),
-        TokenKind::Primed => format!("`{}'`", token.text),
-        _ => format!("`{}`", token.text),
+        TokenKind::Quoted => format!("\"{}\"", shortened(token.text)),
+        TokenKind::Primed => format!("`{}'`", shortened(token.text)),
+        _ => format!("`{}`", shortened(token.text)),
+    }
+}
+
+/// The beginning of what a message quotes: a token may be of any length.
+pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(MOST_QUOTED) {
+        None => text.into(),
+        Some((end, _)) => format!("{}...", &text[..end]).into(),
     }
 }
 

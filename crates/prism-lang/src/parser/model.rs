@@ -34,11 +34,31 @@ pub(super) const PARTS: &[&str] = &[
     "observable",
 ];
 
-/// Model types that PRISM's language does not have: of PRISM-games, of Storm, and those that follow from the
-/// probabilities being intervals.
-const OTHER_TYPES: &[&str] = &[
-    "smg", "csg", "tsg", "tptg", "stpg", "ma", "ctmdp", "idtmc", "imdp", "ipomdp",
+/// Kinds of models of other tools in the same style of language (PRISM-games, Storm, a PRISM with fixed delays), and those that
+/// PRISM sees from intervals of probabilities: the word that says it, and what they are.
+const OTHER_TYPES: &[(&str, &str)] = &[
+    ("smg", "stochastic multi-player games"),
+    ("csg", "concurrent stochastic games"),
+    ("tsg", "turn-based stochastic games"),
+    ("stpg", "stochastic two-player games"),
+    ("tptg", "turn-based probabilistic timed games"),
+    ("fdctmc", "continuous-time Markov chains with fixed delays"),
+    ("gsmp", "generalised semi-Markov processes"),
+    ("ma", "Markov automata"),
+    ("ctmdp", "continuous-time Markov decision processes"),
+    ("idtmc", "Markov chains with intervals of probabilities"),
+    (
+        "imdp",
+        "Markov decision processes with intervals of probabilities",
+    ),
+    (
+        "ipomdp",
+        "partially observable models with intervals of probabilities",
+    ),
 ];
+
+/// What is said of them.
+const SUPPORTED: &str = "Use a `dtmc`, `ctmc` or `mdp`.";
 
 /// Reads a model. Never fails: the tree holds what was understood, the diagnostics all mistakes.
 ///
@@ -50,6 +70,7 @@ const OTHER_TYPES: &[&str] = &[
 pub fn parse_model(text: &str) -> Parsed<Model> {
     let mut parser = Parser::new(text);
     let mut tree = Model::default();
+    parser.not_a_model();
     while !parser.at_end() {
         if parser.model_part(&mut tree).is_err() {
             parser.recover(PARTS);
@@ -97,6 +118,18 @@ impl Parser<'_> {
     }
 
     fn unknown_part(&mut self, token: &Token<'_>) -> Parse<()> {
+        let is_name = token.kind == TokenKind::Name;
+        let other = OTHER_TYPES.iter().find(|(word, _)| *word == token.text);
+        if let Some((word, what)) = other.filter(|_| is_name) {
+            self.foreign(token.span, &format!("{what} (`{word}`)"), SUPPORTED);
+            return Ok(());
+        }
+        if is_name && token.text == "evolve" {
+            let what = "models with `evolve`, from which designs are to be chosen,";
+            let remedy = "Write a constant in place of what evolves, and give it a value.";
+            self.foreign(token.span, what, remedy);
+            return Ok(());
+        }
         let stray = match token.text {
             ";" => Some("this `;` closes nothing."),
             "endmodule" => Some("this `endmodule` closes no module."),
@@ -116,22 +149,42 @@ impl Parser<'_> {
         let meant = suggest_keyword(token.text, PARTS);
         let remedy = match meant {
             _ if token.text == "lts" => "Leave it out: a model without a type and without probabilities is a labelled transition system.".to_owned(),
-            _ if OTHER_TYPES.contains(&token.text) => {
-                "It is a model type of another tool: write `dtmc`, `ctmc` or `mdp`.".to_owned()
-            }
             Some(word) => format!("Did you mean `{word}`?"),
             None => "A model consists of `dtmc`, `const`, `formula`, `label`, `global`, `module`, `system`, `rewards` and `init`.".to_owned(),
         };
         self.report(error.remedy(remedy));
         match meant {
             // Its lines would be reported one by one.
-            _ if token.text == "lts" || OTHER_TYPES.contains(&token.text) => Ok(()),
+            _ if token.text == "lts" => Ok(()),
             Some("module") => {
                 self.skip_past("endmodule");
                 Ok(())
             }
             _ => Err(Reported),
         }
+    }
+
+    /// Reports a text in JSON: such as a JANI model, which is written so.
+    fn not_a_model(&mut self) {
+        let first = self.peek();
+        if !self.is_symbol("{") {
+            return;
+        }
+        let supported = "Read are models in the PRISM language, and explicit files of states and transitions (`.tra`, `.drn`).";
+        match self.text.contains("\"jani-version\"") {
+            true => self.foreign(first.span, "models in the JANI format", supported),
+            false => self.foreign(first.span, "models in JSON", supported),
+        }
+    }
+
+    /// Reports that all of the text is of a kind that is not supported. What follows is not read: it would be reported word by
+    /// word.
+    fn foreign(&mut self, span: Span, what: &str, remedy: &str) {
+        self.diagnostics.retain(|d| d.span.start < span.start);
+        let message = format!("{what} are not supported.");
+        let error = Diagnostic::error("unsupported", span, message);
+        self.report(error.remedy(remedy));
+        self.at = self.tokens.len() - 1;
     }
 
     fn model_type(&mut self, model: &mut Model, model_type: ModelType, span: Span) {

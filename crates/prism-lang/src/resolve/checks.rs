@@ -1,5 +1,7 @@
 //! What can be seen of a model's meaning before it is explored.
 
+use std::cmp::Ordering;
+
 use num_traits::{One, Signed};
 
 use super::Resolver;
@@ -8,16 +10,33 @@ use crate::arithmetic::Arithmetic;
 use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, ExprKind, VarIndex};
 use crate::number::{Number, Rational, Value};
-use crate::resolved::{Module, Update};
+use crate::resolved::{Command, Module, RoundedSum, Update};
 
 /// How far from 1 the constant probabilities of a command may sum up.
 const SUM_TOLERANCE: f64 = 1e-12;
 
+/// The same, by default, in PRISM.
+const PRISMS_TOLERANCE: f64 = 1e-5;
+
+/// Divides constant probabilities by their sum, if all are known exactly.
+fn divide(updates: &mut [Update], sum: &Number) -> bool {
+    let exact = |update: &Update| constant_number(&update.probability)?.exact().cloned();
+    let probabilities: Option<Vec<Rational>> = updates.iter().map(exact).collect();
+    let (Some(probabilities), Some(sum)) = (probabilities, sum.exact()) else {
+        return false;
+    };
+    for (update, probability) in updates.iter_mut().zip(probabilities) {
+        let divided = Number::from_rational(probability / sum);
+        update.probability = Expr::double(divided, update.probability.span);
+    }
+    true
+}
+
 impl Resolver<'_> {
     /// Checks probabilities that do not depend on the state.
-    pub(super) fn check_probabilities(&mut self, updates: &[Update], command: Span) {
+    pub(super) fn check_probabilities(&mut self, updates: &mut [Update], command: Span) {
         let mut sum = Some(Number::from_i64(0));
-        for update in updates {
+        for update in updates.iter() {
             let Some(p) = constant_number(&update.probability) else {
                 sum = None;
                 continue;
@@ -33,17 +52,31 @@ impl Resolver<'_> {
             sum = sum.map(|s| s.add(&p));
         }
         let Some(sum) = sum else { return };
-        let excess = sum.sub(&Number::from_i64(1)).to_f64();
+        let excess = sum.sub(&Number::from_i64(1)).to_f64().abs();
         // Not `>`: a sum that is no number must not pass.
-        if !matches!(
-            excess.abs().partial_cmp(&SUM_TOLERANCE),
-            Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal)
-        ) {
-            let message = format!("the probabilities of this command sum to {sum}, not to 1.");
-            let remedy = "Write the last one as `1 - (...)`: PRISM would rescale sums that are nearly 1, which changes the model.";
-            self.scope
-                .report(Diagnostic::error("probability-sum", command, message).remedy(remedy));
+        let is_within = |tolerance: f64| {
+            let order = excess.partial_cmp(&tolerance);
+            matches!(order, Some(Ordering::Less | Ordering::Equal))
+        };
+        if is_within(SUM_TOLERANCE) {
+            return;
         }
+        // As in PRISM, a sum that misses 1 by the tolerance itself, up to a rounding, is taken.
+        let is_rounded = (self.sum_tolerance).is_some_and(|most| is_within(most.next_up()));
+        if is_rounded && divide(updates, &sum) {
+            let (span, excess) = (command, excess.next_up());
+            self.rounded.push(RoundedSum { span, excess });
+            return;
+        }
+        let message = format!("the probabilities of this command sum to {sum}, not to 1.");
+        let remedy = match excess < PRISMS_TOLERANCE * (1.0 + 1e-9) {
+            true => {
+                "Write the last one as `1 - (...)`, or take them as rounded numbers with the option `-sumroundoff 1e-5`, as PRISM does without being asked."
+            }
+            false => "Write the last one as `1 - (...)`.",
+        };
+        self.scope
+            .report(Diagnostic::error("probability-sum", command, message).remedy(remedy));
     }
 
     /// Warns of a command that can never run.
@@ -77,17 +110,21 @@ impl Resolver<'_> {
 
     /// Warns of actions that some module blocks for ever.
     pub(super) fn check_synchronisation(&mut self, modules: &[Module]) {
-        for action in 0..self.actions.len() {
-            let of_action = |m: &Module| {
-                let commands = m.commands.iter().filter(|c| c.action == Some(action));
-                commands.cloned().collect::<Vec<_>>()
-            };
-            let users: Vec<_> = modules
-                .iter()
-                .map(|m| (m, of_action(m)))
-                .filter(|(_, c)| !c.is_empty())
-                .collect();
-            let blocks = |c: &crate::resolved::Command| c.guard.kind == ExprKind::Bool(false);
+        let mut by_action: Vec<Vec<(&Module, Vec<&Command>)>> = Vec::new();
+        by_action.resize_with(self.actions.len(), Vec::new);
+        for module in modules {
+            for command in &module.commands {
+                let Some(users) = command.action.map(|action| &mut by_action[action]) else {
+                    continue;
+                };
+                match users.last_mut() {
+                    Some((last, own)) if std::ptr::eq(*last, module) => own.push(command),
+                    _ => users.push((module, vec![command])),
+                }
+            }
+        }
+        for (action, users) in by_action.iter().enumerate() {
+            let blocks = |c: &&Command| c.guard.kind == ExprKind::Bool(false);
             let Some((blocker, commands)) = users.iter().find(|(_, cs)| cs.iter().all(blocks))
             else {
                 continue;

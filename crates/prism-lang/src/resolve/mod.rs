@@ -20,13 +20,13 @@ mod scope;
 mod temporal;
 mod variables;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::ast::{self, Type};
 use crate::diagnostic::{Diagnostic, Diagnostics, Span};
 use crate::expr::Expr;
 use crate::number::Constants;
-use crate::resolved::{Constant, Init, Model, Parameter, Variable};
+use crate::resolved::{Constant, Init, Model, Parameter, RoundedSum, Variable};
 pub use properties::resolve_properties;
 use scope::{Renaming, Scope, Symbol};
 
@@ -83,29 +83,68 @@ pub fn resolve_open(
     overrides: &Constants,
     open: &[&str],
 ) -> Result<Model, Diagnostics> {
+    resolve_all(model, given, overrides, open, None)
+}
+
+/// Like [`resolve`], but constant probabilities of a command that sum to 1 only to within `tolerance` are divided by their
+/// sum, which [`Model::rounded`] tells: numbers of a few digits, such as 0.333333 three times (PRISM's switch `-sumroundoff`).
+/// What is meant may be any distribution near them, so that answers about the model are not exact answers about what is
+/// meant.
+///
+/// # Errors
+/// As for [`resolve`].
+///
+/// ```
+/// use prism_lang::{Constants, parse_model, resolve, resolve_rounded};
+/// let text = "dtmc module m x : [0..2];
+///     [] x=0 -> 0.333333:(x'=0) + 0.333333:(x'=1) + 0.333333:(x'=2); endmodule";
+/// let tree = parse_model(text).tree;
+/// assert!(resolve(&tree, &Constants::new()).is_err());
+/// let model = resolve_rounded(&tree, &Constants::new(), 1e-5).unwrap();
+/// assert_eq!(model.modules[0].commands[0].updates[0].probability.eval_number::<f64>(&[0])?, 1.0 / 3.0);
+/// assert!(model.rounded[0].excess >= 1e-6);
+/// # Ok::<(), prism_lang::EvalError>(())
+/// ```
+pub fn resolve_rounded(
+    model: &ast::Model,
+    given: &Constants,
+    tolerance: f64,
+) -> Result<Model, Diagnostics> {
+    resolve_all(model, given, &Constants::new(), &[], Some(tolerance))
+}
+
+fn resolve_all(
+    model: &ast::Model,
+    given: &Constants,
+    overrides: &Constants,
+    open: &[&str],
+    sum_tolerance: Option<f64>,
+) -> Result<Model, Diagnostics> {
     let mut resolver = Resolver {
         scope: Scope::new(),
         variables: Vec::new(),
         owners: Vec::new(),
         actions: Vec::new(),
+        action_ids: BTreeMap::new(),
         parameters: Vec::new(),
         has_init: model.init.is_some(),
         has_rates: matches!(model.model_type, Some((ast::ModelType::Ctmc, _))),
         has_intervals: false,
+        sum_tolerance,
+        rounded: Vec::new(),
     };
     resolver.open_parameters(model, open);
     resolver.unknown_overrides(model, overrides);
     let resolved = resolver.model(model, given, overrides);
     let mut diagnostics = resolver.scope.diagnostics;
     diagnostics.sort_by_key(|d| (d.span.start, d.span.end));
-    let mut told: Vec<Diagnostic> = Vec::with_capacity(diagnostics.len());
-    for diagnostic in diagnostics {
-        // What is wrong in a module is wrong in its copies.
-        if !told.contains(&diagnostic) {
-            told.push(diagnostic);
-        }
+    // What is wrong in a module is wrong in its copies.
+    let mut told: HashSet<Diagnostic> = HashSet::new();
+    diagnostics.retain(|diagnostic| told.insert(diagnostic.clone()));
+    // Nothing is gained by giving values to what is not supported.
+    if diagnostics.iter().any(|d| d.code == "unsupported") {
+        diagnostics.retain(|d| d.code != "undefined-constant");
     }
-    let diagnostics = told;
     if diagnostics.iter().any(Diagnostic::is_error) {
         return Err(diagnostics.into());
     }
@@ -132,12 +171,16 @@ struct Resolver<'a> {
     /// For each variable: the index of its module; none if it is global.
     owners: Vec<Option<usize>>,
     actions: Vec<String>,
+    action_ids: BTreeMap<String, usize>,
     parameters: Vec<Parameter>,
     has_init: bool,
     /// Whether updates have rates (else probabilities).
     has_rates: bool,
     /// Whether some probability is an interval.
     has_intervals: bool,
+    /// Up to which distance from 1 the probabilities of a command are divided by their sum.
+    sum_tolerance: Option<f64>,
+    rounded: Vec<RoundedSum>,
 }
 
 impl<'a> Resolver<'a> {
@@ -154,7 +197,7 @@ impl<'a> Resolver<'a> {
             self.scope
                 .declare(&formula.name.text, Some(formula.name.span), symbol);
         }
-        let instances = self.instances(&model.modules);
+        let instances = self.instances(&model.modules, &model.formulas);
         self.declare_variables(&model.globals, &instances);
         let constants = self.constants(&model.constants);
         let values = self.ranges(&model.globals, &instances);
@@ -184,6 +227,7 @@ impl<'a> Resolver<'a> {
             rewards: rewards?,
             init,
             warnings: Vec::new(),
+            rounded: std::mem::take(&mut self.rounded),
         })
     }
 

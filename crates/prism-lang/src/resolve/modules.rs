@@ -1,6 +1,6 @@
 //! Modules: renamed copies, commands and updates.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::Resolver;
 use super::scope::{Renaming, Symbol};
@@ -8,6 +8,23 @@ use crate::ast::{self, ModuleBody, Type};
 use crate::diagnostic::{Diagnostic, Span};
 use crate::expr::{Expr, VarIndex};
 use crate::resolved::{ActionId, Command, Module, Update};
+
+/// How many names all renamed modules may rename together.
+const MOST_RENAMED: usize = 10_000_000;
+
+/// The names in modules that are written out and in formulas: a renaming of others, as in the middle of a chain of copies,
+/// changes nothing.
+fn words(modules: &[ast::Module], formulas: &[ast::Formula]) -> BTreeSet<String> {
+    let is_written = |module: &&ast::Module| matches!(module.body, ModuleBody::Written { .. });
+    let texts = modules.iter().filter(is_written).map(ToString::to_string);
+    let texts = texts.chain(formulas.iter().map(ToString::to_string));
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut words = BTreeSet::new();
+    for text in texts {
+        words.extend(text.split(|c| !is_part(c)).map(str::to_owned));
+    }
+    words
+}
 
 /// A module that is written out, as it is.
 fn written(module: &ast::Module) -> Option<Instance<'_>> {
@@ -39,23 +56,31 @@ pub(super) struct Instance<'a> {
 
 impl<'a> Resolver<'a> {
     /// All modules, copies expanded.
-    pub(super) fn instances(&mut self, modules: &'a [ast::Module]) -> Vec<Instance<'a>> {
-        let mut instances: Vec<(usize, Instance<'a>)> = Vec::new();
+    pub(super) fn instances(
+        &mut self,
+        modules: &'a [ast::Module],
+        formulas: &[ast::Formula],
+    ) -> Vec<Instance<'a>> {
+        let words = words(modules, formulas);
+        let mut by_name: BTreeMap<&str, usize> = BTreeMap::new();
+        for (index, module) in modules.iter().enumerate() {
+            by_name.entry(&module.name.text).or_insert(index);
+        }
+        let mut instances: Vec<Option<Instance<'a>>> = Vec::with_capacity(modules.len());
+        let mut renamed = 0;
         for (index, module) in modules.iter().enumerate() {
             let instance = match &module.body {
                 ModuleBody::Written { .. } => written(module),
                 ModuleBody::Renamed { base, renames } => {
-                    let earlier = |i: usize| instances.iter().find(|(of, _)| *of == i);
-                    let found = modules.iter().position(|m| m.name.text == base.text);
+                    let found = by_name.get(base.text.as_str()).copied();
                     // A copy can be copied again, behind it.
-                    let original = found.and_then(|i| {
-                        earlier(i)
-                            .map(|(_, copy)| copy.clone())
-                            .or_else(|| written(&modules[i]))
+                    let original = found.and_then(|i| match instances.get(i) {
+                        Some(Some(copy)) => Some(copy.clone()),
+                        _ => written(&modules[i]),
                     });
                     match (original, found) {
                         (Some(original), _) => {
-                            Some(self.copy(index + 1, module, original, renames))
+                            Some(self.copy(index + 1, module, original, renames, &words))
                         }
                         (None, Some(_)) => {
                             self.copy_of_later_copy(base);
@@ -68,12 +93,22 @@ impl<'a> Resolver<'a> {
                     }
                 }
             };
-            instances.extend(instance.map(|instance| (index, instance)));
+            renamed += instance.as_ref().map_or(0, |i| i.renaming.names.len());
+            instances.push(instance);
+            if renamed > MOST_RENAMED {
+                self.too_many_names(module);
+                break;
+            }
         }
-        instances
-            .into_iter()
-            .map(|(_, instance)| instance)
-            .collect()
+        instances.into_iter().flatten().collect()
+    }
+
+    fn too_many_names(&mut self, module: &ast::Module) {
+        let message = "the renamed modules up to here have too many names in all.";
+        let error = Diagnostic::error("too-large", module.name.span, message);
+        self.scope.report(
+            error.remedy("Copy fewer modules, or let formulas name fewer of their variables."),
+        );
     }
 
     fn copy_of_later_copy(&mut self, base: &ast::Name) {
@@ -92,6 +127,7 @@ impl<'a> Resolver<'a> {
         module: &'a ast::Module,
         original: Instance<'a>,
         renames: &'a [(ast::Name, ast::Name)],
+        words: &BTreeSet<String>,
     ) -> Instance<'a> {
         let names = self.renames(renames);
         for variable in original.variables {
@@ -109,7 +145,8 @@ impl<'a> Resolver<'a> {
         }
         // First the names of the original, then those of this copy.
         let new = Renaming { id, names };
-        let mut both: BTreeMap<&str, &str> = new.names.clone();
+        let written = new.names.iter().filter(|(old, _)| words.contains(**old));
+        let mut both: BTreeMap<&str, &str> = written.map(|(old, new)| (*old, *new)).collect();
         for (old, once) in &original.renaming.names {
             both.insert(old, new.apply(once));
         }
@@ -204,9 +241,9 @@ impl<'a> Resolver<'a> {
             .iter()
             .map(|update| self.update(update, owner, instance, action.is_some()))
             .collect();
-        let updates: Vec<Update> = updates.into_iter().collect::<Option<_>>()?;
+        let mut updates: Vec<Update> = updates.into_iter().collect::<Option<_>>()?;
         if !self.has_rates {
-            self.check_probabilities(&updates, command.span);
+            self.check_probabilities(&mut updates, command.span);
         }
         let guard = guard?;
         self.check_guard(&guard, command.span);
@@ -220,9 +257,10 @@ impl<'a> Resolver<'a> {
 
     /// The number of an action, a new one if it has none.
     pub(super) fn action(&mut self, name: &str) -> ActionId {
-        if let Some(known) = self.actions.iter().position(|a| a == name) {
-            return known;
+        if let Some(known) = self.action_ids.get(name) {
+            return *known;
         }
+        self.action_ids.insert(name.to_owned(), self.actions.len());
         self.actions.push(name.to_owned());
         self.actions.len() - 1
     }

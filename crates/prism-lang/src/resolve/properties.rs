@@ -1,6 +1,6 @@
 //! Property files: declarations, labels, and references from one property to another.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::formula::{Formula, Size};
 use super::scope::{Renaming, Scope, Symbol};
@@ -40,6 +40,7 @@ pub fn resolve_properties(
         model,
         labels: BTreeMap::new(),
         named: BTreeMap::new(),
+        unread: names_of_unread(properties),
         size: Size::default(),
     };
     resolver.unknown_constants(properties, given);
@@ -57,6 +58,11 @@ pub fn resolve_properties(
     }
     let resolved: Option<Vec<_>> = resolved.into_iter().collect();
     resolved.ok_or_else(|| vec![unreadable()].into())
+}
+
+fn names_of_unread(file: &ast::PropertyFile) -> BTreeSet<&str> {
+    let names = file.unread.iter().filter_map(|p| p.name.as_ref());
+    names.map(|name| name.text.as_str()).collect()
 }
 
 /// The names that a model gives to its properties.
@@ -100,6 +106,8 @@ pub(super) struct PropertyResolver<'a> {
     labels: BTreeMap<&'a str, Option<crate::Expr>>,
     /// Properties by name.
     named: BTreeMap<&'a str, (&'a ast::Property, Named)>,
+    /// Names of properties that could not be read.
+    unread: BTreeSet<&'a str>,
     /// What has been resolved so far: how deep it is here, and how large it became.
     pub(super) size: Size,
 }
@@ -229,6 +237,13 @@ impl<'a> PropertyResolver<'a> {
         }
         if self.is_label(name) {
             return Some(Formula::State(StateFormula::Label(name.to_owned())));
+        }
+        if self.unread.contains(name) {
+            let message = format!("property \"{name}\" could not be read.");
+            let error = Diagnostic::error("unreadable", span, message);
+            self.scope
+                .report(error.remedy("Correct what is reported there."));
+            return None;
         }
         let of_model = self.model.labels.iter().map(|(n, _)| n.as_str());
         let known = of_model

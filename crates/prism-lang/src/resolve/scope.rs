@@ -9,6 +9,9 @@ use crate::number::{Constants, Number, Value};
 use crate::resolved::Parameter;
 use crate::suggest::suggest;
 
+/// After so many mistakes names are no longer suggested.
+const MOST_HELPED: usize = 200;
+
 /// What a name stands for.
 #[derive(Clone, Debug)]
 pub(super) enum Symbol<'a> {
@@ -111,8 +114,11 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// The known name that is nearest to an unknown one.
+    /// The known name that is nearest to an unknown one. All names are looked at, so that after many mistakes nobody is helped so.
     pub(super) fn suggestion(&self, name: &str) -> Option<&str> {
+        if self.diagnostics.len() > MOST_HELPED {
+            return None;
+        }
         suggest(name, self.symbols.keys().map(String::as_str))
     }
 

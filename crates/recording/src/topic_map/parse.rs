@@ -18,6 +18,11 @@ use crate::clock::{TimeSettings, TimeSource};
 /// The longest duration that can be meant: ten years.
 const MAX_DURATION_SECS: f64 = 3.2e8;
 
+/// The JSON Schema of a topic map.
+pub(super) fn schema() -> schemars::Schema {
+    schemars::schema_for!(text::TopicMapText)
+}
+
 /// The file, from which mistakes are told.
 struct Reader<'a> {
     file: &'a str,

@@ -34,7 +34,7 @@ pub fn render(view: View) -> Markup {
         h3 { "Ways to fail" }
         (modes(view, fit))
         (held_out(view, fit))
-        p class="small shares" { (capitalised(&fit.guarantee)) ". The posterior's sample is worth " (number::count(fit.effective_size.round() as u64)) " independent points." }
+        p class="small shares" { (capitalised(&fit.guarantee)) ". Effective posterior sample size: " (number::count(fit.effective_size.round() as u64)) "." }
         details {
             summary { "The fitted set, and what it was made from" }
             p class="small" {

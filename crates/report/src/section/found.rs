@@ -29,11 +29,14 @@ pub fn render(view: View) -> Markup {
     let lead = html! {
         (number::count(found.episodes)) " episodes of " (view.link(&found.evidence))
         @if let Some(model) = &found.model { ", held against " (view.link(model)) "," }
-        " were chosen to show what nobody had thought of"
+        " were chosen to show unexpected behaviour"
         @match found.stopped {
             Stopped::Budget => {},
             Stopped::NothingNew => { ", until more of them had stopped paying" },
             Stopped::Interrupted => { ", until they were interrupted" },
+        }
+        @if found.confirmation.is_some() {
+            ". The search ran in the fast physics; each finding was run again in the full physics, which shows it, too"
         }
         ". Each finding is a witness that can be run again; how often an exploration came there is not how often it happens."
     };
@@ -44,10 +47,28 @@ pub fn render(view: View) -> Markup {
         }
         @for shown in causes.values() { (cause(view, found, shown)) }
         (others(view, found, causes.is_empty()))
+        (not_confirmed(view, found))
         (broken(found))
         div class="small shares" { (prose(&found.statement)) }
     };
-    section("found", "What nobody had thought of", lead, body)
+    section("found", "Unexpected behaviour", lead, body)
+}
+
+/// What only the fast physics showed.
+fn not_confirmed(view: View, found: &Exploration) -> Markup {
+    let confirmation = found.confirmation.iter();
+    let others: Vec<&Discovery> = confirmation.flat_map(|it| &it.not_confirmed).collect();
+    html! {
+        @if !others.is_empty() {
+            h3 { "Not confirmed by the full physics" }
+            p class="small" { "Episodes of the fast physics showed these, and the same episodes in the full physics did not. They are no findings." }
+            ul class="small" {
+                @for one in others {
+                    li { (what(view, one)) " (in " (number::count(one.episodes)) " of " (number::count(found.episodes)) " episodes of the fast physics)" }
+                }
+            }
+        }
+    }
 }
 
 /// The findings of each cause, by its number; of each finding the first scenario.

@@ -1,8 +1,8 @@
 //! The ledger: every piece of evidence, how it came about, what it found.
 
 use evidence::{
-    ClusterTests, DescriptionGap, Evidence, Finding, Measure, MethodAnswer, Reading, RobustBounds,
-    Spread,
+    ClusterTests, DescriptionGap, Evidence, Finding, Guarantee, Measure, MethodAnswer, Reading,
+    RobustBounds, Spread, WorstCase,
 };
 use maud::{Markup, html};
 
@@ -88,7 +88,7 @@ fn lineage_questions(evidence: &Evidence) -> Markup {
     html! {
         @if !evidence.lineage_questions.is_empty() {
             div class="note" {
-                p { "What looks taken from other evidence:" }
+                p { "What looks taken from other evidence, or not independent:" }
                 ul class="lines" {
                     @for question in &evidence.lineage_questions {
                         li {
@@ -226,16 +226,42 @@ fn detail(finding: &Finding) -> Markup {
     }
 }
 
+/// What the worst scheduler does, and how it is tried.
+fn worst_case(worst: &WorstCase) -> Markup {
+    html! {
+        p {
+            "Worst scheduler"
+            @if let Some(probability) = worst.probability {
+                ": its most probable path on which this fails has probability " (number::full(probability))
+            }
+            ". " (worst.note) "."
+        }
+        @if !worst.steps.is_empty() {
+            ol { @for step in &worst.steps { li { (step) } } }
+        }
+    }
+}
+
 fn measure_detail(measure: &Measure) -> Markup {
     html! {
         @match measure {
             Measure::Counts { effective_trials: Some(effective), .. } => {
-                p { "Worth " (number::decimal(*effective, 1)) " independent trials; the interval allows for that." }
+                p { "Effective sample size: " (number::decimal(*effective, 1)) "; the interval is computed from it." }
             },
             Measure::Counts { .. } => {},
             Measure::Probability { answer, others, credible } => {
                 (method_answer(answer))
+                @if let Guarantee::Schedulers { worst: Some(worst), .. } = &answer.guarantee { (worst_case(worst)) }
                 @for other in others { (method_answer(other)) }
+                @if let Some(ends) = credible.as_ref().and_then(|credible| credible.ends.as_deref()) {
+                    p {
+                        "Over all schedulers with the uncertainty of its constants: at least mean "
+                        (number::percent(ends.least.mean)) " (" (number::interval(ends.least.interval)) "), at most mean "
+                        (number::percent(ends.greatest.mean)) " (" (number::interval(ends.greatest.interval))
+                        "). The whole range lies between the outer limits at the study's level. What follows is of the \
+                         worst scheduler."
+                    }
+                }
                 @if let Some(credible) = credible {
                     p {
                         "With the uncertainty of its constants: mean " (number::percent(credible.mean))

@@ -95,7 +95,10 @@ fn detail(measure: &Measure) -> Markup {
             },
             Measure::Probability { answer, credible: Some(credible), .. } if credible.interval.low < credible.interval.high => {
                 p { b { (number::answer(answer)) } " " (range(credible.interval)) }
-                p class="counts" { "credible interval; solver " (number::guarantee(&answer.guarantee)) }
+                p class="counts" {
+                    @if credible.ends.is_some() { "credible limits of the range over all schedulers" }
+                    @else { "credible interval; solver " (number::guarantee(&answer.guarantee)) }
+                }
             },
             Measure::Probability { answer, .. } => {
                 p { b { (number::answer(answer)) } }

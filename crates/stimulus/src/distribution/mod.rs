@@ -18,6 +18,7 @@
 
 mod text;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::StimulusError;
@@ -91,7 +92,7 @@ pub enum Distribution {
 }
 
 /// What a choice chooses between.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(untagged)]
 pub enum Options {
     /// Numbers, which need not be in order.

@@ -1,7 +1,9 @@
 //! How distributions are written in TOML and JSON.
 
+use std::borrow::Cow;
 use std::fmt;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -25,29 +27,41 @@ pub(crate) const KINDS: [&str; 8] = [
 pub(crate) const DETAILS: [&str; 3] = ["low", "high", "weights"];
 
 /// The keys of a distribution, of which one names its kind.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "DistributionTable")]
 pub(crate) struct Table {
+    /// This number.
     #[serde(skip_serializing_if = "Option::is_none")]
     constant: Option<f64>,
+    /// Uniform between these two.
     #[serde(skip_serializing_if = "Option::is_none")]
     uniform: Option<[f64; 2]>,
+    /// Normal with this mean and standard deviation; `low` and `high` cut it.
     #[serde(skip_serializing_if = "Option::is_none")]
     normal: Option<[f64; 2]>,
+    /// Its logarithm is uniform between those of these two, which are above 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     log_uniform: Option<[f64; 2]>,
+    /// Triangular: least, most probable, greatest.
     #[serde(skip_serializing_if = "Option::is_none")]
     triangular: Option<[f64; 3]>,
+    /// A whole number from the first to the last, each equally probable.
     #[serde(skip_serializing_if = "Option::is_none")]
     integer: Option<[i64; 2]>,
+    /// One of these, by `weights` where they are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     choice: Option<Options>,
+    /// True with this probability.
     #[serde(skip_serializing_if = "Option::is_none")]
     boolean: Option<f64>,
+    /// Where a normal distribution is cut below.
     #[serde(skip_serializing_if = "Option::is_none")]
     low: Option<f64>,
+    /// Where a normal distribution is cut above.
     #[serde(skip_serializing_if = "Option::is_none")]
     high: Option<f64>,
+    /// The weights of a choice, one for each of its options.
     #[serde(skip_serializing_if = "Option::is_none")]
     weights: Option<Vec<f64>>,
 }
@@ -148,6 +162,20 @@ impl Serialize for Distribution {
 impl<'de> Deserialize<'de> for Distribution {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(Reader)
+    }
+}
+
+impl JsonSchema for Distribution {
+    fn schema_name() -> Cow<'static, str> {
+        "Distribution".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let table = generator.subschema_for::<Table>();
+        json_schema!({
+            "description": "A number, or a distribution from which each episode draws one.",
+            "anyOf": [{ "type": "number" }, table],
+        })
     }
 }
 

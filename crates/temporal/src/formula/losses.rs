@@ -28,7 +28,7 @@
 //!
 //! # Guarantee
 //! Sound, not complete: a verdict may stay open though all completions agree. Held against all
-//! completions with up to two lost samples in `tests/formula_losses.rs`.
+//! completions with up to two lost samples in `tests/integration/formula_losses.rs`.
 
 use super::ast::{AtomId, Formula, Interval, Window};
 use super::settings::{CompileError, TimeModel};

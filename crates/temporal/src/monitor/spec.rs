@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A monitor as it is written down: propositions are names (or any text that the caller can give
@@ -22,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// assert_eq!(spec.then.len(), 4);
 /// # Ok::<(), toml::de::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MonitorSpec {
     /// The precondition.
@@ -41,7 +42,7 @@ pub struct MonitorSpec {
 }
 
 /// When a true precondition begins a new instance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trigger {
     /// Where the precondition becomes true.
@@ -52,7 +53,7 @@ pub enum Trigger {
 }
 
 /// How many instances a trace may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Repeat {
     /// Each trigger begins an instance, unless one is under way.
@@ -63,7 +64,7 @@ pub enum Repeat {
 }
 
 /// What becomes of an instance that is under way at the end of a complete trace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AtEnd {
     /// It stays open: neither passed nor failed.
@@ -74,7 +75,7 @@ pub enum AtEnd {
 }
 
 /// One postcondition.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, Deserialize)]
 #[serde(try_from = "StageText", into = "StageText")]
 pub enum Stage {
     /// The proposition must be true at the sample where this stage is entered.
@@ -101,17 +102,22 @@ pub enum Stage {
 }
 
 /// The form of a stage in a file, where the key says which kind it is.
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StageText {
+    /// What is true at the sample where this stage begins, or
     #[serde(default, skip_serializing_if = "Option::is_none")]
     assert: Option<String>,
+    /// what is waited for, or
     #[serde(default, skip_serializing_if = "Option::is_none")]
     wait_for: Option<String>,
+    /// what is true at every sample until `until` is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hold: Option<String>,
+    /// What ends a `hold`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     until: Option<String>,
+    /// The longest that a `wait_for` or `hold` may take, in seconds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     within_secs: Option<f64>,
 }

@@ -2,13 +2,33 @@
 
 use crate::scenario::{Drive, Scenario};
 
+/// How the engine comes by the pairs of shapes of hand and object. Its numbers are the same, bit for bit.
+///
+/// The object's pairs with what it stands on are not among them: it begins at a distance of 0, where the boxes of the
+/// engine's search do not touch yet and its shapes do, by a rounding, so that a list would give another first step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) enum Contacts {
+    /// They are listed, in the order in which the engine would find them: less time.
+    #[default]
+    Listed,
+    /// The engine finds them, by trees of boxes and the masks of who touches whom: what the list is held against.
+    #[cfg_attr(
+        not(test),
+        expect(dead_code, reason = "the reference that tests compare with")
+    )]
+    Found,
+}
+
 /// A part of the model.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Part {
-    /// Whether the model is written for speed: the pairs that can touch are listed, so that nothing
-    /// is searched for, and where the arm carries its own weight there is no gravity, but for a
-    /// force on the object that the caller applies. The equations are the same.
+    /// Whether the model is written for speed, beyond what leaves every bit as it is: all pairs are listed, and where the arm carries its own
+    /// weight there is no gravity, but for a force on the object that the caller applies. The equations are the same.
     pub(crate) is_lean: bool,
+    /// How pairs that can touch are found.
+    pub(crate) contacts: Contacts,
+    /// Whether the human's head and hand are left out, which touch nothing and only viewers show.
+    pub(crate) is_without_human: bool,
 }
 
 impl Part {

@@ -189,6 +189,19 @@ impl Simulation {
     }
 
     /// Actuator commands, in the order of the actuators in the model.
+    #[must_use]
+    pub fn controls(&self) -> &[f64] {
+        self.array(layout::CTRL, self.sizes.controls)
+    }
+
+    /// The force and the torque applied at a body's centre of mass; see [`Simulation::set_applied_force`].
+    #[must_use]
+    pub fn applied_force(&self, body: BodyId) -> [f64; 6] {
+        let all = self.array(layout::XFRC_APPLIED, self.sizes.bodies * 6);
+        std::array::from_fn(|axis| all[body.0 * 6 + axis])
+    }
+
+    /// Actuator commands, in the order of the actuators in the model.
     pub fn controls_mut(&mut self) -> &mut [f64] {
         self.array_mut(layout::CTRL, self.sizes.controls)
     }

@@ -10,8 +10,9 @@ mod drawn;
 mod person;
 mod sensor;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::{AbstractTest, Distribution};
 use toml::Table;
@@ -28,7 +29,7 @@ pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
 use crate::scenario::ScenarioError;
 
 /// A scene: robots, objects, people, sensors, actuators, controllers and tests.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneData {
     /// What the scene is called in recordings.
@@ -61,7 +62,7 @@ pub struct SceneData {
 }
 
 /// Time and gravity.
-#[derive(Debug, Clone, Copy, Deserialize)]
+#[derive(Debug, Clone, Copy, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Simulation {
     /// Length of a time step.
@@ -87,7 +88,7 @@ pub struct Simulation {
 }
 
 /// The floor, at z = 0.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
     /// Its Coulomb friction.
@@ -95,7 +96,7 @@ pub struct Ground {
 }
 
 /// A robot's code and how it is joined.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerData {
     /// Its name in the scene.
@@ -107,6 +108,7 @@ pub struct ControllerData {
     pub command: Vec<String>,
     /// How it is joined over topics of ROS 2 instead; read by the caller, as this crate knows no
     /// networks.
+    #[schemars(with = "Option<BTreeMap<String, schemars::Schema>>")]
     pub ros2: Option<Table>,
     /// Files that the program consists of, besides those that `command` names.
     #[serde(default)]
@@ -121,6 +123,7 @@ pub struct ControllerData {
     pub latency_secs: Distribution,
     /// What it is told at the beginning; numbers may be distributions.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, schemars::Schema>")]
     pub settings: Table,
 }
 
@@ -203,6 +206,14 @@ pub(super) fn known<'a>(
 }
 
 impl SceneData {
+    /// The JSON Schema of a scene's file.
+    #[must_use]
+    pub fn schema() -> schemars::Schema {
+        let mut schema = schemars::schema_for!(Self);
+        drawn::allow_in(&mut schema);
+        schema
+    }
+
     /// Reads and checks a scene. Distributions that stand for plain numbers are checked at both
     /// ends; the data then has the lower one, and each episode its own.
     ///

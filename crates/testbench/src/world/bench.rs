@@ -5,6 +5,9 @@
 //! `scenario.programme.sensing_secs`, and are applied before the tables are read and checked. Its
 //! signals are `activate` and `ready` (sent), `announcement` (received), its parameters `gaze`,
 //! `pressure` and `location` (true or false).
+//!
+//! Which physics integrates is no part of a stimulus: a bench has one physics, that of its scenario, and
+//! [`HandoverBench::in_fast_physics`] makes its twin for searching.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -62,6 +65,33 @@ impl HandoverBench {
         &self.data
     }
 
+    /// The same bench in the fast physics (see the crate's "Fast physics"), which is approximate: for
+    /// searching, where what is found is shown by the full physics before it counts. `None` where the
+    /// scenario has none, or this is that bench already.
+    #[must_use]
+    pub fn in_fast_physics(&self) -> Option<Self> {
+        let scenario = &self.world.setup().scenario;
+        if scenario.simulation.fast || !crate::model::hand_is_separable(scenario) {
+            return None;
+        }
+        let mut data = self.data.clone();
+        let simulation = data.get_mut("scenario")?.get_mut("simulation")?;
+        simulation
+            .as_table_mut()?
+            .insert("fast".to_owned(), true.into());
+        Some(Self {
+            engine: self.engine.clone(),
+            data,
+            world: self.world.clone().in_fast_physics(),
+        })
+    }
+
+    /// Whether it runs in the fast physics.
+    #[must_use]
+    pub fn is_fast(&self) -> bool {
+        self.world.setup().scenario.simulation.fast
+    }
+
     /// One of the scenario's own abstract tests as a stimulus without settings.
     ///
     /// # Errors
@@ -91,14 +121,17 @@ impl HandoverBench {
             return Ok(self.world.clone().enacting(test));
         }
         let mut data = self.data.clone();
-        let is_optional = |key: &str| key == "scenario.simulation.fast";
-        stimulus::apply_declared(&mut data, &stimulus.settings, &is_optional)
-            .map_err(unsuitable)?;
+        stimulus::apply(&mut data, &stimulus.settings).map_err(unsuitable)?;
         let mut take = |key| match data.remove(key) {
             Some(toml::Value::Table(table)) => table,
             _ => Table::new(),
         };
         let scenario = Scenario::from_table(take("scenario")).map_err(unsuitable)?;
+        if scenario.simulation.fast != self.is_fast() {
+            return Err(unsuitable(
+                "`scenario.simulation.fast` is not a setting: evidence is of the full physics, and searches choose theirs by `physics`",
+            ));
+        }
         let parameters = Parameters::from_table(take("parameters")).map_err(unsuitable)?;
         Ok(World::unchecked(&self.engine, scenario, parameters)?.enacting(test))
     }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod drives;
+mod engine_alone;
 mod episode;
 mod human;
 mod judge;
@@ -14,6 +15,7 @@ mod tracking;
 mod view;
 
 pub use bench::{HandoverBench, RunningHandover, SavedHandover};
+pub use engine_alone::{EngineAlone, Steps};
 pub use episode::{Episode, run_episode, run_episode_with, watch_episode};
 pub use judge::Outcome;
 pub use setup::World;

@@ -22,9 +22,9 @@ mod yielding;
 
 use std::sync::Arc;
 
-use super::human::{HAND_ATTITUDE, Wrench};
+use super::human::Wrench;
 use crate::geometry::{Pose, Vector};
-use crate::model::{self, Part, PhysicalDraws};
+use crate::model::{self, Contacts, Part, PhysicalDraws};
 use crate::mujoco::{Engine, EngineError};
 use crate::robot::Commands;
 use crate::scenario::{Drive, Parameters, Scenario};
@@ -95,6 +95,7 @@ impl Plant {
         scenario: &Scenario,
         parameters: &Parameters,
         draws: &PhysicalDraws,
+        contacts: Contacts,
     ) -> Result<Self, EngineError> {
         let joints = driven_joints(scenario, &parameters.arm);
         let blueprint = Blueprint {
@@ -105,7 +106,11 @@ impl Plant {
         };
         let is_fast = scenario.simulation.fast && model::hand_is_separable(scenario);
         let fingers_swing = swing::fingers_swing(&blueprint, &joints);
-        let part = Part { is_lean: is_fast };
+        let part = Part {
+            is_lean: is_fast,
+            contacts,
+            is_without_human: true,
+        };
         let whole = Body::new(&blueprint, &joints, part)?;
         let index = |name: &String| joints.iter().position(|joint| &joint.name == name);
         let step_secs = scenario.simulation.time_step_secs;
@@ -291,16 +296,6 @@ impl Plant {
         now
     }
 
-    /// Shows the human's head and hand in the model.
-    pub(crate) fn place_human(&mut self, head: &Pose, hand_m: Vector) {
-        let hand = Pose {
-            position_m: hand_m,
-            orientation: HAND_ATTITUDE,
-        };
-        self.whole.place(model::HUMAN_HEAD, head);
-        self.whole.place(model::HUMAN_HAND, &hand);
-    }
-
     /// Time steps so far.
     pub(crate) fn steps(&self) -> u64 {
         self.steps
@@ -365,6 +360,21 @@ impl Plant {
             Regime::Whole => self.whole.grip(),
             Regime::Apart(_) => Grip::default(),
         }
+    }
+
+    /// Appends what the whole model was given for its last step.
+    pub(crate) fn engine_inputs(&self, inputs: &mut Vec<f64>) {
+        self.whole.inputs(inputs);
+    }
+
+    /// Steps of the whole model with these inputs, and nothing else; their number.
+    pub(crate) fn engine_steps(&mut self, inputs: &[f64]) -> u64 {
+        self.whole.steps_with(inputs)
+    }
+
+    /// The whole model's positions and velocities, bit for bit.
+    pub(crate) fn engine_state(&self) -> Vec<u64> {
+        self.whole.bits()
     }
 
     /// Warnings of the physics engine: 0 in a sound run.

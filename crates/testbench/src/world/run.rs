@@ -90,7 +90,7 @@ impl Run {
             longest_steps: (settings.longest_secs / settings.time_step_secs) as u64,
             seed,
             periods: periods(scenario),
-            plant: Plant::new(&setup.engine, scenario, parameters, &draws)?,
+            plant: Plant::new(&setup.engine, scenario, parameters, &draws, setup.contacts)?,
             controller: Controller::new(scenario, setup.arm_joints.clone(), world.reset_pose(seed)),
             human,
             tracker: Tracker::new(
@@ -180,6 +180,16 @@ impl Run {
         Ok(())
     }
 
+    /// The physics.
+    pub(crate) fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// The physics by itself.
+    pub(crate) fn into_plant(self) -> Plant {
+        self.plant
+    }
+
     /// Simulated time.
     pub(crate) fn now_secs(&self) -> f64 {
         self.plant.now_secs()
@@ -235,8 +245,6 @@ impl Run {
             human_hand_m: self.human.hand_m(now_secs),
             human_head: self.human.head(),
         };
-        self.plant
-            .place_human(&truth.human_head, truth.human_hand_m);
         let reading = self.tracker.read(now_secs, &truth);
         if self
             .plant

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::plant::{Plant, arm_joint_names};
 use crate::bench::{Drawn, SimError};
-use crate::model::{PhysicalDraws, standing_pose};
+use crate::model::{Contacts, PhysicalDraws, standing_pose};
 use crate::mujoco::Engine;
 use crate::random::{Distribution, Purpose, Stream};
 use crate::robot::ResetPose;
@@ -22,6 +22,8 @@ pub(crate) struct Setup {
     pub(crate) parameters: Parameters,
     pub(crate) test: AbstractTest,
     pub(crate) arm_joints: Vec<String>,
+    /// How pairs that can touch are found.
+    pub(crate) contacts: Contacts,
 }
 
 impl World {
@@ -36,7 +38,8 @@ impl World {
     ) -> Result<Self, SimError> {
         let world = Self::unchecked(engine, scenario.clone(), parameters.clone())?;
         // A model that cannot be built is found here rather than in the first episode.
-        Plant::new(engine, scenario, parameters, &world.physical_draws(0))?;
+        let draws = world.physical_draws(0);
+        Plant::new(engine, scenario, parameters, &draws, world.setup().contacts)?;
         Ok(world)
     }
 
@@ -57,6 +60,7 @@ impl World {
             scenario,
             parameters,
             test,
+            contacts: Contacts::default(),
         })))
     }
 
@@ -70,6 +74,19 @@ impl World {
             name: name.to_owned(),
         };
         Ok(self.enacting(test.ok_or_else(unknown)?))
+    }
+
+    /// The same world, whose engine finds contacts as it does by itself.
+    #[cfg(test)]
+    pub(crate) fn finding_contacts(mut self) -> Self {
+        Arc::make_mut(&mut self.0).contacts = Contacts::Found;
+        self
+    }
+
+    /// The same world in the fast physics.
+    pub(crate) fn in_fast_physics(mut self) -> Self {
+        Arc::make_mut(&mut self.0).scenario.simulation.fast = true;
+        self
     }
 
     /// The same world with the human enacting this test.

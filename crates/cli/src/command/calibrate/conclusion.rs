@@ -18,8 +18,8 @@
 
 use super::counts::Reality;
 use super::work::{Outcomes, bad_calibration};
-use crate::problem::Problem;
 use campaign::calibration::{Calibration, Posterior, Prediction, Predictive};
+use diagnostic::Problem;
 use evidence::{HeldOutRunsReport, Likeness, ModeReport, PredictionReport};
 use stats::{
     Confidence, EffectiveSample, Sample, exact_equivalence, fisher_exact, holm, whole_counts,

@@ -1,12 +1,12 @@
 //! What was counted in reality.
 
 use super::file::{CODE, CalibrationText, HeldOutRuns, quoted};
-use crate::problem::{Problem, Source, did_you_mean};
-use crate::study::{Study, Work};
-use crate::technique::experiment::{SubjectCount, Tables};
 use campaign::Random;
 use campaign::calibration::{Counted, Observed};
+use corroborate::technique::experiment::{SubjectCount, Tables};
+use diagnostic::{Problem, Source, did_you_mean};
 use evidence::{Measure, Subject};
+use study::{Study, Work};
 
 /// The counts of the evidence, and which subjects' runs are to be predicted from the others.
 pub struct Reality {

@@ -1,8 +1,10 @@
 //! The file of a calibration.
 
 pub use crate::command::rare::file::quoted;
-use crate::problem::{Problem, Source};
 use campaign::calibration::Posterior;
+use corroborate::technique::simulation::SearchPhysics;
+use diagnostic::{Problem, Source};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,7 +15,7 @@ use toml::{Table, Value};
 pub const CODE: &str = "bad-calibration-file";
 
 /// The whole file.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationText {
     /// The fitted set's name.
@@ -22,9 +24,9 @@ pub struct CalibrationText {
     pub scenario: PathBuf,
     /// The parameters to begin with, relative to the study.
     pub parameters: PathBuf,
-    /// Whether episodes are of the full physics, whatever the scenario's `simulation.fast` says.
-    #[serde(default)]
-    pub full_physics: bool,
+    /// The physics of the episodes that the fit rests on: the fast one where the bench has one, if absent. The fitted set
+    /// is checked in the full one.
+    pub physics: Option<SearchPhysics>,
     /// The abstract test that episodes enact.
     pub test: String,
     /// The evidence whose counts are to be reproduced.
@@ -61,6 +63,7 @@ pub struct CalibrationText {
     pub hold_out_runs: Option<HeldOutRuns>,
     /// What is known otherwise and replaces values of the parameters.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, schemars::Schema>")]
     pub known: Table,
     /// What is fitted, with its prior.
     #[serde(rename = "parameter")]
@@ -68,7 +71,7 @@ pub struct CalibrationText {
 }
 
 /// Runs that are predicted from the others.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "snake_case")]
 pub enum HeldOutRuns {
     /// Those of these subjects.
@@ -81,7 +84,7 @@ pub enum HeldOutRuns {
 }
 
 /// Which point of the posterior is taken.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Point {
     /// Its mean: the least squared error in the parameters.
@@ -129,7 +132,7 @@ impl CalibrationText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
         let text: Self = toml::from_str(&source.text).map_err(|error| {
-            let mut problem = Problem::from_toml(source, &error);
+            let mut problem = study::placed::from_toml(source, &error);
             problem.code = CODE;
             problem.remedy(
                 "`corroborate help calibrate` and `explain bad-calibration-file` say what it holds",
@@ -241,21 +244,6 @@ impl CalibrationText {
     }
 }
 
-/// The scenario in the full physics; its own text if that is so already.
-pub fn in_full_physics(scenario: Source) -> Result<Source, Problem> {
-    let mut table: Table =
-        toml::from_str(&scenario.text).map_err(|error| Problem::from_toml(&scenario, &error))?;
-    let simulation = table.get_mut("simulation").and_then(Value::as_table_mut);
-    match simulation.and_then(|it| it.get_mut("fast")) {
-        Some(fast @ Value::Boolean(true)) => *fast = false.into(),
-        _ => return Ok(scenario),
-    }
-    Ok(Source {
-        text: written(&table)?,
-        name: format!("{} in the full physics", scenario.name),
-    })
-}
-
 /// A table as text.
 pub fn written(table: &Table) -> Result<String, Problem> {
     toml::to_string(table).map_err(|error| Problem::new("cannot-write", error.to_string()))
@@ -286,28 +274,6 @@ fn is_kind(key: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_full_physics_is_asked_for_where_it_is_not_on() {
-        let of = |text: &str| {
-            let name = "scenario.toml".into();
-            in_full_physics(Source {
-                text: text.into(),
-                name,
-            })
-            .unwrap()
-        };
-        let fast = "name = \"x\"\n[simulation]\nfast = true\nstep = 0.002\n";
-        let table: Table = toml::from_str(&of(fast).text).unwrap();
-        let full: Table = toml::from_str(&fast.replace("true", "false")).unwrap();
-        assert_eq!(table, full);
-        for same in [
-            &fast.replace("true", "false"),
-            "[simulation]\nstep = 0.002\n",
-        ] {
-            assert_eq!(of(same).text, same);
-        }
-    }
 
     #[test]
     fn what_is_known_replaces_values_and_whole_distributions() {

@@ -3,7 +3,7 @@
 use super::counts::Reality;
 use super::file::CalibrationText;
 use super::written;
-use crate::problem::{Problem, Source};
+use diagnostic::{Problem, Source};
 use evidence::{LineageReport, ParameterReport};
 use std::fmt::Write;
 use stimulus::Settings;
@@ -12,7 +12,7 @@ use toml::Table;
 /// The parameters with the fitted values.
 pub fn body(base: &Source, settings: &Settings) -> Result<String, Problem> {
     let table: Table =
-        toml::from_str(&base.text).map_err(|error| Problem::from_toml(base, &error))?;
+        toml::from_str(&base.text).map_err(|error| study::placed::from_toml(base, &error))?;
     let mut data = Table::new();
     data.insert("parameters".to_owned(), table.into());
     stimulus::apply(&mut data, settings)
@@ -30,6 +30,8 @@ pub struct Written<'a> {
     pub fitted: &'a [ParameterReport],
     pub lineage: &'a LineageReport,
     pub engine: &'a str,
+    /// Whether these episodes are of the fast physics.
+    pub is_fast: bool,
     /// Episodes that the posterior rests on.
     pub episodes: usize,
 }
@@ -108,9 +110,9 @@ impl Written<'_> {
 
     fn origin(&self, text: &mut String) -> std::fmt::Result {
         let lineage = self.lineage;
-        let physics = match self.about.full_physics {
-            true => " in the full physics",
-            false => "",
+        let physics = match self.is_fast {
+            true => " in the fast physics (the check of this set is of the full one)",
+            false => " in the full physics",
         };
         writeln!(
             text,

@@ -4,18 +4,18 @@ use super::conclusion::{conclusion, held_out_runs, mode_reports};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
 use super::parameter_set;
-use crate::command::Setting;
 use crate::command::rare::bench::{TestBench, simulation_problem};
-use crate::problem::{Problem, Source};
-use crate::store::{Inputs, Store};
-use crate::talk::Stage;
-use crate::technique::judging::Judges;
-use crate::technique::rows::{self, Rows, Value};
-use crate::technique::simulation::Seeds;
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
+use corroborate::technique::rows::{self, Rows, Value};
+use corroborate::technique::simulation::Seeds;
+use diagnostic::{Problem, Source};
 use evidence::{
     CalibrationReport, DirectionReport, Identification, LineageReport, ParameterReport,
 };
+use host::Host;
+use host::Stage;
+use host::store::{Inputs, Store};
+use judging::Judges;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
@@ -37,17 +37,32 @@ pub type Outcomes = Vec<Vec<Option<bool>>>;
 #[derive(Debug, Serialize, Deserialize)]
 struct Kept(Outcomes);
 
+/// What episodes are run for, which decides their physics.
+#[derive(Debug, Clone, Copy)]
+enum Episodes {
+    /// The fit.
+    Round,
+    /// The check of the fitted set.
+    Check,
+}
+
 /// A calibration, ready to be done.
 pub struct Work<'a> {
     pub text: &'a CalibrationText,
+    /// That of the rounds, in the physics that the file chooses.
     pub bench: &'a TestBench,
+    /// That of the check of the fitted set: of the full physics.
+    pub check_bench: &'a TestBench,
     pub judges: Judges<'a>,
     pub reality: Reality,
     pub space: Space,
     pub store: Store,
+    /// What an episode of the rounds depends on.
     pub inputs: Inputs,
+    /// What an episode of the check depends on.
+    pub check_inputs: Inputs,
     pub seeds: Seeds,
-    pub setting: &'a Setting,
+    pub setting: &'a Host,
     /// The level at which likeness is shown.
     pub agreement: Confidence,
     pub lineage: LineageReport,
@@ -66,7 +81,7 @@ impl Work<'_> {
             .settings(&fitted)
             .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
         let units = vec![unit; self.text.check_episodes as usize];
-        let check = self.episodes("fitted set", CHECK_FROM, &units)?;
+        let check = self.episodes("fitted set", Episodes::Check, CHECK_FROM, &units)?;
         self.rows(&mut rows, "check", CHECK_FROM, (&units, &check));
         let about = [
             ("calibration", self.text.name.as_str()),
@@ -83,9 +98,9 @@ impl Work<'_> {
         let directions = posterior.directions().into_iter();
         Ok(CalibrationReport {
             format: "2.0".into(),
-            engine: self.bench.engine.clone(),
+            engine: self.check_bench.engine.clone(),
             evidence: self.text.evidence.clone(),
-            guarantee: "estimated: posterior by response surfaces (logistic, quadratic) over seeded episodes; checked by episodes of the fitted set".into(),
+            guarantee: self.guarantee(),
             episodes: calibration.episodes().len() as u64,
             effective_size: posterior.effective_size(),
             confidence: level.level(),
@@ -107,13 +122,33 @@ impl Work<'_> {
         })
     }
 
+    /// Whether the fit rests on episodes of the fast physics.
+    fn is_fast(&self) -> bool {
+        self.bench.bench.is_fast()
+    }
+
+    fn guarantee(&self) -> String {
+        let rounds = match self.is_fast() {
+            true => "episodes of the fast physics, which is approximate",
+            false => "seeded episodes",
+        };
+        let check = match self.is_fast() {
+            true => "episodes of the fitted set in the full physics",
+            false => "episodes of the fitted set",
+        };
+        format!(
+            "estimated: posterior by response surfaces (logistic, quadratic) over {rounds}; checked by {check}"
+        )
+    }
+
     fn heading(&self, fitted: &[ParameterReport], episodes: usize) -> String {
         parameter_set::heading(&parameter_set::Written {
             about: self.text,
             reality: &self.reality,
             fitted,
             lineage: &self.lineage,
-            engine: &self.bench.engine,
+            engine: &self.check_bench.engine,
+            is_fast: self.is_fast(),
             episodes,
         })
     }
@@ -195,7 +230,7 @@ impl Work<'_> {
             let units = calibration.ask(count as usize);
             let title = format!("round {} of {}", round + 1, self.text.rounds);
             let first = 1 + round * count;
-            let outcomes = self.episodes(&title, first, &units)?;
+            let outcomes = self.episodes(&title, Episodes::Round, first, &units)?;
             self.rows(
                 rows,
                 &format!("round {}", round + 1),
@@ -212,12 +247,21 @@ impl Work<'_> {
 
     /// Episodes at points of the unit cube, numbered from `first`; chunks that
     /// are kept are not run again.
-    fn episodes(&self, title: &str, first: u64, units: &[Vec<f64>]) -> Result<Outcomes, Problem> {
-        let stage = self.setting.talk.begin(title, units.len() as u64);
+    fn episodes(
+        &self,
+        title: &str,
+        of: Episodes,
+        first: u64,
+        units: &[Vec<f64>],
+    ) -> Result<Outcomes, Problem> {
+        let stage = self.setting.events.begin(title, units.len() as u64);
         let mut all = Vec::with_capacity(units.len());
         for from in (0..units.len()).step_by(CHUNK) {
             let range = from..(from + CHUNK).min(units.len());
-            let mut inputs = self.inputs.clone();
+            let mut inputs = match of {
+                Episodes::Round => self.inputs.clone(),
+                Episodes::Check => self.check_inputs.clone(),
+            };
             inputs.add_json("units", &&units[range.clone()]);
             inputs.add("first", &(first + from as u64).to_le_bytes());
             let inputs = inputs.hash();
@@ -228,7 +272,7 @@ impl Work<'_> {
                     outcomes
                 }
                 None => {
-                    let made = self.chunk(first, units, range, &stage)?;
+                    let made = self.chunk(of, (first, units), range, &stage)?;
                     self.store.keep(&name, &inputs, Kept(made.clone()))?;
                     made
                 }
@@ -240,14 +284,14 @@ impl Work<'_> {
 
     fn chunk(
         &self,
-        first: u64,
-        units: &[Vec<f64>],
+        of: Episodes,
+        (first, units): (u64, &[Vec<f64>]),
         range: Range<usize>,
         stage: &Stage,
     ) -> Result<Outcomes, Problem> {
         let one = |index: usize| {
             let stimulus = self.bench.stimulus(&self.space, &units[index])?;
-            let outcomes = self.episode(&stimulus, self.seeds.of(first + index as u64))?;
+            let outcomes = self.episode(of, &stimulus, self.seeds.of(first + index as u64))?;
             stage.advance();
             Ok(outcomes)
         };
@@ -256,11 +300,19 @@ impl Work<'_> {
 
     /// Runs one episode and says of each way to fail: violated or occurred (`true`), not (`false`),
     /// or no opportunity.
-    fn episode(&self, stimulus: &Stimulus, seed: u64) -> Result<Vec<Option<bool>>, Problem> {
+    fn episode(
+        &self,
+        of: Episodes,
+        stimulus: &Stimulus,
+        seed: u64,
+    ) -> Result<Vec<Option<bool>>, Problem> {
         self.setting.go_on()?;
-        let cancel = self.setting.interrupt.cancel();
-        let recorded = self
-            .bench
+        let cancel = &self.setting.cancel;
+        let bench = match of {
+            Episodes::Round => self.bench,
+            Episodes::Check => self.check_bench,
+        };
+        let recorded = bench
             .bench
             .run(stimulus, seed, &mut Unwatched, cancel)
             .map_err(|error| simulation_problem(error, seed))?;

@@ -1,45 +1,10 @@
 //! Answers as text.
 
-use super::form::{Built, CheckReport, DistributionReport, PropertyReport, WitnessReport};
-use crate::problem::Problem;
-use checker::AnswerValue;
-
-/// Sizes of numbers that are written without an exponent.
-const PLAIN: std::ops::Range<f64> = 1e-5..1e16;
-
-/// A value, as PRISM writes it.
-pub(super) fn value(value: &AnswerValue) -> String {
-    match value {
-        AnswerValue::Number(value) => number(*value),
-        AnswerValue::Exact(value) => value.to_string(),
-        AnswerValue::Range { low, high } => format!("[{},{}]", number(*low), number(*high)),
-        AnswerValue::ExactRange { low, high } => format!("[{low},{high}]"),
-        AnswerValue::Ends { low, high } => format!("[{},{}]", self::value(low), self::value(high)),
-        AnswerValue::Truth(truth) => truth.to_string(),
-        AnswerValue::Corners(corners) => {
-            let number = |value: &prism_lang::Rational| number(prism_lang::rational_to_f64(value));
-            let corner = |corner: &Vec<prism_lang::Rational>| {
-                let numbers: Vec<String> = corner.iter().map(number).collect();
-                format!("({})", numbers.join(","))
-            };
-            let corners: Vec<String> = corners.iter().map(corner).collect();
-            format!("[{}]", corners.join(","))
-        }
-    }
-}
-
-/// A number, with an exponent where a reader would have to count zeros.
-pub(super) fn number(value: f64) -> String {
-    if value == f64::INFINITY {
-        "Infinity".to_owned()
-    } else if value == f64::NEG_INFINITY {
-        "-Infinity".to_owned()
-    } else if value == 0.0 || PLAIN.contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
-}
+use diagnostic::Problem;
+use query::{
+    Built, CertificateReport, CheckReport, DistributionReport, PropertyReport, WitnessReport,
+    number,
+};
 
 /// The size of a state space.
 fn built(model: &str, built: &Built) -> String {
@@ -65,7 +30,7 @@ fn built(model: &str, built: &Built) -> String {
 
 /// Whether a property is the first of a further state space.
 fn begins(built: &Built, property: &PropertyReport) -> bool {
-    built.valuation == property.valuation
+    built.valuation() == property.valuation()
 }
 
 /// One line for each answer.
@@ -84,7 +49,7 @@ pub(super) fn lines(report: &CheckReport) -> Result<String, Problem> {
 /// The report for reading.
 pub(super) fn text(report: &CheckReport) -> String {
     let mut output = match &report.interrupted {
-        Some(how) if !report.is_built => format!("{}: {how}\n", report.model),
+        Some(how) if !report.is_built() => format!("{}: {how}\n", report.model),
         _ => built(&report.model, &report.built),
     };
     for distribution in &report.distributions {
@@ -137,7 +102,7 @@ pub(super) fn text(report: &CheckReport) -> String {
             }
         }
         if let Some(certificate) = &property.certificate {
-            output.push_str(&super::certify::text(certificate));
+            output.push_str(&self::certificate(certificate));
         }
         if let Some(path) = &property.witness {
             output.push_str(&witness(path));
@@ -213,4 +178,23 @@ fn in_brackets(property: &PropertyReport) -> String {
     }
     parts.push(format!("{:.3} s", property.check_secs));
     format!(" ({})", parts.join("; "))
+}
+
+/// The lines of a certificate, for reading.
+fn certificate(certificate: &CertificateReport) -> String {
+    let mut line = format!("Certificate: {}", certificate.status);
+    if let (Some(low), Some(high)) = (certificate.low, certificate.high) {
+        line.push_str(&format!(
+            ", between {} and {} ({} inequalities in {} states)",
+            number(low),
+            number(high),
+            certificate.inequalities,
+            certificate.states
+        ));
+    }
+    if let Some(why) = &certificate.why {
+        line.push_str(&format!(": {why}"));
+    }
+    line.push('\n');
+    line
 }

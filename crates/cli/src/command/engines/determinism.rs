@@ -1,8 +1,8 @@
 //! Whether an engine repeats itself: hashes of an episode's recordings.
 
 use super::{Called, name_of, recording_hash};
-use crate::problem::Problem;
-use crate::technique::simulation::Campaign;
+use corroborate::technique::simulation::Campaign;
+use diagnostic::Problem;
 use evidence::FailureKind;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -38,7 +38,7 @@ impl Called<'_> {
         for campaign in self.campaigns {
             let engine = name_of(campaign);
             let title = format!("{engine}: episodes, thrice");
-            let stage = self.setting.talk.begin(&title, self.numbers.len() as u64);
+            let stage = self.setting.events.begin(&title, self.numbers.len() as u64);
             let numbers = self.numbers.par_iter();
             let beside: Vec<(String, Option<FailureKind>)> = numbers
                 .map(|number| self.hashed(campaign, *number))
@@ -84,7 +84,7 @@ impl Called<'_> {
 
     fn in_two_parts(&self, campaign: &Campaign, number: u64) -> Result<String, Problem> {
         let seed = self.seeds.of(number);
-        let run = campaign.run_in_two_parts(seed, &self.setting.interrupt)?;
+        let run = campaign.run_in_two_parts(seed, &self.setting.cancel)?;
         Ok(recording_hash(&run.trace))
     }
 }

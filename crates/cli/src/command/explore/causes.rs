@@ -16,19 +16,19 @@
 //! At most the given number of episodes for each finding. Findings are looked into beside each other; the result does not
 //! depend on the number of threads.
 
-use crate::command::Setting as Call;
 use crate::command::replay::episode::Episode;
 use crate::command::shrink::Trials;
-use crate::problem::Problem;
-use crate::study::{Finding, Study};
-use crate::talk::Stage;
-use crate::technique::exploration::{FindingReport, Met, OpenBench, Plan, ShowsJudge};
 use campaign::ShrinkOptions;
+use corroborate::technique::exploration::{FindingReport, Met, OpenBench, Plan, ShowsJudge};
+use diagnostic::Problem;
 use evidence::{CauseFound, CauseSetting, Discovery};
+use host::Host as Call;
+use host::Stage;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use stimulus::{AbstractTest, Setting, Settings, Stimulus, Verb};
+use study::{Finding, Study};
 
 /// Causes of one finding, at most.
 const MOST: usize = 6;
@@ -53,7 +53,8 @@ struct Known<'m> {
 pub struct Causes<'a> {
     pub study: &'a Study,
     pub plan: &'a Plan,
-    pub bench: &'a OpenBench,
+    /// The bench of the full physics, and that to search in, if it is another.
+    pub benches: (&'a OpenBench, Option<&'a OpenBench>),
     /// Episodes for each finding.
     pub budget: u64,
     pub folder: &'a Path,
@@ -72,12 +73,12 @@ impl Causes<'_> {
         let work = findings.par_iter().zip(met).zip(&*reports);
         let found: Result<Vec<Option<Vec<Cause>>>, Problem> = work
             .map(|((finding, met), report)| {
-                if !report.found.replayed || self.setting.interrupt.is_set() {
+                if !report.found.replayed || self.setting.cancel.is_cancelled() {
                     return Ok(None);
                 }
                 match self.causes(finding, &self.known(met)?) {
                     // Without this finding's causes the result is what it was.
-                    Err(_) if self.setting.interrupt.is_set() => Ok(None),
+                    Err(_) if self.setting.cancel.is_cancelled() => Ok(None),
                     causes => causes.map(Some),
                 }
             })
@@ -96,7 +97,7 @@ impl Causes<'_> {
         met.iter()
             .map(|met| {
                 let mut values = met.stimulus.settings.clone();
-                let drawn = self.bench.drawn(&met.stimulus, met.seed)?;
+                let drawn = self.benches.0.drawn(&met.stimulus, met.seed)?;
                 for number in drawn.into_iter().flatten() {
                     values
                         .entry(number.key)
@@ -108,11 +109,11 @@ impl Causes<'_> {
     }
 
     fn causes(&self, finding: &Finding, episodes: &[Known<'_>]) -> Result<Vec<Cause>, Problem> {
-        let judge = ShowsJudge::new(self.study, &finding.shows, &self.setting.interrupt)?;
+        let judge = ShowsJudge::new(self.study, &finding.shows, &self.setting.cancel)?;
         let mut causes: Vec<Cause> = Vec::new();
         let mut left = self.budget;
         let mut tried: Vec<u64> = Vec::new();
-        while left > 0 && tried.len() < MOST && !self.setting.interrupt.is_set() {
+        while left > 0 && tried.len() < MOST && !self.setting.cancel.is_cancelled() {
             let is_new = |it: &&Known<'_>| {
                 !tried.contains(&it.met.episode) && !causes.iter().any(|cause| cause.is_met_in(it))
             };
@@ -156,11 +157,11 @@ impl Causes<'_> {
         let mut options = ShrinkOptions::within(self.plan.space.clone(), most)
             .map_err(|error| Problem::new("bad-exploration", error.to_string()))?;
         let trials = Trials::new(
-            self.bench,
+            self.benches,
             judge,
             Episode::of_named(finding.clone(), ""),
             (budget, (1, 1)),
-            (&self.setting.interrupt, self.stage),
+            (&self.setting.cancel, self.stage),
         );
         let shrunk = trials.shrink(&finding, &mut options)?;
         let kept = &shrunk.regression.stimulus.settings;
@@ -189,7 +190,7 @@ impl Causes<'_> {
     /// The number or other value that the bench's own data have for a key.
     fn of_bench(&self, key: &str) -> Option<Setting> {
         let mut parts = key.split('.');
-        let first = self.bench.data().get(parts.next()?)?;
+        let first = self.benches.0.data().get(parts.next()?)?;
         let value = parts.try_fold(first, |value, part| value.get(part))?;
         value.clone().try_into().ok()
     }

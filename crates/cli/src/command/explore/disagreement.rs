@@ -1,16 +1,17 @@
 //! `corroborate explore --disagreement`: where formal model and bench part.
 
 use crate::args::Format;
-use crate::command::{Done, Setting, json};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, write_whole};
-use crate::study::Study;
-use crate::technique::asset;
-use crate::technique::exploration::{
+use crate::command::{Done, Host, json};
+use corroborate::outcome::Outcome;
+use corroborate::technique::asset;
+use corroborate::technique::exploration::{
     Disagreement, Episodes, Journal, Known, OpenBench, Plan, disagreement_text,
 };
+use diagnostic::Problem;
 use evidence::{DisagreementMap, SearchEnd};
+use host::files::write_whole;
 use std::path::{Path, PathBuf};
+use study::Study;
 
 /// The file of the map, in the folder of an exploration.
 const DISAGREEMENT: &str = "disagreement.json";
@@ -27,12 +28,17 @@ pub struct Search<'a> {
 
 impl Search<'_> {
     /// Searches, and writes what was found.
-    pub fn done(&self, format: Format, setting: &Setting) -> Result<Done, Problem> {
-        let journal = Journal::open(&self.folder.join(JOURNAL), &self.looked_at_by()?)?;
+    pub fn done(&self, format: Format, setting: &Host) -> Result<Done, Problem> {
+        let journal = Journal::open(
+            &self.folder.join(JOURNAL),
+            &self.looked_at_by(&setting.build)?,
+        )?;
         let report = self.map(Episodes::Journal(&journal), setting)?;
         let path = self.folder.join(DISAGREEMENT);
         write_whole(&path, json(&report)?.as_bytes())?;
-        setting.talk.say(&format!("{} is written", path.display()));
+        setting
+            .events
+            .say(&format!("{} is written", path.display()));
         Ok(Done {
             output: match format {
                 Format::Json => json(&report)?,
@@ -44,21 +50,21 @@ impl Search<'_> {
 }
 
 impl Search<'_> {
-    fn map(&self, episodes: Episodes<'_>, setting: &Setting) -> Result<DisagreementMap, Problem> {
+    fn map(&self, episodes: Episodes<'_>, setting: &Host) -> Result<DisagreementMap, Problem> {
         let search = Disagreement::new(
             self.study,
             self.plan,
             self.bench,
             super::assets_of(self.study, self.plan, true)?,
-            &setting.interrupt,
+            &setting.cancel,
         )?;
         let title = "looking for disagreement";
-        let stage = setting.talk.begin(title, search.episodes());
+        let stage = setting.events.begin(title, search.episodes());
         search.run(self.plan, episodes, &stage)
     }
 
-    fn looked_at_by(&self) -> Result<String, Problem> {
-        Ok(super::inputs_of_all(self.study, self.plan, self.bench)?.hash())
+    fn looked_at_by(&self, build: &host::BuildId) -> Result<String, Problem> {
+        Ok(super::inputs_of_all(self.study, self.plan, self.bench, build)?.hash())
     }
 }
 
@@ -74,7 +80,7 @@ pub fn map_again(
     map: &DisagreementMap,
     results: &Path,
     runs: bool,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Option<DisagreementMap>, Problem> {
     let mut study = Study::load(&study.folder)?;
     study.about.seed = map.seed;
@@ -94,7 +100,7 @@ pub fn map_again(
     if runs {
         return search.map(Episodes::Anew, setting).map(Some);
     }
-    match Known::of(&folder.join(JOURNAL), &search.looked_at_by()?) {
+    match Known::of(&folder.join(JOURNAL), &search.looked_at_by(&setting.build)?) {
         Some(known) => search.map(Episodes::Known(&known), setting).map(Some),
         None => Ok(None),
     }

@@ -1,14 +1,14 @@
 //! What an exploration left beside a study's results, and whether its scenarios still show what they did.
 
 use super::{EXPLORATION, shown_again};
-use crate::command::Setting;
-use crate::problem::Problem;
-use crate::study::{Finding, Study};
-use crate::technique::asset;
-use crate::technique::exploration::OpenBench;
+use corroborate::technique::asset;
+use corroborate::technique::exploration::OpenBench;
+use diagnostic::Problem;
 use evidence::Exploration;
+use host::Host;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use study::{Finding, Study};
 
 /// The folder of an exploration beside these results.
 fn folder(results: &Path) -> PathBuf {
@@ -39,7 +39,7 @@ pub fn findings_again(
     study: &Study,
     found: &Exploration,
     results: &Path,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<(u64, Vec<String>), Problem> {
     let folder = folder(results);
     let causes = |finding: &evidence::Discovery| -> Vec<String> {
@@ -62,7 +62,7 @@ pub fn findings_again(
             );
         }
         let again = match benches.get(&key) {
-            Some(bench) => shown_again(study, bench, &finding, &mut judges, &setting.interrupt)?,
+            Some(bench) => shown_again(study, bench, &finding, &mut judges, &setting.cancel)?,
             None => None,
         };
         if again.is_none() {

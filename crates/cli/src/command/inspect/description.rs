@@ -3,8 +3,8 @@
 
 use crate::args::{Format, Inspect};
 use crate::command::{Done, json};
-use crate::outcome::Outcome;
-use crate::problem::{Problem, Source};
+use corroborate::outcome::Outcome;
+use diagnostic::{Problem, Source};
 use robot_model::{Gap, JointKind, Loaded, Model, Role};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -89,7 +89,7 @@ pub fn inspect(arguments: &Inspect) -> Result<Done, Problem> {
         let message = format!("{} has no topics to draft a map of", path.display());
         return Err(Problem::new("bad-description", message).remedy("leave out --draft-map"));
     }
-    let source = Source::read(path)?;
+    let source = host::files::read_source(path)?;
     let name = path.display().to_string();
     let mut resolve = |address: &str| resolved(path, &arguments.packages, address);
     let loaded = robot_model::parse(&name, &source.text, &mut resolve)

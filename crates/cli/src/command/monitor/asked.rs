@@ -1,14 +1,14 @@
 //! What is judged: the requirements of a study, or formulas without one.
 
-use crate::args::{EndingChoice, Monitor};
-use crate::problem::{Problem, Source};
-use crate::study::{FormulaRule, JudgingForm, Rule, Study, Vocabulary};
-use crate::technique::judging::Judges;
-use crate::technique::recording::ReadingRules;
+use crate::args::{EndingChoice, Monitor, TimeChoice};
+use diagnostic::{Problem, Source};
 use evidence::Subject;
+use judging::Judges;
+use judging::recording::ReadingRules;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use study::{FormulaRule, JudgingForm, Rule, Study, Vocabulary};
 use temporal::formula::{Ending, FormulaMonitor, TimeModel};
 
 /// What a call asks.
@@ -97,7 +97,10 @@ impl<'a> Asked<'a> {
             What::Study(study) => ReadingRules::of_study(&study.folder, map)?,
             What::Formulas { .. } => ReadingRules::of_map(map)?,
         };
-        Ok(rules.with_call(arguments.time, &arguments.opening))
+        Ok(rules.with_call(
+            arguments.time.map(TimeChoice::source),
+            arguments.opening.options(),
+        ))
     }
 
     /// What a requirement says, in words or as a formula.

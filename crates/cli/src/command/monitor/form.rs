@@ -1,10 +1,8 @@
 //! What `monitor --format json` prints.
 
 use super::asked::Asked;
-use crate::technique::judging::{
-    Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name,
-};
-use crate::technique::recording::JudgedRecording;
+use judging::recording::JudgedRecording;
+use judging::{Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;

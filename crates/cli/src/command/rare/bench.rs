@@ -1,13 +1,14 @@
 //! The worlds of a study, ready for campaigns over their stimuli.
 
 use super::file::{CODE, RareText};
-use crate::problem::{Problem, Source};
-use crate::store::{Inputs, program_hash};
-use crate::study::Study;
-use crate::technique::bench::SceneCampaign;
-use crate::technique::simulation::{load_engine, scenario_problem};
+use corroborate::technique::simulation::{load_engine, scenario_problem, scenario_source};
+use diagnostic::{Problem, Source};
+use host::BuildId;
+use host::store::Inputs;
+use rig::SceneCampaign;
 use std::path::Path;
 use stimulus::{Space, Stimulus};
+use study::Study;
 use testbench::{HandoverBench, SimError};
 
 /// The bench of a file of rare events.
@@ -28,8 +29,9 @@ impl World {
     ) -> Result<Self, Problem> {
         match (&text.scenario, &text.parameters, &text.scene) {
             (Some(scenario), Some(parameters), None) => {
-                let scenario = Source::read(&study.folder.join(scenario))?;
-                let parameters = Source::read(&study.folder.join(parameters))?;
+                // An estimate is a figure: it is of the full physics, however long that takes.
+                let scenario = scenario_source(&study.folder.join(scenario))?;
+                let parameters = host::files::read_source(&study.folder.join(parameters))?;
                 let bench = TestBench::new(&scenario, &parameters, &text.test, library)?;
                 Ok(Self::Handover(Box::new(bench)))
             }
@@ -57,14 +59,14 @@ impl World {
     }
 
     /// What every episode depends on, besides its seed and its settings.
-    pub fn inputs(&self, inputs: &mut Inputs) -> Result<(), Problem> {
+    pub fn inputs(&self, inputs: &mut Inputs, build: &BuildId) -> Result<(), Problem> {
         match self {
-            Self::Handover(bench) => bench.inputs(inputs),
+            Self::Handover(bench) => bench.inputs(inputs, build),
             Self::Scene(scene, engine) => {
                 scene.inputs(inputs);
                 inputs
                     .add("engine", engine.as_bytes())
-                    .add("program", program_hash()?.as_bytes());
+                    .add("program", build.as_str().as_bytes());
                 Ok(())
             }
         }
@@ -90,6 +92,17 @@ pub struct TestBench {
 }
 
 impl TestBench {
+    /// The same bench in the fast physics, if there is one: for searching.
+    pub fn in_fast_physics(&self) -> Option<Self> {
+        Some(Self {
+            bench: self.bench.in_fast_physics()?,
+            test: self.test.clone(),
+            engine: format!("{}, fast physics", self.engine),
+            scenario_text: self.scenario_text.clone(),
+            parameters_text: self.parameters_text.clone(),
+        })
+    }
+
     /// Loads the engine and checks scenario and parameters.
     pub fn new(
         scenario: &Source,
@@ -116,12 +129,12 @@ impl TestBench {
     }
 
     /// What every episode depends on, besides its seed and its settings.
-    pub fn inputs(&self, inputs: &mut Inputs) -> Result<(), Problem> {
+    pub fn inputs(&self, inputs: &mut Inputs, build: &BuildId) -> Result<(), Problem> {
         inputs
             .add("scenario", self.scenario_text.as_bytes())
             .add("parameters", self.parameters_text.as_bytes())
             .add("engine", self.engine.as_bytes())
-            .add("program", program_hash()?.as_bytes())
+            .add("program", build.as_str().as_bytes())
             .add("test", self.test.test.name.as_bytes());
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The file of rare events.
 
-use crate::problem::{Problem, Source};
+use diagnostic::{Problem, Source};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -10,11 +11,12 @@ use stimulus::{Parameter, Space};
 pub const CODE: &str = "bad-rare-event";
 
 /// The whole file.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RareText {
     /// Scenario and parameters, relative to the study; or
     pub scenario: Option<PathBuf>,
+    /// The handover's parameter set, with `scenario`.
     pub parameters: Option<PathBuf>,
     /// a scene.
     pub scene: Option<PathBuf>,
@@ -29,10 +31,12 @@ pub struct RareText {
 }
 
 /// One event.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EventText {
+    /// What it is called.
     pub name: String,
+    /// What happens, in words.
     pub meaning: String,
     /// A quantity whose greatest value is the score.
     pub greatest: Option<String>,
@@ -81,7 +85,7 @@ impl RareText {
     /// Reads and checks the file.
     pub fn read(source: &Source) -> Result<Self, Problem> {
         let text: Self = toml::from_str(&source.text).map_err(|error| {
-            let mut problem = Problem::from_toml(source, &error);
+            let mut problem = study::placed::from_toml(source, &error);
             problem.code = CODE;
             problem.remedy("`corroborate explain bad-rare-event` says what the file holds")
         })?;

@@ -1,6 +1,6 @@
 //! What is found of rare events, as JSON and as text.
 
-use crate::technique::campaign::failures_in_words;
+use corroborate::technique::campaign::failures_in_words;
 use evidence::{EpisodeFailures, FailureKind};
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -3,11 +3,11 @@
 use super::bench::{simulation_problem, stimulus_at};
 use super::file::EventText;
 use super::score::{Follower, Following, Score};
-use crate::command::Setting;
-use crate::problem::Problem;
-use crate::technique::campaign::{ended, failure_of};
 use campaign::splitting::{Branch, Candidate, Crossing, Job};
+use corroborate::technique::campaign::{ended, failure_of};
+use diagnostic::Problem;
 use evidence::FailureKind;
+use host::Host;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ pub struct Runs<'a, B> {
     pub test: &'a Stimulus,
     pub score: &'a Score<'a>,
     pub event: &'a EventText,
-    pub setting: &'a Setting,
+    pub setting: &'a Host,
     /// What ended runs, since it was last taken.
     pub ended: Mutex<RunsEnded>,
 }
@@ -99,7 +99,7 @@ impl<'a, B: Savable> Runs<'a, B> {
         let (mut run, mut follower) = match &job.from {
             None => {
                 let run = match bench.start(self.test, job.seed) {
-                    Err(error) if !self.setting.interrupt.is_set() => {
+                    Err(error) if !self.setting.cancel.is_cancelled() => {
                         let failure = failure_of(&error).ok_or_else(|| fail(error))?;
                         self.count(Some(failure.kind));
                         return Ok(branch);
@@ -119,7 +119,7 @@ impl<'a, B: Savable> Runs<'a, B> {
             self.setting.go_on()?;
             let next_secs = (bench.now_secs(&run) + LOOK_SECS).min(self.event.until_secs);
             let mut watch = self.following(&mut follower);
-            let cancel = self.setting.interrupt.cancel();
+            let cancel = &self.setting.cancel;
             let status = bench.advance(&mut run, next_secs, &mut watch, cancel);
             if let Err(error) = &status {
                 failed = failure_of(error).map(|failure| failure.kind);
@@ -128,7 +128,7 @@ impl<'a, B: Savable> Runs<'a, B> {
                 return Err(problem);
             }
             let status = match status {
-                Err(_) if failed.is_some() && !self.setting.interrupt.is_set() => break,
+                Err(_) if failed.is_some() && !self.setting.cancel.is_cancelled() => break,
                 status => status.map_err(fail)?,
             };
             let reached = self.score.rung(follower.highest);
@@ -166,7 +166,7 @@ impl<'a, B: Savable> Runs<'a, B> {
     fn problem(&self, error: SimError, seed: u64) -> Problem {
         match error {
             // A controller that ended with us did not fail.
-            SimError::Controller(_) if self.setting.interrupt.is_set() => Problem::interrupted(),
+            SimError::Controller(_) if self.setting.cancel.is_cancelled() => Problem::interrupted(),
             other => simulation_problem(other, seed),
         }
     }
@@ -214,7 +214,7 @@ impl<'a, B: Savable> Runs<'a, B> {
         let stimulus = stimulus_at(self.test, space, unit)?;
         let mut follower = self.score.start()?;
         let mut watch = self.following(&mut follower);
-        let cancel = self.setting.interrupt.cancel();
+        let cancel = &self.setting.cancel;
         let run = self.bench.run(&stimulus, seed, &mut watch, cancel);
         if let Some(problem) = watch.problem {
             return Err(problem);

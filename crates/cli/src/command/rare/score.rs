@@ -7,9 +7,9 @@
 //! falls. The event is a score of at least the limit.
 
 use super::file::{EventText, quoted};
-use crate::problem::{Problem, Source, did_you_mean};
-use crate::study::Study;
-use crate::technique::judging::{SpaceTime, SpaceTimeSession};
+use diagnostic::{Problem, Source, did_you_mean};
+use judging::{SpaceTime, SpaceTimeSession};
+use study::Study;
 use testbench::{Control, Watch};
 use trace::{BoundPredicate, BoundQuantity, SignalIndex, Snapshot, Trace};
 

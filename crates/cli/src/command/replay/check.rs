@@ -1,20 +1,21 @@
 //! All regressions run again: which no longer show what they did.
 
 use super::episode::{Episode, finding_file, hash_of_trace, no_finding};
-use super::{Setting, json};
+use super::{Host, json};
 use crate::args::{Format, Replay};
 use crate::command::Done;
-use crate::outcome::Outcome;
-use crate::problem::Problem;
-use crate::study::{BenchFiles, Finding, Shows, Study};
-use crate::talk::Stage;
-use crate::technique::exploration::{OpenBench, ShowsJudge, command_of};
-use crate::technique::simulation::load_engine;
+use crate::shown_problem::rendered;
+use corroborate::outcome::Outcome;
+use corroborate::technique::exploration::{OpenBench, ShowsJudge, command_of};
+use corroborate::technique::simulation::load_engine;
+use diagnostic::Problem;
+use host::Stage;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use study::{BenchFiles, Finding, Shows, Study};
 
 /// What `replay --check --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -42,7 +43,7 @@ pub struct RegressionReport {
 }
 
 /// Runs regressions again.
-pub fn check(study: &Study, arguments: &Replay, setting: &Setting) -> Result<Done, Problem> {
+pub fn check(study: &Study, arguments: &Replay, setting: &Host) -> Result<Done, Problem> {
     let files = files(study, &arguments.what)?;
     let findings: Vec<Result<Finding, Problem>> =
         files.iter().map(|file| Finding::read(file)).collect();
@@ -52,7 +53,7 @@ pub fn check(study: &Study, arguments: &Replay, setting: &Setting) -> Result<Don
         load_engine(setting.physics_library.as_deref())?;
     }
     let prepared = Prepared::new(study, &findings, setting);
-    let stage = setting.talk.begin("regressions", files.len() as u64);
+    let stage = setting.events.begin("regressions", files.len() as u64);
     let pairs: Vec<(&PathBuf, &Result<Finding, Problem>)> = files.iter().zip(&findings).collect();
     let regressions: Vec<RegressionReport> = pairs
         .into_par_iter()
@@ -115,11 +116,11 @@ fn none_there(folder: &Path) -> Problem {
 struct Prepared<'a> {
     benches: BTreeMap<String, Result<OpenBench, Problem>>,
     judges: BTreeMap<Shows, Result<ShowsJudge<'a>, Problem>>,
-    setting: &'a Setting,
+    setting: &'a Host,
 }
 
 impl<'a> Prepared<'a> {
-    fn new(study: &'a Study, findings: &[Result<Finding, Problem>], setting: &'a Setting) -> Self {
+    fn new(study: &'a Study, findings: &[Result<Finding, Problem>], setting: &'a Host) -> Self {
         let library = setting.physics_library.as_deref();
         let (mut benches, mut judges) = (BTreeMap::new(), BTreeMap::new());
         for finding in findings.iter().flatten() {
@@ -130,7 +131,7 @@ impl<'a> Prepared<'a> {
             let shows = &finding.shows;
             judges
                 .entry(shows.clone())
-                .or_insert_with(|| ShowsJudge::new(study, shows, &setting.interrupt));
+                .or_insert_with(|| ShowsJudge::new(study, shows, &setting.cancel));
         }
         Self {
             benches,
@@ -158,7 +159,7 @@ impl<'a> Prepared<'a> {
             .and_then(|it| self.run(it, file))
         {
             Ok((shown, same_bytes)) => (report.shown, report.same_bytes) = (shown, same_bytes),
-            Err(problem) => report.error = Some(problem.render(false)),
+            Err(problem) => report.error = Some(rendered(&problem, false)),
         }
         stage.advance();
         report
@@ -174,7 +175,7 @@ impl<'a> Prepared<'a> {
         let judge = judge.as_ref().map_err(Clone::clone)?;
         let episode = Episode::of_finding(finding.clone(), file);
         let recorded = episode
-            .run(bench, None, &self.setting.interrupt)
+            .run(bench, None, &self.setting.cancel)
             .map_err(|error| super::episode::failed(&error))?;
         let shown = judge.shows(&recorded)?;
         let same = match &finding.recording {

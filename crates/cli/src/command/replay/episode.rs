@@ -1,13 +1,13 @@
 //! An episode that is run again.
 
-use crate::problem::Problem;
-use crate::store::hash_of;
-use crate::study::{BenchFiles, Entry, Finding, Shows, Study, Work};
-use crate::talk::Interrupt;
-use crate::technique::exploration::OpenBench;
-use crate::technique::simulation::{Seeds, episode_name};
+use corroborate::technique::exploration::OpenBench;
+use corroborate::technique::simulation::{Seeds, episode_name};
+use diagnostic::Problem;
+use host::Cancel;
+use host::store::hash_of;
 use std::path::{Path, PathBuf};
 use stimulus::{AbstractTest, Stimulus};
+use study::{BenchFiles, Entry, Finding, Shows, Study, Work};
 use testbench::{Control, Recorded, SimError, ViewKeeper, Viewer, Watch};
 
 /// An episode that can be run again.
@@ -111,7 +111,7 @@ impl Episode {
         &self,
         bench: &OpenBench,
         keeper: Option<&mut ViewKeeper>,
-        interrupt: &Interrupt,
+        interrupt: &Cancel,
     ) -> Result<Recorded, SimError> {
         let mut watch = Until {
             until_secs: self.bench.until_secs.map_or(f64::INFINITY, f64::from),

@@ -1,7 +1,7 @@
 //! What was seen of an episode, for the page and for Foxglove.
 
 use super::shown::nanos;
-use crate::problem::Problem;
+use diagnostic::Problem;
 use recording::{SceneFile, SceneForm, ScenePose, SceneShape};
 use report::replay::{Form, Role, Scene, Shape};
 use testbench::geometry::Pose;

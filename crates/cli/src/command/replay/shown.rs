@@ -1,13 +1,13 @@
 //! What is shown of an episode: verdicts with their reasons, moments, signals.
 
-use crate::problem::Problem;
-use crate::study::{Shows, Study};
-use crate::technique::exploration::Plan;
-use crate::technique::judging::{Judgement, Judges, Shown, verdict_name};
+use corroborate::technique::exploration::Plan;
+use diagnostic::Problem;
 use evidence::Subject;
+use judging::{Judgement, Judges, Shown, verdict_name};
 use report::replay::{Mark, Signal, SignalKind, Tone, Verdict as ShownVerdict};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use study::{Shows, Study};
 use temporal::monitor::Verdict;
 use trace::{FieldKind, Trace};
 

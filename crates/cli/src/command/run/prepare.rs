@@ -1,18 +1,18 @@
 //! What each entry of a ledger needs, read, compiled and checked before anything runs.
 
-use crate::command::Setting;
-use crate::corroboration::{Piece, is_rounding};
-use crate::problem::{Problem, did_you_mean};
-use crate::study::{Calibrated, Entry, Study, Work, quoted_names};
-use crate::technique;
-use crate::technique::campaign::{OutsideCommand, Until};
-use crate::technique::experiment::Tables;
-use crate::technique::model_checking::{Compiled, CountedConstant};
-use crate::technique::operation::Recordings;
-use crate::technique::simulation::Campaign;
+use corroborate::corroboration::{Piece, is_rounding};
+use corroborate::technique;
+use corroborate::technique::campaign::{OutsideCommand, Until};
+use corroborate::technique::experiment::Tables;
+use corroborate::technique::model_checking::{Compiled, CountedConstant};
+use corroborate::technique::operation::Recordings;
+use corroborate::technique::simulation::Campaign;
+use diagnostic::{Problem, did_you_mean};
 use evidence::{AssetRole, Measure};
+use host::Host;
 use std::collections::BTreeMap;
 use std::path::Path;
+use study::{Calibrated, Entry, Study, Work, quoted_names};
 
 /// What an entry needs, read and checked before anything runs.
 pub(super) enum Prepared<'a> {
@@ -26,10 +26,7 @@ pub(super) enum Prepared<'a> {
     Judge(Recordings),
 }
 
-pub(super) fn prepare<'a>(
-    study: &'a Study,
-    setting: &Setting,
-) -> Result<Vec<Prepared<'a>>, Problem> {
+pub(super) fn prepare<'a>(study: &'a Study, setting: &Host) -> Result<Vec<Prepared<'a>>, Problem> {
     let prepared = study
         .ledger
         .iter()
@@ -37,7 +34,7 @@ pub(super) fn prepare<'a>(
             Work::Check { model, .. } => {
                 let compiled = Compiled::new(study, model)?;
                 check_constants(study, entry, &compiled)?;
-                compiled.warn(&|line| setting.talk.say(line));
+                compiled.warn(&|line| setting.events.say(line));
                 Ok(Prepared::Check(Box::new(compiled)))
             }
             Work::Simulate {
@@ -73,7 +70,7 @@ pub(super) fn prepare<'a>(
             }
         })
         .collect::<Result<Vec<_>, Problem>>()?;
-    technique::judging::Judges::new(study, |_| true)?;
+    judging::Judges::new(study, |_| true)?;
     every_proposition_is_expressed_somewhere(study, &prepared, setting)?;
     Ok(prepared)
 }
@@ -132,7 +129,7 @@ fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<
 fn every_proposition_is_expressed_somewhere(
     study: &Study,
     prepared: &[Prepared],
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<(), Problem> {
     let models: Vec<&Compiled> = prepared
         .iter()
@@ -151,7 +148,7 @@ fn every_proposition_is_expressed_somewhere(
         let reason = first.not_expressed.get(name.as_str());
         let reason = reason.map_or("it cannot be evaluated", String::as_str);
         if is_a_failure(study, name) {
-            setting.talk.say(&format!(
+            setting.events.say(&format!(
                 "no model of the study knows `{name}`: {reason} (`corroborate refine` may offer it)"
             ));
             continue;

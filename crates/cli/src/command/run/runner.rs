@@ -6,21 +6,23 @@ use crate::args::Format;
 use crate::command::calibrate::kept_calibration;
 use crate::command::diagnose::DIAGNOSIS;
 use crate::command::explore::{kept_exploration, kept_map};
-use crate::command::{Done, Setting, json};
-use crate::corroboration::{self, Piece};
-use crate::forms::differences;
-use crate::problem::Problem;
-use crate::store::{Inputs, Store};
-use crate::study::{Entry, Study, Work};
-use crate::technique::campaign::{self, Until};
-use crate::technique::matrix::inputs_of;
-use crate::technique::model_checking::CountedConstant;
-use crate::technique::operation::{Recordings, verdicts_name};
-use crate::technique::simulation::Seeds;
-use crate::technique::verdicts::RunVerdicts;
-use crate::technique::{self, Produced};
+use crate::command::{Done, Host, json};
+use corroborate::corroboration::{self, Piece};
+use corroborate::technique::Produced;
+use corroborate::technique::campaign::{self, Until};
+use corroborate::technique::matrix::inputs_of;
+use corroborate::technique::model_checking::{
+    CountedConstant, worst_case_tests, worst_cases_in_lines,
+};
+use corroborate::technique::operation::{Recordings, verdicts_name};
+use corroborate::technique::simulation::Seeds;
+use diagnostic::Problem;
 use evidence::StudyResult;
+use host::store::{Inputs, Store};
+use judging::forms::differences;
+use judging::verdicts::RunVerdicts;
 use std::collections::BTreeMap;
+use study::{Entry, Study, Work};
 
 /// The file that keeps the result of comparing, with the hash of what it was
 /// compared from.
@@ -29,7 +31,7 @@ pub const STUDY: &str = "comparison.json";
 pub(super) struct Runner<'a> {
     pub(super) study: &'a Study,
     pub(super) store: &'a Store,
-    pub(super) setting: &'a Setting,
+    pub(super) setting: &'a Host,
     pub(super) program: String,
     /// What each entry rests on.
     pub(super) assets: BTreeMap<&'a str, Vec<evidence::Asset>>,
@@ -60,7 +62,7 @@ impl Runner<'_> {
         let Some((id, problem)) = missing else {
             return Ok(pieces);
         };
-        self.setting.talk.say(&format!(
+        self.setting.events.say(&format!(
             "{id} could not be produced, so nothing is compared"
         ));
         Err(problem)
@@ -71,7 +73,7 @@ impl Runner<'_> {
         let inputs = self.study_inputs(&pieces);
         if let Some(result) = self.store.fresh::<StudyResult>(STUDY, &inputs) {
             self.setting
-                .talk
+                .events
                 .say("nothing has changed since the last run");
             return Ok(result);
         }
@@ -102,8 +104,8 @@ impl Runner<'_> {
                 &entry.id,
                 methods,
                 &counted,
-                &self.setting.interrupt,
-                &|title, total| self.setting.talk.begin(title, total),
+                &self.setting.cancel,
+                &|title, total| self.setting.events.begin(title, total),
             )?,
             (
                 Prepared::Simulate(campaign),
@@ -120,9 +122,10 @@ impl Runner<'_> {
             }
             _ => {
                 return Err(Problem::new(
-                    "bad-ledger",
+                    "prepared-otherwise",
                     format!("the entry `{}` was prepared for other work", entry.id),
-                ));
+                )
+                .remedy("this is a bug of the program: please report it with the ledger"));
             }
         };
         self.store.keep(&name, &inputs, &produced)?;
@@ -140,7 +143,7 @@ impl Runner<'_> {
             .store
             .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
         let title = format!("{}: episodes", entry.id);
-        let stage = self.setting.talk.begin(&title, episodes);
+        let stage = self.setting.events.begin(&title, episodes);
         let plan = campaign::Campaigning {
             study: self.study,
             id: &entry.id,
@@ -153,7 +156,7 @@ impl Runner<'_> {
             until: self.untils.get(entry.id.as_str()),
             folder: &folder,
             judged_by: campaign::judged_by(self.study, source, &self.program),
-            interrupt: &self.setting.interrupt,
+            interrupt: &self.setting.cancel,
             stage: &stage,
         };
         plan.produce()
@@ -166,9 +169,9 @@ impl Runner<'_> {
         recordings: &Recordings,
         inputs: &str,
     ) -> Result<Produced, Problem> {
-        let talk = &self.setting.talk;
+        let talk = &self.setting.events;
         let stage = talk.begin(&format!("{}: recordings", entry.id), recordings.count());
-        let interrupt = &self.setting.interrupt;
+        let interrupt = &self.setting.cancel;
         let say = |line: &str| talk.say(line);
         let (produced, main) =
             recordings.produce(self.study, &entry.id, interrupt, &stage, &say)?;
@@ -212,7 +215,7 @@ impl Runner<'_> {
                 campaign.inputs(&mut inputs);
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 inputs.add_json("episodes", episodes);
-                technique::judging::inputs_of(self.study, &mut inputs);
+                judging::inputs_of(self.study, &mut inputs);
                 entry.sampling.inputs(&mut inputs);
             }
             (Prepared::Command(command), Work::Command { episodes, .. }) => {
@@ -220,13 +223,13 @@ impl Runner<'_> {
                 command.reading_inputs(&mut inputs);
                 inputs.add("seed", &self.study.about.seed.to_le_bytes());
                 inputs.add_json("episodes", episodes);
-                technique::judging::inputs_of(self.study, &mut inputs);
+                judging::inputs_of(self.study, &mut inputs);
                 entry.sampling.inputs(&mut inputs);
             }
             (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
             (Prepared::Judge(recordings), Work::Judge { .. }) => {
                 recordings.inputs(self.study, &mut inputs)?;
-                technique::judging::inputs_of(self.study, &mut inputs);
+                judging::inputs_of(self.study, &mut inputs);
             }
             _ => {}
         }
@@ -263,27 +266,33 @@ impl Runner<'_> {
         }
         let (id, title, headline) = (&entry.id, &entry.title, &piece.headline);
         self.setting
-            .talk
+            .events
             .say(&format!("{id:<13} {title}: {headline} ({how})"));
         for failure in &piece.evidence.failures {
             if let evidence::Measure::Counts { count, trials, .. } = failure.measure {
                 let (kind, first) = (failure.kind, failure.witnesses.first());
                 let first = first.map_or(String::new(), |name| format!(", first in {name}"));
-                self.setting.talk.say(&format!(
+                self.setting.events.say(&format!(
                     "{id:<13} {kind} in {count} of {trials} episodes{first}"
                 ));
             }
         }
+        for (file, test) in worst_case_tests(&piece.evidence.findings) {
+            self.store.write(file, test.as_bytes())?;
+        }
+        for line in worst_cases_in_lines(id, &piece.evidence.findings) {
+            self.setting.events.say(&line);
+        }
         let gaps = &piece.evidence.description_gaps;
         if !gaps.is_empty() {
             let counts = evidence::DescriptionGap::in_short(gaps);
-            self.setting.talk.say(&format!(
+            self.setting.events.say(&format!(
                 "{id:<13} not simulated as described: {counts} (listed in the report)"
             ));
         }
         let differing = &piece.evidence.form_differences;
         if !differing.is_empty() {
-            self.setting.talk.say(&differences::in_words(differing));
+            self.setting.events.say(&differences::in_words(differing));
         }
         Ok(piece)
     }
@@ -331,7 +340,7 @@ impl Runner<'_> {
     fn kept<T>(&self, what: &str, kept: Result<Option<T>, Problem>) -> Option<T> {
         kept.unwrap_or_else(|problem| {
             let reason = format!("the {what} is left out: {problem}");
-            self.setting.talk.say(&reason);
+            self.setting.events.say(&reason);
             None
         })
     }

@@ -5,11 +5,11 @@
 //! setting of the same value, and counts as nominal only where it has its nominal value: what the
 //! exploration declares, or the middle of what it is drawn from.
 
-use crate::problem::Problem;
-use crate::study::Finding;
-use crate::technique::exploration::OpenBench;
 use campaign::ShrinkOptions;
+use corroborate::technique::exploration::OpenBench;
+use diagnostic::Problem;
 use stimulus::{Setting, Settings, Stimulus};
+use study::Finding;
 
 /// What is set instead of drawn.
 #[derive(Debug)]

@@ -2,13 +2,13 @@
 
 use super::trials::Shrunken;
 use crate::args::Shrink;
-use crate::study::Finding;
 use campaign::{ShrinkOptions, Size};
 use evidence::CauseSetting;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use stimulus::{Distribution, Stimulus};
+use study::Finding;
 
 /// What `shrink --format json` prints.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -21,6 +21,8 @@ pub struct ShrinkReport {
     pub file: String,
     /// Episodes that were run.
     pub episodes: u64,
+    /// Those of them in the fast physics, which proposes smaller scenarios; all else is of the full physics.
+    pub fast_episodes: u64,
     /// Whether every single action, value and setting was tried to be left
     /// out, and every number to come nearer to its nominal value.
     pub is_minimal: bool,
@@ -88,10 +90,11 @@ impl ShrinkReport {
         let others = kept.settings.iter();
         let others = others.filter(|(key, value)| options.nominal.get(*key) != Some(*value));
         Self {
-            format: "1.1".into(),
+            format: "1.2".into(),
             shows: finding.shows.to_string(),
             file: target.display().to_string(),
             episodes: shrunk.episodes,
+            fast_episodes: shrunk.fast_episodes,
             is_minimal: shrunk.is_minimal,
             seeds: shrunk.seeds.into(),
             pinned: shrunk.pinned as u64,
@@ -106,6 +109,17 @@ impl ShrinkReport {
             before: ExtentReport::new(&finding.stimulus, options, before_secs),
             after: ExtentReport::new(kept, options, after_secs),
         }
+    }
+}
+
+/// The episodes that were run, and which of them were of the fast physics.
+fn episodes(report: &ShrinkReport) -> String {
+    match report.fast_episodes {
+        0 => format!("{} episodes", report.episodes),
+        fast => format!(
+            "{} episodes, {fast} of them in the fast physics, whose proposals the full physics has to show",
+            report.episodes
+        ),
     }
 }
 
@@ -149,14 +163,14 @@ pub fn comment(report: &ShrinkReport, from: &str) -> String {
     };
     format!(
         "Shows: {}, {in_seeds}.\n{}\nMade of {from}: {} actions to {actions}, {} settings that are \
-         not nominal to {settings}, {:.1} s to {simulated_secs:.1} s, in {} episodes.\n{minimal}\n\
+         not nominal to {settings}, {:.1} s to {simulated_secs:.1} s, in\n{}.\n{minimal}\n\
          To look at it: corroborate replay STUDY regressions/{}",
         report.shows,
         causes(report),
         before.actions,
         before.settings,
         before.simulated_secs,
-        report.episodes,
+        episodes(report),
         file.to_string_lossy()
     )
 }
@@ -205,8 +219,10 @@ pub fn as_text(report: &ShrinkReport, arguments: &Shrink, regression: &Finding) 
     });
     let study = arguments.study.display();
     text + &format!(
-        "{} episodes; kept in {}\nNext: corroborate replay {study} {}\n",
-        report.episodes, report.file, report.file
+        "{}; kept in {}\nNext: corroborate replay {study} {}\n",
+        episodes(report),
+        report.file,
+        report.file
     )
 }
 
@@ -237,10 +253,11 @@ mod tests {
             nominal: Some("0.6".into()),
         };
         let mut report = ShrinkReport {
-            format: "1.1".into(),
+            format: "1.2".into(),
             shows: "it".into(),
             file: "f.toml".into(),
             episodes: 1,
+            fast_episodes: 0,
             is_minimal: true,
             seeds: [1, 1],
             pinned: 3,

@@ -2,15 +2,15 @@
 
 use super::no_finding;
 use crate::args::Shrink;
-use crate::command::Setting;
 use crate::command::replay::episode::{Episode, failed, finding_file};
-use crate::problem::Problem;
-use crate::study::{Finding, Shows, Study};
-use crate::technique::campaign::kind_of;
-use crate::technique::exploration::OpenBench;
-use crate::technique::judging::Judges;
+use corroborate::technique::campaign::kind_of;
+use corroborate::technique::exploration::OpenBench;
+use diagnostic::Problem;
 use evidence::{FailureKind, Subject as Judged};
+use host::Host;
+use judging::Judges;
 use std::path::Path;
+use study::{Finding, Shows, Study};
 use temporal::monitor::Verdict;
 use testbench::Recorded;
 
@@ -28,7 +28,7 @@ pub struct Subject {
 
 impl Subject {
     /// What a call names.
-    pub fn of(study: &Study, arguments: &Shrink, setting: &Setting) -> Result<Self, Problem> {
+    pub fn of(study: &Study, arguments: &Shrink, setting: &Host) -> Result<Self, Problem> {
         let library = setting.physics_library.as_deref();
         let text = arguments.finding.to_string_lossy();
         let only = arguments.only.as_deref();
@@ -103,10 +103,10 @@ fn only_thing_shown(
     study: &Study,
     episode: &Episode,
     bench: &OpenBench,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<Shows, Problem> {
     let recorded = episode
-        .run(bench, None, &setting.interrupt)
+        .run(bench, None, &setting.cancel)
         .map_err(|error| failed(&error))?;
     let mut all = all_shown(study, &recorded)?;
     if all.len() == 1 {

@@ -1,31 +1,40 @@
 //! Episodes that are run to see what can be left out.
+//!
+//! Where the bench has a fast physics, that proposes: the finding is shrunk in it, by at most half of the episodes, and the
+//! full physics goes on from there if it shows what is proposed, else from the finding. So the fast physics decides how
+//! soon the search ends, and nothing else: that the regression shows it, and that nothing can be left out, is of the full
+//! physics.
 
 use super::pins::Pins;
 use crate::command::replay::episode::{Episode, failed, hash_of_trace};
-use crate::problem::Problem;
-use crate::study::Finding;
-use crate::talk::{Interrupt, Stage};
-use crate::technique::exploration::{OpenBench, ShowsJudge};
-use crate::technique::simulation::Seeds;
 use campaign::ShrinkOptions;
+use corroborate::technique::exploration::{OpenBench, ShowsJudge};
+use corroborate::technique::simulation::Seeds;
+use diagnostic::Problem;
+use host::{Cancel, Stage};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use stimulus::Stimulus;
+use study::Finding;
 use testbench::{Recorded, SimError};
 
 /// Runs candidates.
 pub struct Trials<'a> {
     bench: &'a OpenBench,
+    /// That to search in, if it is another.
+    fast: Option<&'a OpenBench>,
     judge: &'a ShowsJudge<'a>,
     episode: Episode,
     seeds: (u32, u32),
     /// Episodes that may be run.
     budget: u64,
-    interrupt: &'a Interrupt,
+    interrupt: &'a Cancel,
     stage: &'a Stage,
     /// Episodes that were run.
     runs: AtomicU64,
+    /// Those of them that were run in the fast physics.
+    fast_runs: AtomicU64,
     /// An episode was wanted that the budget did not allow.
     exhausted: AtomicBool,
     /// What kept a candidate from being judged.
@@ -40,6 +49,8 @@ pub struct Shrunken {
     pub regression: Finding,
     /// Episodes that were run.
     pub episodes: u64,
+    /// Those of them in the fast physics, which only proposes.
+    pub fast_episodes: u64,
     /// Whether everything was tried to be left out.
     pub is_minimal: bool,
     /// In how many seeds it must show, and of how many.
@@ -53,16 +64,17 @@ pub struct Shrunken {
 }
 
 impl<'a> Trials<'a> {
-    /// None yet: how many episodes may be run, and in how many of how many seeds it must show.
+    /// None yet, on the bench of the full physics and that to search in, if it is another: how many episodes may be run, and in how many of how many seeds it must show.
     pub fn new(
-        bench: &'a OpenBench,
+        (bench, fast): (&'a OpenBench, Option<&'a OpenBench>),
         judge: &'a ShowsJudge<'a>,
         episode: Episode,
         (budget, seeds): (u64, (u32, u32)),
-        (interrupt, stage): (&'a Interrupt, &'a Stage),
+        (interrupt, stage): (&'a Cancel, &'a Stage),
     ) -> Self {
         Self {
             bench,
+            fast,
             judge,
             episode,
             seeds,
@@ -70,6 +82,7 @@ impl<'a> Trials<'a> {
             interrupt,
             stage,
             runs: AtomicU64::new(0),
+            fast_runs: AtomicU64::new(0),
             exhausted: AtomicBool::new(false),
             failure: Mutex::new(None),
             shown: Mutex::new(BTreeMap::new()),
@@ -99,6 +112,9 @@ impl<'a> Trials<'a> {
             regression.stimulus = pins.stimulus.clone();
             pins.into_options(options);
         }
+        if let Some(proposed) = self.proposed(&regression, options) {
+            regression.stimulus = proposed;
+        }
         let shrunk = campaign::shrink(&regression.stimulus, options, &mut |candidate| {
             self.shows(candidate, until_secs)
         });
@@ -109,7 +125,7 @@ impl<'a> Trials<'a> {
         }
         let shrunk = match shrunk {
             Ok(shrunk) => shrunk,
-            Err(_) if self.interrupt.is_set() => return Err(Problem::interrupted()),
+            Err(_) if self.interrupt.is_cancelled() => return Err(Problem::interrupted()),
             Err(_) if self.exhausted.load(Ordering::Relaxed) => {
                 let (least, all) = self.seeds;
                 let message = format!(
@@ -127,16 +143,41 @@ impl<'a> Trials<'a> {
         regression.bench.until_secs = self.shorten(&regression, first.sim_secs);
         let (hash, simulated_secs) = self.known(&regression)?;
         regression.recording = Some(hash);
-        let is_cut_off = self.interrupt.is_set() || self.exhausted.load(Ordering::Relaxed);
+        let is_cut_off = self.interrupt.is_cancelled() || self.exhausted.load(Ordering::Relaxed);
         Ok(Shrunken {
             regression,
             episodes: self.runs.load(Ordering::Relaxed),
+            fast_episodes: self.fast_runs.load(Ordering::Relaxed),
             is_minimal: shrunk.is_minimal && !is_cut_off,
             seeds: self.seeds,
             pinned,
             not_pinned,
             simulated_secs: [first.sim_secs, simulated_secs],
         })
+    }
+
+    /// What the fast physics makes of it, if the full one shows that, too.
+    fn proposed(&self, regression: &Finding, options: &ShrinkOptions) -> Option<Stimulus> {
+        let bench = self.fast?;
+        let until_secs = regression.bench.until_secs;
+        let most = self
+            .budget
+            .saturating_sub(self.runs.load(Ordering::Relaxed))
+            / 2;
+        let shrunk = campaign::shrink(&regression.stimulus, options, &mut |candidate| {
+            self.in_seeds(|seed| {
+                if self.interrupt.is_cancelled() || self.fast_runs.load(Ordering::Relaxed) >= most {
+                    return false;
+                }
+                self.fast_runs.fetch_add(1, Ordering::Relaxed);
+                let run = self.run_in(bench, candidate, seed, until_secs);
+                // What cannot be judged is told by the full physics.
+                run.is_ok_and(|recorded| self.judge.shows(&recorded).unwrap_or(false))
+            })
+        });
+        let proposed = shrunk.ok()?.stimulus;
+        let is_shown = proposed != regression.stimulus && self.shows(&proposed, until_secs);
+        is_shown.then_some(proposed)
     }
 
     /// Whether draws can be set without using up what it takes to see in how many seeds it shows.
@@ -184,7 +225,7 @@ impl<'a> Trials<'a> {
         let before = regression.bench.until_secs;
         let mut shown = before.unwrap_or_else(|| longest_secs.clamp(1.0, 1e6).ceil() as u32);
         let (mut not_shown, mut found) = (0, before);
-        while shown - not_shown > 1 && !self.interrupt.is_set() {
+        while shown - not_shown > 1 && !self.interrupt.is_cancelled() {
             let middle = not_shown + (shown - not_shown) / 2;
             match self.shows(stimulus, Some(middle)) {
                 true => (shown, found) = (middle, Some(middle)),
@@ -200,11 +241,21 @@ impl<'a> Trials<'a> {
         seed: u64,
         until_secs: Option<u32>,
     ) -> Result<Recorded, SimError> {
+        self.run_in(self.bench, stimulus, seed, until_secs)
+    }
+
+    fn run_in(
+        &self,
+        bench: &OpenBench,
+        stimulus: &Stimulus,
+        seed: u64,
+        until_secs: Option<u32>,
+    ) -> Result<Recorded, SimError> {
         let mut episode = self.episode.clone();
         episode.stimulus = stimulus.clone();
         episode.seed = seed;
         episode.bench.until_secs = until_secs;
-        let recorded = episode.run(self.bench, None, self.interrupt);
+        let recorded = episode.run(bench, None, self.interrupt);
         self.stage.advance();
         self.runs.fetch_add(1, Ordering::Relaxed);
         recorded
@@ -221,6 +272,11 @@ impl<'a> Trials<'a> {
 
     /// Whether it shows in enough seeds, the finding's own among them.
     fn shows(&self, stimulus: &Stimulus, until_secs: Option<u32>) -> bool {
+        self.in_seeds(|seed| self.shows_in(stimulus, seed, until_secs))
+    }
+
+    /// Whether it shows in enough seeds, the finding's own among them.
+    fn in_seeds(&self, shows: impl Fn(u64) -> bool) -> bool {
         let (least, all) = self.seeds;
         let more = Seeds::new(self.episode.seed, "shrink");
         let (mut shown, mut left) = (0, all);
@@ -230,7 +286,7 @@ impl<'a> Trials<'a> {
                 _ => more.of(u64::from(number)),
             };
             left -= 1;
-            let does = self.shows_in(stimulus, seed, until_secs);
+            let does = shows(seed);
             shown += u32::from(does);
             if (number == 0 && !does) || shown + left < least {
                 return false;
@@ -245,7 +301,7 @@ impl<'a> Trials<'a> {
     /// Whether it shows in one seed. What the bench refuses, or what the
     /// physics does not survive, does not show it.
     fn shows_in(&self, stimulus: &Stimulus, seed: u64, until_secs: Option<u32>) -> bool {
-        if self.interrupt.is_set() {
+        if self.interrupt.is_cancelled() {
             return false;
         }
         let is_own = seed == self.episode.seed;

@@ -1,6 +1,6 @@
 //! What `simulate` found, as JSON and as text.
 
-use crate::technique::campaign::Finished;
+use corroborate::technique::campaign::Finished;
 use evidence::{Alone, DescriptionGap, FailureKind, Subject, Verdict};
 use schemars::JsonSchema;
 use serde::Serialize;

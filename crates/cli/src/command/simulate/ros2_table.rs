@@ -12,8 +12,10 @@
 //! A field is given a signal (`/topic.field`; of another topic, its value is
 //! held), `"time"` (of the row), a number, a truth value, or `{ text = "…" }`.
 
-use crate::problem::{Problem, Source, write_whole};
+use diagnostic::{Problem, Source};
+use host::files::write_whole;
 use recording::{Ros2Source, Ros2Topic, Ros2TraceOptions, ros2_recording_of};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,20 +35,33 @@ pub struct Ros2Table {
     name: String,
 }
 
-#[derive(Deserialize)]
+/// Which signals of a simulation go into which messages of ROS 2.
+#[derive(JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableText {
+    /// The topics.
     topic: Vec<TopicText>,
 }
 
-#[derive(Deserialize)]
+/// A topic and its messages.
+#[derive(JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TopicText {
+    /// Its name.
     name: String,
+    /// The type of its messages, for example `std_msgs/msg/Bool`.
     #[serde(rename = "type")]
     type_name: String,
+    /// The simulation's topic of whose rows each becomes a message.
     rows_of: String,
+    /// What goes into each field: the name of a signal, or a value.
+    #[schemars(with = "BTreeMap<String, schemars::Schema>")]
     fields: BTreeMap<String, Spanned<toml::Value>>,
+}
+
+/// The JSON Schema of the table.
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(TableText)
 }
 
 impl Ros2Table {
@@ -60,9 +75,9 @@ impl Ros2Table {
                 ),
             );
         }
-        let source = Source::read(&path)?;
-        let table: TableText =
-            toml::from_str(&source.text).map_err(|error| Problem::from_toml(&source, &error))?;
+        let source = host::files::read_source(&path)?;
+        let table: TableText = toml::from_str(&source.text)
+            .map_err(|error| study::placed::from_toml(&source, &error))?;
         let topics: Result<Vec<Ros2Topic>, Problem> = table
             .topic
             .into_iter()

@@ -1,7 +1,7 @@
 //! Where two values or two texts differ.
 
 use super::audit::Audit;
-use crate::problem::Problem;
+use diagnostic::Problem;
 use serde::Serialize;
 use serde_json::Value;
 use std::path::Path;

@@ -3,13 +3,13 @@
 
 use super::audit::Audit;
 use super::{compare, sound};
-use crate::problem::Problem;
-use crate::study::{Entry, Study, Work};
-use crate::technique::campaign::{Intervals, anytime, recount};
-use crate::technique::experiment::Tables;
-use crate::technique::{Produced, confidence, counts};
+use corroborate::technique::campaign::{Intervals, anytime, recount};
+use corroborate::technique::experiment::Tables;
+use corroborate::technique::{Produced, confidence, counts};
+use diagnostic::Problem;
 use evidence::Measure;
 use std::path::Path;
+use study::{Entry, Study, Work};
 
 /// Holds an entry's findings against what they come from.
 pub fn check(

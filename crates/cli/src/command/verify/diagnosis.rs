@@ -2,22 +2,22 @@
 
 use super::audit::Audit;
 use super::{compare, kept};
-use crate::command::Setting;
 use crate::command::diagnose::DIAGNOSIS;
-use crate::problem::Problem;
-use crate::store::Stored;
-use crate::study::Study;
-use crate::technique::confidence;
-use crate::technique::matrix::{diagnose, inputs_of};
+use corroborate::technique::confidence;
+use corroborate::technique::matrix::{diagnose, inputs_of};
+use diagnostic::Problem;
 use evidence::{Diagnosis, Interval, StudyResult};
+use host::Host;
+use host::store::Stored;
 use std::path::Path;
+use study::Study;
 
 /// The diagnosis that the result has to have.
 pub fn again(
     (study, expected): (&Study, &StudyResult),
     claimed: &StudyResult,
     results: &Path,
-    deep: Option<&Setting>,
+    deep: Option<&Host>,
     audit: &mut Audit,
 ) -> Result<Option<Diagnosis>, Problem> {
     if claimed.diagnosis.is_none() {
@@ -48,7 +48,7 @@ pub fn again(
             );
             Ok(Some(again))
         }
-        Err(problem) if setting.interrupt.is_set() => Err(problem),
+        Err(problem) if setting.cancel.is_cancelled() => Err(problem),
         Err(problem) => {
             let why = format!("the diagnosis cannot be made again here: {problem}");
             audit.not_checked(&why);

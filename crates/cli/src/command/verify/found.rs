@@ -2,20 +2,20 @@
 //! finding shows it again.
 
 use super::audit::Audit;
-use crate::command::Setting;
 use crate::command::calibrate::kept_calibration;
 use crate::command::explore::{findings_again, kept_exploration};
-use crate::problem::Problem;
-use crate::study::Study;
+use diagnostic::Problem;
 use evidence::{CalibrationReport, Exploration, StudyResult};
+use host::Host;
 use std::path::Path;
+use study::Study;
 
 /// The exploration that the result has to have.
 pub fn again(
     study: &Study,
     claimed: &StudyResult,
     results: &Path,
-    deep: Option<&Setting>,
+    deep: Option<&Host>,
     audit: &mut Audit,
 ) -> Result<Option<Exploration>, Problem> {
     if claimed.exploration.is_none() {
@@ -39,7 +39,7 @@ pub fn again(
             let shown = run - lost.len() as u64;
             audit.checked(shown, "scenarios of findings show again what was found");
         }
-        Err(problem) if setting.interrupt.is_set() => return Err(problem),
+        Err(problem) if setting.cancel.is_cancelled() => return Err(problem),
         Err(problem) => audit.not_checked(&format!(
             "the exploration's scenarios cannot be run again here: {problem}"
         )),

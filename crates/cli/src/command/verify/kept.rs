@@ -2,23 +2,23 @@
 
 use super::audit::Audit;
 use super::{compare, counts, deep};
-use crate::command::{Setting, json};
-use crate::corroboration::{self, Piece};
-use crate::problem::Problem;
-use crate::store::{Stored, hash_of};
-use crate::study::{Entry, Study, Work};
-use crate::technique::Produced;
-use crate::technique::model_checking::Compiled;
+use crate::command::{Host, json};
+use corroborate::corroboration::{self, Piece};
+use corroborate::technique::Produced;
+use corroborate::technique::model_checking::Compiled;
+use diagnostic::Problem;
 use evidence::{Asset, StudyResult};
+use host::store::{Stored, hash_of};
 use serde::de::DeserializeOwned;
 use std::path::Path;
+use study::{Entry, Study, Work};
 
 /// The evidence of every entry of the ledger; `None` if some cannot be read.
 pub fn pieces(
     study: &Study,
     results: &Path,
     claimed: &StudyResult,
-    deep: Option<&Setting>,
+    deep: Option<&Host>,
     audit: &mut Audit,
 ) -> Result<Option<Vec<Piece>>, Problem> {
     let mut pieces: Vec<Piece> = Vec::new();

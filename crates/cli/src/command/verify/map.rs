@@ -3,19 +3,19 @@
 
 use super::audit::Audit;
 use super::compare;
-use crate::command::Setting;
 use crate::command::explore::{kept_map, map_again, map_file};
-use crate::problem::Problem;
-use crate::study::Study;
+use diagnostic::Problem;
 use evidence::{DisagreementMap, StudyResult};
+use host::Host;
 use std::path::Path;
+use study::Study;
 
 /// The map that the result has to have.
 pub fn again(
     study: &Study,
     claimed: &StudyResult,
     results: &Path,
-    (setting, is_deep): (&Setting, bool),
+    (setting, is_deep): (&Host, bool),
     audit: &mut Audit,
 ) -> Result<Option<DisagreementMap>, Problem> {
     if claimed.disagreement.is_none() {
@@ -42,7 +42,7 @@ pub fn again(
         Ok(None) => audit.not_checked(
             "the map of disagreement: there is no journal of its episodes by this program (`--deep` runs them)",
         ),
-        Err(problem) if setting.interrupt.is_set() => return Err(problem),
+        Err(problem) if setting.cancel.is_cancelled() => return Err(problem),
         Err(problem) => {
             audit.not_checked(&format!(
                 "the map of disagreement cannot be made again here: {problem}"

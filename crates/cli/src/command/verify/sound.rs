@@ -16,7 +16,7 @@
 //! No sound finding is refused. Not every wrong one is: an answer that was changed within its bounds needs `--deep`.
 
 use super::audit::Audit;
-use crate::technique::Produced;
+use corroborate::technique::Produced;
 use evidence::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Reading};
 use std::path::Path;
 
@@ -60,7 +60,7 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
             let possible = worth > 0.0 && worth <= *trials as f64 * (1.0 + ROUNDING);
             hold(
                 possible,
-                "it is worth more independent trials than there are",
+                "its effective sample size is larger than its number of trials",
             )
             .map_err(at("/effective_trials"))?;
             let rate = *count as f64 / *trials as f64;
@@ -96,7 +96,7 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
     let known_to = match answer.guarantee {
         Guarantee::Exact { .. } => ROUNDING,
         // Either may stand anywhere between the bounds.
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => {
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => {
             ROUNDING + high - low
         }
         Guarantee::Estimated { .. } => f64::INFINITY,
@@ -108,7 +108,7 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
         )?;
     }
     match &answer.guarantee {
-        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high } => inside_of(
+        Guarantee::Bounded { low, high } | Guarantee::Schedulers { low, high, .. } => inside_of(
             answer.value,
             (*low, *high),
             "the answer does not lie within its own bounds",
@@ -129,7 +129,37 @@ fn answer(answer: &MethodAnswer) -> Result<(), &'static str> {
 }
 
 fn distribution(credible: &CredibleInterval, level: f64) -> Result<(), &'static str> {
-    let quantiles = &credible.quantiles;
+    let Some(ends) = &credible.ends else {
+        return quantiles(
+            (credible.mean, &credible.quantiles),
+            credible.interval,
+            level,
+        );
+    };
+    for end in [&ends.least, &ends.greatest] {
+        quantiles((end.mean, &end.quantiles), end.interval, level)?;
+    }
+    // The least probability is nowhere above the greatest, so neither are its quantiles.
+    let mut both = ends.least.quantiles.iter().zip(&ends.greatest.quantiles);
+    hold(
+        both.all(|(least, greatest)| *least <= greatest + ROUNDING),
+        "the least probability over all schedulers is above the greatest",
+    )?;
+    let is_one_of_them = [&ends.least, &ends.greatest]
+        .iter()
+        .any(|end| end.mean == credible.mean && end.quantiles == credible.quantiles);
+    hold(is_one_of_them, "the distribution is that of neither end")?;
+    let Interval { low, high } = credible.interval;
+    let reaches =
+        low <= ends.least.interval.low + ROUNDING && high >= ends.greatest.interval.high - ROUNDING;
+    hold(reaches, "the interval does not reach over both ends")
+}
+
+fn quantiles(
+    (mean, quantiles): (f64, &[f64]),
+    interval: Interval,
+    level: f64,
+) -> Result<(), &'static str> {
     let count = quantiles.len();
     let is_one = quantiles.is_sorted() && quantiles.iter().all(|q| (0.0..=1.0).contains(q));
     hold(
@@ -141,12 +171,8 @@ fn distribution(credible: &CredibleInterval, level: f64) -> Result<(), &'static 
         (sum - quantiles[count - 1]) / count as f64 - ROUNDING,
         (sum - quantiles[0] + 1.0) / count as f64 + ROUNDING,
     );
-    inside_of(
-        credible.mean,
-        bounds,
-        "the mean is not that of its quantiles",
-    )?;
-    let Interval { low, high } = credible.interval;
+    inside_of(mean, bounds, "the mean is not that of its quantiles")?;
+    let Interval { low, high } = interval;
     let between = |end: f64, probability: f64| {
         let position = probability * count as f64 - 0.5;
         let at = |index: f64| quantiles.get(index as usize).copied();

@@ -10,11 +10,10 @@
 use super::connection::{self, not_connected, topics_for};
 use super::simulated::{AnyLink, Pace, Simulated};
 use crate::args::Watch;
-use crate::command::Setting;
 use crate::command::simulate::ros2_table::{Ros2Table, bad};
-use crate::problem::Problem;
-use crate::study::{Study, Work};
-use crate::technique::simulation::{Campaign, Seeds};
+use corroborate::technique::simulation::{Campaign, Seeds};
+use diagnostic::Problem;
+use host::Host;
 use live::{
     Bridge, BridgeFeed, LiveError, LiveStream, Outgoing, PublicationId, Punctuality, SchemaText,
     TopicFilter,
@@ -26,6 +25,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
+use study::{Study, Work};
 use testbench::SimError;
 use trace::Trace;
 
@@ -60,7 +60,7 @@ impl Bench {
         study: &Study,
         map: &TopicMap,
         signals: &[String],
-        setting: &Setting,
+        setting: &Host,
     ) -> Result<Option<Self>, Problem> {
         let Some(id) = &arguments.simulate else {
             return Ok(None);

@@ -2,8 +2,8 @@
 //! waiting until the topics are there.
 
 use crate::args::Watch;
-use crate::command::Setting;
-use crate::problem::Problem;
+use diagnostic::Problem;
+use host::Host;
 use live::{LiveError, Publisher, SchemaText, Source, Topic, TopicFilter, dds, foxglove};
 use recording::{
     Loss, RawMessage, ReadError, Reader, SignalSource, SignalStream, TimeSource, TopicInfo,
@@ -129,7 +129,7 @@ pub fn wait_for_topics(
     map: &TopicMap,
     signals: &[String],
     limit: Duration,
-    setting: &Setting,
+    setting: &Host,
 ) -> Result<(), Problem> {
     let began = Instant::now();
     let mut looked_at = None;
@@ -151,8 +151,8 @@ pub fn wait_for_topics(
             }
             Probe::Missing(texts) | Probe::Unfit(texts) if waited >= PATIENCE && !has_said => {
                 has_said = true;
-                setting.talk.say("waiting for topics:");
-                texts.iter().for_each(|text| setting.talk.say(text));
+                setting.events.say("waiting for topics:");
+                texts.iter().for_each(|text| setting.events.say(text));
             }
             Probe::Missing(_) | Probe::Unfit(_) => {}
         }

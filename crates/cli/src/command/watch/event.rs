@@ -1,7 +1,7 @@
 //! What happens while a system is watched, as JSON lines and as text.
 
-use crate::technique::judging::{JudgedTrace, Judgement, Robustness, Violation, verdict_name};
 use evidence::Subject;
+use judging::{JudgedTrace, Judgement, Robustness, Violation, verdict_name};
 use schemars::JsonSchema;
 use serde::Serialize;
 

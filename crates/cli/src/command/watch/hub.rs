@@ -4,7 +4,7 @@
 use super::event::{WatchEvent, WatchLine};
 use super::keeper::Keeper;
 use super::teller::Teller;
-use crate::talk::Interrupt;
+use host::Cancel;
 use live::{Clock, Event, LossCause, Message, Origin};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -25,7 +25,7 @@ pub struct Hub {
     pub teller: Teller,
     /// Who keeps it.
     pub keeper: Option<Keeper>,
-    interrupt: Interrupt,
+    interrupt: Arc<Cancel>,
     ends_at_nanos: Option<i64>,
     /// What was to be over before watching ends, if that was planned.
     planned: Option<String>,
@@ -47,7 +47,7 @@ impl Hub {
         clock: Clock,
         teller: Teller,
         keeper: Option<Keeper>,
-        interrupt: Interrupt,
+        interrupt: Arc<Cancel>,
         ends_at_nanos: Option<i64>,
         planned: Option<String>,
     ) -> Self {
@@ -70,7 +70,7 @@ impl Hub {
     /// Whether to end now.
     pub fn must_end(&mut self) -> bool {
         if self.ended.is_none() {
-            if self.interrupt.is_set() {
+            if self.interrupt.is_cancelled() {
                 self.ended = Some("interrupted".into());
                 if let Some(what) = self.planned.clone() {
                     self.was_cut_short = true;

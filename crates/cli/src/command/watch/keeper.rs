@@ -11,7 +11,7 @@
 
 use super::connection::schema_of;
 use super::event::LiveVerdict;
-use crate::problem::Problem;
+use diagnostic::Problem;
 use live::Message;
 use recording::{RawRecording, RawTopicId, ShownVerdict, TypeDefinitions, VerdictFile};
 use std::collections::BTreeMap;

@@ -6,7 +6,7 @@
 //! staleness and all; while that is not known, the robot has no reading.
 
 use super::connection::topics_for;
-use crate::problem::Problem;
+use diagnostic::Problem;
 use recording::TopicMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use testbench::{OutsideReadings, Reading};

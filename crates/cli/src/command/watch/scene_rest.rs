@@ -7,7 +7,7 @@
 //! the scene gives it; while that is not known, it measures nothing.
 
 use super::connection::topics_for;
-use crate::problem::Problem;
+use diagnostic::Problem;
 use recording::TopicMap;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -3,10 +3,10 @@
 
 use super::link::{Input, Link, SharedReadings};
 use super::scene_rest::{SensorInput, SensorLink, SharedMeasurements};
-use crate::problem::Problem;
-use crate::technique::bench::SceneCampaign;
-use crate::technique::simulation::Campaign;
+use corroborate::technique::simulation::Campaign;
+use diagnostic::Problem;
 use recording::TopicMap;
+use rig::SceneCampaign;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use testbench::{

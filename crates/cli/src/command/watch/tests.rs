@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::args::{Arguments, Command};
-use crate::talk::{Interrupt, Talk};
 use clap::Parser;
 use live::{Clock, Incoming, LiveError, Message, Origin, Topic, Totals};
 use std::collections::VecDeque;
@@ -128,11 +127,7 @@ fn watched(staleness: &str, coming: &[(i64, f64)]) -> (tempfile::TempDir, Vec<se
     let Command::Watch(arguments) = &parsed.command else {
         panic!("another command");
     };
-    let setting = Setting {
-        talk: Talk::new(true),
-        interrupt: Interrupt::default(),
-        physics_library: None,
-    };
+    let setting = Host::silent(host::BuildId::new("test"));
     let study = Study::load(folder.path()).expect("a study");
     let judges = judges(&study, &[]).expect("judges");
     let map = topic_map(&study, arguments).expect("a map");

@@ -3,41 +3,17 @@
 //! and only pairs count that are undecided to begin with, as only those have plans.
 
 use super::*;
+use crate::uniform::Uniform;
 use stats::{BetaPosterior, Sample, clustered_rate};
 
-/// Uniform numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, 2014).
-struct Uniform(u64);
+/// Trials of people with these rates.
+fn trials(uniform: &mut Uniform, each: u64, rates: &[f64]) -> Vec<Sample> {
+    let rates = rates.iter();
+    rates.map(|rate| uniform.sample(each, *rate)).collect()
+}
 
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn successes(&mut self, trials: u64, rate: f64) -> Sample {
-        let successes = (0..trials).filter(|_| self.next() < rate).count() as u64;
-        Sample { successes, trials }
-    }
-
-    /// The rates of people, of the beta distribution with this mean and a correlation of 0.3.
-    fn rates(&mut self, people: usize, mean: f64) -> Vec<f64> {
-        let theta = 0.3 / 0.7;
-        let rates =
-            BetaPosterior::new(mean / theta, (1.0 - mean) / theta).expect("a mean in (0, 1)");
-        (0..people)
-            .map(|_| rates.quantile(self.next().clamp(1e-12, 1.0 - 1e-12)))
-            .collect()
-    }
-
-    fn trials(&mut self, each: u64, rates: &[f64]) -> Vec<Sample> {
-        rates
-            .iter()
-            .map(|rate| self.successes(each, *rate))
-            .collect()
-    }
+fn rates(uniform: &mut Uniform, people: usize, mean: f64) -> Vec<f64> {
+    (0..people).map(|_| uniform.rate(mean, 0.3)).collect()
 }
 
 fn of_people(clusters: &[Sample]) -> Belief {
@@ -71,10 +47,13 @@ fn promised_and_kept(repetitions: u32) -> [f64; 3] {
     };
     let mut found = 0;
     while found < repetitions {
-        let mut mean = || prior.quantile(uniform.next().clamp(0.01, 0.99));
+        let mut mean = || prior.quantile(uniform.draw().clamp(0.01, 0.99));
         let (of_them, of_it) = (mean(), mean());
-        let own = uniform.rates(people, of_them);
-        let (now, run) = (uniform.trials(10, &own), uniform.successes(episodes, of_it));
+        let own = rates(&mut uniform, people, of_them);
+        let (now, run) = (
+            trials(&mut uniform, 10, &own),
+            uniform.sample(episodes, of_it),
+        );
         let pair = Pair::new(of_people(&now), of_episodes(run), MARGIN);
         if is_decided(&pair) {
             continue;
@@ -82,15 +61,15 @@ fn promised_and_kept(repetitions: u32) -> [f64; 3] {
         found += 1;
         let planning = Planning::new(&pair, &levels, levels.confidence);
         sums[0] += planning.chance(10 * further as u64, episodes);
-        let more = uniform.successes(episodes, of_it);
+        let more = uniform.sample(episodes, of_it);
         let run = Sample {
             successes: run.successes + more.successes,
             trials: run.trials + more.trials,
         };
-        let others = uniform.rates(further, of_them);
+        let others = rates(&mut uniform, further, of_them);
         let mut all = now.clone();
-        all.extend(uniform.trials(10, &others));
-        let again = uniform.trials(10 * further as u64 / people as u64, &own);
+        all.extend(trials(&mut uniform, 10, &others));
+        let again = trials(&mut uniform, 10 * further as u64 / people as u64, &own);
         let same: Vec<Sample> = now
             .iter()
             .zip(&again)

@@ -2,37 +2,8 @@
 //! further people are drawn and all of them concluded from. Rates are drawn as Jeffreys' prior has them.
 
 use super::*;
+use crate::uniform::Uniform;
 use stats::{ClusteredRate, CommonCorrelation, Sample, clustered_rate, pool, wilson};
-
-/// Uniform numbers: SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, 2014).
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// People with ten trials each, whose rates have the beta distribution with this mean and a correlation of 0.3.
-    fn people(&mut self, count: usize, mean: f64) -> Vec<Sample> {
-        let theta = 0.3 / 0.7;
-        let rates =
-            BetaPosterior::new(mean / theta, (1.0 - mean) / theta).expect("a mean in (0, 1)");
-        (0..count)
-            .map(|_| {
-                let rate = rates.quantile(self.next().clamp(1e-12, 1.0 - 1e-12));
-                let successes = (0..10).filter(|_| self.next() < rate).count() as u64;
-                Sample {
-                    successes,
-                    trials: 10,
-                }
-            })
-            .collect()
-    }
-}
 
 const LEVEL: Confidence = Confidence::P95;
 const THRESHOLD: f64 = 0.8;
@@ -63,8 +34,11 @@ fn plans_for_people_keep_what_they_promise() {
     // Counted by person; as totals with a common correlation; as totals taken for independent.
     let mut sums = [(0.0, 0.0); 3];
     for _ in 0..repetitions {
-        let mean = prior.quantile(uniform.next().clamp(0.01, 0.99));
-        let (mut counted, mut other) = (uniform.people(people, mean), uniform.people(people, 0.6));
+        let mean = prior.quantile(uniform.draw().clamp(0.01, 0.99));
+        let (mut counted, mut other) = (
+            uniform.people(people, 10, mean, 0.3),
+            uniform.people(people, 10, 0.6, 0.3),
+        );
         let rates = |counted: &[Sample], other: &[Sample]| {
             let common = CommonCorrelation::of(&[other]).expect("counts");
             let total = pool(counted).expect("counts");
@@ -82,8 +56,8 @@ fn plans_for_people_keep_what_they_promise() {
             ]
         };
         let now = rates(&counted, &other);
-        counted.extend(uniform.people(further, mean));
-        other.extend(uniform.people(further, 0.6));
+        counted.extend(uniform.people(further, 10, mean, 0.3));
+        other.extend(uniform.people(further, 10, 0.6, 0.3));
         let then = rates(&counted, &other);
         for (kind, sum) in sums.iter_mut().enumerate() {
             // What totals settle is judged with what is right: their common correlation.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
@@ -12,7 +13,7 @@ use crate::controller::PortField;
 use crate::scenario::ScenarioError;
 
 /// A fault of a drive.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ActuatorFault {
     /// What happens.
@@ -40,7 +41,7 @@ pub struct ActuatorFault {
 }
 
 /// Kinds of fault of a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ActuatorFaultKind {
     /// It goes on with what it was doing, whatever it is told.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
@@ -12,7 +13,7 @@ use crate::geometry::Vector;
 use crate::scenario::ScenarioError;
 
 /// Where something stands at the beginning, in the world.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[allow(missing_docs, reason = "names carry quantity and unit")]
 pub struct PlaceKeys {
     #[serde(default = "zero")]
@@ -45,7 +46,7 @@ impl PlaceKeys {
 }
 
 /// A robot: a description of its links and joints, and where it stands.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
     /// Its name.
@@ -56,12 +57,15 @@ pub struct Robot {
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub x_m: Distribution,
+    /// Where it stands at first, to the left.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub y_m: Distribution,
+    /// Where it stands at first, upwards.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub z_m: Distribution,
+    /// Where it faces at first, from the x axis to the left.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub yaw_rad: Distribution,
@@ -84,7 +88,7 @@ pub struct Robot {
 }
 
 /// Something else, fixed or loose: a wall, a box, a table.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Object {
     /// Its name.
@@ -109,12 +113,15 @@ pub struct Object {
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub x_m: Distribution,
+    /// Where it stands at first, to the left.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub y_m: Distribution,
+    /// Where it stands at first, upwards.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub z_m: Distribution,
+    /// Where it faces at first, from the x axis to the left.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub yaw_rad: Distribution,
@@ -189,7 +196,7 @@ impl Object {
 }
 
 /// A drive, or several that are commanded together.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 pub struct Actuator {
     /// Its name, by which a controller commands it.
     pub name: String,
@@ -213,48 +220,77 @@ pub struct Actuator {
 }
 
 /// What an actuator drives.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[allow(missing_docs, reason = "names carry quantity and unit")]
 pub enum ActuatorKind {
     /// One joint to a position: command `position`.
     Position {
+        /// The joint that it drives.
         joint: String,
+        /// Torque or force for each rad or m of error.
         stiffness: f64,
+        /// Torque or force for each rad/s or m/s of velocity.
         damping: f64,
+        /// The largest torque (Nm) or force (N).
         limit: f64,
     },
     /// One joint to a velocity: command `velocity`.
     Velocity {
+        /// The joint that it drives.
         joint: String,
+        /// Torque or force for each rad/s or m/s of error.
         gain: f64,
+        /// The largest torque (Nm) or force (N).
         limit: f64,
     },
     /// One joint by torque or force: command `effort`.
-    Effort { joint: String, limit: f64 },
+    Effort {
+        /// The joint that it drives.
+        joint: String,
+        /// The largest torque (Nm) or force (N).
+        limit: f64,
+    },
     /// Wheels left and right: commands `speed` (m/s, forwards) and `turn_rate` (rad/s, to the
     /// left), reached at a limited acceleration.
     DifferentialDrive {
+        /// The joints of the wheels on the left.
         left_joints: Vec<String>,
+        /// The joints of the wheels on the right.
         right_joints: Vec<String>,
+        /// The radius of the wheels.
         wheel_radius_m: f64,
+        /// The distance between left and right wheels.
         wheel_separation_m: f64,
+        /// The highest speed that is commanded to the wheels or the base.
         longest_speed_m_s: f64,
+        /// The highest turn rate.
         longest_turn_rate_rad_s: f64,
+        /// How fast it gets faster.
         acceleration_m_s2: Distribution,
+        /// How fast it gets slower.
         deceleration_m_s2: Distribution,
+        /// How fast its turn rate changes.
         turn_acceleration_rad_s2: f64,
+        /// Torque of a wheel for each rad/s of error.
         gain_nms_rad: f64,
+        /// The largest torque: of a wheel, or about the base's vertical axis.
         torque_limit_nm: f64,
     },
     /// A base that can move in every direction on the floor: commands `forward`, `left` (m/s, in
     /// the base's frame) and `turn_rate` (rad/s), reached by limited forces on its root.
     PlanarVelocity {
+        /// The highest speed that is commanded to the wheels or the base.
         longest_speed_m_s: f64,
+        /// The highest turn rate.
         longest_turn_rate_rad_s: f64,
+        /// Force for each m/s of error.
         gain_ns_m: f64,
+        /// Torque for each rad/s of error.
         turn_gain_nms_rad: f64,
+        /// The largest force on the base.
         force_limit_newtons: f64,
+        /// The largest torque: of a wheel, or about the base's vertical axis.
         torque_limit_nm: f64,
     },
 }

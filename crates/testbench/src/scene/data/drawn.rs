@@ -6,6 +6,7 @@
 //! that is named by `k`, as for all other numbers of a scene. Rates and periods are whole numbers of
 //! time steps and are not drawn.
 
+use serde_json::Value as Json;
 use stimulus::Distribution;
 use toml::{Table, Value};
 
@@ -99,6 +100,61 @@ fn number(value: &mut Value, key: &str, draw: Draw<'_>) -> bool {
         // What it is instead is said when it is read.
         _ => false,
     }
+}
+
+/// Lets distributions stand, in a scene's schema, where [`resolve`] draws plain numbers.
+pub(super) fn allow_in(schema: &mut schemars::Schema) {
+    let Some(definitions) = schema.get_mut("$defs").and_then(Json::as_object_mut) else {
+        return;
+    };
+    let simulation: &[&str] = &["gravity_m_s2"];
+    for (name, fields) in DEFINITIONS.iter().zip(DRAWN.map(|(_, fields)| fields)) {
+        if let Some(definition) = definitions.get_mut(*name) {
+            allow_below(definition, fields);
+        }
+    }
+    if let Some(definition) = definitions.get_mut("Simulation") {
+        allow_below(definition, simulation);
+    }
+}
+
+/// The types that hold the elements of the lists of [`DRAWN`], in their order.
+const DEFINITIONS: [&str; 3] = ["Object", "Actuator", "Sensor"];
+
+/// Changes the properties with these names, wherever they stand in a schema.
+fn allow_below(schema: &mut Json, fields: &[&str]) {
+    match schema {
+        Json::Object(object) => {
+            for (key, value) in object {
+                if key == "properties"
+                    && let Some(properties) = value.as_object_mut()
+                {
+                    let drawn = properties.iter_mut();
+                    let drawn = drawn.filter(|(name, _)| fields.contains(&name.as_str()));
+                    drawn.for_each(|(_, property)| allow(property));
+                }
+                allow_below(value, fields);
+            }
+        }
+        Json::Array(elements) => {
+            let elements = elements.iter_mut();
+            elements.for_each(|element| allow_below(element, fields));
+        }
+        _ => {}
+    }
+}
+
+/// Changes a number, or the numbers of a list, to a number or a distribution.
+fn allow(property: &mut Json) {
+    if let Some(items) = property.get_mut("items") {
+        return allow(items);
+    }
+    let Some(object) = property.as_object_mut() else {
+        return;
+    };
+    object.remove("type");
+    object.remove("format");
+    object.insert("$ref".into(), "#/$defs/Distribution".into());
 }
 
 #[cfg(test)]

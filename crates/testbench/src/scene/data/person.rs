@@ -1,5 +1,6 @@
 //! People in a scene's file.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
@@ -7,7 +8,7 @@ use super::{key_of, within, zero};
 use crate::scenario::ScenarioError;
 
 /// A person: a body that walks where its behaviour says, whatever pushes it.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
     /// Name.
@@ -24,6 +25,7 @@ pub struct Person {
     /// Where the person stands at first.
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub x_m: Distribution,
+    /// Where the person stands at first.
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub y_m: Distribution,
     /// Where the person faces at first, from the x axis to the left.
@@ -71,7 +73,7 @@ pub struct Person {
 }
 
 /// Where the joints of both arms go, with 0 for an arm that hangs straight down.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ArmAngles {
     /// The upper arm, forwards.
@@ -102,7 +104,7 @@ impl ArmAngles {
 }
 
 /// How a person's body is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PersonBody {
     /// One upright capsule.
@@ -113,7 +115,7 @@ pub enum PersonBody {
 }
 
 /// What a person does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Activity {
     /// Stands.
@@ -138,7 +140,7 @@ impl Activity {
 }
 
 /// How arms are held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmPose {
     /// They swing as the person walks.
@@ -163,11 +165,13 @@ impl ArmPose {
 }
 
 /// A point to walk to.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[allow(missing_docs, reason = "names carry quantity and unit")]
 pub struct Waypoint {
+    /// Where it is in the world.
     pub x_m: Distribution,
+    /// Where it is in the world.
     pub y_m: Distribution,
     /// How long the person stays there.
     #[serde(default = "zero")]
@@ -175,7 +179,7 @@ pub struct Waypoint {
 }
 
 /// What a person does about a robot that is near.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reaction {
     /// What.
@@ -193,7 +197,7 @@ pub struct Reaction {
 }
 
 /// Kinds of reaction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ReactionKind {
     /// Goes on with the activity; only the arms may react.

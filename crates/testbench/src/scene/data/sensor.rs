@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use stimulus::Distribution;
 
@@ -11,7 +12,7 @@ use crate::geometry::{Vector, norm};
 use crate::scenario::ScenarioError;
 
 /// A sensor: what it measures, how often, how well, and how it fails.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 pub struct Sensor {
     /// Its name, under which a controller gets it.
     pub name: String,
@@ -43,7 +44,7 @@ pub struct Sensor {
 }
 
 /// A fault of a sensor.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
     /// What happens.
@@ -61,7 +62,7 @@ pub struct Fault {
 }
 
 /// Kinds of fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
     /// It repeats its last measurement, with new times.
@@ -83,65 +84,98 @@ impl FaultKind {
 
 /// What a sensor measures. `link` is where it is mounted, the robot's root if left out; the place
 /// is in the link's frame.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 #[allow(missing_docs, reason = "names carry quantity and unit")]
 pub enum SensorKind {
     /// `position`, `velocity` of joints; positions are multiples of the resolution.
     JointEncoder {
+        /// The joints that are measured.
         joints: Vec<String>,
+        /// Positions are multiples of this, in rad or m; 0 for exact ones.
         #[serde(default)]
         resolution: f64,
     },
     /// `x`, `y`, `z`, `yaw` in the world, `speed` forwards and `turn_rate`: as motion capture has
     /// it.
-    Pose { link: Option<String> },
+    Pose {
+        /// The link on which it is mounted; the robot's root if left out.
+        link: Option<String>,
+    },
     /// `x`, `y`, `yaw`, `speed`, `turn_rate` from wheels, by dead reckoning from where the episode
     /// began; it believes the radius and separation given here.
     Odometry {
+        /// The joints of the wheels on the left.
         left_joints: Vec<String>,
+        /// The joints of the wheels on the right.
         right_joints: Vec<String>,
+        /// The radius of the wheels, as the odometry believes it.
         wheel_radius_m: Distribution,
+        /// The distance between left and right wheels, as the odometry believes it.
         wheel_separation_m: Distribution,
     },
     /// `angular_velocity` (3) and `acceleration` (3, with gravity) in the link's frame.
-    Imu { link: Option<String> },
+    Imu {
+        /// The link on which it is mounted; the robot's root if left out.
+        link: Option<String>,
+    },
     /// `ranges` of rays in the plane of the mount, from the first angle to the last, to the left.
     Lidar {
+        /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Where it is mounted in the link's frame, forwards.
         #[serde(default = "zero")]
         x_m: Distribution,
+        /// To the left.
         #[serde(default = "zero")]
         y_m: Distribution,
+        /// Upwards.
         #[serde(default = "zero")]
         z_m: Distribution,
+        /// Where it looks, from the link's x axis to the left.
         #[serde(default = "zero")]
         yaw_rad: Distribution,
+        /// How many rays a measurement has.
         rays: usize,
+        /// The angle of the first ray, from where it looks to the left.
         #[serde(default)]
         first_angle_rad: f64,
+        /// The angle of the last ray.
         #[serde(default)]
         last_angle_rad: f64,
+        /// Nothing nearer than this is measured.
         #[serde(default)]
         shortest_m: f64,
+        /// Nothing farther than this is measured.
         longest_m: f64,
     },
     /// `touching` and the sum of normal forces, `force`, on the link.
-    Contact { link: Option<String> },
+    Contact {
+        /// The link on which it is mounted; the robot's root if left out.
+        link: Option<String>,
+    },
     /// `seen`, and `distance` and `bearing` (to the left) of the nearest person who is seen: within
     /// range and field of view, with a free line from the mount, and noticed.
     PersonDetector {
+        /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Where it is mounted in the link's frame, forwards.
         #[serde(default = "zero")]
         x_m: Distribution,
+        /// To the left.
         #[serde(default = "zero")]
         y_m: Distribution,
+        /// Upwards.
         #[serde(default = "zero")]
         z_m: Distribution,
+        /// Where it looks, from the link's x axis to the left.
         #[serde(default = "zero")]
         yaw_rad: Distribution,
+        /// The whole angle within which it sees.
         field_of_view_rad: f64,
+        /// Nothing farther than this is measured.
         longest_m: f64,
+        /// Probability that what could be seen is detected, at each measurement.
         #[serde(default = "one")]
         detection_probability: Distribution,
     },
@@ -149,13 +183,18 @@ pub enum SensorKind {
     /// `z` up) with `roll`, `pitch` and `yaw` of what carries it: if it is in view and within range,
     /// nothing stands between, and it is detected.
     MarkerCamera {
+        /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Where it is mounted in the link's frame, forwards.
         #[serde(default = "zero")]
         x_m: Distribution,
+        /// To the left.
         #[serde(default = "zero")]
         y_m: Distribution,
+        /// Upwards.
         #[serde(default = "zero")]
         z_m: Distribution,
+        /// Where it looks, from the link's x axis to the left.
         #[serde(default = "zero")]
         yaw_rad: Distribution,
         /// Positive looks down.
@@ -163,6 +202,7 @@ pub enum SensorKind {
         pitch_rad: Distribution,
         /// A robot, a person or an object; and a link or a limb of it, the first if left out.
         target: String,
+        /// The link or limb that carries the marker; the first if left out.
         target_part: Option<String>,
         /// Where the marker is in that part's frame.
         #[serde(default)]
@@ -172,52 +212,76 @@ pub enum SensorKind {
         /// The widest angle between its face and the line to the camera.
         #[serde(default = "steep")]
         widest_angle_rad: f64,
+        /// The whole horizontal angle of its view.
         horizontal_view_rad: f64,
+        /// The whole vertical angle of its view.
         vertical_view_rad: f64,
+        /// Nothing nearer than this is measured.
         #[serde(default)]
         shortest_m: f64,
+        /// Nothing farther than this is measured.
         longest_m: f64,
+        /// Probability that what could be seen is detected, at each measurement.
         #[serde(default = "one")]
         detection_probability: Distribution,
     },
     /// `depths` along a camera's axis, row by row from the top left.
     DepthCamera {
+        /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Where it is mounted in the link's frame, forwards.
         #[serde(default = "zero")]
         x_m: Distribution,
+        /// To the left.
         #[serde(default = "zero")]
         y_m: Distribution,
+        /// Upwards.
         #[serde(default = "zero")]
         z_m: Distribution,
+        /// Where it looks, from the link's x axis to the left.
         #[serde(default = "zero")]
         yaw_rad: Distribution,
         /// Positive looks down.
         #[serde(default = "zero")]
         pitch_rad: Distribution,
+        /// Columns of the picture.
         columns: usize,
+        /// Rows of the picture.
         rows: usize,
+        /// The whole horizontal angle of its view.
         horizontal_view_rad: f64,
+        /// The whole vertical angle of its view.
         vertical_view_rad: f64,
+        /// Nothing nearer than this is measured.
         #[serde(default)]
         shortest_m: f64,
+        /// Nothing farther than this is measured.
         longest_m: f64,
     },
     /// `force` (3) and `torque` (3) that the link's parent exerts on it, at and in the frame of the
     /// mount: a wrist that holds a mass bears its weight, upwards.
     ForceTorque {
+        /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Where it is mounted in the link's frame, forwards.
         #[serde(default = "zero")]
         x_m: Distribution,
+        /// To the left.
         #[serde(default = "zero")]
         y_m: Distribution,
+        /// Upwards.
         #[serde(default = "zero")]
         z_m: Distribution,
+        /// Where it looks, from the link's x axis to the left.
         #[serde(default = "zero")]
         yaw_rad: Distribution,
     },
     /// `effort`: the torque about each joint's axis (the force along it, of a slide) that is passed on
     /// to its link.
-    JointTorque { joints: Vec<String> },
+    JointTorque {
+        /// The joints that are measured.
+        joints: Vec<String>,
+    },
 }
 
 fn one() -> Distribution {

@@ -216,10 +216,33 @@ impl Body {
         grip
     }
 
-    /// Shows the human's head and hand in the model.
-    pub(super) fn place(&mut self, index: usize, pose: &Pose) {
-        self.simulation
-            .set_mocap(index, pose.position_m, pose.orientation);
+    /// Appends what the last step was given: setpoints, then force and torque on the object.
+    pub(super) fn inputs(&self, inputs: &mut Vec<f64>) {
+        inputs.extend(self.simulation.controls());
+        inputs.extend(self.simulation.applied_force(self.object));
+    }
+
+    /// Steps with inputs as [`Self::inputs`] gives them, and nothing else; their number.
+    pub(super) fn steps_with(&mut self, inputs: &[f64]) -> u64 {
+        let setpoints = self.simulation.controls().len();
+        let mut steps = 0;
+        for input in inputs.chunks_exact(setpoints + 6) {
+            let (controls, wrench) = input.split_at(setpoints);
+            self.simulation.controls_mut().copy_from_slice(controls);
+            let three = |at: usize| std::array::from_fn(|axis| wrench[at + axis]);
+            self.simulation
+                .set_applied_force(self.object, three(0), three(3));
+            self.simulation.step();
+            steps += 1;
+        }
+        steps
+    }
+
+    /// Positions and velocities, bit for bit.
+    pub(super) fn bits(&self) -> Vec<u64> {
+        let (positions, velocities) = (self.simulation.positions(), self.simulation.velocities());
+        let numbers = positions.iter().chain(velocities);
+        numbers.map(|number| number.to_bits()).collect()
     }
 
     /// Warnings of the physics engine: 0 in a sound run.

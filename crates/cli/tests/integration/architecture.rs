@@ -1,0 +1,628 @@
+//! The architecture as data, held against what cargo and the sources say (ARCHITECTURE.md tells it in prose).
+
+use crate::support;
+
+use cargo_metadata::{DependencyKind, Metadata, Package};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use support::source::{
+    lines_with, product_code, with_groups_written_out, without_comments_and_texts,
+};
+use support::{files_below, metadata, read, root, shown};
+
+/// Every crate, its floor, and which of our crates it may use.
+const CRATES: [(&str, u8, &[&str]); 25] = [
+    ("diagnostic", 0, &[]),
+    ("prism-lang", 0, &[]),
+    ("temporal", 0, &[]),
+    ("stats", 0, &[]),
+    ("trace", 0, &[]),
+    ("robot-model", 0, &[]),
+    ("stimulus", 0, &[]),
+    ("checker", 1, &["prism-lang", "temporal", "stats"]),
+    ("certifier", 1, &["prism-lang"]),
+    ("recording", 1, &["trace"]),
+    ("requirement-lang", 1, &["temporal", "trace"]),
+    (
+        "testbench",
+        1,
+        &["diagnostic", "trace", "robot-model", "stimulus"],
+    ),
+    ("campaign", 1, &["stats", "stimulus"]),
+    ("evidence", 2, &["stats"]),
+    ("refinement", 2, &["prism-lang", "stats", "evidence"]),
+    ("live", 2, &["trace", "recording"]),
+    ("report", 2, &["evidence"]),
+    ("host", 2, &["diagnostic"]),
+    (
+        "study",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "prism-lang",
+            "requirement-lang",
+            "temporal",
+            "stats",
+            "stimulus",
+            "trace",
+            "checker",
+            "evidence",
+        ],
+    ),
+    (
+        "judging",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "prism-lang",
+            "requirement-lang",
+            "temporal",
+            "trace",
+            "recording",
+            "evidence",
+        ],
+    ),
+    (
+        "query",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "prism-lang",
+            "checker",
+            "certifier",
+        ],
+    ),
+    (
+        "rig",
+        2,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "trace",
+            "stimulus",
+            "testbench",
+            "live",
+            "recording",
+            "evidence",
+        ],
+    ),
+    (
+        "corroborate-bench",
+        3,
+        &[
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "checker",
+            "requirement-lang",
+            "campaign",
+            "evidence",
+            "refinement",
+        ],
+    ),
+    (
+        "corroborate",
+        3,
+        &[
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "query",
+            "rig",
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "stimulus",
+            "checker",
+            "recording",
+            "requirement-lang",
+            "testbench",
+            "campaign",
+            "evidence",
+            "refinement",
+        ],
+    ),
+    (
+        "cli",
+        4,
+        &[
+            "corroborate",
+            "diagnostic",
+            "host",
+            "study",
+            "judging",
+            "query",
+            "rig",
+            "prism-lang",
+            "temporal",
+            "stats",
+            "trace",
+            "stimulus",
+            "checker",
+            "recording",
+            "requirement-lang",
+            "testbench",
+            "campaign",
+            "evidence",
+            "refinement",
+            "robot-model",
+            "live",
+            "report",
+        ],
+    ),
+];
+
+/// Things of the outside world, each with the one crate that may name it.
+const OUTSIDE: [(&str, &str); 12] = [
+    ("libloading", "testbench"),
+    ("rapier3d-f64", "testbench"),
+    ("mcap", "recording"),
+    ("saphyr-parser", "recording"),
+    ("rustdds", "live"),
+    ("tungstenite", "live"),
+    ("clap", "cli"),
+    ("annotate-snippets", "cli"),
+    ("indicatif", "cli"),
+    ("ctrlc", "cli"),
+    ("maud", "report"),
+    ("unicode-width", "report"),
+];
+
+/// What the product code of floors 0 and 1 does without: printing, clocks, the environment, global state.
+const ABSENT_BELOW_FLOOR_2: [&str; 14] = [
+    "println!",
+    "print!",
+    "eprintln!",
+    "eprint!",
+    "dbg!",
+    "std::env",
+    "std::process",
+    "SystemTime",
+    "Instant",
+    "static mut",
+    // Cells that only one thread may use cannot be in a `static`.
+    "OnceLock",
+    "LazyLock",
+    "thread_local!",
+    "std::net",
+];
+
+/// The crates that may name the file system.
+const MAY_USE_FILES: [&str; 8] = [
+    "trace",
+    "recording",
+    "host",
+    "study",
+    "judging",
+    "rig",
+    "corroborate",
+    "cli",
+];
+
+/// What no library does: end the process, read its environment, change its pool of threads or its signals, ask what runs.
+const ABSENT_IN_LIBRARIES: [&str; 6] = [
+    "process::exit",
+    "std::env",
+    "build_global",
+    "current_exe",
+    "set_handler",
+    "println!",
+];
+
+/// Where a library still reads the environment, which a host should bring: the user's path of Python modules for programs
+/// that drive robots, and the folder for what passes. Each goes with the change that brings it.
+const STILL_READ: [&str; 2] = [
+    "crates/rig/src/process.rs",
+    "crates/corroborate/src/technique/exploration/command_bench.rs",
+];
+
+/// The programs: everything else is a library.
+const PROGRAMS: [&str; 2] = ["cli", "corroborate-bench"];
+
+/// The modules in which `unsafe` may stand, with everything below them.
+const MAY_BE_UNSAFE: [&str; 2] = [
+    "crates/testbench/src/mujoco",
+    "crates/corroborate/src/memory.rs",
+];
+
+#[test]
+fn the_crates_are_those_of_the_table() {
+    let known: BTreeSet<&str> = CRATES.iter().map(|(name, ..)| *name).collect();
+    let metadata = metadata();
+    let packages = metadata.workspace_packages();
+    let found: BTreeSet<&str> = packages.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(found, known);
+}
+
+/// The fuzz targets are a workspace apart, whose lock file only a slow step of continuous integration would find stale.
+#[test]
+fn the_fuzz_targets_lock_what_our_crates_depend_on() {
+    let lock: toml::Table = toml::from_str(&read(&root().join("fuzz/Cargo.lock"))).expect("TOML");
+    let locked: BTreeMap<&str, BTreeSet<&str>> = (lock["package"].as_array().into_iter().flatten())
+        .filter_map(|package| {
+            let names = package.get("dependencies").and_then(|it| it.as_array());
+            // "name", or "name version" where there are several versions.
+            let names = names
+                .into_iter()
+                .flatten()
+                .filter_map(|it| it.as_str()?.split(' ').next());
+            Some((package.get("name")?.as_str()?, names.collect()))
+        })
+        .collect();
+    for package in metadata().workspace_packages() {
+        let Some(locked) = locked.get(package.name.as_str()) else {
+            continue;
+        };
+        let wanted = package.dependencies.iter();
+        let wanted = wanted.filter(|it| it.kind != DependencyKind::Development);
+        let wanted: BTreeSet<&str> = wanted.map(|it| it.name.as_str()).collect();
+        assert_eq!(
+            *locked, wanted,
+            "{}: run `cargo update --workspace` in fuzz/",
+            package.name
+        );
+    }
+}
+
+#[test]
+fn each_allowed_edge_leads_to_a_lower_floor_or_to_a_neighbour_before() {
+    for (position, (name, floor, uses)) in CRATES.iter().enumerate() {
+        for used in *uses {
+            let (index, (_, used_floor, _)) = find(used);
+            assert!(
+                used_floor < *floor || (*floor == 2 && used_floor == *floor && index < position),
+                "{name} (floor {floor}) may not use {used} (floor {used_floor})"
+            );
+        }
+    }
+}
+
+fn find(name: &str) -> (usize, (&'static str, u8, &'static [&'static str])) {
+    let position = CRATES.iter().position(|(known, ..)| *known == name);
+    let position = position.unwrap_or_else(|| panic!("no crate {name} in the table"));
+    (position, CRATES[position])
+}
+
+#[test]
+fn crates_use_only_what_the_table_allows() {
+    let metadata = metadata();
+    for package in metadata.workspace_packages() {
+        let (_, (name, _, allowed)) = find(&package.name);
+        for used in ours(&metadata, package, |kind| {
+            kind != DependencyKind::Development
+        }) {
+            assert!(
+                allowed.contains(&used.as_str()),
+                "{name} depends on {used}, which the architecture does not allow; allowed: {allowed:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn tests_of_a_crate_use_no_floor_above_it() {
+    let metadata = metadata();
+    for package in metadata.workspace_packages() {
+        let (_, (name, floor, _)) = find(&package.name);
+        for used in ours(&metadata, package, |kind| {
+            kind == DependencyKind::Development
+        }) {
+            let (_, (_, used_floor, _)) = find(&used);
+            assert!(
+                used_floor <= floor,
+                "tests of {name} depend on {used}, a floor above"
+            );
+        }
+    }
+}
+
+/// The names of our own crates that `package` depends on.
+fn ours(
+    metadata: &Metadata,
+    package: &Package,
+    wanted: impl Fn(DependencyKind) -> bool,
+) -> Vec<String> {
+    let members: BTreeSet<&str> = metadata
+        .workspace_packages()
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
+    let dependencies = package.dependencies.iter();
+    dependencies
+        .filter(|d| wanted(d.kind) && members.contains(d.name.as_str()))
+        .map(|d| d.name.clone())
+        .collect()
+}
+
+#[test]
+fn each_outside_thing_has_one_crate() {
+    let metadata = metadata();
+    let homes: BTreeMap<&str, &str> = OUTSIDE.into_iter().collect();
+    let mut used = BTreeSet::new();
+    for package in metadata.workspace_packages() {
+        for dependency in &package.dependencies {
+            let Some(home) = homes.get(dependency.name.as_str()) else {
+                continue;
+            };
+            used.insert(dependency.name.clone());
+            assert_eq!(
+                package.name.as_str(),
+                *home,
+                "{} names {}, which only {home} may",
+                package.name,
+                dependency.name
+            );
+        }
+    }
+    for name in homes.keys() {
+        assert!(
+            used.contains(*name),
+            "nothing uses {name}: take it out of the table"
+        );
+    }
+}
+
+#[test]
+fn floors_0_and_1_neither_print_nor_read_clock_or_environment_nor_hold_global_state() {
+    let mut found = Vec::new();
+    for (name, floor, _) in CRATES {
+        if floor <= 1 {
+            found.extend(places(name, &ABSENT_BELOW_FLOOR_2));
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "not allowed on floors 0 and 1:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn only_what_the_table_names_opens_files() {
+    let mut found = Vec::new();
+    for (name, ..) in CRATES {
+        if !MAY_USE_FILES.contains(&name) {
+            found.extend(places(
+                name,
+                &["std::fs", "File::open", "File::create", "OpenOptions"],
+            ));
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "files are opened by {MAY_USE_FILES:?} alone:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn libraries_do_not_touch_the_process() {
+    let mut found = Vec::new();
+    for (name, ..) in CRATES {
+        if !PROGRAMS.contains(&name) {
+            found.extend(places(name, &ABSENT_IN_LIBRARIES));
+        }
+    }
+    let is_known = |place: &String| STILL_READ.iter().any(|file| place.starts_with(file));
+    for file in STILL_READ {
+        assert!(
+            found.iter().any(|place| place.starts_with(file)),
+            "{file} is clean: take it out of the list"
+        );
+    }
+    found.retain(|place| !is_known(place));
+    assert!(
+        found.is_empty(),
+        "a host brings these, a library does not take them:\n{}",
+        found.join("\n")
+    );
+}
+
+/// Where the product code of a crate contains one of the words.
+fn places(name: &str, words: &[&str]) -> Vec<String> {
+    let mut found = Vec::new();
+    let folder = root().join("crates").join(name).join("src");
+    for path in rust_files(&folder) {
+        // Files of tests alone are declared `#[cfg(test)] mod tests;` by their parent, or under another name.
+        if path
+            .file_stem()
+            .is_some_and(|stem| stem == "tests" || stem == "promised")
+        {
+            continue;
+        }
+        let code = with_groups_written_out(&product_code(&read(&path)));
+        for word in words {
+            let lines = lines_with(&code, word);
+            found.extend(
+                lines
+                    .iter()
+                    .map(|line| format!("{}:{line}: {word}", shown(&path))),
+            );
+        }
+    }
+    found
+}
+
+fn rust_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let mut files = files_below(folder);
+    files.retain(|path| path.extension().is_some_and(|e| e == "rs"));
+    files
+}
+
+#[test]
+fn unsafe_stands_only_where_it_is_allowed() {
+    let mut found = Vec::new();
+    for path in rust_files(&root().join("crates")) {
+        let name = shown(&path);
+        let allowed = MAY_BE_UNSAFE
+            .iter()
+            .any(|home| name == *home || name.starts_with(&format!("{home}/")));
+        if !allowed {
+            let code = without_comments_and_texts(&read(&path));
+            let lines = lines_with(&code, "unsafe");
+            found.extend(lines.iter().map(|line| format!("{name}:{line}")));
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "unsafe outside {MAY_BE_UNSAFE:?}:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn the_tables_describe_the_sources_at_hand() {
+    for home in MAY_BE_UNSAFE {
+        assert!(
+            root().join(home).exists(),
+            "{home} is gone: take it out of the table"
+        );
+    }
+    for (name, ..) in CRATES {
+        let sources = rust_files(&root().join("crates").join(name).join("src"));
+        assert!(!sources.is_empty(), "{name} has no sources");
+    }
+}
+
+#[test]
+fn architecture_md_is_short_and_names_every_crate() {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    let lines = text.lines().count();
+    assert!(
+        lines <= 200,
+        "ARCHITECTURE.md has {lines} lines, 200 are allowed"
+    );
+    for (name, ..) in CRATES {
+        assert!(
+            text.contains(&format!("`{name}`")),
+            "ARCHITECTURE.md does not mention `{name}`"
+        );
+    }
+}
+
+/// A file of tests that no program declares would be lost in silence.
+#[test]
+fn every_file_of_tests_is_declared() {
+    let packages = metadata();
+    for package in packages.workspace_packages() {
+        let folder = root().join("crates").join(&*package.name).join("tests");
+        let programs = package.targets.iter().filter(|target| target.is_test());
+        let expected = usize::from(folder.join("integration").exists());
+        assert_eq!(programs.count(), expected, "{}", package.name);
+    }
+    for (name, ..) in CRATES {
+        let folder = root().join("crates").join(name).join("tests");
+        let Ok(entries) = std::fs::read_dir(folder.join("integration")) else {
+            continue;
+        };
+        let main = read(&folder.join("integration/main.rs"));
+        let declared: BTreeSet<&str> = main
+            .lines()
+            .filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';'))
+            .collect();
+        for entry in entries.flatten() {
+            let file = entry.file_name().to_string_lossy().into_owned();
+            let stem = file.strip_suffix(".rs").unwrap_or(&file);
+            let is_module = entry.path().is_dir() || file.ends_with(".rs") && stem != "main";
+            assert!(
+                !is_module || declared.contains(stem),
+                "{name}: tests/integration/main.rs does not declare {file}"
+            );
+        }
+        let beside = std::fs::read_dir(&folder).expect("its parent").flatten();
+        let lost: Vec<_> = beside
+            .filter(|entry| entry.path().extension().is_some_and(|e| e == "rs"))
+            .map(|entry| entry.path())
+            .collect();
+        assert!(lost.is_empty(), "no program runs the tests of {lost:?}");
+    }
+}
+
+#[test]
+fn design_md_gives_a_reason_for_every_dependency() {
+    let text = read(&root().join("DESIGN.md"));
+    let metadata = metadata();
+    let members: Vec<&str> = CRATES.iter().map(|(name, ..)| *name).collect();
+    let mut missing = BTreeSet::new();
+    for package in metadata.workspace_packages() {
+        for dependency in &package.dependencies {
+            let name = dependency.name.as_str();
+            if !members.contains(&name) && !text.contains(&format!("`{name}`")) {
+                missing.insert(name.to_owned());
+            }
+        }
+    }
+    assert!(
+        missing.is_empty(),
+        "DESIGN.md gives no reason for {missing:?}"
+    );
+}
+
+/// Absolute folders of somebody's machine and addresses of package registries have no place in the project.
+#[test]
+fn no_file_names_a_machine_or_a_registry() {
+    let unwanted: Vec<String> = [
+        ("/wo", "rk/"),
+        ("/ro", "ot/"),
+        ("/ho", "me/"),
+        ("pypi", ".org"),
+        ("crates", ".io"),
+        ("npmjs", ".org"),
+        ("npmjs", ".com"),
+        ("pythonhosted", ".org"),
+        ("docker", ".io"),
+        ("ghcr", ".io"),
+        ("127.0", ".0.1"),
+    ]
+    .map(|(a, b)| format!("{a}{b}"))
+    .into();
+    let mut found = Vec::new();
+    for path in files_below(&root()) {
+        // The lock file is cargo's own.
+        if path.file_name().is_some_and(|name| name == "Cargo.lock") {
+            continue;
+        }
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            continue;
+        };
+        for word in unwanted.iter().filter(|word| text.contains(word.as_str())) {
+            found.push(format!("{}: {word}", shown(&path)));
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "named where they should not be:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn the_scanner_sees_code_and_nothing_else() {
+    let source = r##"
+use std::{env, io::{self, Read}, fs::File};
+// println!("in a comment")
+/* unsafe /* nested */ std::fs */
+fn f<'a>(x: &'a str) -> char { let _ = "unsafe \" std::fs"; let _ = r#"print!"#; let _ = '"'; '\'' }
+fn g() { println!("{}", 1); }
+#[cfg(test)]
+mod tests { fn h() { std::fs::read("x"); } }
+fn after() { eprintln!("x") }
+"##;
+    let code = with_groups_written_out(&product_code(source));
+    assert_eq!(lines_with(&code, "std::env"), [2]);
+    assert_eq!(lines_with(&code, "std::fs"), [2]);
+    assert_eq!(lines_with(&code, "println!"), [6]);
+    assert_eq!(lines_with(&code, "eprintln!"), [9]);
+    assert!(lines_with(&code, "unsafe").is_empty());
+    assert!(lines_with(&code, "print!").is_empty());
+    assert_eq!(code.lines().count(), source.lines().count());
+}

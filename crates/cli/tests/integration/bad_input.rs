@@ -1,0 +1,759 @@
+//! Whatever is wrong with an input: exit code 2, one clear message with its place and a remedy, and nothing written.
+
+use crate::support;
+
+use support::program::{Said, Study, corroborate};
+use support::root;
+
+/// The message is about `code`, contains `place`, and says what to do.
+#[track_caller]
+fn assert_refused(said: &Said, code: &str, place: &str) {
+    assert_eq!(said.code, 2, "exit code: {said:?}");
+    assert!(said.out.is_empty(), "something was printed: {said:?}");
+    // Missing fields are told all at once, each as a message.
+    let missing = said.talk.matches("]: missing field `").count();
+    let errors = said.talk.matches("error[").count();
+    assert_eq!(errors, missing.max(1), "one message:\n{}", said.talk);
+    assert!(
+        said.talk.contains(&format!("error[{code}]")),
+        "expected {code}:\n{}",
+        said.talk
+    );
+    assert!(
+        said.talk.contains(place),
+        "expected the place {place}:\n{}",
+        said.talk
+    );
+    // A remedy stands on a line of its own, or ends the message behind a semicolon or colon.
+    let remedy =
+        said.talk.contains("= help: ") || said.talk.contains("; ") || said.talk.contains(": guard");
+    assert!(remedy, "no remedy:\n{}", said.talk);
+    assert!(!said.talk.contains("panicked"), "{}", said.talk);
+}
+
+/// Spoils a fresh study, runs it, and expects a refusal that leaves nothing behind.
+#[track_caller]
+fn refuses(spoil: impl FnOnce(&Study), code: &str, place: &str) {
+    let study = Study::new();
+    spoil(&study);
+    let before = study.contents();
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, code, place);
+    assert_eq!(study.contents(), before, "files were written or changed");
+    assert!(!study.path("results").exists(), "a folder was left behind");
+}
+
+#[test]
+fn a_syntax_error_in_a_model() {
+    refuses(
+        |s| {
+            s.edit("model.prism", "->", "-");
+        },
+        "syntax",
+        "study/model.prism:1",
+    );
+}
+
+#[test]
+fn a_probability_above_one() {
+    refuses(
+        |s| {
+            s.edit("model.prism", "0.95", "1.95");
+        },
+        "not-a-probability",
+        "study/model.prism:19:23",
+    );
+}
+
+#[test]
+fn a_constant_without_value() {
+    refuses(
+        |s| {
+            s.edit("model.prism", " = 0.95", "");
+        },
+        "undefined-constant",
+        "study/model.prism:10",
+    );
+}
+
+#[test]
+fn an_unknown_name_in_a_binding() {
+    refuses(
+        |s| {
+            s.edit("vocabulary.toml", "robot=approach", "robot=aproach");
+        },
+        "unknown-name",
+        "study/vocabulary.toml:9:10",
+    );
+}
+
+#[test]
+fn a_property_over_an_unknown_label() {
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "F \"docked\"", "F \"dokced\"");
+        },
+        "unknown-proposition",
+        "study/requirements.toml:16",
+    );
+}
+
+#[test]
+fn a_study_without_requirements() {
+    refuses(
+        |s| {
+            s.write("requirements.toml", "# none\n");
+        },
+        "no-requirements",
+        "study/requirements.toml",
+    );
+    refuses(
+        |s| std::fs::remove_file(s.path("requirements.toml")).expect("removed"),
+        "cannot-read",
+        "study/requirements.toml",
+    );
+}
+
+#[test]
+fn a_missing_column() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "successes", "good");
+        },
+        "bad-table",
+        "study/attempts.csv",
+    );
+}
+
+#[test]
+fn counts_that_are_none() {
+    for count in ["1e30", "-3", "many", "99999999999999999999"] {
+        refuses(
+            |s| {
+                s.edit("attempts.csv", "\n1,4,", &format!("\n1,{count},"));
+            },
+            "bad-table",
+            "study/attempts.csv, line 2",
+        );
+    }
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "\n1,4,", "\n1,9,");
+        },
+        "bad-counts",
+        "study/attempts.csv, line 2",
+    );
+    refuses(
+        |s| {
+            s.edit("failure_modes.csv", ",4,100", ",400,100");
+        },
+        "bad-counts",
+        "study/failure_modes.csv, line 2",
+    );
+}
+
+#[test]
+fn a_row_with_too_few_cells() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "1,4,5,M\n", "1,4,5\n");
+        },
+        "bad-table",
+        "study/attempts.csv, line 2",
+    );
+}
+
+/// Which of two rows counts must not depend on their order.
+#[test]
+fn a_row_that_stands_twice() {
+    refuses(
+        |s| {
+            s.edit(
+                "failure_modes.csv",
+                ",4,100",
+                ",4,100\nmissed_contact,8,200",
+            );
+        },
+        "duplicate-row",
+        "study/failure_modes.csv, line 3",
+    );
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "\n2,5,5,", "\n1,5,5,");
+        },
+        "duplicate-row",
+        "study/attempts.csv, line 3",
+    );
+}
+
+/// A misspelt code would go uncounted.
+#[test]
+fn a_code_that_nothing_counts() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "\n2,5,5,", "\n2,5,5,Q");
+        },
+        "unknown-code",
+        "study/attempts.csv, line 3, column \"failure_modes\"",
+    );
+}
+
+#[test]
+fn a_cohort_without_attempts() {
+    refuses(
+        |s| {
+            s.write(
+                "attempts.csv",
+                "session,successes,attempts,failure_modes\n1,0,0,\n",
+            );
+        },
+        "bad-counts",
+        "study/attempts.csv",
+    );
+}
+
+#[test]
+fn tables_that_contradict_each_other() {
+    refuses(
+        |s| {
+            s.edit("attempts.csv", "1,4,5,M\n", "1,4,5,\n");
+        },
+        "tables-disagree",
+        "study/attempts.csv",
+    );
+}
+
+#[test]
+fn empty_files() {
+    for (file, code) in [
+        ("study.toml", "bad-study-file"),
+        ("ledger.toml", "empty-ledger"),
+        ("attempts.csv", "bad-table"),
+        ("model.prism", "unknown-name"),
+    ] {
+        refuses(
+            |s| {
+                s.write(file, "");
+            },
+            code,
+            "study/",
+        );
+    }
+}
+
+/// A sentence tells all its unknown names at once.
+#[test]
+fn an_empty_vocabulary() {
+    let study = Study::new();
+    study.write("vocabulary.toml", "");
+    let said = study.run(&["run", "study"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert_eq!(
+        said.talk.matches("error[unknown-name]").count(),
+        2,
+        "{}",
+        said.talk
+    );
+    assert!(
+        said.talk.contains("study/requirements.toml:14:15"),
+        "{}",
+        said.talk
+    );
+}
+
+#[test]
+fn a_file_that_is_no_text() {
+    refuses(
+        |s| {
+            s.write("study.toml", [0xff, 0xfe, 0x00]);
+        },
+        "not-text",
+        "study/study.toml",
+    );
+    refuses(
+        |s| {
+            s.write("model.prism", [b'd', 0xc3, 0x28]);
+        },
+        "not-text",
+        "study/model.prism",
+    );
+}
+
+#[test]
+fn huge_numbers() {
+    refuses(
+        |s| {
+            s.edit("study.toml", "confidence = 0.95", "confidence = 1e400");
+        },
+        "bad-study-file",
+        "study/study.toml:10:14",
+    );
+    refuses(
+        |s| {
+            s.edit("study.toml", "seed = 1", "seed = 99999999999999999999");
+        },
+        "bad-study-file",
+        "study/study.toml:7:8",
+    );
+    refuses(
+        |s| {
+            s.edit("model.prism", "[0..3]", "[0..99999999999999999999]");
+        },
+        "literal-too-large",
+        "study/model.prism:14",
+    );
+}
+
+#[test]
+fn levels_margins_and_thresholds_that_are_none() {
+    refuses(
+        |s| {
+            s.edit("study.toml", "confidence = 0.95", "confidence = 95");
+        },
+        "bad-level",
+        "study/study.toml:10",
+    );
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "margin = 0.10", "margin = -1");
+        },
+        "bad-margin",
+        "study/requirements.toml:15:10",
+    );
+    refuses(
+        |s| {
+            s.edit("requirements.toml", "at least 0.9", "at least 7");
+        },
+        "probability",
+        "study/requirements.toml:14:44",
+    );
+    refuses(
+        |s| {
+            let both = "threshold = \"at least 7\"\nmargin = 0.10";
+            s.edit("requirements.toml", "margin = 0.10", both);
+        },
+        "bad-threshold",
+        "study/requirements.toml:15:13",
+    );
+}
+
+#[test]
+fn wrong_names_in_the_ledger() {
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "id = \"E2\"", "id = \"E1\"");
+        },
+        "duplicate-id",
+        "study/ledger.toml:13:6",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "model.prism", "modle.prism");
+        },
+        "missing-file",
+        "study/ledger.toml:9:9",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "\"typical\"", "\"tipical\"");
+        },
+        "unknown-conditions",
+        "study/ledger.toml:8:14",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "changed", "chnaged");
+        },
+        "bad-study-file",
+        "study/ledger.toml:",
+    );
+    refuses(
+        |s| {
+            s.edit("ledger.toml", "model-checking", "guessing");
+        },
+        "bad-study-file",
+        "study/ledger.toml:7:13",
+    );
+}
+
+#[test]
+fn an_update_that_leaves_its_range_in_a_state_that_is_reached_late() {
+    let study = Study::new();
+    study.edit("model.prism", "attempts<3", "attempts<=3");
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, "cannot-explore", "study/model.prism:17");
+    assert!(
+        !study.path("results/report.html").exists(),
+        "a report was left behind"
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_written() {
+    let study = Study::new();
+    // Below a file, and below a folder of the system: refused to everyone, also to root.
+    let before = study.contents();
+    let said = study.run(&["run", "study", "--out", "study/study.toml/results"]);
+    assert_refused(&said, "cannot-write", "study/study.toml/results");
+    let said = study.run(&["run", "study", "--out", "/proc/corroborate"]);
+    assert_refused(&said, "cannot-write", "/proc/corroborate");
+    let said = study.run(&["init", "study/model.prism/new"]);
+    assert_refused(&said, "cannot-write", "study/model.prism/new");
+    assert_eq!(study.contents(), before, "files were written or changed");
+}
+
+#[test]
+fn a_results_folder_that_is_a_file() {
+    let study = Study::new();
+    study.write("results", "mine");
+    let said = study.run(&["run", "study"]);
+    assert_refused(&said, "cannot-write", "study/results");
+    assert_eq!(
+        std::fs::read(study.path("results")).expect("still there"),
+        b"mine"
+    );
+}
+
+#[test]
+fn what_is_not_there() {
+    let study = Study::new();
+    assert_refused(&study.run(&["run", "nowhere"]), "no-study", "nowhere");
+    assert_refused(
+        &study.run(&["run", "study", "--only", "E9"]),
+        "unknown-evidence",
+        "E9",
+    );
+    assert_refused(&study.run(&["report", "study"]), "not-run", "study/results");
+    assert_refused(
+        &study.run(&["compare", "study"]),
+        "not-run",
+        "study/results",
+    );
+    assert_refused(
+        &study.run(&["simulate", "study", "E1", "--out", "x"]),
+        "not-a-simulation",
+        "E1",
+    );
+    assert_refused(
+        &study.run(&["explain", "nonsense"]),
+        "unknown-topic",
+        "nonsense",
+    );
+    assert_refused(&study.run(&["init", "study"]), "folder-not-empty", "study");
+    assert_refused(
+        &study.run(&["check", "nothing.prism"]),
+        "cannot-read",
+        "nothing.prism",
+    );
+    assert_refused(&study.run(&["check", "study"]), "cannot-read", "study");
+}
+
+#[test]
+fn bad_recordings() {
+    let study = Study::new();
+    let file = |name: &str, content: &[u8]| {
+        std::fs::write(study.beside().join(name), content).expect("written")
+    };
+    file("empty.mcap", b"");
+    file("zeros.mcap", &[0; 300]);
+    file("head.mcap", b"\x89MCAP0\r\n");
+    file("table.csv", b"time_secs,/robot.x\n0,1\n");
+    file(
+        "untimed.csv",
+        b"/robot.state,/battery.charging\napproach,false\n",
+    );
+    for (name, code, place) in [
+        ("empty.mcap", "bad-recording", "empty.mcap"),
+        ("zeros.mcap", "bad-recording", "zeros.mcap"),
+        ("missing.mcap", "bad-recording", "missing.mcap"),
+        ("untimed.csv", "bad-recording", "untimed.csv"),
+        ("table.csv", "bad-predicate", "study/vocabulary.toml:10"),
+    ] {
+        let said = study.run(&["monitor", "study", name]);
+        assert_refused(&said, code, place);
+    }
+    let said = study.run(&["monitor", "study", "head.mcap"]);
+    assert!(matches!(said.code, 2 | 3), "{said:?}");
+}
+
+/// `corroborate check` on the wrong models of `conformance/bad`: each of their mistakes is shown with its line.
+#[test]
+fn check_shows_every_mistake_of_a_model_at_once() {
+    let folder = root().join("conformance/bad");
+    let said = corroborate(&folder, &["check", "names.prism"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    for line in [
+        "names.prism:6:34",
+        "names.prism:7:6",
+        "names.prism:8:17",
+        "names.prism:10:25",
+    ] {
+        assert!(
+            said.talk.contains(line),
+            "{line} is missing:\n{}",
+            said.talk
+        );
+    }
+    assert!(
+        said.talk.contains("did you mean") || said.talk.contains("Did you mean"),
+        "{}",
+        said.talk
+    );
+}
+
+#[test]
+fn check_names_the_place_in_a_property_of_the_command_line() {
+    let folder = root().join("conformance/models");
+    let said = corroborate(
+        &folder,
+        &["check", "knuth_die.prism", "P=? [ F \"finished\" ]"],
+    );
+    assert_refused(&said, "unknown-label", "<property>:1:9");
+    let said = corroborate(&folder, &["check", "knuth_die.prism", "P=? [ F s=7"]);
+    assert_refused(&said, "syntax", "<property>:1:");
+    let said = corroborate(&folder, &["check", "knuth_die.prism", "missing.props"]);
+    assert_refused(&said, "cannot-read", "missing.props");
+}
+
+#[test]
+fn check_refuses_constants_that_do_not_fit() {
+    let folder = root().join("conformance/models");
+    let check = |constants| {
+        corroborate(
+            &folder,
+            &[
+                "check",
+                "gambler.prism",
+                "P=? [ F money=0 ]",
+                "--const",
+                constants,
+            ],
+        )
+    };
+    assert_refused(
+        &check("N=3,k=1,p=1.5"),
+        "not-a-probability",
+        "gambler.prism:11:27",
+    );
+    assert_refused(
+        &check("N=3,k=9,p=0.5"),
+        "init-out-of-range",
+        "gambler.prism:10",
+    );
+    assert_refused(&check("N=3,k=1,p=0.5,q=1"), "unknown-constant", "q");
+    assert_refused(&check("N=1e30,k=1,p=0.5"), "type", "gambler.prism:5");
+    assert_refused(&check("N=,k=1"), "bad-constants", "--const");
+}
+
+#[test]
+fn a_call_that_is_wrong_says_what_is_right() {
+    let study = Study::new();
+    for arguments in [
+        &["chekc"][..],
+        &["check"],
+        &["run", "study", "--treads", "2"],
+        &["run", "study", "-j", "0"],
+    ] {
+        let said = study.run(arguments);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(
+            said.out.is_empty() && said.talk.contains("--help") || said.talk.contains("Usage"),
+            "{said:?}"
+        );
+    }
+}
+
+/// A syntax error costs its own property; the others are answered.
+#[test]
+fn check_answers_the_properties_beside_one_with_a_syntax_error() {
+    let study = Study::new();
+    study.write(
+        "some.props",
+        "P=? [ F s=7 & d=1 ];\n\"half\": P=? [ F s=7 ;\nP=? [ F s=7 & d=2 ]\n",
+    );
+    let model = root().join("conformance/models/knuth_die.prism");
+    let model = model.to_string_lossy();
+    let said = study.run(&["check", &model, "study/some.props", "--format", "json"]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(said.talk.contains("study/some.props:2:"), "{}", said.talk);
+    let report: serde_json::Value = serde_json::from_str(&said.out).expect("a report");
+    let properties = report["properties"].as_array().expect("properties");
+    let answers: Vec<_> = properties.iter().map(|p| p["value"].as_f64()).collect();
+    assert_eq!((answers.len(), answers[1]), (3, None), "{report}");
+    for answer in [answers[0], answers[2]] {
+        assert!(
+            (answer.expect("a value") - 1.0 / 6.0).abs() < 1e-6,
+            "{report}"
+        );
+    }
+    assert_eq!(properties[1]["name"], "half");
+    let error = properties[1]["error"].as_str().expect("why not");
+    assert!(error.contains("some.props:2:"), "{error}");
+}
+
+/// Older models have an accent in Latin-1: they are read, and places are right behind it.
+#[test]
+fn check_reads_latin_1_with_a_note() {
+    let study = Study::new();
+    let text = b"// Caf\xE9\ndtmc\nmodule m x : [0..1]; [] x=0 -> (x'=1); endmodule\n";
+    study.write("old.nm", text);
+    let said = study.run(&["check", "study/old.nm", "P=? [ F x=1 ]"]);
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(said.talk.contains("study/old.nm:1:7: "), "{}", said.talk);
+    study.write("old.nm", b"// \xE9\xE9\xE9\ndtmc /* module".as_slice());
+    let said = study.run(&["check", "study/old.nm", "P=? [ F x=1 ]"]);
+    assert!(said.talk.contains("study/old.nm:2:6"), "{}", said.talk);
+}
+
+/// Inputs without end, or with 100,000 mistakes: one short message.
+#[test]
+fn check_has_limits_from_the_first_byte() {
+    let study = Study::new();
+    let short = |said: &Said, code: &str| {
+        assert_eq!(said.code, 2, "{}", said.talk.len());
+        assert!(
+            said.talk.contains(&format!("error[{code}]")),
+            "{}",
+            &said.talk[..300]
+        );
+        assert!(said.talk.len() < 40_000, "{} bytes", said.talk.len());
+    };
+    #[cfg(target_os = "linux")]
+    short(&study.run(&["check", "/dev/zero"]), "cannot-read");
+    let commands = "  [] y=0 -> (x'=1);\n".repeat(100_000);
+    study.write(
+        "many.prism",
+        format!("dtmc\nmodule m x : [0..1];\n{commands}endmodule\n"),
+    );
+    let said = study.run(&["check", "study/many.prism"]);
+    short(&said, "unknown-name");
+    assert!(
+        said.talk.contains("99950 more mistakes are not shown"),
+        "{}",
+        said.talk
+    );
+    let digits = "7".repeat(2_000_000);
+    study.write(
+        "long.prism",
+        format!("dtmc\nmodule m x : [0..{digits}]; endmodule\n"),
+    );
+    short(
+        &study.run(&["check", "study/long.prism"]),
+        "literal-too-large",
+    );
+    study.write(
+        "long.prism",
+        format!("dtmc\nconst double p = 0.{digits};\n"),
+    );
+    short(
+        &study.run(&["check", "study/long.prism"]),
+        "literal-too-large",
+    );
+    let copies =
+        (1..3_000).map(|i| format!("module m{i} = m{} [x{}=x{i}] endmodule\n", i - 1, i - 1));
+    let copies: String = copies.collect();
+    let text = format!("mdp\nmodule m0 x0 : [0..1]; [] z=0 -> (x0'=1); endmodule\n{copies}");
+    study.write("copies.prism", text);
+    short(&study.run(&["check", "study/copies.prism"]), "unknown-name");
+}
+
+/// Rounded probabilities: an error that names PRISM's option; with it, bounds that contain what was meant.
+#[test]
+fn check_takes_rounded_probabilities_where_it_is_asked_to() {
+    let study = Study::new();
+    let text = "dtmc\nmodule m x : [0..3];\n\
+        [] x=0 -> 0.333333:(x'=1) + 0.333333:(x'=2) + 0.333333:(x'=3);\nendmodule\n\
+        rewards \"r\" true : 1; endrewards\n";
+    study.write("third.prism", text);
+    let asked = ["check", "study/third.prism", "P=? [ F x=1 ]"];
+    let said = study.run(&asked);
+    assert_refused(&said, "probability-sum", "third.prism:3:1");
+    assert!(said.talk.contains("-sumroundoff"), "{}", said.talk);
+    for method in ["sound", "exact"] {
+        let with = [
+            &asked[..],
+            &[
+                "-sumroundoff",
+                "1e-5",
+                "--method",
+                method,
+                "--format",
+                "json",
+            ],
+        ];
+        let said = study.run(&with.concat());
+        assert_eq!(said.code, 0, "{said:?}");
+        let report: serde_json::Value = serde_json::from_str(&said.out).expect("a report");
+        let answer = &report["properties"][0];
+        assert_eq!(
+            (&answer["guarantee"], &answer["exact"]),
+            (&"bounded".into(), &false.into())
+        );
+        let (low, high) = (
+            answer["low"].as_f64().expect("low"),
+            answer["high"].as_f64().expect("high"),
+        );
+        // The missing millionth may belong to this outcome, or to the others.
+        assert!(
+            low <= 0.333333 && 0.333334 <= high && high - low < 3e-6,
+            "{low} {high}"
+        );
+    }
+    // Of rewards there are no such bounds, and of choices neither.
+    let rewards = [
+        "check",
+        "study/third.prism",
+        "R=? [ F x>0 ]",
+        "-sumroundoff",
+        "1e-5",
+        "--format",
+        "json",
+    ];
+    let said = study.run(&rewards);
+    let report: serde_json::Value = serde_json::from_str(&said.out).expect("a report");
+    assert_eq!(
+        report["properties"][0]["guarantee"], "estimated",
+        "{report}"
+    );
+    study.edit("third.prism", "dtmc", "mdp");
+    let choices = [
+        "check",
+        "study/third.prism",
+        "Pmax=? [ F x=1 ]",
+        "-sumroundoff",
+        "1e-5",
+        "--format",
+        "json",
+    ];
+    let said = study.run(&choices);
+    let report: serde_json::Value = serde_json::from_str(&said.out).expect("a report");
+    assert_eq!(
+        report["properties"][0]["guarantee"], "estimated",
+        "{report}"
+    );
+    // A sum that misses 1 by more than is asked for.
+    let said = study.run(&[&choices[..4], &["1e-7"]].concat());
+    assert_refused(&said, "probability-sum", "third.prism:3:1");
+}
+
+/// Keys that a technique does not use are no decoration.
+#[test]
+fn keys_of_other_techniques_are_refused() {
+    for key in [
+        "scenario = \"model.prism\"",
+        "recordings = \"runs\"",
+        "episodes = 100",
+    ] {
+        refuses(
+            |s| {
+                s.edit(
+                    "ledger.toml",
+                    "model = \"model.prism\"",
+                    &format!("model = \"model.prism\"\n{key}"),
+                );
+            },
+            "bad-ledger",
+            "study/ledger.toml:",
+        );
+    }
+}

@@ -1,0 +1,172 @@
+//! Numbers that are taken over different runs are not put side by side, and a constant is what its lineage says.
+
+use crate::support;
+
+use serde_json::Value;
+use support::program::corroborate;
+use tempfile::TempDir;
+
+const STUDY: &str = "title = \"t\"\nsummary = \"s\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n\
+                     [conditions]\ntypical = \"any\"\n[model]\nstep = \"1 s\"\n";
+
+/// A person is near in 15 % of the runs, and the robot then too fast in 35 %.
+const MODEL: &str = "dtmc\nconst double pFast = 0.35;\nmodule m\n  s : [0..3] init 0;\n\
+                     [] s=0 -> 0.15*pFast:(s'=1) + 0.15*(1-pFast):(s'=2) + 0.85:(s'=3);\n  [] s>0 -> true;\nendmodule\n";
+
+const VOCABULARY: &str = "near = { meaning = \"near\", model = \"s=1 | s=2\", trace = \"/r.near\" }\n\
+                          slow = { meaning = \"slow\", model = \"s!=1\", trace = \"/r.slow\" }\n\
+                          kept = { meaning = \"kept\", column = \"kept\" }\n";
+
+const SENTENCE: &str = "shall = \"Whenever near, the robot shall immediately satisfy slow.\"";
+
+const LEDGER: &str = "[[evidence]]\nid = \"M\"\ntitle = \"model\"\ntechnique = \"model-checking\"\n\
+    conditions = \"typical\"\nmodel = \"m.prism\"\nchanged = \"c\"\n\
+    [[evidence]]\nid = \"X\"\ntitle = \"experiment\"\ntechnique = \"experiment\"\n\
+    conditions = \"typical\"\ntables.requirements = \"r.csv\"\nchanged = \"c\"\n";
+
+fn study(requirement: &str, table: &str) -> TempDir {
+    let folder = TempDir::new().expect("a folder");
+    let requirements =
+        format!("[[requirement]]\nid = \"1\"\ntext = \"t\"\nmargin = 0.1\n{requirement}\n");
+    for (name, text) in [
+        ("study.toml", STUDY),
+        ("vocabulary.toml", VOCABULARY),
+        ("requirements.toml", requirements.as_str()),
+        ("ledger.toml", LEDGER),
+        ("m.prism", MODEL),
+        ("r.csv", table),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    folder
+}
+
+fn result(folder: &TempDir) -> Value {
+    let said = corroborate(folder.path(), &["run", ".", "--format", "json"]);
+    serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"))
+}
+
+fn finding<'r>(result: &'r Value, id: &str) -> &'r Value {
+    let all = result["evidence"].as_array().expect("evidence");
+    let piece = all.iter().find(|it| it["id"] == id).expect("a piece");
+    &piece["findings"][0]
+}
+
+#[test]
+fn a_triggered_requirement_is_computed_given_its_trigger_and_conflicts_with_sixty_of_sixty() {
+    let folder = study(SENTENCE, "requirement,covered,passed,failed\n1,60,60,0\n");
+    let result = result(&folder);
+    let model = finding(&result, "M");
+    let value = model["measure"]["answer"]["value"]
+        .as_f64()
+        .expect("a value");
+    let trigger = model["trigger"]["answer"]["value"].as_f64();
+    let trigger = trigger.expect("a trigger");
+    assert!((value - 0.65).abs() < 1e-6, "{value}");
+    assert!((trigger - 0.15).abs() < 1e-6, "{trigger}");
+    assert_eq!(model["denominator"]["kind"], "triggered");
+    assert_eq!(
+        result["comparisons"][0]["outcome"], "conflicts",
+        "{}",
+        result["comparisons"]
+    );
+}
+
+/// How a person behaves is left open: coming quickly or slowly, or not at all.
+#[test]
+fn a_decision_process_gives_a_range_over_all_schedulers_given_the_trigger() {
+    let model = "mdp\nmodule m\n  s : [0..3] init 0;\n\
+                 [quickly] s=0 -> 0.35:(s'=1) + 0.65:(s'=2);\n\
+                 [slowly] s=0 -> 0.1:(s'=1) + 0.9:(s'=2);\n\
+                 [away] s=0 -> (s'=3);\n  [] s>0 -> true;\nendmodule\n";
+    let compared = |forms: &str, passed: u64| {
+        let failed = 60 - passed;
+        let folder = study(
+            forms,
+            &format!("requirement,covered,passed,failed\n1,60,{passed},{failed}\n"),
+        );
+        std::fs::write(folder.path().join("m.prism"), model).expect("written");
+        result(&folder)
+    };
+    let handwritten = |query: &str| {
+        format!("property = '{query} [ G (\"near\" => \"slow\") ]'\ntrigger = 'P=? [ F \"near\" ]'")
+    };
+    for forms in [
+        SENTENCE.to_owned(),
+        handwritten("P=?"),
+        handwritten("Pmin=?"),
+    ] {
+        let result = compared(&forms, 48);
+        let answer = &finding(&result, "M")["measure"]["answer"];
+        let guarantee = &answer["guarantee"];
+        assert_eq!(guarantee["kind"], "schedulers", "{answer}");
+        let end = |name: &str| guarantee[name].as_f64().expect("an end");
+        assert!((end("low") - 0.65).abs() < 1e-5, "{answer}");
+        assert!((end("high") - 0.9).abs() < 1e-5, "{answer}");
+        assert!((answer["value"].as_f64().expect("a value") - 0.65).abs() < 1e-5);
+        let trigger = &finding(&result, "M")["trigger"]["answer"]["guarantee"];
+        assert_eq!(
+            (trigger["low"].as_f64(), trigger["high"].as_f64()),
+            (Some(0.0), Some(1.0))
+        );
+        let comparison = &result["comparisons"][0];
+        assert_eq!(comparison["outcome"], "corroborates", "{comparison}");
+        let reason = comparison["reason"].as_str().expect("a reason");
+        assert!(reason.contains("says little"), "{reason}");
+    }
+    // Beyond the best scheduler, and below the worst one.
+    for passed in [60, 12] {
+        let comparison = &compared(SENTENCE, passed)["comparisons"][0];
+        assert_eq!(comparison["outcome"], "conflicts", "{comparison}");
+    }
+}
+
+#[test]
+fn where_the_trigger_is_unknown_to_the_model_numbers_over_different_runs_are_not_compared() {
+    let unknown = "property = 'P=? [ G (\"near\" => \"slow\") ]'\nmonitor.when = \"/r.close\"\n\
+                   monitor.then = [{ assert = \"slow\" }]";
+    let table = "requirement,covered,passed,failed\n1,60,60,0\n";
+    let compared = |forms: &str| {
+        let result = result(&study(forms, table));
+        let comparison = &result["comparisons"][0];
+        let (outcome, reason) = (comparison["outcome"].clone(), comparison["reason"].clone());
+        (outcome, reason.as_str().expect("a reason").to_owned())
+    };
+    let (outcome, reason) = compared(unknown);
+    assert_eq!(outcome, "not-comparable", "{reason}");
+    assert!(
+        reason.contains("different runs") && reason.contains("trigger ="),
+        "{reason}"
+    );
+    // What is written decides it.
+    let written = format!("{unknown}\ntrigger = 'P=? [ F \"near\" ]'");
+    let (outcome, reason) = compared(&written);
+    assert_eq!(outcome, "conflicts", "{reason}");
+}
+
+#[test]
+fn a_constant_that_is_not_the_rate_it_is_said_to_be_set_to_is_refused_with_both_numbers() {
+    let calibrated = |passed: u64| {
+        let folder = study(
+            SENTENCE,
+            &format!(
+                "requirement,covered,passed,failed\n1,200,{passed},{}\n",
+                200 - passed
+            ),
+        );
+        // The model rests on the experiment, which so comes first.
+        let (model, experiment) =
+            LEDGER.split_at(LEDGER.find("[[evidence]]\nid = \"X\"").expect("X"));
+        let line = "calibrated = [{ constant = \"pFast\", from = \"X\", requirement = \"1\", held = true }]\n";
+        let ledger = format!("{experiment}{model}{line}");
+        std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+        corroborate(folder.path(), &["run", "."])
+    };
+    let refused = calibrated(174);
+    assert_eq!(refused.code, 2, "{refused:?}");
+    for part in ["0.35", "174/200", "0.87", "ledger.toml:", "pFast = 174/200"] {
+        assert!(refused.talk.contains(part), "{part}: {}", refused.talk);
+    }
+    let taken = calibrated(70);
+    assert_ne!(taken.code, 2, "{taken:?}");
+}

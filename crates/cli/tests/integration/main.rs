@@ -1,0 +1,37 @@
+//! All integration tests of the crate in one program, since each program costs a link.
+
+mod architecture;
+mod assurance;
+mod bad_input;
+mod calibrate;
+mod campaign;
+mod case_study;
+mod commands;
+mod conditions;
+mod copies;
+mod corridor;
+mod cut_recordings;
+mod decision;
+mod diagnose;
+mod drift;
+mod ended_early;
+mod engines;
+mod explore;
+mod explore_corridor;
+mod failing_programs;
+mod fuzz_inputs;
+mod language;
+mod licences;
+mod rare;
+mod recordings;
+mod refine;
+mod refine_simulation;
+mod refine_together;
+mod replay;
+mod requirement_forms;
+mod shrink;
+mod signals;
+mod simulation;
+mod support;
+mod verdict_steps;
+mod what_if;

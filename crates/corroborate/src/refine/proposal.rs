@@ -1,0 +1,375 @@
+//! Proposals: what may be changed, why, and what it is predicted to do.
+
+use super::command::CommandFit;
+use super::ledger_text::Names;
+use super::one_value::OneValue;
+use super::simulator::Recalibration;
+use super::solver::Solver;
+use diagnostic::Problem;
+use evidence::{StudyResult, Subject};
+use refinement::{
+    Asked, Changed, Counts, Exchange, FormChange, Ground, Model, ModelChange, ModelOffers, SAME,
+    TextChange, Trial, Values, rate_of, unified,
+};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use study::{Entry, Study, Work, quoted_names};
+
+/// One change that is offered.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Proposal {
+    /// By which it is accepted, from 1.
+    pub number: usize,
+    /// The suspect that it is for, by its rank as `diagnose` and the report show
+    /// it; none if nothing is suspected for it.
+    pub suspect: Option<u32>,
+    /// What is changed, as a headline.
+    pub title: String,
+    /// Why.
+    pub reason: String,
+    /// The file that is changed, or from which the new one is made.
+    pub file: String,
+    /// Other files that change together with it, since each alone would contradict the others.
+    pub also: Vec<String>,
+    /// The change as a unified diff of all these files; empty if it is only known once it is made.
+    pub diff: String,
+    /// What it changes, by solving the changed asset.
+    pub effects: Vec<Effect>,
+    /// What it does to the agreement with all other evidence, as far as that can be computed before it is made.
+    pub tried: Trial,
+    /// What has to be known before it is accepted.
+    pub notes: Vec<String>,
+    /// Whether `--all` leaves it open: it decides what a text means, or it makes other evidence conflict.
+    pub needs_decision: bool,
+    /// What is done.
+    #[serde(skip)]
+    pub change: Change,
+}
+
+/// A value before and after a change.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Effect {
+    /// The requirement or failure mode.
+    pub subject: Subject,
+    /// The model's value now.
+    pub before: Option<f64>,
+    /// Its value after the change.
+    pub after: Option<f64>,
+    /// What was counted.
+    pub counted: Option<Counts>,
+    /// Of the value after the change, by the exact binomial test.
+    pub p_value: Option<f64>,
+}
+
+/// What is done if a proposal is accepted.
+#[derive(Clone, Debug)]
+pub enum Change {
+    /// A formal model is changed.
+    Model {
+        /// The entry of the ledger.
+        entry: String,
+        /// How.
+        change: ModelChange,
+    },
+    /// A requirement's form is changed.
+    Form(FormChange),
+    /// Another text of the study is changed in its place.
+    Text {
+        /// The file, relative to the study.
+        file: PathBuf,
+        /// How.
+        change: TextChange,
+    },
+    /// One value of a text is replaced in its place.
+    Value {
+        /// The file, relative to the study.
+        file: String,
+        /// Which value.
+        value: OneValue,
+    },
+    /// Two things change places, in all texts of the study that hold them.
+    Exchange {
+        /// The files, relative to the study, and what changes places in each.
+        texts: Vec<(String, Exchange)>,
+    },
+    /// A simulation's parameters are fitted again.
+    Recalibrate(Recalibration),
+    /// A number in the files of a simulator that is a command is found and fitted.
+    FitCommand(CommandFit),
+}
+
+/// What is offered, and what could not be.
+#[derive(Clone, Debug, Default)]
+pub struct Offered {
+    /// Proposals.
+    pub proposals: Vec<Proposal>,
+    /// Disagreements for which there is none, with the reason.
+    pub refused: Vec<String>,
+}
+
+impl Offered {
+    pub(super) fn add(&mut self, mut proposal: Proposal) {
+        proposal.number = self.proposals.len() + 1;
+        self.proposals.push(proposal);
+    }
+
+    /// Puts what does no harm before what does, and of these what is for the first suspects first.
+    pub(super) fn in_order(&mut self) {
+        let place = |it: &Proposal| (it.tried.is_harmful(), it.suspect.unwrap_or(u32::MAX));
+        self.proposals.sort_by_key(place);
+        for (number, proposal) in (1..).zip(&mut self.proposals) {
+            proposal.number = number;
+        }
+    }
+}
+
+/// The current evidence of each technique: the last in the ledger under each
+/// condition.
+pub fn current(study: &Study) -> Vec<&Entry> {
+    let mut found: Vec<&Entry> = Vec::new();
+    for entry in study.ledger.iter().filter(|entry| !entry.intermediate) {
+        let technique = entry.work.technique();
+        if !matches!(entry.work, Work::Check { .. }) && !is_simulated(entry) {
+            continue;
+        }
+        found.retain(|o| o.work.technique() != technique || o.conditions != entry.conditions);
+        found.push(entry);
+    }
+    found
+}
+
+/// Whether parameters of a simulation may be fitted.
+pub fn is_simulated(entry: &Entry) -> bool {
+    let is_ours = matches!(entry.work, Work::Simulate { .. });
+    is_ours
+        || matches!(entry.work, Work::Command { technique, .. } if technique == evidence::Technique::Simulation)
+}
+
+/// A formal model as it is, or as it has become.
+pub struct Asset<'a> {
+    /// The entry of the ledger that it belongs to.
+    pub entry: &'a Entry,
+    /// Its file.
+    pub path: &'a Path,
+    /// Its text.
+    pub text: &'a str,
+}
+
+/// What is refined: a study's evidence, and what it declares.
+pub fn ground<'a>(study: &'a Study, result: &'a StudyResult) -> Ground<'a> {
+    Ground {
+        evidence: &result.evidence,
+        requirements: &study.requirements,
+        failure_modes: &study.failure_modes,
+        comparisons: &result.comparisons,
+        confidence: result.confidence,
+    }
+}
+
+/// How formal models are asked about failure modes.
+pub fn asked(study: &Study) -> Vec<Asked> {
+    let modes = study.forms.subjects.iter();
+    let modes = modes.filter(|form| matches!(form.subject, Subject::FailureMode(_)));
+    modes
+        .map(|form| Asked {
+            mode: form.subject.id().to_owned(),
+            occurs: binding(study, form.property.as_ref().map(|p| p.text.as_str())),
+            after: binding(study, form.opportunity.as_ref().map(|p| p.text.as_str())),
+        })
+        .collect()
+}
+
+/// What could be changed in a formal model so that its failures come as often
+/// as they were counted.
+pub fn of_model(
+    study: &Study,
+    result: &StudyResult,
+    asset: &Asset,
+    solver: &Solver,
+) -> Result<ModelOffers, Problem> {
+    let before = solver.values(asset.path, asset.text)?;
+    let model = Model {
+        evidence: &asset.entry.id,
+        text: asset.text,
+        asked: &asked(study),
+        solver: &solver.at(asset.path),
+    };
+    Ok(ground(study, result).of_model(&model, &before))
+}
+
+/// What the only proposition of a question means to the model.
+fn binding(study: &Study, question: Option<&str>) -> Option<String> {
+    let names = quoted_names(question?);
+    let [(name, _)] = names.as_slice() else {
+        return None;
+    };
+    let proposition = study.vocabulary.propositions.get(name)?;
+    Some(proposition.model.as_ref()?.text.clone())
+}
+
+/// A change of a formal model as a proposal.
+pub fn model_proposal(
+    result: &StudyResult,
+    asset: &Asset,
+    before: &Values,
+    (suspect, tried): (Option<u32>, Trial),
+    (change, changed): (ModelChange, Changed),
+) -> Proposal {
+    let entry = &asset.entry.id;
+    let counts = change.counts();
+    let mode = Subject::FailureMode(change.mode().to_owned());
+    let old = asset.path.display().to_string();
+    let new = Names::next_model(asset.path);
+    let mut notes = vec![format!(
+        "From then on, agreement with {} on {} is a fit, not corroboration.",
+        counts.evidence,
+        mode.id().replace('_', " ")
+    )];
+    notes.extend(remains(&change, &changed));
+    notes.extend(changed.notes.iter().cloned());
+    notes.extend(hides(result, &change, before, changed.at_last()));
+    let is_harmful = tried.is_harmful();
+    Proposal {
+        number: 0,
+        suspect,
+        title: format!("{}: {}", entry, changed.what),
+        reason: reason(&change, rate_of(before, change.mode()), counts),
+        diff: unified(&old, &new, asset.text, &changed.text),
+        file: old,
+        also: Vec::new(),
+        effects: effects(result, before, &changed.values, &mode, counts),
+        tried,
+        notes,
+        needs_decision: is_harmful,
+        change: Change::Model {
+            entry: entry.clone(),
+            change,
+        },
+    }
+}
+
+fn reason(change: &ModelChange, rate: Option<f64>, counts: &Counts) -> String {
+    let mode = change.mode().replace('_', " ");
+    let rate = rate.unwrap_or(0.0);
+    match change {
+        ModelChange::Branch { .. } => format!(
+            "The model does not know {mode}, which was seen in {}.",
+            counts.words()
+        ),
+        ModelChange::Rate { .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}.",
+            counts.words()
+        ),
+        ModelChange::Solve { .. } => format!(
+            "The model's rate of {mode} is {rate:.6}, and it was counted in {}. No constant is that share: what decides it \
+             acts more than once in a run, or several act together, so that it is solved for.",
+            counts.words()
+        ),
+        ModelChange::Once { .. } => format!(
+            "The model's constant is the counted share ({}), but its rate of {mode} is {rate:.6}: it draws again and \
+             again where the counts have one opportunity.",
+            counts.words()
+        ),
+    }
+}
+
+/// What a change of a rate does not yet mend.
+fn remains(change: &ModelChange, changed: &Changed) -> Option<String> {
+    let ModelChange::Rate { counts, mode, .. } = change else {
+        return None;
+    };
+    let rate = rate_of(&changed.values, mode)?;
+    let is_far = (rate - counts.rate()).abs() > SAME * counts.rate().max(SAME);
+    is_far.then(|| {
+        format!(
+            "The rate then still is {rate:.6} and not {:.6}; refine again after this one.",
+            counts.rate()
+        )
+    })
+}
+
+/// Requirements that the data of the real system miss, and that the changed model would meet: the change would hide it.
+fn hides(
+    result: &StudyResult,
+    change: &ModelChange,
+    before: &Values,
+    after: &Values,
+) -> Vec<String> {
+    let counts = change.counts();
+    let of = |requirement: &evidence::Requirement| {
+        let subject = Subject::Requirement(requirement.id.clone());
+        let value = |values: &Values| values.get(&subject).copied().flatten();
+        let (now, then) = (value(before)?, value(after)?);
+        let meets = |rate: f64| is_met(requirement, rate);
+        let missed = result.evidence.iter().filter(|piece| {
+            let is_real = piece.technique == evidence::Technique::Experiment
+                || piece.technique == evidence::Technique::Operation;
+            is_real && piece.id != counts.evidence && !piece.intermediate
+        });
+        let mut missed = missed.filter_map(|piece| {
+            let counted = Counts::of(&result.evidence, &piece.id, &subject)?;
+            let misses = !meets(counted.rate());
+            misses.then(|| counted.words())
+        });
+        let missed = missed.next().filter(|_| meets(then) && !meets(now))?;
+        Some(format!(
+            "The model then meets requirement {}, which the system misses ({missed}): this would hide a defect.",
+            requirement.id
+        ))
+    };
+    result.requirements.iter().filter_map(of).collect()
+}
+
+/// Whether a rate is on the side of the threshold that is required.
+fn is_met(requirement: &evidence::Requirement, rate: f64) -> bool {
+    match requirement.threshold {
+        Some(threshold) => match threshold.direction {
+            evidence::Direction::AtLeast => rate >= threshold.value,
+            evidence::Direction::AtMost => rate <= threshold.value,
+        },
+        None => rate >= 1.0,
+    }
+}
+
+fn effects(
+    result: &StudyResult,
+    before: &Values,
+    after: &Values,
+    mode: &Subject,
+    counts: &Counts,
+) -> Vec<Effect> {
+    let value = |values: &Values, subject: &Subject| values.get(subject).copied().flatten();
+    let is_moved = |subject: &&Subject| match (value(before, subject), value(after, subject)) {
+        (Some(old), Some(new)) => (old - new).abs() > 1e-9,
+        (old, new) => old.is_some() != new.is_some(),
+    };
+    let mut subjects = vec![mode.clone()];
+    let is_own = |subject: &&Subject| {
+        let mut all = result.requirements.iter();
+        !all.any(|r| r.id == subject.id() && r.same_quantity_as.is_some())
+    };
+    let others = after
+        .keys()
+        .filter(|subject| *subject != mode)
+        .filter(is_own);
+    subjects.extend(others.filter(is_moved).cloned());
+    let effect = |subject: Subject| {
+        let counted = match &subject == mode {
+            true => Some(counts.clone()),
+            false => Counts::of(&result.evidence, &counts.evidence, &subject),
+        };
+        let new = value(after, &subject);
+        Effect {
+            before: value(before, &subject),
+            after: new,
+            p_value: counted
+                .as_ref()
+                .zip(new)
+                .and_then(|(c, new)| c.p_value(new)),
+            counted,
+            subject,
+        }
+    };
+    subjects.into_iter().map(effect).collect()
+}

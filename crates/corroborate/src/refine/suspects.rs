@@ -1,0 +1,305 @@
+//! What is offered against the suspects, in their order, and the rest of what the models' failures ask for.
+//!
+//! The suspects are those of `corroborate diagnose`, where one was made of the same evidence; else what the evidence
+//! itself shows. Only current evidence is changed: what later evidence of the technique replaced stays as it is.
+
+use super::command::of_command;
+use super::exchange::{Mixed, of_exchange};
+use super::forms::of_forms;
+use super::one_value::OneValue;
+use super::proposal::{
+    Asset, Change, Offered, Proposal, asked, current, ground, is_simulated, model_proposal,
+};
+use super::simulator::of_simulator;
+use super::solver::Solver;
+use diagnostic::Problem;
+use evidence::{StudyResult, Suspect, Symptom};
+use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
+use std::path::PathBuf;
+use study::{Study, Work};
+
+/// All that is offered for a study's result.
+pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
+    let mut sources = Vec::new();
+    for entry in current(study) {
+        if let Work::Check { model, .. } = &entry.work {
+            let source = host::files::read_source(&study.folder.join(model))?;
+            sources.push((entry, model, source.text, solver.at(model)));
+        }
+    }
+    let asked = asked(study);
+    let models = sources.iter().map(|(entry, _, text, solver)| Model {
+        evidence: &entry.id,
+        text,
+        asked: &asked,
+        solver,
+    });
+    let models: Vec<Model<'_>> = models.collect();
+    let assets = sources
+        .iter()
+        .map(|(entry, path, text, _)| Asset { entry, path, text });
+    let assets: Vec<Asset<'_>> = assets.collect();
+    let simulations = current(study)
+        .into_iter()
+        .filter(|entry| is_simulated(entry));
+    let simulations: Vec<&str> = simulations.map(|entry| entry.id.as_str()).collect();
+    let found = ground(study, result).against(result.suspected(), &models, &simulations);
+    let found = found.map_err(|reason| solver.problem(reason))?;
+    let mut offering = Offering {
+        study,
+        result,
+        solver,
+        assets,
+        offered: Offered::default(),
+    };
+    let mut edits: Vec<&Suspect> = result.suspected().iter().filter(|s| s.is_open()).collect();
+    for ranked in found.ranked {
+        // What a suspect's own text should say comes before what else is offered for it.
+        let rank = match ranked.is_harmful() {
+            true => None,
+            false => ranked.suspect,
+        };
+        let until = edits.partition_point(|s| rank.is_none_or(|rank| s.rank <= rank));
+        for suspect in edits.drain(..until) {
+            of_values(study, suspect, &mut offering.offered)?;
+        }
+        offering.add(ranked)?;
+    }
+    for suspect in edits {
+        of_values(study, suspect, &mut offering.offered)?;
+    }
+    let mut offered = offering.offered;
+    offered.refused.extend(found.refused);
+    of_forms(study, result, &mut offered);
+    offered.in_order();
+    Ok(offered)
+}
+
+/// Offers on their way to proposals.
+struct Offering<'a> {
+    study: &'a Study,
+    result: &'a StudyResult,
+    solver: &'a Solver<'a>,
+    assets: Vec<Asset<'a>>,
+    offered: Offered,
+}
+
+impl Offering<'_> {
+    fn add(&mut self, ranked: Ranked) -> Result<(), Problem> {
+        let Ranked {
+            suspect,
+            offer,
+            tried,
+        } = ranked;
+        let mut all = self.result.suspected().iter();
+        let of = all.find(|it| Some(it.rank) == suspect);
+        match (offer, of) {
+            (
+                Offer::Model {
+                    evidence,
+                    change,
+                    changed,
+                },
+                _,
+            ) => {
+                let mut all = self.assets.iter();
+                if let Some(asset) = all.find(|asset| asset.entry.id == evidence) {
+                    let before = self.solver.values(asset.path, asset.text)?;
+                    let change = (change, *changed);
+                    let tried = tried.unwrap_or_default();
+                    let new = model_proposal(self.result, asset, &before, (suspect, tried), change);
+                    self.offered.add(new);
+                }
+            }
+            (Offer::Form(change), Some(of)) => of_form(self.study, of, change, &mut self.offered),
+            (Offer::Text { evidence, change }, Some(of)) => {
+                of_text(self.study, of, &evidence, change, &mut self.offered)?;
+            }
+            (Offer::Parameters { evidence, counts }, _) => {
+                let mut all = current(self.study).into_iter();
+                if let Some(entry) = all.find(|entry| entry.id == evidence) {
+                    let modes: Vec<String> = counts.into_iter().map(|(mode, _)| mode).collect();
+                    if let Work::Command { command, .. } = &entry.work {
+                        return of_command(
+                            self.study,
+                            self.result,
+                            (entry, command),
+                            (of, &modes),
+                            &mut self.offered,
+                        );
+                    }
+                    of_simulator(
+                        self.study,
+                        self.result,
+                        entry,
+                        (suspect, &modes),
+                        &mut self.offered,
+                    )?;
+                }
+            }
+            (
+                Offer::Exchange {
+                    evidence,
+                    modes,
+                    is_whole,
+                },
+                Some(of),
+            ) => {
+                let mixed = Mixed {
+                    evidence: &evidence,
+                    modes: &modes,
+                    is_whole,
+                };
+                of_exchange(self.study, of, &mixed, &mut self.offered)?;
+            }
+            (Offer::Form(_) | Offer::Text { .. } | Offer::Exchange { .. }, None) => {}
+        }
+        Ok(())
+    }
+}
+
+/// The values that would make other evidence agree, where single edits explain what is held against a suspect.
+fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<(), Problem> {
+    let (Some(file), Some(line)) = (&suspect.asset.file, suspect.asset.line) else {
+        return Ok(());
+    };
+    let source = host::files::read_source(&study.folder.join(file))?;
+    let mut known: Vec<OneValue> = Vec::new();
+    for symptom in &suspect.symptoms {
+        let Symptom::EditExplains { found, instead, .. } = symptom else {
+            continue;
+        };
+        let value = OneValue {
+            line,
+            old: found.clone(),
+            new: instead.clone(),
+        };
+        if known.contains(&value) {
+            continue;
+        }
+        known.push(value.clone());
+        let part = suspect.asset.part.as_deref().unwrap_or("it");
+        let title = format!("{part}: `{instead}` in place of `{found}`");
+        let note = "This decides what a word, a form or a number of the study means; that it makes the evidence agree \
+                    does not show that it is right.";
+        match value.make(&source.text) {
+            Ok(changed) => offered.add(Proposal {
+                title,
+                file: file.clone(),
+                diff: unified(file, file, &source.text, &changed),
+                notes: vec![note.into()],
+                needs_decision: true,
+                ..of(
+                    suspect,
+                    Change::Value {
+                        file: file.clone(),
+                        value,
+                    },
+                )
+            }),
+            Err(reason) => offered.refused.push(format!("{title}: {reason}.")),
+        }
+    }
+    Ok(())
+}
+
+fn of_form(study: &Study, suspect: &Suspect, change: FormChange, offered: &mut Offered) {
+    let (requirement, form) = change.touches();
+    let title = format!("requirement {requirement}: its {form} becomes that of its sentence");
+    let text = &study.forms.source.text;
+    match change.make(text) {
+        Ok(changed) => {
+            let diff = unified("requirements.toml", "requirements.toml", text, &changed);
+            let note = "This decides what the requirement's text means: the sentence, not the form that is taken out.";
+            offered.add(Proposal {
+                title,
+                file: "requirements.toml".into(),
+                diff,
+                notes: vec![note.into()],
+                needs_decision: true,
+                ..of(suspect, Change::Form(change.clone()))
+            });
+        }
+        Err(reason) => offered.refused.push(format!("{title}: {reason}.")),
+    }
+}
+
+pub(super) fn of(suspect: &Suspect, change: Change) -> Proposal {
+    Proposal {
+        number: 0,
+        suspect: Some(suspect.rank),
+        title: String::new(),
+        reason: format!("{}. {}", capital(&suspect.title), suspect.explanation),
+        file: String::new(),
+        also: Vec::new(),
+        diff: String::new(),
+        effects: Vec::new(),
+        notes: Vec::new(),
+        tried: Trial::default(),
+        needs_decision: false,
+        change,
+    }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    match letters.next() {
+        Some(first) => first.to_uppercase().chain(letters).collect(),
+        None => String::new(),
+    }
+}
+
+fn of_text(
+    study: &Study,
+    suspect: &Suspect,
+    evidence: &str,
+    change: TextChange,
+    offered: &mut Offered,
+) -> Result<(), Problem> {
+    let Some((file, change)) = place(study, evidence, change)? else {
+        return Ok(());
+    };
+    let (title, note) = match &change {
+        TextChange::Methods { first, .. } => (
+            format!("{evidence}: the answer of `{first}` counts"),
+            "Its bounds hold, so that no other method can be right where they differ.",
+        ),
+        TextChange::Step { divisor, .. } => (
+            format!("{evidence}: a time step {divisor} times smaller"),
+            "The number rests on an error that is proportional to the step; run `corroborate diagnose` again afterwards.",
+        ),
+    };
+    let shown = file.to_string_lossy().replace('\\', "/");
+    let source = host::files::read_source(&study.folder.join(&file))?;
+    match change.make(&source.text) {
+        Ok(changed) => offered.add(Proposal {
+            title,
+            diff: unified(&shown, &shown, &source.text, &changed),
+            file: shown,
+            notes: vec![note.into()],
+            ..of(suspect, Change::Text { file, change })
+        }),
+        Err(reason) => offered.refused.push(format!("{title}: {reason}.")),
+    }
+    Ok(())
+}
+
+/// The file of a change, and how its place is named there; none where no file of the study has it.
+fn place(
+    study: &Study,
+    evidence: &str,
+    change: TextChange,
+) -> Result<Option<(PathBuf, TextChange)>, Problem> {
+    let work = &study.entry(evidence)?.work;
+    Ok(match (change, work) {
+        (change @ TextChange::Methods { .. }, _) => Some((PathBuf::from("ledger.toml"), change)),
+        (TextChange::Step { key, divisor }, Work::Simulate { scenario, .. }) => {
+            let key = key.strip_prefix("scenario.").unwrap_or(&key).to_owned();
+            Some((scenario.clone(), TextChange::Step { key, divisor }))
+        }
+        (change @ TextChange::Step { .. }, Work::SimulateScene { scene, .. }) => {
+            Some((scene.clone(), change))
+        }
+        _ => None,
+    })
+}

@@ -1,0 +1,88 @@
+//! The techniques: each turns an entry of the ledger into findings.
+//!
+//! This is where the engines of the lower floors meet evidence; nothing else
+//! knows both.
+
+pub mod campaign;
+pub mod copies;
+pub mod experiment;
+pub mod exploration;
+pub mod matrix;
+pub mod model_checking;
+pub mod operation;
+pub mod rows;
+pub mod simulation;
+
+use diagnostic::Problem;
+use evidence::{
+    Asset, AssetRole, ClusterTests, Cost, DescriptionGap, EpisodeFailures, Finding, FormDifference,
+    Measure, Tool,
+};
+use host::store::hash_of;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a technique found for one entry of the ledger.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Produced {
+    /// With which tool.
+    pub tool: Tool,
+    /// What was found, one for each subject that the technique was asked for.
+    pub findings: Vec<Finding>,
+    /// Forms of one requirement that do not agree on the same runs.
+    #[serde(default)]
+    pub form_differences: Vec<FormDifference>,
+    /// Episodes that were ended by what is tested, or by its simulator.
+    #[serde(default)]
+    pub failures: Vec<EpisodeFailures>,
+    /// What of robots' descriptions was not simulated.
+    #[serde(default)]
+    pub description_gaps: Vec<DescriptionGap>,
+    /// Clustering, for trials by subject.
+    pub clusters: Option<ClusterTests>,
+    /// What a formal model tells of failure modes and requirements.
+    pub influences: Vec<Influence>,
+    /// What it took.
+    pub cost: Cost,
+}
+
+/// Whether a failure mode makes runs fail a requirement.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Influence {
+    /// The requirement.
+    pub requirement: String,
+    /// The failure mode.
+    pub failure_mode: String,
+    /// Whether it does.
+    pub bears: bool,
+}
+
+/// A file of the study as an asset.
+pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Problem> {
+    let full = folder.join(path);
+    let bytes = std::fs::read(&full).map_err(|error| Problem::cannot_read(&full, &error))?;
+    Ok(Asset {
+        role,
+        path: path.to_string_lossy().replace('\\', "/"),
+        hash: hash_of(&bytes),
+    })
+}
+
+/// The level as `stats` has it. The study's levels were checked when it was
+/// loaded.
+pub fn confidence(level: f64) -> Result<stats::Confidence, Problem> {
+    stats::Confidence::new(level).map_err(|error| Problem::new("bad-level", error.to_string()))
+}
+
+/// Counts as a measure, with Wilson's interval at the effective number of
+/// trials.
+pub fn counts(
+    count: u64,
+    trials: u64,
+    effective_trials: Option<f64>,
+    level: stats::Confidence,
+) -> Result<Measure, Problem> {
+    let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+    let sample = stats::Sample::new(count, trials).map_err(bad)?;
+    Measure::of_counts(sample, effective_trials, level).map_err(bad)
+}

@@ -1,0 +1,28 @@
+//! Estimates of a campaign under way, which may be looked at as often as one likes.
+
+use super::tally::Tally;
+use evidence::Subject;
+use study::Study;
+
+/// The rate of each requirement that is judged, with the interval of a confidence sequence at the
+/// study's level: `1a 83.1 % (74.9 to 89.6)`.
+pub fn estimates(study: &Study, tally: &Tally) -> String {
+    let Ok(level) = stats::Confidence::new(study.about.confidence) else {
+        return String::new();
+    };
+    let own = study
+        .requirements
+        .iter()
+        .filter(|r| r.same_quantity_as.is_none());
+    let told = own.filter_map(|requirement| {
+        let sample = tally.sample(&Subject::Requirement(requirement.id.clone()));
+        let rate = 100.0 * sample.rate()?;
+        let interval = stats::confidence_sequence(sample, level);
+        let (low, high) = (100.0 * interval.low, 100.0 * interval.high);
+        Some(format!(
+            "{} {rate:.1} % ({low:.1} to {high:.1})",
+            requirement.id
+        ))
+    });
+    told.collect::<Vec<_>>().join(", ")
+}

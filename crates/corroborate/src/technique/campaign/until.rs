@@ -1,0 +1,162 @@
+//! "Until requirement R is decided": when a campaign may end without spoiling what it says.
+//!
+//! After each episode of the prefix 1..=n the counts of R are looked at by a test that holds at
+//! every n at once (`stats::SequentialTest`). The first n at which it decides whether the rate
+//! reaches the requirement's threshold ends the campaign, so n is a function of the episodes alone.
+
+use diagnostic::Problem;
+use evidence::{Direction, Subject};
+use stats::{Decision, SequentialTest};
+use study::{Study, UntilText};
+
+/// A stopping rule of a study's requirement.
+#[derive(Clone, Debug)]
+pub struct Until {
+    subject: Subject,
+    test: SequentialTest,
+    confidence: f64,
+    direction: Direction,
+}
+
+/// A rule as the command line has it: `requirement 1a is decided at 99 %`, or `requirement 3 is
+/// decided against 0.9 at 99 %`.
+pub fn parse(text: &str) -> Result<UntilText, Problem> {
+    let spaced = text.replace('%', " % ");
+    let words: Vec<&str> = spaced.split_whitespace().collect();
+    let parsed = match words.as_slice() {
+        ["requirement", id, "is", "decided", "at", percent, "%"] => Some((id, None, percent)),
+        [
+            "requirement",
+            id,
+            "is",
+            "decided",
+            "against",
+            threshold,
+            "at",
+            percent,
+            "%",
+        ] => Some((id, Some(threshold), percent)),
+        _ => None,
+    };
+    let number = |text: &str| text.parse::<f64>().ok();
+    let rule = parsed.and_then(|(id, threshold, percent)| {
+        Some(UntilText {
+            requirement: (*id).to_owned(),
+            // Nearer to what is meant than a division by 100 would be.
+            confidence: number(&format!("{percent}e-2"))?,
+            threshold: match threshold {
+                Some(threshold) => Some(number(threshold)?),
+                None => None,
+            },
+        })
+    });
+    rule.ok_or_else(|| {
+        Problem::new("bad-until", format!("`{text}` is no rule for when to end"))
+            .remedy("say for example `requirement 1a is decided at 99 %`, or `requirement 3 is decided against 0.9 at 99 %`")
+    })
+}
+
+impl Until {
+    /// The rule as written, held against the study.
+    pub fn new(study: &Study, text: &UntilText) -> Result<Self, Problem> {
+        let problem = |message: String| Problem::new("bad-until", message);
+        let wanted = &text.requirement;
+        let Some(requirement) = study.requirements.iter().find(|r| &r.id == wanted) else {
+            let known: Vec<&str> = study.requirements.iter().map(|r| r.id.as_str()).collect();
+            return Err(problem(format!("the study has no requirement `{wanted}`"))
+                .remedy(format!("name one of {}", known.join(", "))));
+        };
+        let subject = Subject::Requirement(requirement.id.clone());
+        if study
+            .forms
+            .of(&subject)
+            .is_none_or(|form| form.monitor.is_none())
+        {
+            return Err(problem(format!(
+                "requirement {wanted} has no monitor, so no episode decides it"
+            ))
+            .remedy("name a requirement that is judged on traces"));
+        }
+        let threshold = text.threshold.or(requirement.threshold.map(|it| it.value));
+        let Some(threshold) = threshold else {
+            return Err(problem(format!(
+                "requirement {wanted} has no threshold, so nothing tells when it is decided"
+            ))
+            .remedy("say against which rate, for example `decided against 0.95 at 99 %`, or `threshold = 0.95` in the ledger"));
+        };
+        let bad = |error: stats::StatsError| problem(error.to_string());
+        let confidence = stats::Confidence::new(text.confidence).map_err(bad)?;
+        Ok(Self {
+            subject,
+            test: SequentialTest::new(threshold, confidence).map_err(bad)?,
+            confidence: text.confidence,
+            direction: requirement
+                .threshold
+                .map_or(Direction::AtLeast, |it| it.direction),
+        })
+    }
+
+    /// Whose counts decide.
+    pub fn subject(&self) -> &Subject {
+        &self.subject
+    }
+
+    /// Whether these counts show that the requirement is met; `None` if they
+    /// do not decide it.
+    pub fn is_met(&self, sample: stats::Sample) -> Option<bool> {
+        match (self.decide(sample), self.direction) {
+            (Decision::Open, _) => None,
+            (Decision::AtLeast, direction) => Some(direction == Direction::AtLeast),
+            (Decision::Below, direction) => Some(direction == Direction::AtMost),
+        }
+    }
+
+    /// What these counts decide.
+    pub fn decide(&self, sample: stats::Sample) -> Decision {
+        self.test.decide(sample)
+    }
+
+    /// What came of it, for the evidence.
+    pub fn outcome_in_words(&self, sample: stats::Sample, episodes: u64, most: u64) -> String {
+        let about = format!("requirement {}", self.subject.id());
+        let percent = self.confidence * 100.0;
+        let threshold = self.test.threshold();
+        let side = match self.decide(sample) {
+            Decision::AtLeast => format!("its rate is at least {threshold}"),
+            Decision::Below => format!("its rate is below {threshold}"),
+            Decision::Open => {
+                return format!(
+                    "{about} was not decided against {threshold} at {percent} % within {episodes} episodes; intervals hold at every number of episodes"
+                );
+            }
+        };
+        format!(
+            "ended after {episodes} of at most {most} episodes, when {about} was decided at {percent} % ({side}), by a test that holds at every number of episodes, as the intervals do"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_read_from_words() {
+        let rule = parse("requirement 1a is decided at 99 %").expect("a rule");
+        assert_eq!((rule.requirement.as_str(), rule.confidence), ("1a", 0.99));
+        assert_eq!(rule.threshold, None);
+        let rule = parse("requirement 3 is decided against 0.9 at 99.9%").expect("a rule");
+        assert_eq!((rule.threshold, rule.confidence), (Some(0.9), 0.999));
+        for bad in [
+            "",
+            "requirement 1 is decided",
+            "requirement 1 is decided at 99",
+            "requirement 1 is decided at nine %",
+            "requirement 1 is decided against x at 99 %",
+            "requirement  is decided at 99 %",
+        ] {
+            let problem = parse(bad).expect_err(bad);
+            assert_eq!(problem.code, "bad-until");
+        }
+    }
+}

@@ -1,0 +1,518 @@
+//! Experiments, and published simulations: counts read from tables.
+//!
+//! * The *cohort* has a row for each subject or session: the first column
+//!   names it, `attempts` counts trials, and the columns that the vocabulary
+//!   binds count what happened. A binding `failure_modes: R` counts the code
+//!   `R` in a column of codes.
+//! * *requirements* has the columns requirement, covered, passed, failed.
+//! * *failure modes* has the columns mode, occurrences, opportunities.
+//!
+//! Where two tables speak of the same count, they must agree. What is counted only in all, beside a cohort,
+//! was done by the same people: it is worth as many independent trials as they tell.
+
+mod alike;
+mod by_subject;
+pub mod groups;
+pub mod renamed;
+pub mod repeated;
+mod tests_of_cohort;
+
+pub use by_subject::SubjectCount;
+
+use super::{Produced, confidence, counts};
+use alike::Alike;
+use diagnostic::Problem;
+use evidence::{Cost, Denominator, Finding, Measure, Subject, Technique, Tool};
+use host::store::Inputs;
+use std::collections::BTreeMap;
+use std::path::Path;
+use study::{Study, SubjectForm};
+use trace::Table;
+
+/// More trials than any experiment has, and few enough for exact sums.
+const MOST_TRIALS: u64 = 1_000_000_000_000;
+
+/// The tables of one piece of evidence, checked.
+#[derive(Debug)]
+pub struct Tables {
+    cohort: Option<Cohort>,
+    requirements: Vec<VerdictRow>,
+    failure_modes: Vec<ModeRow>,
+}
+
+#[derive(Debug)]
+struct Cohort {
+    name: String,
+    attempts: Vec<u64>,
+    table: Table,
+}
+
+#[derive(Debug)]
+struct VerdictRow {
+    requirement: String,
+    covered: u64,
+    passed: u64,
+}
+
+#[derive(Debug)]
+struct ModeRow {
+    mode: String,
+    occurrences: u64,
+    opportunities: u64,
+}
+
+impl Tables {
+    /// Reads and checks the tables that are given.
+    pub fn read(
+        study: &Study,
+        cohort: Option<&Path>,
+        requirements: Option<&Path>,
+        failure_modes: Option<&Path>,
+    ) -> Result<Self, Problem> {
+        let open = |path: &Path| Table::read(&study.folder.join(path)).map_err(table_problem);
+        let tables = Self {
+            cohort: match cohort {
+                Some(path) => Some(Cohort::new(study, open(path)?)?),
+                None => None,
+            },
+            requirements: match requirements {
+                Some(path) => verdict_rows(study, &open(path)?)?,
+                None => Vec::new(),
+            },
+            failure_modes: match failure_modes {
+                Some(path) => mode_rows(study, &open(path)?)?,
+                None => Vec::new(),
+            },
+        };
+        tables.check_agreement(study)?;
+        Ok(tables)
+    }
+
+    /// What the tables say, one finding for each subject that they name.
+    pub fn produce(
+        &self,
+        study: &Study,
+        id: &str,
+        technique: Technique,
+    ) -> Result<Produced, Problem> {
+        let mut alike = self
+            .cohort
+            .as_ref()
+            .map(|cohort| Alike::of(study, cohort))
+            .transpose()?;
+        let mut findings = Vec::new();
+        for form in &study.forms.subjects {
+            findings.push(Finding {
+                subject: form.subject.clone(),
+                measure: self.measure(study, form, alike.as_mut())?,
+                denominator: self.denominator(&form.subject),
+                trigger: self.trigger(study, &form.subject)?,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            });
+        }
+        let clusters = match (&self.cohort, alike) {
+            (Some(cohort), Some(alike)) => cohort.tests(study, alike)?,
+            _ => None,
+        };
+        Ok(Produced {
+            tool: Tool {
+                name: match technique {
+                    Technique::Experiment => "the real robot".into(),
+                    _ => "published counts".into(),
+                },
+                version: String::new(),
+                settings: "counts read from tables".into(),
+            },
+            findings,
+            form_differences: Vec::new(),
+            description_gaps: Vec::new(),
+            failures: Vec::new(),
+            clusters,
+            influences: Vec::new(),
+            cost: Cost {
+                evidence: id.to_owned(),
+                ..Cost::default()
+            },
+        })
+    }
+
+    fn measure(
+        &self,
+        study: &Study,
+        form: &SubjectForm,
+        alike: Option<&mut Alike>,
+    ) -> Result<Measure, Problem> {
+        let level = confidence(study.about.confidence)?;
+        let by_subject = self.cohort_counts(study, form)?;
+        let (total, uncovered) = match &form.subject {
+            Subject::Requirement(id) => (
+                (self.requirements.iter().find(|row| &row.requirement == id))
+                    .map(|row| (row.passed, row.covered)),
+                "No trial met its precondition.",
+            ),
+            Subject::FailureMode(id) => (
+                (self.failure_modes.iter().find(|row| &row.mode == id))
+                    .map(|row| (row.occurrences, row.opportunities)),
+                "No trial gave it an opportunity.",
+            ),
+        };
+        let is_requirement = matches!(form.subject, Subject::Requirement(_));
+        // Of a requirement that the tables do not say to be covered in fewer, every attempt is a trial.
+        let in_every_attempt = is_requirement
+            && total.is_none_or(|(_, trials)| Some(trials) == self.attempts() || trials == 0);
+        match (alike, by_subject, total) {
+            // Which attempts were opportunities is known only in all.
+            (Some(alike), Some(by_subject), Some((count, trials)))
+                if !in_every_attempt && trials > 0 =>
+            {
+                alike.occurrences(form, &by_subject, (count, trials), level)
+            }
+            (Some(alike), Some(by_subject), total) if is_requirement || total.is_none() => {
+                alike.by_subject(form, &by_subject, level)
+            }
+            (_, _, Some((_, 0))) => Ok(not_covered(uncovered)),
+            (Some(alike), _, Some((count, trials))) => alike.total(form, (count, trials), level),
+            (None, _, Some((count, trials))) => counts(count, trials, None, level),
+            (_, _, None) => Ok(not_covered("The tables do not speak of it.")),
+        }
+    }
+
+    /// All attempts of the cohort.
+    fn attempts(&self) -> Option<u64> {
+        self.cohort
+            .as_ref()
+            .map(|cohort| cohort.attempts.iter().sum())
+    }
+
+    /// In how many trials the subject was covered, if the tables say so.
+    fn covered(&self, subject: &Subject) -> Option<u64> {
+        match subject {
+            Subject::Requirement(id) => {
+                let mut rows = self.requirements.iter();
+                rows.find(|row| &row.requirement == id)
+                    .map(|row| row.covered)
+            }
+            Subject::FailureMode(id) => {
+                let mut rows = self.failure_modes.iter();
+                rows.find(|row| &row.mode == id)
+                    .map(|row| row.opportunities)
+            }
+        }
+    }
+
+    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were.
+    fn denominator(&self, subject: &Subject) -> Denominator {
+        match self.covered(subject) {
+            Some(covered) if Some(covered) != self.attempts() => Denominator::Triggered,
+            _ => Denominator::EveryRun,
+        }
+    }
+
+    /// The share of attempts that trigger the subject, if the tables say it.
+    fn trigger(&self, study: &Study, subject: &Subject) -> Result<Option<Box<Measure>>, Problem> {
+        let level = confidence(study.about.confidence)?;
+        match (self.covered(subject), self.attempts()) {
+            // A trial may have several opportunities, which are then no share of the attempts.
+            (Some(covered), Some(attempts)) if covered <= attempts => {
+                Ok(Some(Box::new(counts(covered, attempts, None, level)?)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Counts by subject of the proposition that the experiments count for a
+    /// requirement or failure mode, if the cohort has them.
+    fn cohort_counts(
+        &self,
+        study: &Study,
+        form: &SubjectForm,
+    ) -> Result<Option<Vec<stats::Sample>>, Problem> {
+        let (Some(cohort), Some(proposition)) = (&self.cohort, &form.experiment) else {
+            return Ok(None);
+        };
+        let binding = study
+            .vocabulary
+            .propositions
+            .get(proposition)
+            .and_then(|p| p.column.as_ref());
+        binding.map(|b| cohort.counts(&b.text)).transpose()
+    }
+
+    /// The cohort and the other tables must not contradict each other.
+    fn check_agreement(&self, study: &Study) -> Result<(), Problem> {
+        for form in &study.forms.subjects {
+            let Some(by_subject) = self.cohort_counts(study, form)? else {
+                continue;
+            };
+            let total: u64 = by_subject.iter().map(|s| s.successes).sum();
+            let id = form.subject.id();
+            let other = match form.subject {
+                Subject::Requirement(_) => {
+                    let row = self.requirements.iter().find(|r| r.requirement == id);
+                    row.map(|r| r.passed)
+                }
+                Subject::FailureMode(_) => {
+                    let row = self.failure_modes.iter().find(|r| r.mode == id);
+                    row.map(|r| r.occurrences)
+                }
+            };
+            if let Some(other) = other
+                && other != total
+            {
+                let cohort = self
+                    .cohort
+                    .as_ref()
+                    .map_or("the cohort", |c| c.name.as_str());
+                return Err(Problem::new(
+                    "tables-disagree",
+                    format!("{cohort} counts {total} for `{id}`, another table of the same evidence {other}"),
+                )
+                .remedy("correct the table that is wrong"));
+            }
+        }
+        Ok(())
+    }
+
+    /// What the findings depend on.
+    pub fn inputs(&self, study: &Study, inputs: &mut Inputs) {
+        if let Some(cohort) = &self.cohort {
+            for column in cohort.table.columns() {
+                inputs.add(column.header(), column.as_texts().join("\n").as_bytes());
+            }
+        }
+        for row in &self.requirements {
+            inputs.add_json(&row.requirement, &(row.covered, row.passed));
+        }
+        for row in &self.failure_modes {
+            inputs.add_json(&row.mode, &(row.occurrences, row.opportunities));
+        }
+        for form in &study.forms.subjects {
+            inputs.add("subject", form.subject.id().as_bytes());
+            if let Some(proposition) = &form.experiment {
+                let binding = study.vocabulary.propositions.get(proposition);
+                let column = binding.and_then(|p| p.column.as_ref());
+                inputs.add(proposition, column.map_or("", |c| &c.text).as_bytes());
+            }
+        }
+    }
+}
+
+impl Cohort {
+    fn new(study: &Study, table: Table) -> Result<Self, Problem> {
+        let attempts = table
+            .column("attempts")
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)?;
+        let total = attempts
+            .iter()
+            .try_fold(0_u64, |sum, n| sum.checked_add(*n));
+        if !total.is_some_and(|total| (1..=MOST_TRIALS).contains(&total)) {
+            return Err(Problem::new(
+                "bad-counts",
+                format!(
+                    "{}: the column \"attempts\" has no usable sum",
+                    table.name()
+                ),
+            )
+            .remedy("there must be at least one attempt and at most 10^12"));
+        }
+        if let Some(first) = table.columns().next() {
+            check_unique(&table, &first.as_texts())?;
+        }
+        let cohort = Self {
+            name: table.name().to_owned(),
+            attempts,
+            table,
+        };
+        cohort.check_codes(study)?;
+        Ok(cohort)
+    }
+
+    /// Every code in a column of codes must be one that the vocabulary counts;
+    /// a misspelt one would go uncounted.
+    fn check_codes(&self, study: &Study) -> Result<(), Problem> {
+        let mut known: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for proposition in study.vocabulary.propositions.values() {
+            let binding = proposition.column.as_ref();
+            if let Some((header, code)) = binding.and_then(|b| b.text.split_once(':')) {
+                known.entry(header.trim()).or_default().push(code.trim());
+            }
+        }
+        for (header, codes) in known {
+            let Ok(column) = self.table.column(header) else {
+                continue;
+            };
+            for (row, cell) in column.cells().enumerate() {
+                if let Some(unknown) = cell.split_whitespace().find(|c| !codes.contains(c)) {
+                    return Err(Problem::new(
+                        "unknown-code",
+                        format!(
+                            "{}, line {}, column \"{header}\": no proposition counts the code `{unknown}`",
+                            self.name,
+                            row + 2
+                        ),
+                    )
+                    .remedy(format!(
+                        "the vocabulary counts {}; correct the code, or bind it with `column = \"{header}: {unknown}\"`",
+                        codes.join(", ")
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts by row of a binding: a column of counts, or `column: code`.
+    fn counts(&self, binding: &str) -> Result<Vec<stats::Sample>, Problem> {
+        let counted: Vec<u64> = match binding.split_once(':') {
+            None => {
+                let column = self.table.column(binding.trim()).map_err(table_problem)?;
+                column.as_counts().map_err(table_problem)?
+            }
+            Some((header, code)) => {
+                let column = self.table.column(header.trim()).map_err(table_problem)?;
+                let code = code.trim();
+                let occurrences =
+                    |cell: &str| cell.split_whitespace().filter(|c| *c == code).count();
+                column
+                    .cells()
+                    .map(|cell| occurrences(cell) as u64)
+                    .collect()
+            }
+        };
+        counted
+            .iter()
+            .zip(&self.attempts)
+            .enumerate()
+            .map(|(row, (count, attempts))| {
+                stats::Sample::new(*count, *attempts).map_err(|error| {
+                    Problem::new(
+                        "bad-counts",
+                        format!("{}, line {}: {error}", self.name, row + 2),
+                    )
+                    .remedy("correct the row")
+                })
+            })
+            .collect()
+    }
+}
+
+fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem> {
+    let column = |name: &str| {
+        table
+            .column(name)
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)
+    };
+    let ids = table
+        .column("requirement")
+        .map_err(table_problem)?
+        .as_texts();
+    let (covered, passed, failed) = (column("covered")?, column("passed")?, column("failed")?);
+    check_unique(table, &ids)?;
+    let mut rows = Vec::new();
+    for (row, id) in ids.iter().enumerate() {
+        known_subject(study, table, row, &Subject::Requirement((*id).to_owned()))?;
+        if passed[row].checked_add(failed[row]) != Some(covered[row]) {
+            return Err(Problem::new(
+                "bad-counts",
+                format!(
+                    "{}, line {}: {} passed and {} failed are not {} covered",
+                    table.name(),
+                    row + 2,
+                    passed[row],
+                    failed[row],
+                    covered[row]
+                ),
+            )
+            .remedy("correct the row"));
+        }
+        rows.push(VerdictRow {
+            requirement: (*id).to_owned(),
+            covered: covered[row],
+            passed: passed[row],
+        });
+    }
+    Ok(rows)
+}
+
+fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
+    let column = |name: &str| {
+        table
+            .column(name)
+            .and_then(|c| c.as_counts())
+            .map_err(table_problem)
+    };
+    let ids = table.column("mode").map_err(table_problem)?.as_texts();
+    let (occurrences, opportunities) = (column("occurrences")?, column("opportunities")?);
+    check_unique(table, &ids)?;
+    let mut rows = Vec::new();
+    for (row, id) in ids.iter().enumerate() {
+        known_subject(study, table, row, &Subject::FailureMode((*id).to_owned()))?;
+        stats::Sample::new(occurrences[row], opportunities[row]).map_err(|error| {
+            Problem::new(
+                "bad-counts",
+                format!("{}, line {}: {error}", table.name(), row + 2),
+            )
+            .remedy("correct the row")
+        })?;
+        rows.push(ModeRow {
+            mode: (*id).to_owned(),
+            occurrences: occurrences[row],
+            opportunities: opportunities[row],
+        });
+    }
+    Ok(rows)
+}
+
+/// Two rows about one thing would leave open which of them counts.
+fn check_unique(table: &Table, ids: &[&str]) -> Result<(), Problem> {
+    for (row, id) in ids.iter().enumerate() {
+        if let Some(first) = ids[..row].iter().position(|other| other == id) {
+            return Err(Problem::new(
+                "duplicate-row",
+                format!(
+                    "{}, line {}: `{id}` stands in line {} already",
+                    table.name(),
+                    row + 2,
+                    first + 2
+                ),
+            )
+            .remedy("keep one row for each, with all its counts"));
+        }
+    }
+    Ok(())
+}
+
+fn known_subject(
+    study: &Study,
+    table: &Table,
+    row: usize,
+    subject: &Subject,
+) -> Result<(), Problem> {
+    if study.forms.of(subject).is_some() {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "unknown-subject",
+        format!(
+            "{}, line {}: requirements.toml does not declare `{}`",
+            table.name(),
+            row + 2,
+            subject.id()
+        ),
+    )
+    .remedy("correct the identifier, or declare it"))
+}
+
+fn not_covered(reason: &str) -> Measure {
+    Measure::NotCovered {
+        reason: reason.into(),
+    }
+}
+
+fn table_problem(error: trace::TableError) -> Problem {
+    Problem::new("bad-table", error.to_string())
+}

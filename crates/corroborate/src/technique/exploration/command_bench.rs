@@ -1,0 +1,340 @@
+//! Another simulator as a bench that takes any stimulus: JSON in, a recording out.
+//!
+//! What the ledger's stimulus sets, every episode has, unless its own stimulus says otherwise; so what
+//! is left out of a stimulus is as the ledger has it. A recording is read through the study's topic
+//! map as a trace of all signals of its words, and shown to whoever watches once it is whole. Who has
+//! seen enough gets the part up to there, but the command has run to its end.
+//!
+//! A command cannot be stopped in the middle and continued, so rare events are not split on it; and
+//! it does not say what it draws from its seed, so no draw can be set.
+
+use crate::technique::campaign::OutsideCommand;
+use diagnostic::Problem;
+use host::Cancel;
+use host::store::Inputs;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use stimulus::{AbstractTest, Settings, Stimulus};
+use study::{CommandText, Study};
+use testbench::{Control, End, Failure, Part, Recorded, SimError, Watch};
+use toml::{Table, Value};
+use trace::Trace;
+
+/// The seeds that are tried to learn what its recordings hold.
+const FIRST_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
+
+/// Folders that this process has made.
+static FOLDERS: AtomicU64 = AtomicU64::new(0);
+
+/// A command that is run once an episode.
+pub struct CommandBench {
+    command: OutsideCommand,
+    /// The signals that are read.
+    wanted: Vec<String>,
+    tests: Vec<AbstractTest>,
+    data: Table,
+    /// Where it works; removed at the end.
+    folder: PathBuf,
+    episodes: AtomicU64,
+    /// The topics of its recordings, once one is there.
+    layout: Mutex<Option<Trace>>,
+}
+
+impl CommandBench {
+    /// The command of a ledger's entry.
+    pub fn new(study: &Study, text: &CommandText) -> Result<Self, Problem> {
+        let command = OutsideCommand::new(study, text)?;
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let name = format!("corroborate-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
+        Ok(Self {
+            wanted: signals_of(study),
+            tests: vec![command.stimulus().test.clone()],
+            data: table_of(&command.stimulus().settings),
+            folder,
+            episodes: AtomicU64::new(0),
+            layout: Mutex::new(None),
+            command,
+        })
+    }
+
+    /// The ledger's own test.
+    pub fn tests(&self) -> &[AbstractTest] {
+        &self.tests
+    }
+
+    /// What the ledger's stimulus sets, as tables.
+    pub fn data(&self) -> &Table {
+        &self.data
+    }
+
+    /// The program's name.
+    pub fn name(&self) -> String {
+        self.command.tool().name
+    }
+
+    /// What its episodes depend on.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        self.command.inputs(inputs);
+        self.command.reading_inputs(inputs);
+    }
+
+    /// The topics of its recordings, without rows: those of a first episode, which is run for that.
+    pub fn layout(&self, interrupt: &Cancel) -> Result<Trace, Problem> {
+        if let Some(layout) = self.known_layout() {
+            return Ok(layout);
+        }
+        let mut failed = None;
+        for seed in FIRST_SEEDS {
+            let (trace, failure) = self.attempt(self.command.stimulus(), seed, interrupt)?;
+            match (trace, failure) {
+                (Some(mut layout), None) => {
+                    for channel in &mut layout.channels {
+                        channel.times_secs.clear();
+                        channel.values.clear();
+                    }
+                    layout.metadata.clear();
+                    *self.layout.lock().unwrap_or_else(PoisonError::into_inner) =
+                        Some(layout.clone());
+                    return Ok(layout);
+                }
+                (_, failure) => failed = failed.or(failure),
+            }
+        }
+        let words = failed.map_or_else(String::new, |failure| failure.words);
+        Err(Problem::new("episode-failed", words).remedy(
+            "it has not worked once: check `command` in the ledger; it runs in the study's folder",
+        ))
+    }
+
+    fn known_layout(&self) -> Option<Trace> {
+        let layout = self.layout.lock().unwrap_or_else(PoisonError::into_inner);
+        layout.clone()
+    }
+
+    /// Runs an episode, of which `watch` may want the beginning only.
+    pub fn run(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        watch: &mut dyn Watch,
+        interrupt: &Cancel,
+    ) -> Result<Recorded, SimError> {
+        let outside = |problem: Problem| match problem.is_interruption() {
+            true => SimError::Cancelled,
+            false => SimError::Outside {
+                reason: problem.line(),
+            },
+        };
+        let (trace, failure) = self.attempt(stimulus, seed, interrupt).map_err(outside)?;
+        let is_whole = failure.is_none() && trace.as_ref().is_some_and(|trace| trace.complete);
+        let layout = match (&trace, self.known_layout()) {
+            // Monitors are bound to topics, even where there is no row.
+            (None, None) => Some(self.layout(interrupt).map_err(outside)?),
+            (_, known) => known,
+        };
+        let (mut trace, is_enough) = shown(trace, layout, watch)?;
+        trace.metadata.insert("seed".to_owned(), seed.to_string());
+        let test = ("abstract_test".to_owned(), stimulus.test.name.clone());
+        trace.metadata.extend([test]);
+        for (key, value) in &stimulus.settings {
+            let key = format!("setting.{key}");
+            trace.metadata.insert(key, value.to_string());
+        }
+        // What comes after enough has been seen is another matter.
+        let failure = failure.filter(|_| !is_enough);
+        if let Some(failure) = &failure {
+            let kind = failure.kind().to_owned();
+            trace.metadata.insert("failed".to_owned(), kind);
+        }
+        trace.complete = is_whole && !is_enough;
+        Ok(Recorded {
+            steps: 0,
+            sim_secs: trace.end_secs().unwrap_or(0.0),
+            trace,
+            end: match (is_enough, &failure) {
+                (true, _) => End::Watched,
+                (false, Some(_)) => End::Failed,
+                (false, None) => End::Over,
+            },
+            failure,
+        })
+    }
+
+    /// Runs the command; gives what it recorded, if that can be read, and what went wrong.
+    fn attempt(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        interrupt: &Cancel,
+    ) -> Result<(Option<Trace>, Option<Failure>), Problem> {
+        let mut given = stimulus.clone();
+        for (key, value) in &self.command.stimulus().settings {
+            let own = given.settings.entry(key.clone());
+            own.or_insert_with(|| value.clone());
+        }
+        let number = self.episodes.fetch_add(1, Ordering::Relaxed);
+        let file = self.folder.join(format!("stimulus-{number}.json"));
+        host::files::write_whole(&file, given.to_json().as_bytes())?;
+        let recording = self.folder.join(self.command.recording_name(number));
+        let failed = self.command.run(&file, seed, &recording, interrupt)?;
+        let read = match recording.exists() {
+            true => Some(self.command.trace(&self.wanted, &recording)),
+            false => None,
+        };
+        OutsideCommand::remove(&recording);
+        OutsideCommand::remove(&file);
+        let failure = failed.map(|failed| Failure {
+            part: Part::Simulator,
+            is_hung: failed.is_hung(),
+            words: failed.words,
+            in_setup: false,
+        });
+        match (read, &failure) {
+            // What a command left that failed may be no recording.
+            (Some(Err(_)) | None, Some(_)) => Ok((None, failure)),
+            (Some(read), _) => Ok((Some(read?), failure)),
+            (None, None) => Ok((None, None)),
+        }
+    }
+}
+
+impl Drop for CommandBench {
+    fn drop(&mut self) {
+        OutsideCommand::remove(&self.folder);
+    }
+}
+
+/// All signals that the study's words name.
+fn signals_of(study: &Study) -> Vec<String> {
+    let vocabulary = &study.vocabulary.signals;
+    let predicates = vocabulary.names().filter_map(|name| {
+        let text = vocabulary.text(name)?;
+        vocabulary.predicate(text).ok()
+    });
+    let signals: BTreeSet<String> = predicates.flat_map(|it| it.signals()).collect();
+    signals.into_iter().collect()
+}
+
+/// Settings as the tables that their dotted keys mean.
+fn table_of(settings: &Settings) -> Table {
+    let mut table = Table::new();
+    for (key, value) in settings {
+        let mut parts: Vec<&str> = key.split('.').collect();
+        let Some(last) = parts.pop() else { continue };
+        let place = parts.into_iter().try_fold(&mut table, |place, part| {
+            let inner = place
+                .entry(part)
+                .or_insert_with(|| Value::Table(Table::new()));
+            inner.as_table_mut()
+        });
+        if let Some(place) = place {
+            place.insert(last.to_owned(), value.to_toml());
+        }
+    }
+    table
+}
+
+/// A recording in the topics of a layout, up to where `watch` has seen enough; whether it has.
+fn shown(
+    trace: Option<Trace>,
+    layout: Option<Trace>,
+    watch: &mut dyn Watch,
+) -> Result<(Trace, bool), SimError> {
+    let recorded = trace.unwrap_or_default();
+    let mut shown = layout.unwrap_or_else(|| {
+        let mut empty = recorded.clone();
+        for channel in &mut empty.channels {
+            channel.times_secs.clear();
+            channel.values.clear();
+        }
+        empty
+    });
+    // Time, topic and row, in the order of time; rows of one topic stay in theirs.
+    let mut rows: Vec<(f64, usize, usize, usize)> = Vec::new();
+    for (place, channel) in shown.channels.iter().enumerate() {
+        let from = recorded.channels.iter();
+        let from = from
+            .enumerate()
+            .find(|(_, it)| it.topic == channel.topic && it.fields == channel.fields);
+        if let Some((index, from)) = from {
+            let times = from.times_secs.iter().enumerate();
+            rows.extend(times.map(|(row, secs)| (*secs, place, index, row)));
+        }
+    }
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (time_secs, place, index, row) in rows {
+        let values = recorded.channels[index].row(row);
+        shown.channels[place].push(time_secs, values)?;
+        if watch.row(place, time_secs, values) == Control::Finish {
+            return Ok((shown, true));
+        }
+    }
+    Ok((shown, false))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trace::{Channel, Field};
+
+    #[test]
+    fn dotted_keys_are_tables() {
+        let settings = Settings::from([
+            ("cart.speed".to_owned(), 1.5.into()),
+            ("cart.brake.gain".to_owned(), 2.5.into()),
+            ("wet".to_owned(), true.into()),
+        ]);
+        let table = table_of(&settings);
+        assert_eq!(table["cart"]["speed"].as_float(), Some(1.5));
+        assert_eq!(table["cart"]["brake"]["gain"].as_float(), Some(2.5));
+        assert_eq!(table["wet"].as_bool(), Some(true));
+    }
+
+    /// Sees all rows up to a time.
+    struct UpTo(f64, Vec<(usize, f64)>);
+
+    impl Watch for UpTo {
+        fn row(&mut self, topic_index: usize, time_secs: f64, _: &[f64]) -> Control {
+            self.1.push((topic_index, time_secs));
+            match time_secs >= self.0 {
+                true => Control::Finish,
+                false => Control::Continue,
+            }
+        }
+    }
+
+    #[test]
+    fn a_recording_is_shown_in_the_order_of_time_and_cut_where_enough_was_seen() {
+        let channel = |topic: &str, times: &[f64]| {
+            let mut channel = Channel::new(topic, vec![Field::bool("b")]);
+            for secs in times {
+                channel.push(*secs, &[1.0]).unwrap();
+            }
+            channel
+        };
+        let trace = |channels: Vec<Channel>| Trace {
+            channels,
+            ..Trace::default()
+        };
+        let recorded = trace(vec![
+            channel("/b", &[0.5, 1.5]),
+            channel("/a", &[0.0, 1.0, 2.0]),
+        ]);
+        let layout = trace(vec![
+            channel("/a", &[]),
+            channel("/c", &[]),
+            channel("/b", &[]),
+        ]);
+        let mut watch = UpTo(1.5, Vec::new());
+        let (cut, is_enough) = shown(Some(recorded), Some(layout), &mut watch).unwrap();
+        assert!(is_enough);
+        assert_eq!(watch.1, [(0, 0.0), (2, 0.5), (0, 1.0), (2, 1.5)]);
+        assert_eq!(cut.channels[0].times_secs, [0.0, 1.0]);
+        assert!(cut.channels[1].is_empty());
+        assert_eq!(cut.channels[2].times_secs, [0.5, 1.5]);
+    }
+}

@@ -1,0 +1,177 @@
+//! One episode of an exploration: what it showed.
+//!
+//! It is judged while it runs, and ended as soon as all monitors are
+//! determined; if it is run for the sake of one requirement, as soon as that
+//! one's is.
+
+use super::abstraction::{AbstractTrace, Abstraction, Class};
+use super::bench::{OpenBench, failed};
+use super::code::matching;
+use super::situations::Situations;
+use crate::technique::campaign::{OnLine, is_of_physics, kind_of};
+use campaign::Situation;
+use diagnostic::Problem;
+use evidence::{FailureKind, Subject};
+use host::Cancel;
+use judging::{Judges, SpaceTime};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use stimulus::Stimulus;
+use study::Study;
+use temporal::monitor::Verdict;
+use testbench::SimError;
+use trace::Trace;
+
+/// The part of an episode's seed that controllers are told: what every
+/// language reads without rounding.
+const CONTROLLERS_SEED: u64 = (1 << 53) - 1;
+
+/// What watches episodes.
+pub struct Watching<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// The bench.
+    pub bench: &'a OpenBench,
+    /// All monitors of the study.
+    pub judges: Judges<'a>,
+    /// What searches go by, for each requirement that is searched.
+    pub searched: BTreeMap<String, SpaceTime<'a>>,
+    /// The channels of the bench's recordings.
+    pub layout: Trace,
+    /// Whether episodes end once all is decided.
+    pub early_end: bool,
+    /// How recordings are held against the model, if they are.
+    pub abstraction: Option<&'a Abstraction>,
+    /// What situations are told.
+    pub situations: Situations,
+    /// Where controllers leave which of their lines ran: `SEED.NAME.info` for
+    /// each episode, in the format of lcov.
+    pub code: Option<PathBuf>,
+}
+
+/// What an episode showed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Shown {
+    /// Requirements that it violates.
+    pub violated: Vec<String>,
+    /// Failure modes that occurred.
+    pub failure_modes: Vec<String>,
+    /// Requirements whose precondition was met.
+    pub triggered: Vec<String>,
+    /// What it was like.
+    pub situation: Situation,
+    /// What it did, in abstract states.
+    pub abstracted: AbstractTrace,
+    /// Steps that the model does not have.
+    pub unknown: Vec<(Class, Option<Class>)>,
+    /// The space-time robustness of the requirement for whose sake it was run,
+    /// of what was seen until it ended; a number, or it says nothing.
+    pub robustness: Option<f64>,
+    /// Simulated time.
+    pub simulated_secs: f64,
+    /// Which lines of the controller's code ran, in the format of lcov.
+    pub lcov: Option<String>,
+    /// What of the robot's program or of the simulator ended the episode, if it did.
+    pub failed: Option<FailureKind>,
+    /// Why the physics gave no numbers, if that ended it. Nothing else is said of such an episode.
+    pub broken: Option<String>,
+}
+
+impl Watching<'_> {
+    /// Runs an episode and looks at it; `for_the_sake_of` a requirement, only
+    /// until that is decided. A program that cannot be set up in the first
+    /// episode is an error.
+    pub fn run(
+        &self,
+        stimulus: &Stimulus,
+        (seed, is_first): (u64, bool),
+        for_the_sake_of: Option<&str>,
+        interrupt: &Cancel,
+    ) -> Result<Shown, Problem> {
+        let judges = [&self.judges];
+        // Whether the model has behaviour that is still to come, no monitor decides.
+        let early_end = self.early_end && self.abstraction.is_none();
+        let mut on_line = OnLine::new(&judges, &self.layout, early_end)?;
+        if let Some(id) = for_the_sake_of.filter(|_| self.early_end) {
+            on_line = on_line.until_decided(id);
+        }
+        let recorded = match self.bench.watched(stimulus, seed, &mut on_line, interrupt) {
+            Ok(recorded) => recorded,
+            // What the stimulus brought about is a result; what it cannot be is a mistake.
+            // Whatever was seen until then, physics without numbers says nothing of the robot.
+            Err(error) if is_of_physics(&error) => {
+                let simulated_secs = match &error {
+                    SimError::Unstable { time_secs, .. } => *time_secs,
+                    _ => 0.0,
+                };
+                return Ok(Shown {
+                    failed: Some(FailureKind::SimulatorFailed),
+                    broken: Some(error.to_string()),
+                    simulated_secs,
+                    ..Shown::default()
+                });
+            }
+            Err(error @ SimError::Stimulus { .. }) => {
+                let test = format!("test `{}`", stimulus.test.name);
+                return Err(failed(&error).about(&test).remedy(
+                    "name what the bench has: its signals and parameters, and keys of its files",
+                ));
+            }
+            Err(error) => return Err(failed(&error)),
+        };
+        let failed = recorded.failure.as_ref().map(kind_of);
+        if let Some(failure) = recorded.failure.as_ref().filter(|it| it.in_setup) {
+            return match is_first {
+                // It has not worked once.
+                true => Err(Problem::new("controller-failed", failure.words.clone())),
+                false => Ok(Shown {
+                    failed,
+                    ..Shown::default()
+                }),
+            };
+        }
+        let mut shown = Shown {
+            failed,
+            simulated_secs: recorded.sim_secs,
+            lcov: self.lcov(seed),
+            situation: self.situations.of(stimulus, &recorded.trace)?,
+            ..Shown::default()
+        };
+        let judged = on_line.finish(recorded.trace.complete)?;
+        for judgement in judged.into_iter().flatten() {
+            if judgement.reading.is_some() {
+                continue;
+            }
+            let findings = judgement.findings;
+            let id = judgement.subject.id().to_owned();
+            if findings.triggered > 0 {
+                shown.triggered.push(id.clone());
+            }
+            match (judgement.subject, findings.verdict) {
+                (Subject::Requirement(_), Verdict::Violated) => shown.violated.push(id),
+                (Subject::FailureMode(_), Verdict::Violated) => shown.failure_modes.push(id),
+                _ => {}
+            }
+        }
+        if let Some(searched) = for_the_sake_of.and_then(|id| self.searched.get(id)) {
+            shown.robustness = searched.of(&recorded.trace)?;
+        }
+        if let Some(abstraction) = self.abstraction {
+            shown.abstracted = abstraction.of_trace(&recorded.trace)?;
+            shown.unknown = abstraction.unknown(&shown.abstracted);
+        }
+        Ok(shown)
+    }
+
+    /// What controllers left of an episode.
+    fn lcov(&self, seed: u64) -> Option<String> {
+        let told = seed & CONTROLLERS_SEED;
+        let files = matching(&self.code.as_ref()?.join(format!("{told}.*info")));
+        let texts = files
+            .iter()
+            .filter_map(|file| std::fs::read_to_string(file).ok());
+        let text: String = texts.collect();
+        (!text.is_empty()).then_some(text)
+    }
+}

@@ -1,0 +1,258 @@
+//! The result of an exploration for people.
+
+use super::form::{ExplorationReport, FindingReport, SetReport};
+use evidence::{CauseFound, Stopped};
+use std::fmt::Write;
+
+/// Members of a list that are written out, at most.
+const LISTED: usize = 8;
+
+/// The result as text.
+pub fn as_text(report: &ExplorationReport) -> String {
+    let mut text = String::new();
+    let stopped = match report.found.stopped {
+        Stopped::Budget => "the budget",
+        Stopped::NothingNew => "more of this kind have stopped paying",
+        Stopped::Interrupted => "interrupted",
+    };
+    let _ = writeln!(
+        text,
+        "{} episodes of {} ({}), {:.0} s simulated; ended by: {stopped}",
+        report.found.episodes,
+        report.found.evidence,
+        report.found.engine,
+        report.found.simulated_secs
+    );
+    findings(&mut text, report);
+    not_confirmed(&mut text, report);
+    coverage(&mut text, report);
+    sources(&mut text, report);
+    let _ = writeln!(text, "\n{}", report.found.statement);
+    text
+}
+
+fn findings(text: &mut String, report: &ExplorationReport) {
+    if report.found.findings.is_empty() {
+        let _ = writeln!(text, "\nNothing was found.");
+    } else {
+        let _ = writeln!(text, "\nFound");
+    }
+    for finding in &report.found.findings {
+        let replayed = if finding.found.replayed {
+            ""
+        } else {
+            "  NOT SHOWN AGAIN"
+        };
+        let _ = writeln!(
+            text,
+            "  {}{replayed}\n      first in episode {}, in {} of {}; by {}\n      {}",
+            finding.found.in_words,
+            finding.found.first_episode,
+            finding.found.episodes,
+            report.found.episodes,
+            finding.found.found_by,
+            finding.found.file
+        );
+        causes(text, finding);
+    }
+    if !report.found.broken.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nNot simulated to the end: the physics gave no numbers in {} of {} episodes, which says nothing of the robot",
+            report.found.broken.len(),
+            report.found.episodes
+        );
+    }
+    for broken in report.found.broken.iter().take(LISTED) {
+        let _ = writeln!(text, "  episode {}: {}", broken.episode, broken.reason);
+    }
+    if let Some(more) = report
+        .found
+        .broken
+        .len()
+        .checked_sub(LISTED)
+        .filter(|n| *n > 0)
+    {
+        let _ = writeln!(text, "  and {more} more in the JSON");
+    }
+}
+
+/// What only the fast physics showed.
+fn not_confirmed(text: &mut String, report: &ExplorationReport) {
+    let found = &report.found;
+    let Some(confirmation) = &found.confirmation else {
+        return;
+    };
+    if !found.findings.is_empty() {
+        let _ = writeln!(
+            text,
+            "  the full physics ({}) shows each of them, too; episodes are counted in the fast physics of the search",
+            confirmation.engine
+        );
+    }
+    let others = &confirmation.not_confirmed;
+    if !others.is_empty() {
+        let _ = writeln!(
+            text,
+            "\nNot confirmed: {} shown by the fast physics only",
+            others.len()
+        );
+    }
+    for FindingReport { found: one, .. } in others {
+        let _ = writeln!(
+            text,
+            "  {}: in {} of {} episodes of the search\n      {}",
+            one.in_words, one.episodes, found.episodes, one.file
+        );
+    }
+}
+
+/// What brought a finding about, the most frequent first.
+fn causes(text: &mut String, finding: &FindingReport) {
+    let mut causes: Vec<&CauseFound> = finding.found.causes.iter().collect();
+    causes.sort_by_key(|cause| std::cmp::Reverse(cause.episodes));
+    for cause in causes {
+        let (settings, test) = (cause.settings_in_words(), cause.test_in_words());
+        let early = if cause.is_minimal {
+            ""
+        } else {
+            " (perhaps not minimal)"
+        };
+        let _ = writeln!(
+            text,
+            "      cause, met in {} of {}: {settings}; {test}{early}\n          {}",
+            cause.episodes, finding.found.episodes, cause.file
+        );
+    }
+    if let Some(others) = finding.found.without_cause.filter(|others| *others > 0) {
+        let _ = writeln!(text, "      {others} episodes met none of these");
+    }
+}
+
+fn coverage(text: &mut String, report: &ExplorationReport) {
+    let coverage = &report.coverage;
+    let _ = writeln!(text, "\nCovered");
+    set(
+        text,
+        "requirements and failure modes triggered",
+        &coverage.triggers,
+    );
+    if let Some(states) = &coverage.states {
+        set(text, "abstract states of the model", states);
+    }
+    if let Some(transitions) = &coverage.transitions {
+        set(text, "abstract transitions of the model", transitions);
+    }
+    for (name, reason) in &coverage.not_expressed {
+        let _ = writeln!(text, "  the model does not express `{name}`: {reason}");
+    }
+    for cross in &coverage.crosses {
+        let _ = writeln!(
+            text,
+            "  situations `{}`: {} of {}",
+            cross.name, cross.covered, cross.total
+        );
+        list(text, "never seen", &cross.holes);
+    }
+    if let Some(code) = &coverage.code {
+        let _ = writeln!(
+            text,
+            "  code: {} of {} lines, {} of {} functions, {} of {} branches",
+            code.lines[0],
+            code.lines[1],
+            code.functions[0],
+            code.functions[1],
+            code.branches[0],
+            code.branches[1]
+        );
+        list(text, "lines that never ran", &code.never_run);
+    }
+    let saturation = &coverage.saturation;
+    let _ = writeln!(
+        text,
+        "  {} different things seen, {} of them in one episode only; about {:.0} more can be seen, \
+         {:.1} of them in 100 more episodes;\n  the next episode shows something new with a chance of \
+         at most {:.3}",
+        saturation.seen,
+        saturation.seen_once,
+        saturation.unseen,
+        saturation.news_in_100_more,
+        saturation.chance_of_news_at_most
+    );
+}
+
+fn set(text: &mut String, name: &str, set: &SetReport) {
+    let _ = writeln!(text, "  {name}: {} of {}", set.covered, set.total);
+    list(text, "never", &set.missing);
+    list(text, "unknown to it", &set.unknown);
+}
+
+fn list(text: &mut String, title: &str, members: &[String]) {
+    list_of(text, title, members, LISTED);
+}
+
+fn list_of(text: &mut String, title: &str, members: &[String], listed: usize) {
+    for member in members.iter().take(listed) {
+        let _ = writeln!(text, "      {title}: {member}");
+    }
+    if members.len() > listed {
+        let _ = writeln!(
+            text,
+            "      and {} more in the JSON",
+            members.len() - listed
+        );
+    }
+}
+
+fn sources(text: &mut String, report: &ExplorationReport) {
+    let _ = writeln!(text, "\nSources");
+    for source in &report.sources {
+        let _ = writeln!(
+            text,
+            "  {}: {} episodes, {} with something new",
+            source.source, source.episodes, source.with_news
+        );
+    }
+    for search in &report.searches {
+        let found = match search.violated_after {
+            Some(after) => format!(
+                "violated in its episode {after}, {} times in all",
+                search.violated
+            ),
+            None => "not violated".to_owned(),
+        };
+        let least = search.least_robustness.map_or_else(String::new, |least| {
+            format!("; least space-time robustness {least:.3}")
+        });
+        let _ = writeln!(
+            text,
+            "  {} against requirement {}: {} episodes, {found}{least}",
+            search.method, search.requirement, search.episodes
+        );
+        if let Some(blind) = &search.blind {
+            let _ = writeln!(text, "      warning: {blind}");
+        }
+    }
+    let tests = &report.model_tests;
+    if let Some(cover) = &tests.transition_cover {
+        let _ = writeln!(
+            text,
+            "  the model: {} kinds of transitions taken by {} paths with {} transitions",
+            cover.classes, cover.paths, cover.transitions
+        );
+    }
+    for test in &tests.tests {
+        let _ = writeln!(
+            text,
+            "      test: {}\n          leads to: {}",
+            test.test,
+            test.goals.join("; ")
+        );
+    }
+    let without: Vec<String> = tests
+        .without
+        .iter()
+        .map(|(g, r)| format!("{g}: {r}"))
+        .collect();
+    list_of(text, "no test from the model", &without, without.len());
+}

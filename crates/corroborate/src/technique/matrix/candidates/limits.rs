@@ -1,0 +1,253 @@
+//! Limits of time in a requirement's forms that something suggests.
+//!
+//! # Definition
+//! A limit stands in a hand-written property (`F<=11`, in steps or in units of continuous time) and in a monitor
+//! (`within_secs = 5.5`). Both are durations, once study.toml says how long a step takes. What a limit may be instead is
+//! each duration of the requirement's text and sentence and each limit of its other form, and what a slip by a factor makes
+//! of it, the duration of a step among the factors. A limit that the text or the sentence says is not looked at.
+
+use super::{REQUIREMENTS, Reach, TextEdit, block, part_of, values};
+use evidence::{Subject, SuspectKind};
+use std::ops::Range;
+use study::{Study, SubjectForm};
+
+/// Slips of a limit.
+const FACTORS: [f64; 6] = [10.0, 0.1, 60.0, 1.0 / 60.0, 2.0, 0.5];
+
+/// Durations that differ by less are the same.
+const SAME_SECS: f64 = 1e-9;
+
+/// A limit with its place.
+struct Limit {
+    span: Range<usize>,
+    /// What stands there, and what stands there for another number.
+    written: String,
+    before: &'static str,
+    number: f64,
+    /// In seconds, where that is known.
+    secs: Option<f64>,
+}
+
+/// The limits of a requirement's forms by the durations of its own text and sentence, by each other, or by a factor.
+pub(super) fn of_form(study: &Study, form: &SubjectForm) -> Vec<TextEdit> {
+    let step = study.about.model.step_secs();
+    let (monitor, property) = (of_monitor(study, form), of_property(form, step));
+    let secs = |limits: &[Limit]| -> Vec<f64> { limits.iter().filter_map(|it| it.secs).collect() };
+    let said = said(study, &form.subject);
+    let suggested = |others: Vec<f64>, other: &str| -> Vec<(f64, String)> {
+        let of_text = said.iter().map(|it| (*it, format!("its text says {it} s")));
+        let of_other = others.into_iter();
+        of_text
+            .chain(of_other.map(|it| (it, format!("its {other} says {it} s"))))
+            .collect()
+    };
+    let of_monitor = Looked {
+        form,
+        which: "monitor",
+        step,
+        scale: Some(1.0),
+        suggested: suggested(secs(&property), "property"),
+    };
+    let of_property = Looked {
+        form,
+        which: "property",
+        step,
+        scale: step,
+        suggested: suggested(secs(&monitor), "monitor"),
+    };
+    let is_said = |limit: &&Limit| {
+        let is_same = |secs: f64| said.iter().any(|it| (it - secs).abs() < SAME_SECS);
+        limit.secs.is_some_and(is_same)
+    };
+    let mut found = Vec::new();
+    for (looked, limits) in [(of_monitor, monitor), (of_property, property)] {
+        for limit in limits.iter().filter(|limit| !is_said(limit)) {
+            looked.of_limit(limit, &mut found);
+        }
+    }
+    found
+}
+
+/// One form whose limits are looked at.
+struct Looked<'a> {
+    form: &'a SubjectForm,
+    /// `property` or `monitor`.
+    which: &'static str,
+    /// Seconds of a step of the model.
+    step: Option<f64>,
+    /// Seconds of a unit of its limits, where that is known.
+    scale: Option<f64>,
+    /// Durations in seconds that something else says, and what says them.
+    suggested: Vec<(f64, String)>,
+}
+
+impl Looked<'_> {
+    /// What a limit may be instead; each text once.
+    fn of_limit(&self, limit: &Limit, found: &mut Vec<TextEdit>) {
+        let said = self.suggested.iter().filter_map(|(secs, hint)| {
+            let scale = self.scale?;
+            Some((secs / scale, Some(hint.clone())))
+        });
+        let slips = FACTORS.into_iter();
+        let slips = slips.chain(self.step.into_iter().flat_map(|step| [step, 1.0 / step]));
+        let slips = slips.map(|factor| (limit.number * factor, None));
+        for (number, hint) in said.chain(slips) {
+            let new = self.edit(limit, number, hint);
+            let mut known = found.iter();
+            let is_known = known.any(|it| it.new == new.new && it.span == new.span);
+            if new.new != new.old && !is_known {
+                found.push(new);
+            }
+        }
+    }
+
+    fn edit(&self, limit: &Limit, number: f64, hint: Option<String>) -> TextEdit {
+        let is_property = self.which == "property";
+        let (kind, reach) = match is_property {
+            true => (SuspectKind::Property, Reach::Models),
+            false => (SuspectKind::Monitor, Reach::Runs),
+        };
+        TextEdit {
+            file: REQUIREMENTS,
+            span: limit.span.clone(),
+            old: limit.written.clone(),
+            new: format!(
+                "{}{}",
+                limit.before,
+                number_like(limit, number, is_property)
+            ),
+            kind,
+            part: part_of(self.form, self.which),
+            reach,
+            is_said: hint.is_some(),
+            hint,
+        }
+    }
+}
+
+/// Whether some form of a requirement, its text or its sentence has a limit of time.
+pub(in super::super) fn is_timed(study: &Study, form: &SubjectForm) -> bool {
+    !(of_monitor(study, form).is_empty()
+        && of_property(form, None).is_empty()
+        && said(study, &form.subject).is_empty())
+}
+
+/// The durations of a subject's text and sentence.
+fn said(study: &Study, subject: &Subject) -> Vec<f64> {
+    let texts: Vec<String> = match subject {
+        Subject::Requirement(id) => {
+            let mut all = study.requirements.iter();
+            let own = all.find(|r| &r.id == id);
+            own.map_or_else(Vec::new, |r| {
+                [Some(r.text.clone()), r.sentence.clone()]
+                    .into_iter()
+                    .flatten()
+                    .collect()
+            })
+        }
+        Subject::FailureMode(id) => {
+            let mut all = study.failure_modes.iter();
+            all.find(|m| &m.id == id)
+                .map(|m| m.meaning.clone())
+                .into_iter()
+                .collect()
+        }
+    };
+    let mut found: Vec<f64> = Vec::new();
+    for secs in texts.iter().flat_map(|text| durations(text)) {
+        if !found.contains(&secs) {
+            found.push(secs);
+        }
+    }
+    found
+}
+
+fn of_monitor(study: &Study, form: &SubjectForm) -> Vec<Limit> {
+    let text = &study.forms.source.text;
+    let all = values(text, block(text, form), "within_secs").into_iter();
+    let limits = all.filter_map(|(span, written)| {
+        let number = written.replace('_', "").parse::<f64>().ok()?;
+        Some(Limit {
+            span,
+            written,
+            before: "",
+            number,
+            secs: Some(number),
+        })
+    });
+    limits.collect()
+}
+
+/// The upper limits of time in a property that was written by hand: `<=` right behind a temporal operator.
+fn of_property(form: &SubjectForm, step: Option<f64>) -> Vec<Limit> {
+    let Some(property) = form.property.as_ref().filter(|p| !p.from_sentence) else {
+        return Vec::new();
+    };
+    let text = &property.text;
+    let limits = text.match_indices("<=").filter_map(|(at, sign)| {
+        let before = text[..at].chars().next_back()?;
+        let rest = &text[at + sign.len()..];
+        let end = rest
+            .find(|c: char| !(c.is_ascii_digit() || c == '.'))
+            .unwrap_or(rest.len());
+        let number = rest[..end].parse::<f64>().ok()?;
+        let start = property.span.start + at;
+        "FGUWR".contains(before).then(|| Limit {
+            span: start..start + sign.len() + end,
+            written: text[at..at + sign.len() + end].to_owned(),
+            before: "<=",
+            number,
+            secs: step.map(|step| number * step),
+        })
+    });
+    limits.collect()
+}
+
+/// A number as it would be written: steps are whole.
+fn number_like(limit: &Limit, number: f64, is_property: bool) -> String {
+    match is_property && !limit.written.contains('.') {
+        true => format!("{}", (number + SAME_SECS).floor()),
+        false => format!("{}", (number * 1e9).round() / 1e9),
+    }
+}
+
+/// The durations in a text, in seconds.
+fn durations(text: &str) -> Vec<f64> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let unit = |word: &str| match word.trim_matches(|c: char| !c.is_alphabetic()) {
+        "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
+        "ms" | "millisecond" | "milliseconds" => Some(1e-3),
+        "min" | "minute" | "minutes" => Some(60.0),
+        "h" | "hour" | "hours" => Some(3600.0),
+        _ => None,
+    };
+    let mut found = Vec::new();
+    for (place, word) in words.iter().enumerate() {
+        let digits = word.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+        let (number, rest) = word.split_at(digits.unwrap_or(word.len()));
+        let next = words.get(place + 1).copied().unwrap_or_default();
+        let scale = match rest.is_empty() {
+            true => unit(next),
+            false => unit(rest),
+        };
+        if let (Ok(number), Some(scale)) = (number.parse::<f64>(), scale) {
+            found.push(number * scale);
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_of_a_text_are_read_with_their_units() {
+        assert_eq!(
+            durations("within 60 s, or after 1.5 minutes (500ms)"),
+            [60.0, 90.0]
+        );
+        assert_eq!(durations("at least 70% of 12 attempts"), Vec::<f64>::new());
+        assert_eq!(durations("in 500ms at most"), [0.5]);
+    }
+}

@@ -1,0 +1,273 @@
+//! Edits of what signals are: their units, the values and the signals that no proposition reads.
+//!
+//! The definition is that of [`super`].
+
+use super::{
+    Reach, TOPICS, TextEdit, binding, hint_of_free, is_named_after, is_shared, plain, values,
+};
+use evidence::SuspectKind;
+use std::collections::BTreeSet;
+use std::ops::Range;
+use study::Study;
+use trace::units::QuantityValue;
+
+/// Units that are written for one another.
+const UNITS: [&str; 24] = [
+    "mm", "cm", "m", "km", "mm/s", "cm/s", "m/s", "km/h", "ms", "s", "min", "rad", "deg", "rad/s",
+    "deg/s", "g", "kg", "mN", "N", "kN", "mA", "A", "mV", "V",
+];
+
+/// Quantities in the predicates of traces, with other units of their dimension.
+pub(super) fn quantities(study: &Study) -> Vec<TextEdit> {
+    let mut found = Vec::new();
+    for (name, proposition) in &study.vocabulary.propositions {
+        let Some(place) = &proposition.trace else {
+            continue;
+        };
+        for (span, number, unit) in numbers_with_units(&place.text) {
+            for other in other_units(unit) {
+                found.push(TextEdit {
+                    span: place.span.start + span.start..place.span.start + span.end,
+                    old: place.text[span.clone()].to_owned(),
+                    ..binding(
+                        (name, "trace"),
+                        place,
+                        format!("{number} {other}"),
+                        Reach::Runs,
+                        None,
+                    )
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The numbers of a predicate that have a unit: of `/x.v < 0.3 m/s` it is `0.3` and `m/s`, with their place.
+fn numbers_with_units(text: &str) -> Vec<(Range<usize>, &str, &str)> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    for word in text.split_inclusive(' ') {
+        let (start, number) = (at, word.trim_end());
+        at += word.len();
+        let is_number = number.parse::<f64>().is_ok() && word.ends_with(' ');
+        let rest = &text[at..];
+        let length = rest.find([' ', ')', '&', '|']).unwrap_or(rest.len());
+        let unit = &rest[..length];
+        if is_number && UNITS.contains(&unit) {
+            found.push((start..at + length, number, unit));
+        }
+    }
+    found
+}
+
+/// Other units of the same dimension.
+fn other_units(unit: &str) -> Vec<&'static str> {
+    let parsed = |unit: &str| format!("1 {unit}").parse::<QuantityValue>().ok();
+    let Some(own) = parsed(unit) else {
+        return Vec::new();
+    };
+    let is_other = |other: &&&str| {
+        let value = parsed(other);
+        value.is_some_and(|v| v.dimension() == own.dimension() && v.si_value() != own.si_value())
+    };
+    UNITS.iter().filter(is_other).copied().collect()
+}
+
+/// A signal of topics.toml.
+struct Signal {
+    name: String,
+    from: String,
+    kind: Option<String>,
+    unit: Option<(Range<usize>, String)>,
+    values: Vec<String>,
+}
+
+/// What topics.toml says, with places.
+pub(super) struct Topics {
+    signals: Vec<Signal>,
+}
+
+impl Topics {
+    pub(super) fn of(text: &str) -> Self {
+        let mut starts: Vec<usize> = text.match_indices("[\"/").map(|(at, _)| at).collect();
+        starts.push(text.len());
+        let unquoted = |word: String| word.trim_matches(['"', '\'']).to_owned();
+        let signals = starts.windows(2).filter_map(|pair| {
+            let name = text[pair[0] + 2..pair[1]].split('"').next()?.to_owned();
+            let value = |key: &str| values(text, pair[0]..pair[1], key).into_iter().next();
+            Some(Signal {
+                name,
+                from: unquoted(value("from")?.1),
+                values: listed(&text[pair[0]..pair[1]], "values"),
+                kind: value("kind").map(|(_, kind)| unquoted(kind)),
+                unit: value("unit").map(|(span, unit)| {
+                    let unit = unquoted(unit);
+                    (span.start + 1..span.start + 1 + unit.len(), unit)
+                }),
+            })
+        });
+        Self {
+            signals: signals.collect(),
+        }
+    }
+
+    /// Other units of the same dimension.
+    pub(super) fn units(&self) -> Vec<TextEdit> {
+        let mut found = Vec::new();
+        for signal in &self.signals {
+            let Some((span, unit)) = &signal.unit else {
+                continue;
+            };
+            for other in other_units(unit) {
+                let suffix = format!("_{}", other.replace('/', "_per_")).to_lowercase();
+                let says = signal.from.to_lowercase().ends_with(&suffix);
+                let hint = says.then(|| format!("its field is called `{}`", signal.from));
+                found.push(TextEdit {
+                    file: TOPICS,
+                    span: span.clone(),
+                    old: unit.clone(),
+                    new: other.to_owned(),
+                    kind: SuspectKind::Vocabulary,
+                    part: format!("{}, unit", signal.name),
+                    reach: Reach::Runs,
+                    is_said: hint.is_some(),
+                    hint,
+                });
+            }
+        }
+        found
+    }
+
+    /// Bindings of propositions to values of their signal that none of them names.
+    pub(super) fn values(&self, study: &Study) -> Vec<TextEdit> {
+        let words = &study.vocabulary.propositions;
+        let bound: Vec<(&String, &study::Binding)> = words
+            .iter()
+            .filter_map(|(name, p)| Some((name, p.trace.as_ref()?)))
+            .collect();
+        let known: BTreeSet<String> = bound.iter().map(|(_, b)| plain(&b.text)).collect();
+        let mut found = Vec::new();
+        for (name, place) in &bound {
+            let Some((signal, value)) = place.text.split_once("==") else {
+                continue;
+            };
+            let (signal, value) = (signal.trim(), value.trim());
+            let is_one = value.len() > 1 && value[1..].find('\'') == Some(value.len() - 2);
+            let own = self.signals.iter().find(|it| it.name == signal);
+            let Some(own) = own.filter(|_| value.starts_with('\'') && is_one) else {
+                continue;
+            };
+            for other in &own.values {
+                let new = format!("{signal} == '{other}'");
+                if known.contains(&plain(&new)) {
+                    continue;
+                }
+                let all = bound.iter().map(|(_, place)| place.text.as_str());
+                let is_said = is_named_after(other, name) && !is_named_after(value, name);
+                let free = format!("no proposition names `{other}` of {signal}");
+                let hint = hint_of_free(&free, is_said, &place.text, all);
+                found.push(TextEdit {
+                    is_said,
+                    ..binding((name, "trace"), place, new, Reach::Runs, hint)
+                });
+            }
+        }
+        found
+    }
+
+    /// Bindings of propositions to signals that none of them reads.
+    pub(super) fn signals(&self, study: &Study) -> Vec<TextEdit> {
+        let words = &study.vocabulary.propositions;
+        let texts: Vec<&String> = words
+            .values()
+            .filter_map(|p| Some(&p.trace.as_ref()?.text))
+            .collect();
+        let is_used = |name: &str| texts.iter().any(|text| text.contains(name));
+        let mut found = Vec::new();
+        for signal in self.signals.iter().filter(|s| !is_used(&s.name)) {
+            for predicate in predicates(study, signal, &texts) {
+                for (name, proposition) in words {
+                    let Some(place) = &proposition.trace else {
+                        continue;
+                    };
+                    let all = texts.iter().map(|text| text.as_str());
+                    let hint = is_shared(&place.text, all).then(|| {
+                        format!(
+                            "no proposition reads {}, and two read `{}`",
+                            signal.name, place.text
+                        )
+                    });
+                    let new = predicate.clone();
+                    found.push(binding((name, "trace"), place, new, Reach::Runs, hint));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The texts of a list on one line of a TOML text.
+fn listed(text: &str, key: &str) -> Vec<String> {
+    let mut lines = text.lines().filter_map(|line| {
+        let (name, list) = line.split_once('=')?;
+        (name.trim() == key).then(|| list.trim().trim_matches(['[', ']']))
+    });
+    let list = lines.next().unwrap_or_default().split(',');
+    let texts = list.map(|word| word.trim().trim_matches(['"', '\'']).to_owned());
+    texts.filter(|word| !word.is_empty()).collect()
+}
+
+/// What can be said of a signal: that it holds, or that it is on either side of a parameter that nothing compares.
+fn predicates(study: &Study, signal: &Signal, texts: &[&String]) -> Vec<String> {
+    if signal.kind.as_deref() == Some("bool") {
+        return vec![signal.name.clone()];
+    }
+    let Some((_, unit)) = &signal.unit else {
+        return Vec::new();
+    };
+    let Ok(own) = format!("1 {unit}").parse::<QuantityValue>() else {
+        return Vec::new();
+    };
+    let is_word = |text: &&&String, name: &str| {
+        let mut words = text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+        words.any(|word| word == name)
+    };
+    let free = study.parameters.declared.keys().filter(|name| {
+        let value = study.parameters.values.get(name);
+        let fits = value.is_some_and(|v| v.dimension() == own.dimension());
+        fits && !texts.iter().any(|text| is_word(&text, name))
+    });
+    free.flat_map(|name| [">", "<"].map(|sign| format!("{} {sign} {name}", signal.name)))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_stand_with_their_units() {
+        let text = "/x.v < 0.3 m/s & (/x.gap > 20 mm)";
+        let found: Vec<&str> = numbers_with_units(text)
+            .into_iter()
+            .map(|(span, ..)| &text[span])
+            .collect();
+        assert_eq!(found, ["0.3 m/s", "20 mm"]);
+        assert_eq!(other_units("m/s"), ["mm/s", "cm/s", "km/h"]);
+    }
+
+    #[test]
+    fn a_unit_that_the_field_names_is_a_hint() {
+        let text = "[\"/x.v\"]\nfrom = \"/csv.speed_cm_per_s\"\nunit = \"m/s\"\n\n[\"/x.b\"]\nfrom = \"/csv.b\"\nkind = \"bool\"\n";
+        let topics = Topics::of(text);
+        let edits = topics.units();
+        let hinted: Vec<&str> = edits
+            .iter()
+            .filter(|e| e.hint.is_some())
+            .map(|e| e.new.as_str())
+            .collect();
+        assert_eq!(hinted, ["cm/s"]);
+        assert_eq!(&text[edits[0].span.clone()], "m/s");
+    }
+}

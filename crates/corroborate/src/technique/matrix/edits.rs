@@ -1,0 +1,522 @@
+//! Requirement models changed one value at a time, each tried on all the evidence.
+//!
+//! # Definition
+//! For every edit that something in the study suggests ([`super::candidates`]) what it reaches is produced again: the
+//! formal models' answers, the tables' counts, or the verdicts on the recordings that are kept. Of each pair of pieces
+//! under the same conditions the strength of disagreement ([`evidence::signed_strength`]) is taken before and after; of a subject
+//! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
+//! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
+//! comes up, since chance alone moves the weaker pairs. Of those that are left the ones that explain most are clues, and
+//! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
+//! nothing keeps) explains nothing by that, unless something else in the study says its very value.
+//!
+//! What an edit explains it shares with the system models, which explain it, too, by rates of their own. Its odds against
+//! them are, in decades,
+//!
+//! * how well all agree on what it explains: the evidence for one rate, of each subject that of its weakest pair. Rates
+//!   that are free agree with anything, and say nothing;
+//! * [`STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
+//!   otherwise fails somehow;
+//! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
+//!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
+//! * less the decades of the number of edits that were tried.
+//!
+//! Odds of edits of one place add up: whichever of its values is meant, the place is wrong.
+//!
+//! # Source and guarantee
+//! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
+//! prior probability (H. Jeffreys, "Theory of Probability", 1961, section 5.04). An edit has no free parameter: what it
+//! predicts is computed, not fitted. [`STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
+//!
+//! # Cost
+//! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
+//! strong disagreement.
+
+mod scratch;
+
+use super::candidates::{Reach, TextEdit, candidates, limits};
+use super::{Diagnosing, Gathered};
+use crate::technique::experiment::Tables;
+use crate::technique::model_checking::Compiled;
+use crate::technique::operation::only_violations;
+use crate::technique::simulation;
+use diagnostic::Problem;
+use evidence::{
+    Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
+    Symptom, Technique, signed_strength,
+};
+use judging::Judges;
+use judging::recording::ReadingRules;
+use rayon::prelude::*;
+use scratch::Scratch;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use study::{Study, Work};
+
+/// Decades for an edit whose very value something else says, too.
+const SAID: f64 = 2.5;
+
+/// Decades for an edit to what is free.
+const FREE: f64 = 1.0;
+
+/// Decades for an edit if requirements alone disagree.
+const STRUCTURE: f64 = 1.0;
+
+/// The least and the most that an edit takes of what it explains.
+const SHARES: [f64; 2] = [0.03, 0.97];
+
+/// Recordings of one piece of evidence that are judged again, at most.
+const MOST_RUNS: usize = 400;
+
+/// Strengths that differ by less explain as much.
+const AS_MUCH: f64 = 0.5;
+
+/// Values of a model that differ by less are the same.
+const SAME: f64 = 1e-6;
+
+/// Pairs of pieces on a subject, with how strongly they disagree.
+type Pairs = BTreeMap<(String, String, Subject), f64>;
+
+/// What a model answers, by subject.
+type Values = BTreeMap<Subject, Option<f64>>;
+
+/// What the models answer, by their files.
+type ModelValues = BTreeMap<PathBuf, Values>;
+
+/// An edit with what it explains.
+struct Explained {
+    edit: TextEdit,
+    /// The pairs that do not disagree strongly any more, with what goes away.
+    pairs: Pairs,
+    /// What goes away, less what comes up: sums over subjects of the strongest.
+    score: f64,
+    /// How well all agree on what it explains, and what the structure adds; in decades.
+    agreement: f64,
+    /// Decades for or against it before the evidence.
+    prior: f64,
+    /// The odds of all edits of its place that explain something: they accuse one asset.
+    odds: f64,
+    /// Requirements that evidence misses now and meets with the edit, one clause each.
+    hides: Vec<String>,
+}
+
+impl Diagnosing<'_> {
+    /// Looks for single edits that explain strong disagreement.
+    pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
+        let before = self.disagreements(&self.result.evidence);
+        if before.values().all(|apart| *apart <= STRONG) {
+            return Ok(());
+        }
+        let scratch = Scratch::new(self.study, self.folder)?;
+        let now = self.models_now()?;
+        let mut found: Vec<Explained> = Vec::new();
+        let mut tried = 0_u32;
+        for edit in candidates(self.study)? {
+            self.setting.go_on()?;
+            // An edit with which the study cannot be read is none.
+            let after = scratch
+                .with(&edit)
+                .and_then(|study| self.produced_with(&study, &scratch, edit.reach, &now));
+            self.setting.go_on()?;
+            if let Ok(evidence) = after {
+                tried += 1;
+                let after = self.disagreements(&evidence);
+                let is_timed = |subject: &Subject| {
+                    let form = self.study.forms.of(subject);
+                    form.is_some_and(|form| limits::is_timed(self.study, form))
+                };
+                let is_said = edit.is_said;
+                let explained = explained(edit, &before, &after, &is_timed);
+                let explained = explained.filter(|it| is_said || !it.is_constant(&evidence));
+                found.extend(explained.map(|it| Explained {
+                    hides: self.hidden_by(&evidence),
+                    ..it
+                }));
+            }
+        }
+        gathered.in_order.push(format!(
+            "{tried} single edits of vocabulary, forms and units were tried on all evidence; {} explain what disagrees",
+            found.len()
+        ));
+        for it in &mut found {
+            let hint = match (&it.edit.hint, it.edit.is_said) {
+                (Some(_), true) => SAID,
+                (Some(_), false) => FREE,
+                (None, _) => 0.0,
+            };
+            it.prior = hint - f64::from(tried.max(1)).log10();
+        }
+        for place in 0..found.len() {
+            let edit = &found[place].edit;
+            let (file, span) = (edit.file, edit.span.clone());
+            let same = found
+                .iter()
+                .filter(|it| (it.edit.file, &it.edit.span) == (file, &span));
+            found[place].odds = same.map(Explained::own_odds).sum();
+        }
+        found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
+        let best = found.first().map_or(0.0, Explained::weight);
+        found.retain(|it| it.weight() > best - AS_MUCH);
+        let places: Vec<String> = found.iter().map(Explained::in_words).collect();
+        for (at, it) in found.iter().enumerate() {
+            let others = places.iter().enumerate();
+            let others = others.filter(|(other, _)| *other != at);
+            let others: Vec<String> = others.map(|(_, place)| place.clone()).collect();
+            gathered.clues.extend(self.clues_of(it, &others, tried));
+        }
+        Ok(())
+    }
+
+    /// How strongly the pieces that speak for themselves disagree, pair by pair.
+    fn disagreements(&self, evidence: &[Evidence]) -> Pairs {
+        let speaks = |piece: &&Evidence| {
+            !(piece.intermediate || piece.published && piece.reproduced_by.is_some())
+        };
+        let pieces: Vec<&Evidence> = evidence.iter().filter(speaks).collect();
+        let mut pairs = Pairs::new();
+        for (place, one) in pieces.iter().enumerate() {
+            let others = pieces[place + 1..].iter();
+            // Two models have no data between them that could tell.
+            let both_computed = |other: &Evidence| {
+                [one.technique, other.technique] == [Technique::ModelChecking; 2]
+            };
+            let comparable =
+                |other: &&&Evidence| other.conditions == one.conditions && !both_computed(other);
+            for other in others.filter(comparable) {
+                for finding in &one.findings {
+                    let subject = &finding.subject;
+                    let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
+                    if let (Some(a), Some(b), true) =
+                        (Rate::of(&finding.measure), theirs, self.is_own(subject))
+                    {
+                        let apart = signed_strength(a, b, self.margin(subject));
+                        pairs.insert((one.id.clone(), other.id.clone(), subject.clone()), apart);
+                    }
+                }
+            }
+        }
+        pairs
+    }
+
+    /// The evidence with what an edit reaches produced again.
+    fn produced_with(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        reach: Reach,
+        now: &ModelValues,
+    ) -> Result<Vec<Evidence>, Problem> {
+        let mut evidence = self.result.evidence.clone();
+        for piece in &mut evidence {
+            let entry = self.study.entry(&piece.id)?;
+            let findings = match (&entry.work, reach) {
+                (Work::Check { model, .. }, Reach::Models) => {
+                    let then = self.model_values(study, model)?;
+                    answers(now.get(model), &then, &piece.findings)
+                }
+                (
+                    Work::Read {
+                        technique,
+                        cohort,
+                        requirements,
+                        failure_modes,
+                    },
+                    Reach::Tables,
+                ) => {
+                    let [cohort, requirements, failure_modes] =
+                        [cohort, requirements, failure_modes].map(|it| it.as_deref());
+                    let tables = Tables::read(study, cohort, requirements, failure_modes)?;
+                    tables.produce(study, &piece.id, *technique)?.findings
+                }
+                (Work::Check { .. } | Work::Read { .. }, _) => continue,
+                (Work::Judge { recordings, .. }, Reach::Runs) => {
+                    let folder = self.study.folder.join(recordings);
+                    self.verdicts(study, scratch, &folder)?
+                }
+                (_, Reach::Runs) => {
+                    let folder = self.folder.join("episodes").join(&piece.id);
+                    self.verdicts(study, scratch, &folder)?
+                }
+                _ => continue,
+            };
+            let known = findings.into_iter();
+            for new in known {
+                let old = piece.findings.iter_mut();
+                if let Some(old) = old.into_iter().find(|old| old.subject == new.subject) {
+                    *old = new;
+                }
+            }
+        }
+        Ok(evidence)
+    }
+
+    /// What each formal model answers as the study is.
+    fn models_now(&self) -> Result<ModelValues, Problem> {
+        let mut all = ModelValues::new();
+        for entry in &self.study.ledger {
+            if let Work::Check { model, .. } = &entry.work
+                && !all.contains_key(model)
+            {
+                // A model that cannot be solved has nothing that an edit could change.
+                let values = self.model_values(self.study, model);
+                self.setting.go_on()?;
+                all.extend(values.ok().map(|values| (model.clone(), values)));
+            }
+        }
+        Ok(all)
+    }
+
+    /// What a formal model answers to the questions of a study.
+    fn model_values(&self, study: &Study, model: &Path) -> Result<Values, Problem> {
+        let cancel = || self.setting.cancel.is_cancelled();
+        let source = host::files::read_source(&self.study.folder.join(model))?;
+        Compiled::of_source(study, source)?.values_at(&[], &cancel)
+    }
+
+    /// The verdicts on recordings that are kept.
+    fn verdicts(
+        &self,
+        study: &Study,
+        scratch: &Scratch,
+        folder: &Path,
+    ) -> Result<Vec<Finding>, Problem> {
+        let Ok(found) = recording::trials(folder) else {
+            return Ok(Vec::new());
+        };
+        if found.trials.is_empty() {
+            return Ok(Vec::new());
+        }
+        let trials = super::events::evenly(found.trials, MOST_RUNS);
+        let rules = ReadingRules::of_study(&scratch.folder, None)?;
+        let judges = Judges::new(study, |_| true)?;
+        let go_on = || self.setting.go_on();
+        let judged: Vec<_> = trials
+            .par_iter()
+            .map(|trial| {
+                let judged = rules.judge(&judges, &trial.path, &go_on)?;
+                Ok(match judged.complete {
+                    true => judged.judgements,
+                    false => only_violations(judged.judgements),
+                })
+            })
+            .collect::<Result<_, Problem>>()?;
+        let names: Vec<String> = trials.iter().map(|trial| trial.name.clone()).collect();
+        simulation::findings(study, &judges, &judged, &names)
+    }
+
+    /// Requirements that a piece misses as it is and meets as it then is.
+    fn hidden_by(&self, evidence: &[Evidence]) -> Vec<String> {
+        let mut found = Vec::new();
+        for (now, then) in self.result.evidence.iter().zip(evidence) {
+            for requirement in &self.study.requirements {
+                let subject = Subject::Requirement(requirement.id.clone());
+                let meets = |piece: &Evidence| {
+                    let rate = piece.finding(&subject)?.measure.estimate()?;
+                    Some(match &requirement.threshold {
+                        Some(it) => match it.direction {
+                            evidence::Direction::AtLeast => rate >= it.value,
+                            evidence::Direction::AtMost => rate <= it.value,
+                        },
+                        None => rate >= 1.0,
+                    })
+                };
+                if let (Some(false), Some(true)) = (meets(now), meets(then)) {
+                    found.push(format!(
+                        "{} misses requirement {} now and meets it then",
+                        now.id, requirement.id
+                    ));
+                }
+            }
+        }
+        found
+    }
+
+    /// The clues against what an edit would change, one for each subject.
+    fn clues_of(&self, it: &Explained, others: &[String], tried: u32) -> Vec<Clue> {
+        let edit = &it.edit;
+        let subjects: std::collections::BTreeSet<&Subject> =
+            it.pairs.keys().map(|(.., subject)| subject).collect();
+        let line = self.line_of(edit);
+        let of = |subject: &Subject| {
+            let own = it.pairs.iter().filter(|((.., s), _)| s == subject);
+            let pairs: Vec<[String; 2]> = own
+                .clone()
+                .map(|((a, b, _), _)| [a.clone(), b.clone()])
+                .collect();
+            let whole = own.map(|(_, apart)| *apart).fold(0.0, f64::max);
+            let words: Vec<String> = pairs.iter().map(|[a, b]| format!("{a} and {b}")).collect();
+            let hint = edit.hint.as_ref();
+            let hint = hint.map_or(String::new(), |hint| format!(" And {hint}."));
+            let hides = match it.hides.as_slice() {
+                [] => String::new(),
+                all => format!(
+                    " {}: unless the text of the requirement says so, this would hide a defect of the system.",
+                    all.join("; ")
+                ),
+            };
+            Clue {
+                inaccuracy: Inaccuracy::RequirementModel,
+                asset: SuspectAsset {
+                    kind: edit.kind,
+                    file: Some(edit.file.into()),
+                    part: Some(edit.part.clone()),
+                    evidence: evidence_of(&pairs),
+                    together: others.to_vec(),
+                    line,
+                },
+                subject: subject.clone(),
+                score: whole * it.share(),
+                title: format!(
+                    "`{}` in place of `{}` explains a conflict",
+                    edit.new, edit.old
+                ),
+                explanation: format!(
+                    "With `{}` in place of `{}` {} agree on {} (a Bayes factor of 10^{whole:.1} goes away), and little else comes to \
+                     disagree; of {tried} single edits that were tried.{hint}{hides}",
+                    edit.new,
+                    edit.old,
+                    words.join(", "),
+                    subject.id()
+                ),
+                symptom: Symptom::EditExplains {
+                    subject: subject.clone(),
+                    found: edit.old.clone(),
+                    instead: edit.new.clone(),
+                    pairs,
+                    share: it.share(),
+                },
+                figures: vec![Figure {
+                    name: "explained, log10 Bayes factor".into(),
+                    value: whole,
+                    interval: None,
+                }],
+                witnesses: Vec::new(),
+                ruled_out: Vec::new(),
+                resolved_by: None,
+            }
+        };
+        subjects.into_iter().map(of).collect()
+    }
+
+    fn line_of(&self, edit: &TextEdit) -> Option<u32> {
+        let text = std::fs::read_to_string(self.study.folder.join(edit.file)).ok()?;
+        let (line, _) = prism_lang::line_and_column(&text, edit.span.start);
+        u32::try_from(line).ok()
+    }
+}
+
+/// A model's findings with other answers; what it did not answer by its plain values before stays as it is.
+fn answers(now: Option<&Values>, then: &Values, known: &[Finding]) -> Vec<Finding> {
+    let changed = known.iter().filter_map(|finding| {
+        let Measure::Probability { answer, .. } = &finding.measure else {
+            return None;
+        };
+        let now = now?.get(&finding.subject).copied().flatten()?;
+        let then = then.get(&finding.subject).copied().flatten()?;
+        if (now - answer.value).abs() > SAME {
+            return None;
+        }
+        let mut finding = finding.clone();
+        if let Measure::Probability { answer, .. } = &mut finding.measure {
+            answer.value = then;
+        }
+        Some(finding)
+    });
+    changed.collect()
+}
+
+fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
+    let mut all: Vec<String> = pairs.iter().flatten().cloned().collect();
+    all.sort();
+    all.dedup();
+    all
+}
+
+/// What an edit explains, if it makes little worse.
+fn explained(
+    edit: TextEdit,
+    before: &Pairs,
+    after: &Pairs,
+    is_timed: &dyn Fn(&Subject) -> bool,
+) -> Option<Explained> {
+    let mut subjects: BTreeMap<&Subject, [f64; 2]> = BTreeMap::new();
+    for (pair, was) in before {
+        // A rate that is lost explains nothing.
+        let is = *after.get(pair)?;
+        let most = subjects.entry(&pair.2).or_insert([f64::NEG_INFINITY; 2]);
+        *most = [most[0].max(*was), most[1].max(is)];
+    }
+    let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
+    let mut mended: Vec<&Subject> = Vec::new();
+    for (subject, [was, is]) in &subjects {
+        come += (is.max(0.0) - was.max(0.0)).max(0.0);
+        if *was > STRONG && *is <= STRONG {
+            gone += was - is.max(0.0);
+            agreement += (-is).max(0.0);
+            mended.push(subject);
+        }
+    }
+    let is_mode = |subject: &Subject| matches!(subject, Subject::FailureMode(_));
+    let mut modes = subjects.iter().filter(|(subject, _)| is_mode(subject));
+    let modes_agree = subjects.keys().any(|subject| is_mode(subject))
+        && modes.all(|(_, [was, _])| *was <= STRONG);
+    let is_plain = mended
+        .iter()
+        .any(|subject| !is_mode(subject) && !is_timed(subject));
+    if modes_agree && is_plain {
+        agreement += STRUCTURE;
+    }
+    let pairs = before
+        .iter()
+        .filter(|(pair, was)| **was > STRONG && mended.contains(&&pair.2));
+    let pairs = pairs.map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)));
+    let score = gone - come;
+    (score > STRONG && come <= STRONG).then(|| Explained {
+        pairs: pairs.collect(),
+        edit,
+        score,
+        agreement,
+        prior: 0.0,
+        odds: 0.0,
+        hides: Vec::new(),
+    })
+}
+
+impl Explained {
+    /// Whether all that it makes agree is then the same in every run of every piece: who judges all runs alike agrees on
+    /// anything.
+    fn is_constant(&self, evidence: &[Evidence]) -> bool {
+        let is_extreme = |rate: Rate| match rate {
+            Rate::Counted { count, trials } => count <= 0.0 || count >= trials,
+            Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
+        };
+        let rate = |id: &String, subject: &Subject| {
+            let piece = evidence.iter().find(|piece| &piece.id == id)?;
+            Rate::of(&piece.finding(subject)?.measure)
+        };
+        self.pairs.keys().all(|(one, other, subject)| {
+            let rates = [one, other].map(|id| rate(id, subject));
+            rates.into_iter().flatten().all(is_extreme)
+        })
+    }
+
+    /// Its odds against the system models.
+    fn own_odds(&self) -> f64 {
+        10.0_f64.powf(self.agreement + self.prior)
+    }
+
+    /// The part of what it explains that it takes from the system models.
+    fn share(&self) -> f64 {
+        (self.odds / (1.0 + self.odds)).clamp(SHARES[0], SHARES[1])
+    }
+
+    /// By what it is ranked among the edits.
+    fn weight(&self) -> f64 {
+        self.score + self.agreement + self.prior
+    }
+
+    fn in_words(&self) -> String {
+        let edit = &self.edit;
+        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
+    }
+}

@@ -1,0 +1,475 @@
+//! Model checking: the study's properties on one formal model.
+//!
+//! Everything is compiled before anything runs: [`Compiled::new`] finds the
+//! errors of the model, of the vocabulary's bindings and of the properties,
+//! each at its place in the user's files. A proposition that this model cannot
+//! express (because it has no such variable or constant) is no error: the
+//! subjects that need it are reported as not expressible.
+//!
+//! The uncertainty of constants that were set to counts is carried through in
+//! `uncertainty`.
+
+mod answer;
+mod at_constants;
+mod functions;
+mod given;
+mod point_values;
+mod robust;
+mod schedulers;
+mod uncertainty;
+mod worst_case;
+
+pub use worst_case::{in_lines as worst_cases_in_lines, tests as worst_case_tests};
+
+use given::{Asked, Given};
+
+use super::Produced;
+use checker::state_space::StateSpace;
+use diagnostic::{Problem, Source};
+use evidence::{Cost, Denominator, Finding, Measure, Subject, Tool};
+use host::store::Inputs;
+use host::{Cancel, Stage};
+use prism_lang::ast::Optimum;
+use prism_lang::property::Quantity;
+use prism_lang::{Constants, Diagnostic, Number, Property, Rational, Value, resolved};
+use query::explore;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::time::Instant;
+use study::{FormText, Method, Study, quoted_names};
+
+/// The most states that a model of a study may have: about 2 GB of memory.
+const MAX_STATES: usize = 20_000_000;
+
+/// Of a path no more steps are shown.
+const MAX_STEPS_SHOWN: usize = 100;
+
+/// A model and the study's questions to it.
+#[derive(Debug)]
+pub struct Compiled<'a> {
+    study: &'a Study,
+    source: Source,
+    tree: prism_lang::ast::Model,
+    model: resolved::Model,
+    questions: Vec<Question<'a>>,
+    /// Propositions that this model expresses.
+    pub expressed: BTreeSet<&'a str>,
+    /// Propositions that it does not express, with what is missing.
+    pub not_expressed: BTreeMap<&'a str, String>,
+}
+
+/// What is asked about one subject.
+#[derive(Debug)]
+struct Question<'a> {
+    subject: &'a Subject,
+    property: &'a FormText,
+    opportunity: Option<&'a FormText>,
+    /// What is asked given that the subject is triggered, if not always; or why its trigger is unknown.
+    given: Result<Option<Given>, String>,
+    /// Whether the model leaves choices open, so that the answer is a range over all schedulers.
+    has_choices: bool,
+    /// Why this model cannot be asked, if so.
+    missing: Option<String>,
+}
+
+/// A constant of the model with the counts that it was set to.
+#[derive(Clone, Debug)]
+pub struct CountedConstant {
+    /// Its name.
+    pub name: String,
+    /// The counts, at what they are worth in independent trials.
+    pub sample: stats::EffectiveSample,
+    /// Whose rate the counts are.
+    pub subject: Subject,
+    /// Whether it keeps its value; then only its bearing is found out.
+    pub held: bool,
+}
+
+impl<'a> Compiled<'a> {
+    /// Reads a model and binds the study's questions to it.
+    pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
+        Self::of_source(study, host::files::read_source(&study.folder.join(path))?)
+    }
+
+    /// Binds the study's questions to a model's text.
+    pub fn of_source(study: &'a Study, source: Source) -> Result<Self, Problem> {
+        let parsed = prism_lang::parse_model(&source.text);
+        if let Some(problem) = study::placed::from_diagnostics(&source, &parsed.diagnostics) {
+            return Err(problem);
+        }
+        let model = prism_lang::resolve(&parsed.tree, &Constants::new())
+            .map_err(|found| input_problem(&source, &found))?;
+        let mut compiled = Self {
+            study,
+            source,
+            tree: parsed.tree,
+            model,
+            questions: Vec::new(),
+            expressed: BTreeSet::new(),
+            not_expressed: BTreeMap::new(),
+        };
+        for (name, proposition) in &study.vocabulary.propositions {
+            if let Some(binding) = &proposition.model {
+                compiled.express(name, &binding.text, binding.span.start)?;
+            }
+        }
+        compiled.questions = compiled.bind_questions()?;
+        Ok(compiled)
+    }
+
+    /// Finds out whether the model can express a proposition.
+    fn express(&mut self, name: &'a str, text: &str, place: usize) -> Result<(), Problem> {
+        let vocabulary = &self.study.vocabulary.source;
+        let prefix = format!("label \"{name}\" = ");
+        let parsed = prism_lang::parse_properties(&format!("{prefix}{text};\n\"{name}\""));
+        let shift = |d: &Diagnostic| shifted(d, prefix.len(), place, text.len());
+        let found: Vec<_> = parsed.diagnostics.iter().map(shift).collect();
+        if let Some(problem) = study::placed::from_diagnostics(vocabulary, &found) {
+            return Err(problem);
+        }
+        let resolved = prism_lang::resolve_properties(&parsed.tree, &self.model, &Constants::new());
+        match resolved {
+            Ok(_) => {
+                self.expressed.insert(name);
+            }
+            Err(found) if found.iter().all(|d| d.code == "unknown-name") => {
+                let words: Vec<_> = found.iter().map(|d| d.message.clone()).collect();
+                self.not_expressed.insert(name, words.join("; "));
+            }
+            Err(found) => {
+                let found: Vec<_> = found.iter().map(shift).collect();
+                return Err(input_problem(vocabulary, &found));
+            }
+        }
+        Ok(())
+    }
+
+    fn bind_questions(&self) -> Result<Vec<Question<'a>>, Problem> {
+        let study = self.study;
+        let mut questions = Vec::new();
+        for form in &study.forms.subjects {
+            let Some(property) = &form.property else {
+                continue;
+            };
+            let texts = [Some(property), form.opportunity.as_ref()];
+            let missing = texts
+                .into_iter()
+                .flatten()
+                .flat_map(|text| quoted_names(&text.text))
+                .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
+                .map(|reason| {
+                    format!(
+                        "The model does not express it: {}.",
+                        reason.trim_end_matches('.')
+                    )
+                });
+            if missing.is_none() {
+                for text in texts.into_iter().flatten() {
+                    self.property(&self.model, text)?;
+                }
+            }
+            let given = match (&missing, &form.opportunity) {
+                (None, None) => self.given(&form.subject, property, &form.trigger)?,
+                _ => Ok(None),
+            };
+            questions.push(Question {
+                subject: &form.subject,
+                property,
+                opportunity: form.opportunity.as_ref(),
+                given,
+                has_choices: self.model.model_type.has_choices(),
+                missing,
+            });
+        }
+        Ok(questions)
+    }
+
+    /// A property with the vocabulary's propositions as labels, bound to a
+    /// model.
+    ///
+    /// Of a model with choices, the least probability over all schedulers.
+    fn property(&self, model: &resolved::Model, text: &FormText) -> Result<Property, Problem> {
+        self.property_over(model, text, Optimum::Min)
+    }
+
+    /// The same, of a model with choices the least or the greatest probability.
+    fn property_over(
+        &self,
+        model: &resolved::Model,
+        text: &FormText,
+        optimum: Optimum,
+    ) -> Result<Property, Problem> {
+        let text = &match model.model_type.has_choices() {
+            true => schedulers::with_optimum(text, optimum),
+            false => text.clone(),
+        };
+        let mut whole = String::new();
+        let names: BTreeSet<_> = quoted_names(&text.text)
+            .into_iter()
+            .map(|(n, _)| n)
+            .collect();
+        for name in names {
+            let proposition = self.study.vocabulary.propositions.get(&name);
+            if let Some(binding) = proposition.and_then(|p| p.model.as_ref()) {
+                whole.push_str(&format!("label \"{name}\" = {};\n", binding.text));
+            }
+        }
+        let prefix = whole.len();
+        whole.push_str(&text.text);
+        let source = &self.study.forms.source;
+        let shift = |d: &Diagnostic| shifted(d, prefix, text.span.start, text.text.len());
+        let parsed = prism_lang::parse_properties(&whole);
+        let resolved = parsed
+            .into_result()
+            .and_then(|tree| prism_lang::resolve_properties(&tree, model, &Constants::new()));
+        let mut properties = resolved.map_err(|found| {
+            let found: Vec<_> = found.iter().map(shift).collect();
+            input_problem(source, &found)
+        })?;
+        match properties.pop().map(|p| p.property) {
+            Some(property @ Property::Probability { bound: None, .. }) => Ok(property),
+            Some(
+                property @ Property::Number(
+                    Quantity::Probability { .. } | Quantity::Conditional { .. },
+                ),
+            ) => Ok(property),
+            _ => Err(Problem::new(
+                "not-a-probability",
+                "a requirement's property must ask for a probability",
+            )
+            .at(source, text.span.clone())
+            .remedy("write `P=? [ … ]`, and the bound as `threshold = \"at least …\"`")),
+        }
+    }
+
+    /// Answers all questions, by all methods, and carries the uncertainty of
+    /// counted constants through.
+    pub fn produce(
+        &self,
+        id: &str,
+        methods: &[Method],
+        counted: &[CountedConstant],
+        interrupt: &Cancel,
+        begin: &dyn Fn(&str, u64) -> Stage,
+    ) -> Result<Produced, Problem> {
+        let began = Instant::now();
+        let cancel = || interrupt.is_cancelled();
+        let space = explore::<f64>(&self.source, &self.model, MAX_STATES, &cancel)?;
+        let exact_space = if methods.contains(&Method::Exact) {
+            Some(explore::<Rational>(
+                &self.source,
+                &self.model,
+                MAX_STATES,
+                &cancel,
+            )?)
+        } else {
+            None
+        };
+        let mut findings = Vec::new();
+        for question in &self.questions {
+            let asked = match &question.missing {
+                Some(reason) => Asked {
+                    measure: Measure::NotExpressible {
+                        reason: reason.clone(),
+                    },
+                    denominator: Denominator::default(),
+                    trigger: None,
+                },
+                None => self.ask(question, methods, &space, exact_space.as_ref(), &cancel)?,
+            };
+            findings.push(Finding {
+                subject: question.subject.clone(),
+                measure: asked.measure,
+                denominator: asked.denominator,
+                trigger: asked.trigger,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            });
+        }
+        self.say_what_is_missing(&mut findings);
+        self.add_worst_cases(id, &space, &mut findings, &cancel)?;
+        let (held, varied): (Vec<_>, Vec<_>) = counted.iter().cloned().partition(|c| c.held);
+        if !varied.is_empty() {
+            self.carry_uncertainty(id, &varied, &mut findings, interrupt, begin)?;
+        }
+        let influences = self.influences(&held, &cancel)?;
+        let cost = Cost {
+            evidence: id.to_owned(),
+            wall_secs: began.elapsed().as_secs_f64(),
+            states: Some(space.num_states() as u64),
+            transitions: Some(space.num_transitions() as u64),
+            ..Cost::default()
+        };
+        Ok(Produced {
+            tool: tool(methods),
+            findings,
+            form_differences: Vec::new(),
+            description_gaps: Vec::new(),
+            failures: Vec::new(),
+            clusters: None,
+            influences,
+            cost,
+        })
+    }
+
+    /// Requirements without a property are not expressible by any model.
+    fn say_what_is_missing(&self, findings: &mut Vec<Finding>) {
+        for form in &self.study.forms.subjects {
+            if form.property.is_none() {
+                findings.push(Finding {
+                    subject: form.subject.clone(),
+                    measure: Measure::NotExpressible {
+                        reason: match &form.no_property {
+                            Some(reason) => {
+                                format!("Its sentence is no logical property: {reason}.")
+                            }
+                            None => {
+                                "It has no logical property: the formal model does not speak of it."
+                                    .into()
+                            }
+                        },
+                    },
+                    denominator: Denominator::default(),
+                    trigger: None,
+                    undecided: 0,
+                    witnesses: Vec::new(),
+                    readings: Vec::new(),
+                });
+            }
+        }
+    }
+
+    fn ask(
+        &self,
+        question: &Question,
+        methods: &[Method],
+        space: &StateSpace<f64>,
+        exact_space: Option<&StateSpace<Rational>>,
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Asked, Problem> {
+        question.ask(methods.len(), &|method, text| {
+            let end = |optimum| {
+                let property = self.property_over(&self.model, text, optimum)?;
+                answer::answer(&property, methods[method], space, exact_space, cancel)
+                    .map_err(|problem| problem.at(&self.study.forms.source, text.span.clone()))
+            };
+            match question.has_choices {
+                false => end(Optimum::Min),
+                true => {
+                    let ends = (end(Optimum::Min)?, end(Optimum::Max)?);
+                    Ok(schedulers::range(question.subject, ends))
+                }
+            }
+        })
+    }
+
+    /// What the answers depend on: the model, the questions and the bindings
+    /// that they use.
+    pub fn inputs(&self, inputs: &mut Inputs) {
+        inputs.add("model", self.source.text.as_bytes());
+        for question in &self.questions {
+            inputs.add("subject", question.subject.id().as_bytes());
+            let trigger = question.given.as_ref().ok().and_then(Option::as_ref);
+            inputs.add_json("given", &question.given.as_ref().err());
+            for text in [
+                Some(question.property),
+                question.opportunity,
+                trigger.map(|given| &given.trigger),
+            ]
+            .into_iter()
+            .flatten()
+            {
+                inputs.add("property", text.text.as_bytes());
+                for (name, _) in quoted_names(&text.text) {
+                    let proposition = self.study.vocabulary.propositions.get(&name);
+                    if let Some(binding) = proposition.and_then(|p| p.model.as_ref()) {
+                        inputs.add(&name, binding.text.as_bytes());
+                    }
+                }
+            }
+        }
+        self.inputs_of_worst_cases(inputs);
+        let unasked = self
+            .study
+            .forms
+            .subjects
+            .iter()
+            .filter(|f| f.property.is_none());
+        inputs.add_json(
+            "unasked",
+            &unasked.map(|f| f.subject.id()).collect::<Vec<_>>(),
+        );
+    }
+
+    /// Says what is suspicious in the model.
+    pub fn warn(&self, say: &dyn Fn(&str)) {
+        for warning in &self.model.warnings {
+            say(&study::placed::warning_line(&self.source, warning));
+        }
+    }
+
+    /// The names of the model's constants.
+    pub fn constants(&self) -> impl Iterator<Item = &str> {
+        self.model.constants.iter().map(|c| c.name.as_str())
+    }
+
+    /// The value of a constant of the model, if it has it.
+    pub fn constant(&self, name: &str) -> Option<f64> {
+        match self.model.constant(name)? {
+            Value::Double(number) => Some(number.to_f64()),
+            Value::Int(value) => Some(*value as f64),
+            Value::Bool(_) => None,
+        }
+    }
+
+    /// Whether a constant of the model is declared to be a whole number.
+    pub fn is_whole(&self, name: &str) -> bool {
+        matches!(self.model.constant(name), Some(Value::Int(_)))
+    }
+
+    /// The model with other values for some constants.
+    fn model_at(&self, constants: &[(String, f64)]) -> Result<resolved::Model, Problem> {
+        let mut overrides = Constants::new();
+        for (name, value) in constants {
+            let whole = self.is_whole(name) && value.fract() == 0.0 && value.abs() < 2_f64.powi(53);
+            let value = match whole {
+                true => Value::Int(*value as i64),
+                false => Value::Double(Number::from_approximate(*value)),
+            };
+            overrides.set(name.clone(), value);
+        }
+        prism_lang::resolve_with(&self.tree, &Constants::new(), &overrides)
+            .map_err(|found| unplaced(&found))
+    }
+}
+
+fn tool(methods: &[Method]) -> Tool {
+    let names: Vec<&str> = methods.iter().map(|m| m.name()).collect();
+    Tool {
+        name: "corroborate checker".into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        settings: format!(
+            "methods {}; bounds of relative width 1e-6",
+            names.join(", ")
+        ),
+    }
+}
+
+/// A diagnostic inside a composed text, at its place in the user's file.
+fn shifted(diagnostic: &Diagnostic, prefix: usize, place: usize, length: usize) -> Diagnostic {
+    let shift = |offset: usize| place + offset.saturating_sub(prefix).min(length);
+    let mut shifted = diagnostic.clone();
+    shifted.span = prism_lang::Span::new(shift(diagnostic.span.start), shift(diagnostic.span.end));
+    shifted.related.clear();
+    shifted
+}
+
+fn input_problem(source: &Source, found: &[Diagnostic]) -> Problem {
+    study::placed::from_diagnostics(source, found).unwrap_or_else(|| unplaced(found))
+}
+
+fn unplaced(found: &[Diagnostic]) -> Problem {
+    let words: Vec<_> = found.iter().map(|d| d.message.clone()).collect();
+    Problem::new("cannot-resolve", words.join("; "))
+}

@@ -1,0 +1,234 @@
+//! The uncertainty of constants that were set to counts, carried through the
+//! model.
+//!
+//! # Definition
+//! Each counted constant has the Jeffreys posterior of its counts, independent
+//! of the others. The posterior of a probability is that of the model's answer
+//! when the constants are drawn from theirs. It is found from the answers
+//! at the points of a low-discrepancy design, all questions on the same points
+//! (common random numbers), and at the nodes of quadrature rules from which each constant's share in the variance
+//! follows (Sobol' indices, `stats::propagation`). Where the answers are rational functions of the constants
+//! (`checker::parametric`), these are found once and evaluated at each point, at more of them if floating point
+//! suffices; else the model is solved at each.
+//!
+//! A model with choices is solved for its least and its greatest probability over all schedulers at each point. Each end
+//! has a distribution; the interval reaches from the lower limit of the least to the upper limit of the greatest, each at
+//! half of what the level leaves, so that the whole range lies within with at least the level's posterior probability
+//! (Bonferroni's inequality, `evidence::CredibleInterval::of_ends`).
+//!
+//! # Guarantee
+//! None but convergence: the quantiles are estimates from the design's points, and the shares come with their
+//! error. Beside them stand robust bounds, which hold (see [`super::robust`]).
+
+use super::answer::answer;
+use super::functions::{Ends, Rate};
+use super::{Compiled, CountedConstant, MAX_STATES, schedulers};
+use crate::technique::Influence;
+use diagnostic::Problem;
+use evidence::{CredibleInterval, Finding, Measure, RobustBounds, Subject};
+use host::{Cancel, Stage};
+use prism_lang::ast::Optimum;
+use query::explore;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use study::{FormText, Method};
+
+/// Points at which functions are evaluated where floating point suffices for them, which costs nearly nothing, for each
+/// constant and two more.
+const POINTS_OF_FUNCTIONS: usize = 8192;
+
+/// A change of a probability below this is rounding.
+const NO_EFFECT: f64 = 1e-9;
+
+/// Points at which a model is solved: as many as draws of its constants give quantiles, with those of a grid that
+/// tells the shares of up to six constants to a fraction of a point. More constants have their columns exchanged.
+fn solves(constants: usize) -> usize {
+    match constants {
+        0..=6 => 1000 + 100 * constants,
+        _ => 250 * (constants + 2),
+    }
+}
+
+impl Compiled<'_> {
+    /// Which failure modes, through constants that are held, bear on which
+    /// requirement: those whose constant moves its probability.
+    pub(super) fn influences(
+        &self,
+        held: &[CountedConstant],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Influence>, Problem> {
+        let mut influences = Vec::new();
+        for constant in held {
+            let posterior = stats::BetaPosterior::jeffreys(constant.sample);
+            let as_written = self.solve_at(&[], &[], cancel)?;
+            let moved =
+                self.solve_at(std::slice::from_ref(constant), &[posterior.mean()], cancel)?;
+            for (place, question) in self.questions.iter().enumerate() {
+                if let (Subject::Requirement(requirement), Subject::FailureMode(mode)) =
+                    (question.subject, &constant.subject)
+                    && let (Some(before), Some(after)) =
+                        (as_written[place].value, moved[place].value)
+                {
+                    influences.push(Influence {
+                        requirement: requirement.clone(),
+                        failure_mode: mode.clone(),
+                        bears: (before.least - after.least).abs() > NO_EFFECT
+                            || (before.greatest - after.greatest).abs() > NO_EFFECT,
+                    });
+                }
+            }
+        }
+        Ok(influences)
+    }
+
+    pub(super) fn carry_uncertainty(
+        &self,
+        id: &str,
+        counted: &[CountedConstant],
+        findings: &mut [Finding],
+        interrupt: &Cancel,
+        begin: &dyn Fn(&str, u64) -> Stage,
+    ) -> Result<(), Problem> {
+        let level = crate::technique::confidence(self.study.about.confidence)?;
+        let posteriors: Vec<_> = counted
+            .iter()
+            .map(|constant| stats::BetaPosterior::jeffreys(constant.sample))
+            .collect();
+        let functions = self.functions(counted, &|| interrupt.is_cancelled())?;
+        let means: Vec<f64> = posteriors
+            .iter()
+            .map(|posterior| posterior.mean())
+            .collect();
+        let evaluations = match &functions {
+            Some(functions) if functions.is_quick_at(&means) => {
+                POINTS_OF_FUNCTIONS * (posteriors.len() + 2)
+            }
+            _ => solves(posteriors.len()),
+        };
+        let design = stats::SharesDesign::new(&posteriors, evaluations, self.study.about.seed);
+        let stage = begin(
+            &format!("{id}: uncertainty of its constants"),
+            design.rows().len() as u64,
+        );
+        let rows: Vec<Vec<Rate>> = design
+            .rows()
+            .par_iter()
+            .map(|point| {
+                if interrupt.is_cancelled() {
+                    return Err(Problem::interrupted());
+                }
+                let by_function = functions.as_ref().and_then(|functions| functions.at(point));
+                let row = match by_function {
+                    Some(row) => Ok(row),
+                    None => self.solve_at(counted, point, &|| interrupt.is_cancelled()),
+                };
+                stage.advance();
+                row
+            })
+            .collect::<Result<_, _>>()?;
+        let robust =
+            self.robust_bounds(counted, &posteriors, level, &|| interrupt.is_cancelled())?;
+        let names: Vec<&str> = counted.iter().map(|one| one.name.as_str()).collect();
+        for (place, question) in self.questions.iter().enumerate() {
+            let Some(finding) = findings.iter_mut().find(|f| &f.subject == question.subject) else {
+                continue;
+            };
+            let carried = |values: Option<Vec<Ends>>, measure: &mut Measure, robust| {
+                let carry = Carry {
+                    names: &names,
+                    design: &design,
+                    level,
+                    question,
+                };
+                carry.put(measure, values, functions.is_some(), robust)
+            };
+            let rates = rows.iter().map(|row| row[place].value).collect();
+            let bounds = Some(Box::new(robust[place].clone()));
+            carried(rates, &mut finding.measure, bounds)?;
+            if let Some(trigger) = &mut finding.trigger {
+                let values = rows.iter().map(|row| row[place].trigger).collect();
+                carried(values, trigger, None)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The questions' values with the counted constants at one point; `None`
+    /// for questions that the model does not express.
+    fn solve_at(
+        &self,
+        counted: &[CountedConstant],
+        point: &[f64],
+        cancel: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Rate>, Problem> {
+        let names = counted.iter().map(|constant| constant.name.clone());
+        let point: Vec<(String, f64)> = names.zip(point.iter().copied()).collect();
+        let model = self.model_at(&point)?;
+        let space = explore::<f64>(&self.source, &model, MAX_STATES, cancel)?;
+        let mut known: BTreeMap<(String, bool), f64> = BTreeMap::new();
+        let mut value = |text: &FormText, optimum: Optimum| -> Result<f64, Problem> {
+            let key = (text.text.clone(), optimum == Optimum::Max);
+            if let Some(value) = known.get(&key) {
+                return Ok(*value);
+            }
+            let property = self.property_over(&model, text, optimum)?;
+            let value = answer(&property, Method::Sound, &space, None, cancel)?.value;
+            known.insert(key, value);
+            Ok(value)
+        };
+        let rate = |question: &super::Question<'_>| match question.missing {
+            Some(_) => Ok(Rate::default()),
+            None => question.ends_at(&mut value),
+        };
+        self.questions.iter().map(rate).collect()
+    }
+}
+
+/// What the answers to one question at a design's points say.
+struct Carry<'c> {
+    names: &'c [&'c str],
+    design: &'c stats::SharesDesign,
+    level: stats::Confidence,
+    question: &'c super::Question<'c>,
+}
+
+impl Carry<'_> {
+    /// Puts the distribution beside a measure's answer, where there is one with a known error.
+    fn put(
+        &self,
+        measure: &mut Measure,
+        values: Option<Vec<Ends>>,
+        by_function: bool,
+        robust: Option<Box<RobustBounds>>,
+    ) -> Result<(), Problem> {
+        let (
+            Some(values),
+            Measure::Probability {
+                answer, credible, ..
+            },
+        ) = (values, measure)
+        else {
+            return Ok(());
+        };
+        let least: Vec<f64> = values.iter().map(|ends| ends.least).collect();
+        let found = match (self.question.has_choices, answer.bounds()) {
+            (true, None) => return Ok(()),
+            (true, Some(as_written)) => {
+                let greatest: Vec<f64> = values.iter().map(|ends| ends.greatest).collect();
+                let worst = schedulers::worst(self.question.subject);
+                let both = (least.as_slice(), greatest.as_slice());
+                CredibleInterval::of_ends(self.names, self.design, both, worst, self.level)
+                    .map(|found| found.beside_ends(as_written))
+            }
+            (false, _) => CredibleInterval::of_design(self.names, self.design, &least, self.level),
+        };
+        let found =
+            found.map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
+        *credible = Some(CredibleInterval {
+            by_function,
+            robust,
+            ..found.beside(answer.value)
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,18 @@
+//! All integration tests of the crate in one program, since each program costs a link.
+
+#![allow(
+    clippy::duplicate_mod,
+    clippy::module_inception,
+    reason = "examples are run as tests, each with its own copy of what they share"
+)]
+
+mod calibration;
+mod clustering;
+mod coherence;
+mod error_rates;
+mod false_conflicts;
+mod handover;
+mod intervals;
+mod support;
+mod suspects;
+mod verdicts;

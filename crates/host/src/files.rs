@@ -1,0 +1,195 @@
+//! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
+
+use diagnostic::{Problem, Source};
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// How many bytes a text may have that people write: models, properties and the files of a study.
+pub const MOST_BYTES: u64 = 64 << 20;
+
+/// Reads a file as text.
+pub fn read_source(path: &Path) -> Result<Source, Problem> {
+    of_bytes(path, read_file(path, MOST_BYTES)?)
+}
+
+/// Reads a file that a program wrote and that may be as large as the memory.
+pub fn read_any_size(path: &Path) -> Result<Source, Problem> {
+    of_bytes(path, read_file(path, u64::MAX - 1)?)
+}
+
+/// Reads a text in the PRISM language. Many published models are written in Latin-1, mostly for an accent in a comment:
+/// what is not UTF-8 is read so, with a warning at the first byte that shows it.
+pub fn read_prism(path: &Path) -> Result<(Source, Option<Problem>), Problem> {
+    let bytes = read_file(path, MOST_BYTES)?;
+    let Err(error) = std::str::from_utf8(&bytes) else {
+        return Ok((of_bytes(path, bytes)?, None));
+    };
+    let first = error.valid_up_to();
+    // Texts have no zero bytes; files of other kinds, and UTF-16, do.
+    if bytes.contains(&0) {
+        return Err(not_text(path, first));
+    }
+    // Each byte of Latin-1 is the character with its number. What stands before `first` is UTF-8, but perhaps not ASCII:
+    // the file is read in one way as a whole.
+    let text: String = bytes.iter().copied().map(char::from).collect();
+    let place: usize = (bytes[..first].iter().copied())
+        .map(|byte| char::from(byte).len_utf8())
+        .sum();
+    let source = Source {
+        name: path.display().to_string(),
+        text,
+    };
+    let message = format!(
+        "the file is not UTF-8 (byte 0x{:02X} here) and was read as Latin-1.",
+        bytes[first]
+    );
+    let warning = Problem::new("read-as-latin1", message)
+        .at(&source, place..place)
+        .remedy("Save it as UTF-8 if letters are wrong.");
+    Ok((source, Some(warning)))
+}
+
+fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Source, Problem> {
+    let text = String::from_utf8(bytes)
+        .map_err(|error| not_text(path, error.utf8_error().valid_up_to()))?;
+    Ok(Source {
+        name: path.display().to_string(),
+        text,
+    })
+}
+
+fn not_text(path: &Path, first_bad: usize) -> Problem {
+    let name = path.display();
+    let message = format!("{name} is not UTF-8 text (first bad byte at offset {first_bad})");
+    Problem::new("not-text", message)
+        .remedy("save the file as UTF-8, or check that it is the file you mean")
+}
+
+/// The bytes of a file. Devices and pipes are refused, since they may have no end, and so is a file that has more than `most`
+/// bytes, before they are read.
+pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
+    use std::io::Read;
+    let cannot = |error: std::io::Error| Problem::cannot_read(path, &error);
+    let metadata = std::fs::metadata(path).map_err(cannot)?;
+    if metadata.is_dir() {
+        return Err(cannot(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !metadata.is_file() {
+        let message = format!(
+            "{} cannot be read: it is a device or a pipe, not a file",
+            path.display()
+        );
+        return Err(Problem::new("cannot-read", message)
+            .remedy("write what it gives into a file, and name that file"));
+    }
+    let mut bytes = Vec::new();
+    if metadata.len() <= most {
+        let file = std::fs::File::open(path).map_err(cannot)?;
+        // It may grow while it is read.
+        file.take(most + 1)
+            .read_to_end(&mut bytes)
+            .map_err(cannot)?;
+    }
+    match metadata.len() > most || bytes.len() as u64 > most {
+        true => Err(too_large(&path.display().to_string(), most)),
+        false => Ok(bytes),
+    }
+}
+
+/// A text that is longer than what people write.
+pub fn too_large(name: &str, most: u64) -> Problem {
+    let message = format!("{name} has more than {} MiB", most >> 20);
+    Problem::new("file-too-large", message)
+        .remedy("check that it is the file you mean: texts that people write are smaller")
+}
+
+/// Writes a file whole, or through what must not be replaced: a device, a pipe, what stands for an open file.
+///
+/// # Errors
+/// `cannot-write`.
+pub fn write_whole_or_through(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
+    let is_device = path.starts_with("/dev") || path.starts_with("/proc");
+    match std::fs::metadata(path) {
+        Ok(known) if is_device || !known.is_file() => {
+            std::fs::write(path, bytes).map_err(|error| Problem::cannot_write(path, &error))
+        }
+        _ => write_whole(path, bytes),
+    }
+}
+
+/// Writes a file whole or not at all: a new file beside it, whose content has reached the disk, is renamed. A link of its
+/// name that somebody laid there is replaced, not followed.
+pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(fail)?;
+    }
+    let partial: PathBuf = path.with_extension("partial");
+    let written = write_new(&partial, content).and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|error| {
+        let _ = std::fs::remove_file(&partial);
+        fail(error)
+    })
+}
+
+/// Writes a file that was not there; what an interrupted run left of its name goes first.
+fn write_new(path: &Path, content: &[u8]) -> std::io::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    file.write_all(content)?;
+    file.sync_data()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn latin_1_is_read_with_a_warning_at_the_first_byte_that_shows_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("m.nm");
+        std::fs::write(&path, b"dtmc\n// \xA0 caf\xE9\nmodule m\n").expect("a file");
+        let (source, warning) = read_prism(&path).expect("it is text");
+        assert_eq!(source.text, "dtmc\n// \u{a0} caf\u{e9}\nmodule m\n");
+        let line = warning.expect("a warning").warning_line();
+        assert!(line.contains("m.nm:2:4: "), "{line}");
+        assert!(line.contains("0xA0"), "{line}");
+        // The strict reading of other files refuses it, and so are files that are no text.
+        assert_eq!(read_source(&path).expect_err("not UTF-8").code, "not-text");
+        std::fs::write(&path, b"\xFF\xFEd\0t\0m\0c\0").expect("a file");
+        assert_eq!(read_prism(&path).expect_err("UTF-16").code, "not-text");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn devices_and_large_files_are_refused_unread() {
+        let device = read_source(Path::new("/dev/zero")).expect_err("a device");
+        assert_eq!(device.code, "cannot-read");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("large");
+        let file = std::fs::File::create(&path).expect("a file");
+        file.set_len(1 << 40).expect("a hole");
+        let large = read_source(&path).expect_err("too large");
+        assert_eq!(large.code, "file-too-large");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_is_replaced_and_what_it_names_stays() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (kept, target) = (folder.path().join("kept"), folder.path().join("a.json"));
+        std::fs::write(&kept, "theirs").expect("a file");
+        for name in ["a.partial", "a.json"] {
+            std::os::unix::fs::symlink(&kept, folder.path().join(name)).expect("a link");
+        }
+        write_whole(&target, b"ours").expect("written");
+        assert_eq!(std::fs::read(&kept).expect("there"), b"theirs");
+        assert_eq!(std::fs::read(&target).expect("there"), b"ours");
+        assert!(!target.is_symlink());
+        assert!(!folder.path().join("a.partial").exists());
+    }
+}

@@ -1,0 +1,70 @@
+//! What the engine is given by whoever runs it: where events go, when to stop, which build it is, where the physics
+//! library lies, how much memory may be taken; and how files are read and written whole, and results kept.
+//!
+//! No library reads the environment, catches a signal, ends the process or asks which executable runs: a face does, and
+//! hands the answers over in a [`Host`]. Several hosts may live side by side in one process.
+
+pub mod events;
+pub mod files;
+mod memory;
+pub mod store;
+
+pub use diagnostic::Cancel;
+pub use events::{Event, Events, Stage};
+pub use memory::{MemoryBudget, Unlimited};
+
+use diagnostic::Problem;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Which build of the engine computes: results of another build are stale.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BuildId(String);
+
+impl BuildId {
+    /// A build by its name, for example a hash of the sources that compute results.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self(name.into())
+    }
+
+    /// The name.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+/// What the engine is given by whoever runs it.
+#[derive(Clone, Debug)]
+pub struct Host {
+    /// Where events go.
+    pub events: Events,
+    /// Whether somebody has asked to stop.
+    pub cancel: Arc<Cancel>,
+    /// The physics library, if its place is known.
+    pub physics_library: Option<PathBuf>,
+    /// Which build computes.
+    pub build: BuildId,
+    /// How much memory the work may take.
+    pub memory: Arc<dyn MemoryBudget>,
+}
+
+impl Host {
+    /// A host that is silent, never asks to stop and has no physics.
+    pub fn silent(build: BuildId) -> Self {
+        Self {
+            events: Events::none(),
+            cancel: Arc::default(),
+            physics_library: None,
+            build,
+            memory: Arc::new(Unlimited),
+        }
+    }
+
+    /// Fails if somebody has asked to stop.
+    pub fn go_on(&self) -> Result<(), Problem> {
+        match self.cancel.is_cancelled() {
+            true => Err(Problem::interrupted()),
+            false => Ok(()),
+        }
+    }
+}

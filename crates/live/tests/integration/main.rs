@@ -1,0 +1,5 @@
+//! All integration tests of the crate in one program, since each program costs a link.
+
+mod dds;
+mod foxglove;
+mod peers;

@@ -1,0 +1,264 @@
+//! A failure that a model does not know gets a branch ([`ModelChange::Branch`]).
+//!
+//! # Definition
+//! Commands are tried in the order of [`super`]'s definition: with the branch as one more update, then with one of their
+//! updates divided; where none of these gives the counted rate, the probability of the branch is solved for.
+
+use super::{
+    Changed, ModelChange, NEAR, Read, Refusal, SetConstant, Solver, rate_of,
+    solving::{FARTHEST, digits, rate_with, with_value},
+};
+use crate::counts::Counts;
+use crate::draws::{Equality, of_guard, value_of};
+use crate::solve;
+use prism_lang::ast::{Command, Expr, ExprKind, Model, ModuleBody, Update};
+use prism_lang::edit;
+
+impl ModelChange {
+    pub(super) fn branch(&self, text: &str, solver: &dyn Solver) -> Result<Changed, Refusal> {
+        let Self::Branch {
+            mode,
+            occurs,
+            after,
+            counts,
+        } = self
+        else {
+            return Err("it is no branch".into());
+        };
+        let read = Read::new(text)?;
+        let candidates = candidates(&read, occurs, after.as_deref())?;
+        let places = candidates.iter().map(|command| (*command, None));
+        let updates = candidates.iter().flat_map(|command| {
+            let all = command.updates.iter();
+            all.map(|update| (*command, Some(update)))
+        });
+        for (command, update) in places.chain(updates) {
+            let branched = with_branch(&read, (command, update), mode, occurs, counts)?;
+            let Ok(values) = solver.values(&branched.text) else {
+                continue;
+            };
+            let rate = rate_of(&values, mode);
+            if rate.is_some_and(|rate| (rate - counts.rate()).abs() <= NEAR * counts.rate()) {
+                let (line, _) = prism_lang::line_and_column(text, command.span.start);
+                return Ok(Changed {
+                    text: branched.text,
+                    what: format!(
+                        "{} can happen, with probability {} (line {line})",
+                        mode.replace('_', " "),
+                        counts.fraction()
+                    ),
+                    constant: Some(SetConstant {
+                        name: branched.constant,
+                        is_complement: false,
+                        is_solved: false,
+                    }),
+                    values,
+                    notes: Vec::new(),
+                    settled: None,
+                });
+            }
+        }
+        if let Some(changed) = self.solved_branch(&read, &candidates, solver) {
+            return Ok(changed);
+        }
+        let line = |command: &&Command| {
+            let (line, _) = prism_lang::line_and_column(text, command.span.start);
+            line.to_string()
+        };
+        let tried: Vec<String> = candidates.iter().map(line).collect();
+        Err(format!(
+            "none of the commands in lines {} gives the counted rate",
+            tried.join(", ")
+        ))
+    }
+}
+
+impl ModelChange {
+    /// The first branch for which some probability gives the counted rate: its command is taken more than once in a run,
+    /// or not in all.
+    fn solved_branch(
+        &self,
+        read: &Read,
+        candidates: &[&Command],
+        solver: &dyn Solver,
+    ) -> Option<Changed> {
+        let Self::Branch {
+            mode,
+            occurs,
+            counts,
+            ..
+        } = self
+        else {
+            return None;
+        };
+        candidates.iter().find_map(|command| {
+            let branched = with_branch(read, (command, None), mode, occurs, counts).ok()?;
+            let read = Read::new(&branched.text).ok()?;
+            let name = &branched.constant;
+            let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
+            let value = solve::crossing(&mut rate, counts.rate(), counts.rate(), FARTHEST)?;
+            let text = with_value(&read, name, value).ok()?;
+            Some(Changed {
+                values: solver.values(&text).ok()?,
+                text,
+                what: format!(
+                    "{} can happen, with probability {} each time, with which the rate is that of {}",
+                    mode.replace('_', " "),
+                    digits(value),
+                    counts.words()
+                ),
+                constant: Some(SetConstant {
+                    name: name.clone(),
+                    is_complement: false,
+                    is_solved: true,
+                }),
+                notes: Vec::new(),
+                settled: None,
+            })
+        })
+    }
+}
+
+/// The variable and the value of a proposition `variable=value`, and whether the model lacks the value.
+fn wanted_value(read: &Read, wanted: &[Equality]) -> Result<(String, String, bool), Refusal> {
+    let [(variable, expr)] = wanted else {
+        return Err("its proposition is not of the form `variable=value`".into());
+    };
+    let (value, is_missing) = match &expr.kind {
+        ExprKind::Name(name) => (name.clone(), read.model.constant(name).is_none()),
+        ExprKind::Int(value) => (value.to_string(), false),
+        ExprKind::Bool(value) => (value.to_string(), false),
+        _ => return Err("its proposition names no value".into()),
+    };
+    Ok((variable.clone(), value, is_missing))
+}
+
+/// Commands that may get the branch, best first.
+fn candidates<'r>(
+    read: &'r Read,
+    occurs: &str,
+    after: Option<&str>,
+) -> Result<Vec<&'r Command>, Refusal> {
+    let (variable, ..) = wanted_value(read, &read.equalities(occurs)?)?;
+    let variable = variable.as_str();
+    let after = after.and_then(|text| read.equalities(text).ok());
+    let after = after.unwrap_or_default();
+    let owner = read.tree.modules.iter().find_map(|m| match &m.body {
+        ModuleBody::Written {
+            variables,
+            commands,
+            ..
+        } => variables
+            .iter()
+            .any(|v| v.name.text == variable)
+            .then_some(commands),
+        ModuleBody::Renamed { .. } => None,
+    });
+    let commands =
+        owner.ok_or_else(|| format!("no module that is written out owns `{variable}`"))?;
+    let initial = read.model.variables.iter().find(|v| v.name == variable);
+    let initial = initial.map(|v| v.init);
+    let mut found: Vec<(u8, &Command)> = commands
+        .iter()
+        .filter(|command| assigns(command, variable))
+        .map(|command| (rank(read, command, variable, &after, initial), command))
+        .collect();
+    found.sort_by_key(|(rank, command)| (*rank, command.span.start));
+    // Where a guard says when the opportunity is, no other command is meant.
+    let is_said = found.first().is_some_and(|(rank, _)| *rank == 0);
+    found.retain(|(rank, _)| !is_said || *rank == 0);
+    Ok(found.into_iter().map(|(_, command)| command).collect())
+}
+
+fn assigns(command: &Command, variable: &str) -> bool {
+    let mut all = command.updates.iter().flat_map(|u| &u.assignments);
+    all.any(|assignment| assignment.variable.text == variable)
+}
+
+/// 0: its guard asks for what the opportunity says; 1: it leaves the initial
+/// value; 2: neither.
+fn rank(
+    read: &Read,
+    command: &Command,
+    variable: &str,
+    after: &[Equality],
+    initial: Option<i64>,
+) -> u8 {
+    let value = |expr: &Expr| value_of(expr, None, &read.model);
+    let guard = of_guard(command, &read.tree.formulas);
+    let asks = |(name, expr): &Equality| {
+        let mut own = guard.iter().filter(|(n, _)| n == name);
+        own.any(|(_, asked)| value(asked) == value(expr))
+    };
+    if !after.is_empty() && after.iter().all(asks) {
+        0
+    } else if guard
+        .iter()
+        .any(|(n, e)| n == variable && value(e) == initial)
+    {
+        1
+    } else {
+        2
+    }
+}
+
+struct Branched {
+    text: String,
+    constant: String,
+}
+
+fn with_branch(
+    read: &Read,
+    (command, update): (&Command, Option<&Update>),
+    mode: &str,
+    occurs: &str,
+    counts: &Counts,
+) -> Result<Branched, Refusal> {
+    let (variable, value, is_missing) = wanted_value(read, &read.equalities(occurs)?)?;
+    let (variable, value) = (variable.as_str(), value.as_str());
+    let known = read.model.variables.iter().find(|v| v.name == variable);
+    let (_, high) = known
+        .map(|v| v.kind.bounds())
+        .ok_or_else(|| format!("the model has no variable `{variable}`"))?;
+    let mut edits = Vec::new();
+    if is_missing {
+        let extension = edit::extend_range(read.text, &read.tree, variable, high, value)
+            .map_err(|error| error.to_string())?;
+        edits.extend(extension.edits);
+    }
+    let constant = new_name(&read.tree, mode);
+    let line = format!(
+        "const double {constant} = {}; // {mode}: {}",
+        counts.fraction(),
+        counts.words()
+    );
+    edits.push(edit::add_constants(read.text, &read.tree, &[line], None));
+    match update {
+        None => edits.extend(edit::add_branch(
+            read.text, command, &constant, variable, value,
+        )),
+        Some(update) => edits.push(edit::divide_update(
+            read.text, update, &constant, variable, value,
+        )),
+    }
+    let text = edit::apply(read.text, &edits).map_err(|error| error.to_string())?;
+    Ok(Branched { text, constant })
+}
+
+/// `pGripFailure` of `grip_failure`.
+fn new_name(tree: &Model, mode: &str) -> String {
+    let words = mode.split(|c: char| !c.is_ascii_alphanumeric());
+    let mut name = "p".to_owned();
+    for word in words {
+        let mut letters = word.chars();
+        name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
+        name.extend(letters);
+    }
+    let mut free = name.clone();
+    let mut number = 2;
+    while edit::declares(tree, &free) {
+        free = format!("{name}{number}");
+        number += 1;
+    }
+    free
+}

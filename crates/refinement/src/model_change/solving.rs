@@ -1,0 +1,280 @@
+//! A constant that acts more than once in a run, or with others, is solved for ([`ModelChange::Solve`]).
+
+use super::{
+    Changed, Deciding, ModelChange, NEAR, Read, Refusal, SAME, SetConstant, Solver, Values,
+    deciding, deciding_constant, once, rate, rate_of,
+};
+use crate::counts::Counts;
+use crate::solve;
+use prism_lang::edit;
+
+/// The most that the log-odds of a constant are changed: a factor of about 160 000.
+pub(super) const FARTHEST: f64 = 12.0;
+
+/// What the log-odds of a constant have to be changed for a change of the structure to be as likely.
+const STRUCTURE: f64 = std::f64::consts::LN_10;
+
+/// Decades of disagreement that do not tell two changes apart.
+const AS_GOOD: f64 = 0.5;
+
+/// A change that gives the counted rate, what it leaves of the disagreement with all evidence, and how large it is.
+struct Candidate {
+    left: f64,
+    size: f64,
+    change: ModelChange,
+    changed: Changed,
+}
+
+/// The change with which a model has the counted rate, where its constant decides it.
+///
+/// Setting the constant to the share comes first. If that does not give the rate, the constant acts more than once in a
+/// run: then either it is solved for, or it is the share of a draw that is made once. Of the two the one is taken that
+/// leaves less disagreement with all evidence (`left`); if both leave as much, to within [`AS_GOOD`], the smaller change
+/// in log-odds of the constant, where a change of the structure counts as much as a factor of 10 of the odds.
+pub(crate) fn rate_or_solve(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (String, String, Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Result<(ModelChange, Changed), Refusal> {
+    let near = |changed: &Changed| {
+        let rate = rate_of(&changed.values, &mode);
+        rate.is_some_and(|rate| (rate - counts.rate()).abs() <= NEAR * counts.rate().max(SAME))
+    };
+    let of_rate = || ModelChange::Rate {
+        mode: mode.clone(),
+        occurs: occurs.clone(),
+        counts: counts.clone(),
+    };
+    let set = rate(text, solver, &occurs, (&mode, &counts));
+    if set.as_ref().is_ok_and(near) {
+        return set.map(|changed| (of_rate(), changed));
+    }
+    let distance = |value: f64| {
+        let now = deciding_constant(text, &occurs).map_or(value, |(_, now)| now);
+        (solve::log_odds(value) - solve::log_odds(now)).abs()
+    };
+    let mut options = Vec::new();
+    if let Ok(changed) = &set
+        && let Ok(next) = once(&changed.text, solver, &mode, &occurs)
+    {
+        options.push(Candidate {
+            left: left(&next.values),
+            size: distance(counts.rate()) + STRUCTURE,
+            change: of_rate(),
+            changed: Changed {
+                settled: Some(next.values),
+                ..changed.clone()
+            },
+        });
+    }
+    options.extend(
+        solved_options(text, solver, (&mode, &occurs, &counts), left)
+            .into_iter()
+            .flatten(),
+    );
+    match best(options) {
+        Some(made) => Ok(with_interval(text, solver, made)),
+        None => set.map(|changed| (of_rate(), changed)),
+    }
+}
+
+/// The draw made once where the constant has the counted share already: whoever set it to the share meant one draw, and a
+/// constant that was set to counts keeps them. Where no draw made once gives the rate, the constant is solved for.
+pub(crate) fn once_or_solve(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (String, String, Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Result<(ModelChange, Changed), Refusal> {
+    match once(text, solver, &mode, &occurs) {
+        Ok(changed) => Ok((
+            ModelChange::Once {
+                mode,
+                occurs,
+                counts,
+            },
+            changed,
+        )),
+        Err(refusal) => solved_options(text, solver, (&mode, &occurs, &counts), left)
+            .ok()
+            .and_then(best)
+            .map(|made| with_interval(text, solver, made))
+            .ok_or(refusal),
+    }
+}
+
+/// The constants solved for that decide a proposition; where nothing is left to chance there, any of the model's.
+fn solved_options(
+    text: &str,
+    solver: &dyn Solver,
+    (mode, occurs, counts): (&str, &str, &Counts),
+    left: &dyn Fn(&Values) -> f64,
+) -> Result<Vec<Candidate>, Refusal> {
+    let read = Read::new(text)?;
+    let (names, is_any) = match deciding(&read, occurs)? {
+        Deciding::Constant(name) => (vec![name], false),
+        Deciding::Expression(names) => (names, false),
+        Deciding::Certain => (read.chances(), true),
+    };
+    let mut found = solved(text, solver, &names, (mode, counts))?;
+    if !is_any {
+        // Constants of one expression act at one place: the smaller change is as good a guess as any.
+        found.truncate(1);
+    }
+    let candidate = |it: Solved| Candidate {
+        left: left(&it.changed.values),
+        size: it.size,
+        change: ModelChange::Solve {
+            mode: mode.to_owned(),
+            constant: it.constant,
+            counts: counts.clone(),
+        },
+        changed: it.changed,
+    };
+    Ok(found.into_iter().map(candidate).collect())
+}
+
+/// The one that leaves least disagreement; of those that leave as much, the smallest.
+fn best(options: Vec<Candidate>) -> Option<(ModelChange, Changed)> {
+    let least = options
+        .iter()
+        .map(|it| it.left)
+        .fold(f64::INFINITY, f64::min);
+    let good = options.into_iter().filter(|it| it.left <= least + AS_GOOD);
+    let best = good.min_by(|a, b| a.size.total_cmp(&b.size))?;
+    Some((best.change, best.changed))
+}
+
+/// A model with a constant solved for.
+pub(super) struct Solved {
+    constant: String,
+    /// How far its log-odds moved.
+    size: f64,
+    pub(super) changed: Changed,
+}
+
+/// The models with each of these constants solved for, of those with which the model has the counted rate; the smallest
+/// change first.
+pub(super) fn solved(
+    text: &str,
+    solver: &dyn Solver,
+    names: &[String],
+    (mode, counts): (&str, &Counts),
+) -> Result<Vec<Solved>, Refusal> {
+    let read = Read::new(text)?;
+    let mut found: Vec<(f64, &String, f64)> = Vec::new();
+    for name in names {
+        let Some(now) = read
+            .constant(name)
+            .filter(|value| *value > 0.0 && *value < 1.0)
+        else {
+            continue;
+        };
+        let mut rate = |value: f64| rate_with(&read, solver, name, value, mode);
+        if let Some(value) = solve::crossing(&mut rate, now, counts.rate(), FARTHEST) {
+            let distance = (solve::log_odds(value) - solve::log_odds(now)).abs();
+            found.push((distance, name, value));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if found.is_empty() {
+        return Err(match names {
+            [] => "its probability has no constant of the model".into(),
+            all => format!("no value of {} gives the counted rate", all.join(" or ")),
+        });
+    }
+    let one = |(size, name, value): &(f64, &String, f64)| {
+        let others = found.iter().filter(|(_, other, _)| other != name);
+        let notes: Vec<String> = others
+            .map(|(_, name, value)| {
+                format!("{name} = {} would give the same rate.", digits(*value))
+            })
+            .collect();
+        let text = with_value(&read, name, *value)?;
+        Ok(Solved {
+            constant: (*name).clone(),
+            size: *size,
+            changed: Changed {
+                values: solver.values(&text)?,
+                text,
+                what: format!(
+                    "{name} set to {}, with which the rate is that of {}",
+                    digits(*value),
+                    counts.words()
+                ),
+                constant: Some(SetConstant {
+                    name: (*name).clone(),
+                    is_complement: false,
+                    is_solved: true,
+                }),
+                notes,
+                settled: None,
+            },
+        })
+    };
+    found.iter().map(one).collect()
+}
+
+/// The change with what the interval of the counts leaves open, where a constant was solved for.
+pub(super) fn with_interval(
+    text: &str,
+    solver: &dyn Solver,
+    (change, mut changed): (ModelChange, Changed),
+) -> (ModelChange, Changed) {
+    if let ModelChange::Solve {
+        mode,
+        constant,
+        counts,
+    } = &change
+        && let Ok(read) = Read::new(text)
+        && let Ok(now) = Read::new(&changed.text)
+        && let Some(value) = now.constant(constant)
+        && let Some([low, high]) = interval_of(&read, solver, constant, value, (mode, counts))
+    {
+        changed.notes.push(format!(
+            "{constant} lies between {} and {}, by the 95 % interval of the counts.",
+            digits(low),
+            digits(high)
+        ));
+    }
+    (change, changed)
+}
+
+/// The constant at the ends of the interval of the counts, in order.
+fn interval_of(
+    read: &Read,
+    solver: &dyn Solver,
+    name: &str,
+    value: f64,
+    (mode, counts): (&str, &Counts),
+) -> Option<[f64; 2]> {
+    let sample = stats::Sample::new(counts.count, counts.trials).ok()?;
+    let wanted = stats::clopper_pearson(sample, stats::Confidence::P95);
+    let mut rate = |value: f64| rate_with(read, solver, name, value, mode);
+    let one = solve::crossing(&mut rate, value, wanted.low, FARTHEST)?;
+    let other = solve::crossing(&mut rate, value, wanted.high, FARTHEST)?;
+    Some([one.min(other), one.max(other)])
+}
+
+pub(super) fn with_value(read: &Read, name: &str, value: f64) -> Result<String, Refusal> {
+    let edits = edit::set_constant(&read.tree, name, &digits(value)).map_err(|e| e.to_string())?;
+    edit::apply(read.text, &edits).map_err(|e| e.to_string())
+}
+
+pub(super) fn rate_with(
+    read: &Read,
+    solver: &dyn Solver,
+    name: &str,
+    value: f64,
+    mode: &str,
+) -> Option<f64> {
+    let text = with_value(read, name, value).ok()?;
+    rate_of(&solver.values(&text).ok()?, mode)
+}
+
+/// A constant with six significant digits, as the PRISM language reads it.
+pub(super) fn digits(value: f64) -> String {
+    let digits: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{digits}")
+}

@@ -1,0 +1,10 @@
+//! All integration tests of the crate in one program, since each program costs a link.
+
+mod assurance;
+mod fixture;
+mod markup;
+mod page;
+mod preview;
+mod replay;
+mod style;
+mod summary;

@@ -1,0 +1,13 @@
+//! Benches of simulation besides the handover world: scenes with any robot,
+//! whose controllers are processes or nodes of ROS 2.
+
+mod parameters;
+mod place;
+mod process;
+pub mod processor;
+mod ros2;
+mod scene;
+
+pub use parameters::{check_keys, check_units, tried, unit_of};
+pub use ros2::Join;
+pub use scene::SceneCampaign;

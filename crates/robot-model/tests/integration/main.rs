@@ -1,0 +1,8 @@
+//! All integration tests of the crate in one program, since each program costs a link.
+
+mod common;
+mod hostile;
+mod mjcf;
+mod sdf;
+mod shapes;
+mod urdf;

@@ -1,0 +1,332 @@
+//! A finding: one episode that showed something, as a file from which it can
+//! be run again, made smaller, and kept as a test.
+//!
+//! ```toml
+//! format = "1.0"
+//! found_by = "random tests, boundary values"
+//! program = "0.1.0"
+//! seed = "17263545121"
+//!
+//! [bench]
+//! evidence = "E2"
+//! scenario = "simulation/scenario.toml"
+//! parameters = "simulation/untuned.toml"
+//!
+//! [shows]
+//! violated = "8"
+//!
+//! [test]
+//! name = "typical use"
+//! actions = [
+//!   { send_signal = "activate", after_secs = 0.5 },
+//! ]
+//!
+//! [settings]
+//! "parameters.hand.friction" = 0.28
+//! ```
+//!
+//! From `[test]` on it is the file of a stimulus, as an outside command gets
+//! it. The seed is a text, since programs read numbers beyond 2^53 wrongly.
+
+use crate::placed::toml_place;
+use diagnostic::{Problem, Source};
+use evidence::FailureKind;
+use host::files::write_whole;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::fmt::Write as _;
+use std::path::Path;
+use stimulus::{AbstractTest, Settings, Stimulus};
+
+/// The version of the file's form.
+pub const FORMAT: &str = "1.0";
+
+/// One episode that showed something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// By what it was found, in words.
+    pub found_by: String,
+    /// The version of the program that found it.
+    pub program: String,
+    /// The episode's seed.
+    pub seed: u64,
+    /// What was run.
+    pub bench: BenchFiles,
+    /// What the episode shows.
+    pub shows: Shows,
+    /// BLAKE3 of the episode's whole recording as MCAP, if it is known.
+    pub recording: Option<String>,
+    /// What was done to the bench.
+    pub stimulus: Stimulus,
+}
+
+/// What was run: the ledger's entry, and the files, relative to the study,
+/// that it named then.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BenchFiles {
+    /// The ledger's entry.
+    pub evidence: String,
+    /// The handover's scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scenario: Option<String>,
+    /// The handover's parameter set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<String>,
+    /// The file of a scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+    /// When the episode is ended, in whole seconds, since what it shows is
+    /// decided by then; it runs to its own end if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until_secs: Option<u32>,
+}
+
+/// What an episode shows.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Shows {
+    /// This requirement is violated.
+    Violated(String),
+    /// This failure mode occurs.
+    FailureMode(String),
+    /// The robot's program or the simulator ends the episode by failing.
+    Failed(FailureKind),
+    /// Behaviour that a formal model does not have.
+    Unknown(UnknownStep),
+}
+
+/// A step of an abstracted recording that the formal model does not have.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UnknownStep {
+    /// The file of the exploration, relative to the study, that says how
+    /// recordings are abstracted.
+    pub exploration: String,
+    /// The propositions that held before, separated by blanks.
+    pub from: String,
+    /// Those that held after; absent if the recording ended before, where the
+    /// model always goes on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to: Option<String>,
+}
+
+/// The JSON Schema of a finding or regression.
+pub(crate) fn schema() -> schemars::Schema {
+    schemars::schema_for!(Text)
+}
+
+impl Shows {
+    /// Whether the simulator failed, which says nothing of the robot.
+    pub fn is_of_simulator(&self) -> bool {
+        matches!(
+            self,
+            Self::Failed(FailureKind::SimulatorFailed | FailureKind::SimulatorHung)
+        )
+    }
+}
+
+impl fmt::Display for Shows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Violated(id) => write!(f, "requirement {id} is violated"),
+            Self::FailureMode(id) => write!(f, "failure mode {id}"),
+            Self::Failed(kind) => write!(f, "{kind}"),
+            Self::Unknown(step) => write!(f, "unknown behaviour: {step}"),
+        }
+    }
+}
+
+impl fmt::Display for UnknownStep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.to {
+            Some(to) => write!(f, "{{{}}} to {{{to}}}", self.from),
+            None => write!(f, "the run ends in {{{}}}", self.from),
+        }
+    }
+}
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    /// The version of this file's form.
+    format: String,
+    /// What found it.
+    found_by: String,
+    /// The version of the program that found it.
+    program: String,
+    /// The seed of the episode, as a text since it may be larger than TOML's whole numbers.
+    seed: String,
+    /// What was run.
+    bench: BenchFiles,
+    /// What the episode shows.
+    shows: Shows,
+    /// Its recording, relative to the file.
+    #[serde(default)]
+    recording: Option<String>,
+    /// What was done.
+    test: AbstractTest,
+    /// What the data was set to, by dotted key.
+    #[serde(default)]
+    settings: Settings,
+}
+
+/// The part of the file before the stimulus.
+#[derive(Serialize)]
+struct Head<'a> {
+    format: &'a str,
+    found_by: &'a str,
+    program: &'a str,
+    seed: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<&'a str>,
+    bench: &'a BenchFiles,
+    shows: &'a Shows,
+}
+
+impl Finding {
+    /// Reads a finding's file.
+    pub fn read(path: &Path) -> Result<Self, Problem> {
+        Self::parse(&host::files::read_source(path)?)
+    }
+
+    fn parse(source: &Source) -> Result<Self, Problem> {
+        let text: Text = toml::from_str(&source.text).map_err(|error| {
+            crate::placed::from_toml(source, &error)
+                .remedy("`corroborate explore` writes findings; a regression has the same form")
+        })?;
+        let bad = |word: &str, message: String| {
+            Problem::new("bad-finding", message).at(source, toml_place(source, &[word]))
+        };
+        if text.format != FORMAT {
+            let message = format!("the format `{}` is not known", text.format);
+            return Err(bad("format", message).remedy(format!("this program reads {FORMAT}")));
+        }
+        let seed = text.seed.parse().map_err(|_| {
+            bad("seed", format!("`{}` is no seed", text.seed))
+                .remedy("a seed is a whole number from 0 to 2^64 - 1, in quotes")
+        })?;
+        let stimulus = Stimulus {
+            test: text.test,
+            settings: text.settings,
+        };
+        stimulus
+            .test
+            .check()
+            .map_err(|error| bad("test", error.to_string()))?;
+        Ok(Self {
+            found_by: text.found_by,
+            program: text.program,
+            seed,
+            bench: text.bench,
+            shows: text.shows,
+            recording: text.recording,
+            stimulus,
+        })
+    }
+
+    /// The file's text; `comment` goes before it, each line behind a `#`.
+    pub fn to_toml(&self, comment: &str) -> Result<String, Problem> {
+        let mut text = String::new();
+        for line in comment.lines() {
+            let _ = writeln!(text, "{}", format!("# {line}").trim_end());
+        }
+        let head = Head {
+            format: FORMAT,
+            found_by: &self.found_by,
+            program: &self.program,
+            seed: self.seed.to_string(),
+            recording: self.recording.as_deref(),
+            bench: &self.bench,
+            shows: &self.shows,
+        };
+        let head = toml::to_string(&head)
+            .map_err(|error| Problem::new("cannot-write", format!("the finding: {error}")))?;
+        text.push_str(&head);
+        text.push('\n');
+        text.push_str(&self.stimulus.to_toml());
+        Ok(text)
+    }
+
+    /// Writes the finding's file.
+    pub fn write(&self, path: &Path, comment: &str) -> Result<(), Problem> {
+        write_whole(path, self.to_toml(comment)?.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stimulus::{Action, Distribution};
+
+    fn finding(shows: Shows) -> Finding {
+        let action = Action::set("gaze", true).after(Distribution::Constant(0.25));
+        let mut stimulus = Stimulus::of(AbstractTest::new("a \"test\"", vec![action]));
+        stimulus.settings.insert("p.mass_kg".into(), 0.1.into());
+        Finding {
+            found_by: "random".into(),
+            program: "0.1.0".into(),
+            seed: u64::MAX,
+            bench: BenchFiles {
+                evidence: "E2".into(),
+                scenario: Some("s.toml".into()),
+                until_secs: Some(12),
+                ..BenchFiles::default()
+            },
+            shows,
+            recording: None,
+            stimulus,
+        }
+    }
+
+    fn parsed(text: &str) -> Result<Finding, Problem> {
+        Finding::parse(&Source {
+            name: "f.toml".into(),
+            text: text.into(),
+        })
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        let step = |to: Option<&str>| {
+            Shows::Unknown(UnknownStep {
+                exploration: "exploration.toml".into(),
+                from: "held".into(),
+                to: to.map(str::to_owned),
+            })
+        };
+        let all = [
+            Shows::Violated("8".into()),
+            Shows::FailureMode("grip".into()),
+            Shows::Failed(FailureKind::ControllerHung),
+            step(None),
+            step(Some("")),
+        ];
+        for shows in all {
+            let finding = finding(shows);
+            let text = finding.to_toml("found\nin vain").unwrap();
+            assert!(text.starts_with("# found\n# in vain\n"), "{text}");
+            assert_eq!(parsed(&text).unwrap(), finding, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_finding_that_cannot_be_used_is_refused_with_its_place() {
+        let good = finding(Shows::Violated("8".into())).to_toml("").unwrap();
+        let broken = [
+            (good.replace("\"1.0\"", "\"9\""), "format `9`"),
+            (
+                good.replace("18446744073709551615", "-1"),
+                "`-1` is no seed",
+            ),
+            (good.replace("violated", "vilated"), "vilated"),
+            (good.replace("0.25", "-0.25"), "after_secs"),
+        ];
+        for (text, expected) in broken {
+            let shown = parsed(&text).unwrap_err().to_string();
+            assert!(shown.contains(expected), "{shown}");
+            assert!(shown.contains("f.toml:"), "{shown}");
+        }
+    }
+}

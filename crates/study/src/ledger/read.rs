@@ -1,0 +1,440 @@
+//! Reads `ledger.toml` and holds it against the rest of the study.
+
+use super::{Calibrated, Entry, Independent, Keep, Method, OnFailure, Published, UntilText, Work};
+use crate::{About, Forms};
+use diagnostic::{Problem, Source};
+use evidence::{Calibration, Subject};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    /// The pieces of evidence, oldest first.
+    #[serde(default)]
+    evidence: Vec<EntryText>,
+}
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EntryText {
+    /// Identifier, for example `E3`.
+    #[schemars(with = "String")]
+    pub(super) id: Spanned<String>,
+    /// What it is, in a few words.
+    pub(super) title: String,
+    /// How it is produced.
+    #[schemars(with = "evidence::Technique")]
+    pub(super) technique: Spanned<evidence::Technique>,
+    /// The conditions of `study.toml` under which it holds. Evidence under different conditions is not compared.
+    #[schemars(with = "String")]
+    pub(super) conditions: Spanned<String>,
+    /// What changed since the entry before, and why.
+    pub(super) changed: String,
+    /// A step on the way, which decides nothing; the report lists it as excluded.
+    #[serde(default)]
+    pub(super) intermediate: bool,
+    /// A later entry that repeats this one.
+    #[schemars(with = "Option<String>")]
+    pub(super) reproduced_by: Option<Spanned<String>>,
+    /// Which numbers of its assets were set to whose counts.
+    #[serde(default)]
+    pub(super) calibrated: Vec<CalibratedText>,
+    /// Why a number that looks copied from other evidence was not: one reason for all, or one for each piece of evidence.
+    #[schemars(with = "Option<IndependentText>")]
+    pub(super) independent: Option<Spanned<IndependentText>>,
+    /// Values that a publication gives for this entry, shown beside the computed ones.
+    #[serde(default)]
+    pub(super) published: Published,
+    /// The formal model, a file in the PRISM language. Model checking.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) model: Option<Spanned<PathBuf>>,
+    /// By which methods it is solved; the first gives the value. Model checking.
+    #[schemars(with = "Option<Vec<Method>>")]
+    pub(super) methods: Option<Spanned<Vec<Method>>>,
+    /// The handover's scenario. Simulation, with `parameters`.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) scenario: Option<Spanned<PathBuf>>,
+    /// The handover's parameter set. Simulation, with `scenario`.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) parameters: Option<Spanned<PathBuf>>,
+    /// The scene. Simulation.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) scene: Option<Spanned<PathBuf>>,
+    /// Which test of the scene is run; the first, if absent.
+    #[schemars(with = "Option<String>")]
+    pub(super) test: Option<Spanned<String>>,
+    /// How many episodes are run, at most where `until` ends earlier. Simulation and commands.
+    #[schemars(with = "Option<u64>")]
+    pub(super) episodes: Option<Spanned<u64>>,
+    /// A program that takes a stimulus and a seed and leaves a recording, with its arguments (`corroborate explain command`).
+    #[schemars(with = "Option<Vec<String>>")]
+    pub(super) command: Option<Spanned<Vec<String>>>,
+    /// Files on which a command's episodes depend, besides those that it names.
+    #[schemars(with = "Option<Vec<PathBuf>>")]
+    pub(super) assets: Option<Vec<Spanned<PathBuf>>>,
+    /// The file that says what is done in each episode of a command: a test and settings.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) stimulus: Option<Spanned<PathBuf>>,
+    /// The extension of the recordings that the command leaves, for example `csv`; empty for folders.
+    #[schemars(with = "Option<String>")]
+    pub(super) leaves: Option<Spanned<String>>,
+    /// After how many seconds of wall-clock time a command is ended and counted as hanging.
+    #[schemars(with = "Option<f64>")]
+    pub(super) limit_secs: Option<Spanned<f64>>,
+    /// Ends a campaign as soon as a requirement is decided or a number is known well enough.
+    #[schemars(with = "Option<UntilText>")]
+    pub(super) until: Option<Spanned<UntilText>>,
+    /// Which recordings are kept.
+    #[schemars(with = "Option<Keep>")]
+    pub(super) keep: Option<Spanned<Keep>>,
+    /// Whether an episode ends once all its verdicts are decided.
+    #[schemars(with = "Option<bool>")]
+    pub(super) early_end: Option<Spanned<bool>>,
+    /// What happens to an episode whose program or simulator fails.
+    #[schemars(with = "Option<OnFailure>")]
+    pub(super) on_failure: Option<Spanned<OnFailure>>,
+    /// Tables of counted trials. Experiments and operation.
+    #[schemars(with = "Option<TablesText>")]
+    pub(super) tables: Option<Spanned<TablesText>>,
+    /// A folder of recordings that are judged by the study's monitors. Experiments and operation.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) recordings: Option<Spanned<PathBuf>>,
+}
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TablesText {
+    /// Attempts by subject: one row for each attempt or for each subject.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) cohort: Option<Spanned<PathBuf>>,
+    /// Counts by requirement.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) requirements: Option<Spanned<PathBuf>>,
+    /// Counts by failure mode.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) failure_modes: Option<Spanned<PathBuf>>,
+}
+
+/// `"reason"`, or `{ E2 = "reason" }`.
+#[derive(JsonSchema, Deserialize)]
+#[serde(untagged)]
+pub(super) enum IndependentText {
+    OfAll(String),
+    Of(BTreeMap<String, String>),
+}
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CalibratedText {
+    /// The parameter of a simulator that was set.
+    parameter: Option<String>,
+    /// The constant of a model that was set.
+    #[schemars(with = "Option<String>")]
+    constant: Option<Spanned<String>>,
+    /// Whether the uncertainty of the counts is left out: the constant is held at its value.
+    #[serde(default)]
+    held: bool,
+    /// Whether the constant is 1 minus the rate.
+    #[serde(default)]
+    complement: bool,
+    /// The evidence whose counts it was set to.
+    #[schemars(with = "String")]
+    from: Spanned<String>,
+    /// The failure mode whose rate it is, or
+    #[schemars(with = "Option<String>")]
+    failure_mode: Option<Spanned<String>>,
+    /// the requirement whose rate it is.
+    #[schemars(with = "Option<String>")]
+    requirement: Option<Spanned<String>>,
+}
+
+/// The JSON Schema of `ledger.toml`.
+pub(crate) fn schema() -> schemars::Schema {
+    schemars::schema_for!(File)
+}
+
+/// Reads `ledger.toml`, if there is one, and checks it against the rest of the
+/// study.
+pub fn load(folder: &Path, about: &About, forms: &Forms) -> Result<(Vec<Entry>, Source), Problem> {
+    let path = folder.join("ledger.toml");
+    let source = if path.exists() {
+        host::files::read_source(&path)?
+    } else {
+        Source {
+            name: path.display().to_string(),
+            text: String::new(),
+        }
+    };
+    let file: File = crate::toml_text::read(&source)?;
+    let all: BTreeSet<String> = file
+        .evidence
+        .iter()
+        .map(|e| e.id.get_ref().clone())
+        .collect();
+    let reader = Reader {
+        folder,
+        source: &source,
+        about,
+        forms,
+        all,
+    };
+    let mut seen = BTreeSet::new();
+    let mut entries = Vec::new();
+    for text in file.evidence {
+        if !seen.insert(text.id.get_ref().clone()) {
+            return Err(reader.problem(
+                "duplicate-id",
+                format!("the ledger has two entries `{}`", text.id.get_ref()),
+                text.id.span(),
+                "give each piece of evidence its own identifier",
+            ));
+        }
+        entries.push(reader.entry(text, &seen)?);
+    }
+    Ok((entries, source))
+}
+
+pub(super) struct Reader<'a> {
+    pub(super) folder: &'a Path,
+    source: &'a Source,
+    about: &'a About,
+    forms: &'a Forms,
+    all: BTreeSet<String>,
+}
+
+impl Reader<'_> {
+    pub(super) fn problem(
+        &self,
+        code: &'static str,
+        message: String,
+        span: Range<usize>,
+        remedy: &str,
+    ) -> Problem {
+        Problem::new(code, message)
+            .at(self.source, span)
+            .remedy(remedy)
+    }
+
+    fn entry(&self, text: EntryText, seen: &BTreeSet<String>) -> Result<Entry, Problem> {
+        if !is_file_name(text.id.get_ref()) {
+            return Err(self.problem(
+                "bad-id",
+                format!("`{}` cannot name evidence", text.id.get_ref()),
+                text.id.span(),
+                "use letters, digits, `-` and `_`; results are kept in files of that name",
+            ));
+        }
+        let conditions = text.conditions.get_ref();
+        if !self.about.conditions.contains_key(conditions) {
+            return Err(self.problem(
+                "unknown-conditions",
+                format!("study.toml describes no conditions `{conditions}`"),
+                text.conditions.span(),
+                "describe them under [conditions] in study.toml",
+            ));
+        }
+        if let Some(ours) = &text.reproduced_by
+            && !self.all.contains(ours.get_ref())
+        {
+            return Err(self.unknown_evidence(ours));
+        }
+        let calibrated = text
+            .calibrated
+            .iter()
+            .map(|c| self.calibrated(c, text.id.get_ref(), seen))
+            .collect::<Result<_, _>>()?;
+        let independent = self.independent(&text)?;
+        let work = self.work(&text)?;
+        self.constants_have_a_model(&text, &work)?;
+        Ok(Entry {
+            independent,
+            work,
+            sampling: self.sampling(&text)?,
+            calibrated,
+            conditions: conditions.clone(),
+            id: text.id.into_inner(),
+            title: text.title,
+            changed: text.changed,
+            intermediate: text.intermediate,
+            reproduced_by: text.reproduced_by.map(Spanned::into_inner),
+            published: text.published,
+        })
+    }
+
+    /// Only model checking has a model whose constants can be set; whether the model has them is seen when it is read.
+    fn constants_have_a_model(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
+        let constant = text.calibrated.iter().find_map(|c| c.constant.as_ref());
+        match (work, constant) {
+            (Work::Check { .. }, _) | (_, None) => Ok(()),
+            (_, Some(constant)) => Err(self.problem(
+                "bad-calibration",
+                format!(
+                    "`{}` has no model, and so no constant `{}`",
+                    text.id.get_ref(),
+                    constant.get_ref()
+                ),
+                constant.span(),
+                "write `parameter = \"...\"` for a number that was set elsewhere than in a model",
+            )),
+        }
+    }
+
+    fn independent(&self, text: &EntryText) -> Result<Independent, Problem> {
+        let Some(given) = &text.independent else {
+            return Ok(Independent::default());
+        };
+        let independent = match given.get_ref() {
+            IndependentText::OfAll(reason) => Independent {
+                of_all: Some(reason.clone()),
+                of: BTreeMap::new(),
+            },
+            IndependentText::Of(of) => Independent {
+                of_all: None,
+                of: of.clone(),
+            },
+        };
+        let own = text.id.get_ref();
+        // Its own name says that its trials are independent of each other.
+        let is_known = |id: &&String| *id == own || self.all.contains(*id);
+        if let Some(unknown) = independent.of.keys().find(|id| !is_known(id)) {
+            return Err(self.problem(
+                "unknown-evidence",
+                format!("`independent` names `{unknown}`, which is not an entry of the ledger"),
+                given.span(),
+                "name the evidence of which this is independent: `independent = { E2 = \"reason\" }`",
+            ));
+        }
+        let mut reasons = independent.of.values().chain(&independent.of_all);
+        if reasons.any(|reason| reason.trim().is_empty()) {
+            return Err(self.problem(
+                "no-reason",
+                "`independent` gives no reason".into(),
+                given.span(),
+                "say where the numbers come from, for example `independent = { E2 = \"measured on another robot in 2019\" }`",
+            ));
+        }
+        Ok(independent)
+    }
+
+    fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
+        self.problem(
+            "unknown-evidence",
+            format!("the ledger has no evidence `{}` there", id.get_ref()),
+            id.span(),
+            "name an entry of this ledger; what calibrates another must stand before it",
+        )
+    }
+
+    fn calibrated(
+        &self,
+        text: &CalibratedText,
+        id: &str,
+        seen: &BTreeSet<String>,
+    ) -> Result<Calibrated, Problem> {
+        if !seen.contains(text.from.get_ref()) || text.from.get_ref() == id {
+            return Err(self.unknown_evidence(&text.from));
+        }
+        let (subject, named) = match (&text.failure_mode, &text.requirement) {
+            (Some(mode), None) => (Subject::FailureMode(mode.get_ref().clone()), mode),
+            (None, Some(requirement)) => (
+                Subject::Requirement(requirement.get_ref().clone()),
+                requirement,
+            ),
+            _ => {
+                return Err(self.problem(
+                    "bad-calibration",
+                    "a calibration needs either a `failure_mode` or a `requirement`".into(),
+                    text.from.span(),
+                    "say which of its counts was taken",
+                ));
+            }
+        };
+        if self.forms.of(&subject).is_none() {
+            return Err(self.problem(
+                "unknown-subject",
+                format!(
+                    "requirements.toml declares no `{}` of this kind",
+                    named.get_ref()
+                ),
+                named.span(),
+                "check the identifier",
+            ));
+        }
+        let parameter = match (&text.parameter, &text.constant) {
+            (Some(parameter), None) => parameter.clone(),
+            (None, Some(constant)) => constant.get_ref().clone(),
+            _ => {
+                return Err(self.problem(
+                    "bad-calibration",
+                    "a calibration needs either a `constant` of the model or a `parameter`".into(),
+                    text.from.span(),
+                    "say which number was set",
+                ));
+            }
+        };
+        if text.complement && text.constant.is_none() {
+            return Err(self.problem(
+                "bad-calibration",
+                "only a `constant` of the model can be the complement of a rate".into(),
+                text.from.span(),
+                "leave `complement` out",
+            ));
+        }
+        Ok(Calibrated {
+            calibration: Calibration {
+                parameter,
+                from: text.from.get_ref().clone(),
+                subject,
+            },
+            span: text
+                .constant
+                .as_ref()
+                .map_or(text.from.span(), Spanned::span),
+            constant: text.constant.as_ref().map(|c| c.get_ref().clone()),
+            held: text.held,
+            is_complement: text.complement,
+        })
+    }
+
+    pub(super) fn file(
+        &self,
+        text: &EntryText,
+        what: &str,
+        path: Option<&Spanned<PathBuf>>,
+    ) -> Result<PathBuf, Problem> {
+        match path {
+            Some(path) => self.existing(path),
+            None => Err(self.problem(
+                "missing-entry",
+                format!("the evidence `{}` names no `{what}`", text.id.get_ref()),
+                text.id.span(),
+                &format!("add `{what} = \"…\"`"),
+            )),
+        }
+    }
+
+    pub(super) fn existing(&self, path: &Spanned<PathBuf>) -> Result<PathBuf, Problem> {
+        if self.folder.join(path.get_ref()).is_file() {
+            return Ok(path.get_ref().clone());
+        }
+        Err(self.problem(
+            "missing-file",
+            format!("the study has no file {}", path.get_ref().display()),
+            path.span(),
+            "paths are relative to the study's folder",
+        ))
+    }
+}
+
+fn is_file_name(id: &str) -> bool {
+    !id.is_empty()
+        && id.len() <= 64
+        && id
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}

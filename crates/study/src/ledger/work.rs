@@ -1,0 +1,375 @@
+//! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
+
+use super::read::{EntryText, Reader};
+use super::{CommandText, Method, Sampling, Work};
+use diagnostic::Problem;
+use std::ops::Range;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// What this work is in words, and the keys that say how it is done.
+fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
+    match work {
+        Work::Check { .. } => ("model checking", &["model", "methods"]),
+        Work::Simulate { .. } => (
+            "a simulation of a scenario",
+            &[
+                "scenario",
+                "parameters",
+                "episodes",
+                "until",
+                "keep",
+                "early_end",
+                "on_failure",
+            ],
+        ),
+        Work::SimulateScene { .. } => (
+            "a simulation of a scene",
+            &[
+                "scene",
+                "test",
+                "episodes",
+                "until",
+                "keep",
+                "early_end",
+                "on_failure",
+            ],
+        ),
+        Work::Command { .. } => (
+            "an outside command",
+            &[
+                "command",
+                "assets",
+                "stimulus",
+                "leaves",
+                "limit_secs",
+                "episodes",
+                "until",
+                "keep",
+                // Refused with a reason of its own.
+                "early_end",
+                "on_failure",
+            ],
+        ),
+        Work::Judge { .. } => ("a judgement of recordings", &["recordings"]),
+        Work::Read { .. } => ("a reading of tables", &["tables"]),
+    }
+}
+
+/// The keys of an entry that say how its work is done, with the place of each that is given.
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 18] {
+    fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
+        value.as_ref().map(Spanned::span)
+    }
+    let assets = text.assets.iter().flatten().next();
+    [
+        ("model", at(&text.model)),
+        ("methods", at(&text.methods)),
+        ("scenario", at(&text.scenario)),
+        ("parameters", at(&text.parameters)),
+        ("scene", at(&text.scene)),
+        ("test", at(&text.test)),
+        ("episodes", at(&text.episodes)),
+        ("command", at(&text.command)),
+        ("assets", assets.map(Spanned::span)),
+        ("stimulus", at(&text.stimulus)),
+        ("leaves", at(&text.leaves)),
+        ("limit_secs", at(&text.limit_secs)),
+        ("until", at(&text.until)),
+        ("keep", at(&text.keep)),
+        ("early_end", at(&text.early_end)),
+        ("on_failure", at(&text.on_failure)),
+        ("tables", at(&text.tables)),
+        ("recordings", at(&text.recordings)),
+    ]
+}
+
+impl Reader<'_> {
+    pub(super) fn work(&self, text: &EntryText) -> Result<Work, Problem> {
+        use evidence::Technique::{Experiment, ModelChecking, Operation, Simulation};
+        let work = match text.technique.get_ref() {
+            ModelChecking => self.check(text),
+            technique @ (Simulation | Experiment) if text.command.is_some() => {
+                self.command(text, *technique)
+            }
+            Simulation if text.tables.is_none() => self.simulate(text),
+            Experiment if text.recordings.is_some() => self.judge(text, Experiment),
+            technique @ (Simulation | Experiment) => self.read(text, *technique),
+            Operation => self.judge(text, Operation),
+        }?;
+        self.no_other_keys(text, &work)?;
+        Ok(work)
+    }
+
+    /// Refuses keys that say nothing about this work: whoever wrote them expects that they do.
+    fn no_other_keys(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
+        let (what, used) = keys_of(work);
+        let given = keys(text).into_iter();
+        let Some((key, span)) = given
+            .filter_map(|(key, span)| Some((key, span?)))
+            .find(|(key, _)| !used.contains(key))
+        else {
+            return Ok(());
+        };
+        let used: Vec<String> = used.iter().map(|key| format!("`{key}`")).collect();
+        let id = text.id.get_ref();
+        Err(self.problem(
+            "bad-ledger",
+            format!("`{id}` is {what}, which does not use `{key}`"),
+            span,
+            &format!("remove it; {what} uses {}", used.join(", ")),
+        ))
+    }
+
+    fn check(&self, text: &EntryText) -> Result<Work, Problem> {
+        let model = self.file(text, "model", text.model.as_ref())?;
+        let methods = match &text.methods {
+            None => vec![Method::Sound],
+            Some(methods) if methods.get_ref().is_empty() => {
+                return Err(self.problem(
+                    "no-method",
+                    "`methods` is empty".into(),
+                    methods.span(),
+                    "leave it out for the sound method",
+                ));
+            }
+            Some(methods) => methods.get_ref().clone(),
+        };
+        Ok(Work::Check { model, methods })
+    }
+
+    /// How many episodes are asked for.
+    fn episodes(&self, text: &EntryText) -> Result<u64, Problem> {
+        let episodes = text.episodes.as_ref().ok_or_else(|| {
+            self.problem(
+                "missing-entry",
+                format!(
+                    "the simulation `{}` does not say how many `episodes`",
+                    text.id.get_ref()
+                ),
+                text.id.span(),
+                "add for example `episodes = 100`, or `tables.…` to read published counts",
+            )
+        })?;
+        if !(1..=10_000_000).contains(episodes.get_ref()) {
+            return Err(self.problem(
+                "bad-episodes",
+                format!("{} is no number of episodes", episodes.get_ref()),
+                episodes.span(),
+                "choose 1 to 10000000",
+            ));
+        }
+        Ok(*episodes.get_ref())
+    }
+
+    fn command(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let others = [
+            text.scenario.as_ref().map(Spanned::span),
+            text.scene.as_ref().map(Spanned::span),
+            text.tables.as_ref().map(Spanned::span),
+            text.recordings.as_ref().map(Spanned::span),
+        ];
+        if let Some(span) = others.into_iter().flatten().next() {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` has a command and another source", text.id.get_ref()),
+                span,
+                "keep either `command` or this",
+            ));
+        }
+        let (words, span) = match &text.command {
+            Some(words) => (words.get_ref().clone(), words.span()),
+            None => (Vec::new(), text.id.span()),
+        };
+        let names = |place: &str| words.iter().any(|word| word.contains(place));
+        let is_usable = words.first().is_some_and(|word| !word.is_empty());
+        if !is_usable || !names("{recording}") || !names("{seed}") {
+            return Err(self.problem(
+                "bad-command",
+                "the command has to be told where to leave its recording, and its seed".into(),
+                span,
+                "for example `command = [\"python3\", \"simulate.py\", \"{stimulus}\", \"{seed}\", \"{recording}\"]`",
+            ));
+        }
+        let assets = text.assets.iter().flatten().map(|path| self.existing(path));
+        let command = CommandText {
+            command: words,
+            assets: assets.collect::<Result<_, _>>()?,
+            stimulus: text
+                .stimulus
+                .as_ref()
+                .map(|it| self.existing(it))
+                .transpose()?,
+            leaves: self.leaves(text)?,
+            limit_secs: self.limit_secs(text)?,
+        };
+        Ok(Work::Command {
+            technique,
+            command,
+            episodes: self.episodes(text)?,
+        })
+    }
+
+    fn leaves(&self, text: &EntryText) -> Result<String, Problem> {
+        let Some(leaves) = &text.leaves else {
+            return Ok("mcap".into());
+        };
+        let extension = leaves.get_ref().trim_start_matches('.');
+        if extension
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '.')
+        {
+            return Ok(extension.to_owned());
+        }
+        Err(self.problem(
+            "bad-command",
+            format!("`{extension}` is no extension of a file"),
+            leaves.span(),
+            "name for example `mcap`, `bag`, `db3`, `csv` or `jsonl`; leave it empty for a folder",
+        ))
+    }
+
+    fn limit_secs(&self, text: &EntryText) -> Result<f64, Problem> {
+        match &text.limit_secs {
+            None => Ok(3600.0),
+            Some(limit) if *limit.get_ref() > 0.0 && *limit.get_ref() <= 1e6 => {
+                Ok(*limit.get_ref())
+            }
+            Some(limit) => Err(self.problem(
+                "bad-command",
+                format!("{} s is no limit for an episode", limit.get_ref()),
+                limit.span(),
+                "choose seconds of real time above 0, at most 1000000",
+            )),
+        }
+    }
+
+    /// How episodes are run; only what has episodes may say so.
+    pub(super) fn sampling(&self, text: &EntryText) -> Result<Sampling, Problem> {
+        let spans = [
+            text.until.as_ref().map(Spanned::span),
+            text.keep.as_ref().map(Spanned::span),
+            text.early_end.as_ref().map(Spanned::span),
+            text.on_failure.as_ref().map(Spanned::span),
+        ];
+        if let (None, Some(span)) = (&text.episodes, spans.into_iter().flatten().next()) {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` runs no episodes", text.id.get_ref()),
+                span,
+                "`until`, `keep`, `early_end` and `on_failure` belong to entries with `episodes`",
+            ));
+        }
+        if let (Some(_), Some(early)) = (&text.command, &text.early_end) {
+            return Err(self.problem(
+                "bad-ledger",
+                "another simulator is judged by its recording, so it does not end early".into(),
+                early.span(),
+                "leave `early_end` out",
+            ));
+        }
+        Ok(Sampling {
+            until: text.until.as_ref().map(|it| it.get_ref().clone()),
+            keep: text
+                .keep
+                .as_ref()
+                .map(|it| *it.get_ref())
+                .unwrap_or_default(),
+            early_end: text.early_end.as_ref().is_some_and(|it| *it.get_ref()),
+            on_failure: text
+                .on_failure
+                .as_ref()
+                .map(|it| *it.get_ref())
+                .unwrap_or_default(),
+        })
+    }
+
+    fn simulate(&self, text: &EntryText) -> Result<Work, Problem> {
+        let episodes = self.episodes(text)?;
+        if let Some(scene) = &text.scene {
+            return self.simulate_scene(text, scene, episodes);
+        }
+        Ok(Work::Simulate {
+            scenario: self.file(text, "scenario", text.scenario.as_ref())?,
+            parameters: self.file(text, "parameters", text.parameters.as_ref())?,
+            episodes,
+        })
+    }
+
+    fn simulate_scene(
+        &self,
+        text: &EntryText,
+        scene: &Spanned<PathBuf>,
+        episodes: u64,
+    ) -> Result<Work, Problem> {
+        if let Some(other) = text.scenario.as_ref().or(text.parameters.as_ref()) {
+            return Err(self.problem(
+                "bad-ledger",
+                format!("`{}` names a scene and a scenario", text.id.get_ref()),
+                other.span(),
+                "keep either `scene` or `scenario` and `parameters`",
+            ));
+        }
+        Ok(Work::SimulateScene {
+            scene: self.existing(scene)?,
+            test: text.test.as_ref().map(|test| test.get_ref().clone()),
+            episodes,
+        })
+    }
+
+    fn judge(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let (Some(recordings), None) = (&text.recordings, &text.tables) else {
+            return Err(self.problem(
+                "missing-entry",
+                format!(
+                    "`{}` has to name either `recordings` or, for an experiment, `tables`",
+                    text.id.get_ref()
+                ),
+                text.id.span(),
+                "add for example `recordings = \"runs/recordings\"`, a folder of the study",
+            ));
+        };
+        Ok(Work::Judge {
+            technique,
+            recordings: match self.folder.join(recordings.get_ref()).exists() {
+                true => recordings.get_ref().clone(),
+                false => self.existing(recordings)?,
+            },
+        })
+    }
+
+    fn read(&self, text: &EntryText, technique: evidence::Technique) -> Result<Work, Problem> {
+        let Some(tables) = &text.tables else {
+            return Err(self.problem(
+                "missing-entry",
+                format!("the experiment `{}` names no tables", text.id.get_ref()),
+                text.id.span(),
+                "add `tables.cohort`, `tables.requirements` or `tables.failure_modes`, or `recordings`",
+            ));
+        };
+        let span = tables.span();
+        let tables = tables.get_ref();
+        let file =
+            |path: &Option<Spanned<PathBuf>>| path.as_ref().map(|p| self.existing(p)).transpose();
+        let work = Work::Read {
+            technique,
+            cohort: file(&tables.cohort)?,
+            requirements: file(&tables.requirements)?,
+            failure_modes: file(&tables.failure_modes)?,
+        };
+        match &work {
+            Work::Read {
+                cohort: None,
+                requirements: None,
+                failure_modes: None,
+                ..
+            } => Err(self.problem(
+                "missing-entry",
+                "`tables` names no table".into(),
+                span,
+                "add `cohort`, `requirements` or `failure_modes`",
+            )),
+            _ => Ok(work),
+        }
+    }
+}

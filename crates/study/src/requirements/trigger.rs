@@ -1,0 +1,129 @@
+//! What triggers a requirement, as a question to a formal model.
+//!
+//! # Definition
+//! Traces count a requirement where its monitor was triggered. The same runs of a model are those that satisfy the path
+//! formula of the trigger: what the study writes as `trigger`; else, of a monitor in stages, `F when`; of a formula `G
+//! (a => b)`, `F a` (what the formula's monitor counts, [`Formula::trigger`]); of a monitor that is made from a sentence,
+//! that the sentence's trigger is reached (`requirement_lang::compile::goal`). A failure mode is triggered by its
+//! opportunity, and where none is written by what triggers its monitor.
+//!
+//! # Guarantee
+//! A run of a model without deadlocks satisfies the formula exactly if the monitor is triggered on the run's trace of
+//! propositions, as far as a proposition means the same to both.
+
+use super::read::Reader;
+use super::{FormText, SubjectForm};
+use crate::Vocabulary;
+use crate::judging_form::{JudgingForm, Rule};
+use diagnostic::Problem;
+use temporal::formula::{AtomText, Formula};
+use toml::Spanned;
+
+/// What triggers a requirement or failure mode, as far as a model can be asked for it.
+#[derive(Clone, Debug)]
+pub enum TriggerForm {
+    /// Every run does, or counts as one that does.
+    Always,
+    /// Those that satisfy this property, which asks for a probability.
+    Runs(FormText),
+    /// Which do is not known to a model, for this reason.
+    Unknown(String),
+}
+
+impl Reader<'_> {
+    /// The trigger of a subject whose other forms are complete.
+    pub(super) fn trigger(
+        &self,
+        form: &SubjectForm,
+        written: Option<Spanned<String>>,
+    ) -> Result<TriggerForm, Problem> {
+        if let Some(written) = written {
+            let text = super::read::form_text(written);
+            self.check_property_text(&text)?;
+            return Ok(TriggerForm::Runs(text));
+        }
+        let place = |text: String| {
+            TriggerForm::Runs(FormText {
+                text,
+                span: form.span.clone(),
+                from_sentence: true,
+            })
+        };
+        let sentence = form.sentence.as_ref().map(|sentence| &sentence.trigger);
+        let of_sentence = match &form.monitor {
+            Some(monitor) if monitor.from_sentence => sentence,
+            Some(_) => None,
+            None => sentence,
+        };
+        Ok(match (of_sentence, &form.monitor) {
+            (Some(Ok(text)), _) => place(text.clone()),
+            (Some(Err(reason)), _) => TriggerForm::Unknown(reason.clone()),
+            (None, Some(monitor)) => match of_monitor(monitor, self.vocabulary) {
+                Ok(Some(path)) => place(format!("P=? [ F ({path}) ]")),
+                Ok(None) => TriggerForm::Always,
+                Err(reason) => TriggerForm::Unknown(reason),
+            },
+            (None, None) => TriggerForm::Always,
+        })
+    }
+}
+
+/// The state in which a handwritten monitor is triggered, in the language of the model; nothing if it has no trigger.
+fn of_monitor(monitor: &JudgingForm, vocabulary: &Vocabulary) -> Result<Option<String>, String> {
+    match &monitor.rule {
+        Rule::Staged(spec) => {
+            let parameters = vocabulary.signals.parameters();
+            let parsed = temporal::formula::parse(&spec.when, &|name| parameters.secs(name))
+                .map_err(|_| not_in_model(&spec.when))?;
+            in_model(&parsed.formula, &parsed.atoms, vocabulary).map(Some)
+        }
+        Rule::Formula(rule) => {
+            let own = rule.trigger.as_ref().or(rule.parsed.formula.trigger());
+            own.map(|trigger| in_model(without_rise(trigger), &rule.parsed.atoms, vocabulary))
+                .transpose()
+        }
+    }
+}
+
+/// Something becomes true somewhere exactly if it is true somewhere.
+fn without_rise(trigger: &Formula) -> &Formula {
+    match trigger {
+        Formula::Rise(inner) => inner,
+        other => other,
+    }
+}
+
+fn not_in_model(what: &str) -> String {
+    format!("the model has no meaning for `{what}`, which triggers it on traces")
+}
+
+/// A formula about one instant with the vocabulary's propositions as labels.
+fn in_model(
+    formula: &Formula,
+    atoms: &[AtomText],
+    vocabulary: &Vocabulary,
+) -> Result<String, String> {
+    let of = |inner: &Formula| in_model(inner, atoms, vocabulary).map(|text| format!("({text})"));
+    let all = |operands: &[Formula], sign: &str| {
+        let texts: Result<Vec<_>, _> = operands.iter().map(of).collect();
+        Ok(texts?.join(sign))
+    };
+    match formula {
+        Formula::True => Ok("true".into()),
+        Formula::False => Ok("false".into()),
+        Formula::Atom(atom) => {
+            let text = atoms.get(atom.0).map_or("", |atom| atom.text.as_str());
+            let bound = vocabulary.propositions.get(text);
+            match bound.is_some_and(|proposition| proposition.model.is_some()) {
+                true => Ok(format!("\"{text}\"")),
+                false => Err(not_in_model(text)),
+            }
+        }
+        Formula::Not(inner) => Ok(format!("!{}", of(inner)?)),
+        Formula::And(operands) => all(operands, " & "),
+        Formula::Or(operands) => all(operands, " | "),
+        Formula::Implies(left, right) => Ok(format!("{} => {}", of(left)?, of(right)?)),
+        Formula::Iff(left, right) => Ok(format!("{} <=> {}", of(left)?, of(right)?)),
+        other => Err(not_in_model(&other.display(atoms).to_string())),
+    }
+}

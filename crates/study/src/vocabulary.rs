@@ -1,0 +1,168 @@
+//! The vocabulary: each proposition once, with what it means to each
+//! technique.
+
+use super::StudyParameters;
+use crate::placed::toml_place;
+use diagnostic::{Problem, Source, did_you_mean};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use toml::Spanned;
+
+/// One proposition and its bindings.
+#[derive(Clone, Debug)]
+pub struct Proposition {
+    /// What it means, in words.
+    pub meaning: String,
+    /// An expression over the formal model's variables.
+    pub model: Option<Binding>,
+    /// A predicate over a trace's signals.
+    pub trace: Option<Binding>,
+    /// A predicate whose robustness says how far the proposition is from
+    /// changing, where `trace` is only true or false. It decides nothing.
+    pub graded: Option<Binding>,
+    /// A column of the experiments' table that counts it.
+    pub column: Option<Binding>,
+}
+
+/// A binding's text and its place in the file.
+#[derive(Clone, Debug)]
+pub struct Binding {
+    /// The text.
+    pub text: String,
+    /// Its place in the vocabulary's source, without the quotes.
+    pub span: Range<usize>,
+}
+
+/// All propositions, by name.
+#[derive(Clone, Debug)]
+pub struct Vocabulary {
+    /// The file, for diagnostics.
+    pub source: Source,
+    /// The propositions.
+    pub propositions: BTreeMap<String, Proposition>,
+    /// Their bindings to traces.
+    pub signals: trace::Vocabulary,
+}
+
+#[derive(JsonSchema, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PropositionText {
+    /// What it means, in words.
+    meaning: String,
+    /// An expression over the formal model's variables.
+    #[schemars(with = "Option<String>")]
+    model: Option<Spanned<String>>,
+    /// A predicate over signals of recordings, for example `"distance < 10 cm"`.
+    #[schemars(with = "Option<String>")]
+    trace: Option<Spanned<String>>,
+    /// A predicate whose robustness says how far the proposition is from changing, where `trace` is only true or false. It decides nothing.
+    #[schemars(with = "Option<String>")]
+    graded: Option<Spanned<String>>,
+    /// The column of an experiment's table that counts it.
+    #[schemars(with = "Option<String>")]
+    column: Option<Spanned<String>>,
+}
+
+/// The JSON Schema of `vocabulary.toml`.
+pub(crate) fn schema() -> schemars::Schema {
+    schemars::schema_for!(BTreeMap<String, PropositionText>)
+}
+
+impl Vocabulary {
+    /// Reads `vocabulary.toml`; its predicates may use the parameters.
+    pub fn load(folder: &Path, parameters: &StudyParameters) -> Result<Self, Problem> {
+        let source = host::files::read_source(&folder.join("vocabulary.toml"))?;
+        let texts: BTreeMap<String, PropositionText> = toml::from_str(&source.text)
+            .map_err(|error| crate::placed::from_toml(&source, &error))?;
+        let propositions: BTreeMap<String, Proposition> = texts
+            .into_iter()
+            .map(|(name, text)| {
+                let proposition = Proposition {
+                    meaning: text.meaning,
+                    model: text.model.map(binding),
+                    trace: text.trace.map(binding),
+                    graded: text.graded.map(binding),
+                    column: text.column.map(binding),
+                };
+                (name, proposition)
+            })
+            .collect();
+        let bound = propositions
+            .iter()
+            .filter_map(|(name, p)| p.trace.as_ref().map(|b| (name.clone(), b.text.clone())));
+        let values = parameters.values.clone();
+        let signals = trace::Vocabulary::with_parameters(bound, values).map_err(|errors| {
+            let mut problems = errors
+                .into_iter()
+                .map(|error| predicate_problem(&source, &propositions, &error));
+            // There is at least one error, or there would be a vocabulary.
+            problems.next().unwrap_or_else(|| {
+                Problem::new(
+                    "bad-predicate",
+                    format!("{} has a bad predicate", source.name),
+                )
+            })
+        })?;
+        Ok(Self {
+            source,
+            propositions,
+            signals,
+        })
+    }
+
+    /// An error in a predicate, at its place in the vocabulary's file.
+    pub fn predicate_problem(&self, error: &trace::PredicateError) -> Problem {
+        predicate_problem(&self.source, &self.propositions, error)
+    }
+
+    /// The proposition with this name, or a problem at the place that uses it.
+    pub fn proposition(
+        &self,
+        name: &str,
+        user: &Source,
+        span: Range<usize>,
+    ) -> Result<&Proposition, Problem> {
+        self.propositions.get(name).ok_or_else(|| {
+            let problem = Problem::new(
+                "unknown-proposition",
+                format!("the vocabulary has no proposition `{name}`"),
+            )
+            .at(user, span);
+            match did_you_mean(name, self.propositions.keys().map(String::as_str)) {
+                Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+                None => problem.remedy(format!("define [{name}] in {}", self.source.name)),
+            }
+        })
+    }
+}
+
+fn predicate_problem(
+    source: &Source,
+    propositions: &BTreeMap<String, Proposition>,
+    error: &trace::PredicateError,
+) -> Problem {
+    let problem = Problem::new("bad-predicate", error.kind.to_string())
+        .remedy("correct the predicate in the vocabulary, or judge a recording that has the signals it names");
+    let entry = error.entry.as_ref().and_then(|name| propositions.get(name));
+    match entry.and_then(|p| p.trace.as_ref()) {
+        Some(binding) => {
+            let start = binding.span.start + error.span.start;
+            problem.at(source, start..binding.span.start + error.span.end)
+        }
+        None => match &error.entry {
+            Some(name) => problem.at(source, toml_place(source, &[name])),
+            None => problem,
+        },
+    }
+}
+
+fn binding(text: Spanned<String>) -> Binding {
+    let span = text.span();
+    Binding {
+        text: text.into_inner(),
+        span: span.start + 1..span.end.saturating_sub(1).max(span.start + 1),
+    }
+}
