@@ -57,7 +57,7 @@ pub struct CheckRequest {
     pub exports: Exports,
 }
 
-/// What is written to files; a file named `stdout` is what the caller gives to [`crate::check`].
+/// What is written to files; a file named `stdout` is what the caller gives to [`crate::check()`].
 #[derive(Clone, Debug, Default)]
 pub struct Exports {
     /// The model, as `FILE.FORM`, `FILE.FORM,FORM`, `FILE.all` or `FORM=FILE`: tra, sta, lab, srew, trew, dot, drn.

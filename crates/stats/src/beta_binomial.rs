@@ -26,7 +26,9 @@
 
 use crate::counts::{Confidence, EffectiveSample, Interval, Sample, StatsError};
 use crate::heterogeneity::pool;
-use crate::special::{chi_squared_sf, deviance_of_sum, stirling_error, student_t_quantile};
+use crate::special::{
+    chi_squared_sf, deviance_of_sum, stirling_error, student_t_quantile, student_t_sf,
+};
 use std::collections::BTreeMap;
 
 /// What the beta-binomial model makes of clustered counts.
@@ -106,6 +108,31 @@ impl BetaBinomial {
             low: boundary(0.0, self.mean, excluded),
             high: boundary(1.0, self.mean, excluded),
         }
+    }
+
+    /// P-value of the mean being at least the threshold: a small value is evidence that it is below. At 2.5 % the
+    /// threshold is the upper end of the 95 % [`interval`](Self::interval).
+    #[must_use]
+    pub fn test_below(&self, threshold: f64) -> f64 {
+        student_t_sf(-self.deviate(threshold), self.clusters as f64 - 1.0)
+    }
+
+    /// P-value of the mean being at most the threshold: a small value is evidence that it is above.
+    #[must_use]
+    pub fn test_above(&self, threshold: f64) -> f64 {
+        student_t_sf(self.deviate(threshold), self.clusters as f64 - 1.0)
+    }
+
+    /// What Student's deviate of normal cluster means with this ratio of likelihoods would be: positive where the mean is
+    /// above the threshold.
+    fn deviate(&self, threshold: f64) -> f64 {
+        if threshold == self.mean {
+            return 0.0;
+        }
+        let clusters = self.clusters as f64;
+        let fall = 2.0 * (self.most_likely - self.model.profile(threshold).1).max(0.0);
+        let size = ((clusters - 1.0) * (fall / clusters).exp_m1()).sqrt();
+        size.copysign(self.mean - threshold)
     }
 
     /// The mean at the effective size, for tests of independent trials.
