@@ -40,6 +40,7 @@
 //! side is a distribution, that holds on the average over its prior and not at each rate.
 
 mod belief;
+mod by_cluster;
 mod closed;
 mod decide;
 mod ends;

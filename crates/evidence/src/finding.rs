@@ -225,6 +225,10 @@ pub enum Measure {
         /// Independent trials that say as much, once clustering is allowed for and for how few
         /// clusters it is known from; `None` if runs are independent.
         effective_trials: Option<f64>,
+        /// What was counted of each subject or session, and of how many trials, where that tells how alike trials of
+        /// one are; `None` otherwise.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        clusters: Option<Vec<[u64; 2]>>,
         /// Interval of the rate at the study's level: Wilson's or, of clustered trials, from the
         /// variance between clusters.
         interval: Interval,

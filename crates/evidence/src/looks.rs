@@ -194,7 +194,10 @@ impl Belief {
     /// The same counts after looks at some of the trials before.
     pub(crate) fn looked_at(self, earlier: &[Option<Belief>]) -> Self {
         let Belief::Counts {
-            sample, effective, ..
+            sample,
+            effective,
+            clusters,
+            ..
         } = self
         else {
             return self;
@@ -217,6 +220,7 @@ impl Belief {
         Belief::Counts {
             sample,
             effective,
+            clusters,
             before: Some(looks.into()),
         }
     }

@@ -34,6 +34,7 @@ impl Measure {
             count: sample.successes,
             trials: sample.trials,
             effective_trials,
+            clusters: None,
             interval: Interval {
                 low: interval.low,
                 high: interval.high,
@@ -57,7 +58,8 @@ impl Measure {
     /// # Ok::<(), stats::StatsError>(())
     /// ```
     pub fn of_clusters(by_subject: &[Sample], level: Confidence) -> Result<Self, StatsError> {
-        Ok(Self::of_rate(&stats::clustered_rate(by_subject, level)?))
+        let rate = stats::clustered_rate(by_subject, level)?;
+        Ok(Self::of_rate(&rate, by_subject))
     }
 
     /// The same where more was counted of these subjects: a count that cannot tell how alike their trials are is
@@ -71,7 +73,7 @@ impl Measure {
         level: Confidence,
     ) -> Result<Self, StatsError> {
         let rate = stats::clustered_rate_among(common, by_subject, level)?;
-        Ok(Self::of_rate(&rate))
+        Ok(Self::of_rate(&rate, by_subject))
     }
 
     /// A total of subjects with so many trials each, of whom it is not known who did what.
@@ -85,11 +87,14 @@ impl Measure {
         level: Confidence,
     ) -> Result<Self, StatsError> {
         let rate = common.rate(total, trials_by_subject, level)?;
-        Ok(Self::of_rate(&rate))
+        Ok(Self::of_rate(&rate, &[]))
     }
 
-    fn of_rate(rate: &ClusteredRate) -> Self {
+    fn of_rate(rate: &ClusteredRate, by_subject: &[Sample]) -> Self {
+        let with_trials = by_subject.iter().filter(|one| one.trials > 0);
+        let clusters = with_trials.map(|one| [one.successes, one.trials]);
         Self::Counts {
+            clusters: (rate.method == ClusterMethod::Profile).then(|| clusters.collect()),
             count: rate.total.successes,
             trials: rate.total.trials,
             effective_trials: match rate.method {

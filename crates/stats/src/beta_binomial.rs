@@ -129,6 +129,10 @@ impl BetaBinomial {
         if threshold == self.mean {
             return 0.0;
         }
+        // Certainty is excluded by one outcome to the contrary.
+        if threshold <= 0.0 || threshold >= 1.0 {
+            return f64::INFINITY.copysign(self.mean - threshold);
+        }
         let clusters = self.clusters as f64;
         let fall = 2.0 * (self.most_likely - self.model.profile(threshold).1).max(0.0);
         let size = ((clusters - 1.0) * (fall / clusters).exp_m1()).sqrt();

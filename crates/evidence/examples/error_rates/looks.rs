@@ -14,8 +14,8 @@ use super::support::{Uniform, at_least, counts, piece, requirement};
 use super::table::{Job, Row, all};
 use evidence::*;
 use stats::{
-    Confidence, EffectiveSample, Sample, ScoredLook, clustered_test_above, clustered_test_below,
-    continued_above, continued_below, continued_p,
+    BetaBinomial, Confidence, EffectiveSample, Sample, ScoredLook, clustered_test_above,
+    clustered_test_below, continued_above, continued_below, continued_p,
 };
 
 /// When to go on with how many trials.
@@ -145,7 +145,26 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
             information: sample.trials as f64,
         }
     });
-    continued_p(&scored.collect::<Vec<_>>())
+    let mut scored: Vec<ScoredLook> = scored.collect();
+    if let Some((now, people)) = scored.last_mut().zip(looks.last().and_then(by_people)) {
+        now.p = now.p.max(match is_above {
+            true => people.test_above(threshold),
+            false => people.test_below(threshold),
+        });
+    }
+    continued_p(&scored)
+}
+
+fn by_people(measure: &Measure) -> Option<BetaBinomial> {
+    let Measure::Counts {
+        clusters: Some(clusters),
+        ..
+    } = measure
+    else {
+        return None;
+    };
+    let one = |&[successes, trials]: &[u64; 2]| Sample { successes, trials };
+    BetaBinomial::fit(&clusters.iter().map(one).collect::<Vec<_>>()).ok()
 }
 
 fn sample_of(measure: &Measure) -> (Sample, Option<f64>) {

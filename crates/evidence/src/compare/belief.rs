@@ -1,5 +1,6 @@
 //! What a finding says of its rate, in the three forms that comparison knows.
 
+use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
 use crate::looks::over_looks;
 use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
@@ -24,6 +25,8 @@ pub(crate) enum Belief {
         sample: Sample,
         /// The same rate at the effective size.
         effective: EffectiveSample,
+        /// The counts by subject or session, where they tell how alike trials of one are.
+        clusters: Option<Rc<ByCluster>>,
         /// The counts at looks before this one, where trials may be added; `None` if this is the only look.
         before: Option<Rc<[CountsThen]>>,
     },
@@ -61,8 +64,15 @@ impl Belief {
                 count,
                 trials,
                 effective_trials,
+                clusters,
                 ..
-            } => Self::of_counts(*count, *trials, *effective_trials),
+            } => {
+                let belief = Self::of_counts(*count, *trials, *effective_trials)?;
+                Ok(match clusters {
+                    Some(clusters) => belief.by_cluster(clusters),
+                    None => belief,
+                })
+            }
             Measure::Probability {
                 answer, credible, ..
             } => computed(answer, credible.as_ref()),
@@ -74,6 +84,24 @@ impl Belief {
     /// What counts say, at their effective size.
     pub fn of_counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Self, String> {
         counts(count, trials, effective)
+    }
+
+    /// The same counts by subject or session; nothing else has any.
+    fn by_cluster(self, found: &[[u64; 2]]) -> Self {
+        match self {
+            Self::Counts {
+                sample,
+                effective,
+                before,
+                ..
+            } => Self::Counts {
+                sample,
+                effective,
+                clusters: Some(Rc::new(ByCluster::new(found))),
+                before,
+            },
+            other => other,
+        }
     }
 
     /// The rate or probability.
@@ -201,6 +229,7 @@ fn counts(count: u64, trials: u64, effective: Option<f64>) -> Result<Belief, Str
     Ok(Belief::Counts {
         sample,
         effective,
+        clusters: None,
         before: None,
     })
 }

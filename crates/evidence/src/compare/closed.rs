@@ -302,6 +302,7 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
         None => Some(Belief::Counts {
             sample,
             effective,
+            clusters: None,
             before: None,
         }),
     }
@@ -335,6 +336,7 @@ mod tests {
     fn counts(successes: u64, trials: u64) -> Belief {
         let sample = Sample { successes, trials };
         Belief::Counts {
+            clusters: None,
             sample,
             effective: sample.into(),
             before: None,

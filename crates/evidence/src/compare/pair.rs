@@ -541,6 +541,7 @@ mod tests {
     fn counts(successes: u64, trials: u64) -> Belief {
         let sample = Sample { successes, trials };
         Belief::Counts {
+            clusters: None,
             sample,
             effective: sample.into(),
             before: None,
@@ -652,6 +653,7 @@ mod tests {
         };
         let effective = EffectiveSample::at_size(sample, 55.0).unwrap();
         let clustered = || Belief::Counts {
+            clusters: None,
             sample,
             effective,
             before: None,

@@ -9,7 +9,7 @@
 //! # Guarantee
 //! A threshold is shown to be met or missed exactly where it lies beyond the limit (to 1e-12).
 
-use super::stand::{ClaimLevels, doubts_of_counts};
+use super::stand::{ClaimLevels, doubts};
 use crate::compare::Belief;
 use crate::looks::over_looks;
 use crate::{Direction, Interval, Threshold};
@@ -42,12 +42,13 @@ pub(super) fn limits(belief: &Belief, threshold: Threshold, levels: ClaimLevels)
             low: over_looks::lower_limit(belief, above),
             high: over_looks::upper_limit(belief, below),
         },
-        Belief::Counts {
-            sample, effective, ..
-        } => {
-            let is_clustered = effective.trials < sample.trials as f64;
-            let exceeded = |t: f64| doubts_of_counts(*effective, is_clustered, t).0 <= above;
-            let missed = |t: f64| doubts_of_counts(*effective, is_clustered, t).1 <= below;
+        Belief::Counts { effective, .. } => {
+            let at_least = |value| Threshold {
+                direction: Direction::AtLeast,
+                value,
+            };
+            let exceeded = |t: f64| doubts(belief, at_least(t)).0 <= above;
+            let missed = |t: f64| doubts(belief, at_least(t)).1 <= below;
             let rate = effective.successes / effective.trials;
             Interval {
                 low: last(exceeded, 0.0, rate),
@@ -82,6 +83,7 @@ mod tests {
     fn of(successes: u64, trials: u64, alpha: f64) -> Interval {
         let sample = Sample { successes, trials };
         let belief = Belief::Counts {
+            clusters: None,
             sample,
             effective: sample.into(),
             before: None,

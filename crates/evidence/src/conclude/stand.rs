@@ -69,8 +69,16 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
             before: Some(_), ..
         } => over_looks::doubts(belief, value),
         Belief::Counts {
-            sample, effective, ..
-        } => doubts_of_counts(*effective, effective.trials < sample.trials as f64, value),
+            sample,
+            effective,
+            clusters,
+            ..
+        } => {
+            let is_clustered = effective.trials < sample.trials as f64;
+            let at_size = doubts_of_counts(*effective, is_clustered, value);
+            let by_cluster = clusters.as_ref().map_or((0.0, 0.0), |it| it.doubts(value));
+            (at_size.0.max(by_cluster.0), at_size.1.max(by_cluster.1))
+        }
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
         Belief::Range { ends, .. } => (
@@ -175,6 +183,7 @@ pub(super) fn shown_below_and_above(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Measure;
     use stats::{BetaPosterior, Sample};
 
     fn shown(belief: &Belief, direction: Direction, value: f64) -> Standing {
@@ -188,6 +197,7 @@ mod tests {
         Belief::Counts {
             sample,
             effective: sample.into(),
+            clusters: None,
             before: None,
         }
     }
@@ -253,5 +263,59 @@ mod tests {
         assert_eq!(shown(&belief, AtLeast, 0.6), Standing::Supports);
         assert_eq!(shown(&belief, AtLeast, 0.87), Standing::Neither);
         assert_eq!(shown(&belief, AtLeast, 0.95), Standing::Denies);
+    }
+
+    fn people(counts: &[u64]) -> Belief {
+        let counts = counts.iter();
+        let people: Vec<Sample> = counts
+            .map(|&successes| Sample {
+                successes,
+                trials: 5,
+            })
+            .collect();
+        let measure = Measure::of_clusters(&people, Confidence::P95).expect("counts");
+        Belief::of(&measure).expect("counts")
+    }
+
+    /// At the level of one of four requirements: 99 of 100 comes out in 4.7 % of cohorts whose rate is 90 % and who differ by
+    /// a correlation of 0.3.
+    #[test]
+    fn one_failure_of_twenty_people_is_no_proof_at_a_small_level() {
+        let mut counts = [5; 20];
+        counts[7] = 4;
+        let belief = people(&counts);
+        let threshold = Threshold {
+            direction: Direction::AtLeast,
+            value: 0.9,
+        };
+        let Belief::Counts { effective, .. } = belief else {
+            unreachable!()
+        };
+        let at_the_size = clustered_test_above(effective, 0.9);
+        let (not_met, _) = doubts(&belief, threshold);
+        assert!(at_the_size < 0.0125, "{at_the_size}");
+        assert!(not_met > 0.0125, "{not_met}");
+    }
+
+    #[test]
+    fn a_claim_needs_both_tests() {
+        for counts in [[5, 4, 5, 0, 5, 3, 5, 5], [2, 1, 0, 3, 1, 2, 5, 0]] {
+            let belief = people(&counts);
+            let Belief::Counts {
+                effective,
+                clusters: Some(clusters),
+                ..
+            } = &belief
+            else {
+                panic!("the counts tell how alike trials are")
+            };
+            for value in [0.1, 0.3, 0.5, 0.8, 0.95] {
+                let direction = Direction::AtLeast;
+                let (not_met, met) = doubts(&belief, Threshold { direction, value });
+                let (above, below) = clusters.doubts(value);
+                assert_eq!(not_met, above.max(clustered_test_above(*effective, value)));
+                assert!(met >= below);
+            }
+        }
     }
 }

@@ -3,7 +3,8 @@
 //! # Definition
 //! Of independent trials the p-values are those of `stats::continued_above` and `continued_below`, exact at every look.
 //! Of correlated trials each look has the p-value of the test of correlated trials, and its information is the number of
-//! trials at the design effect of today: `stats::continued_p`. The limits of the rate are where the p-value is the error.
+//! trials at the design effect of today: `stats::continued_p`. The present look's p-value is also that of its counts by
+//! subject, whichever is greater; those of earlier looks are not kept. The limits of the rate are where the p-value is the error.
 //!
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
@@ -17,28 +18,40 @@ use stats::{
 /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
 pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
     let looks = looks(belief);
+    let by_cluster = match belief {
+        Belief::Counts {
+            clusters: Some(clusters),
+            ..
+        } => clusters.doubts(threshold),
+        _ => (0.0, 0.0),
+    };
     let is_independent = |look: &CountsThen| look.effective.trials >= look.sample.trials as f64;
     if looks.iter().all(is_independent) {
         let samples: Vec<Sample> = looks.iter().map(|look| look.sample).collect();
-        let above = continued_above(&samples, threshold);
-        return (above, continued_below(&samples, threshold));
+        let above = continued_above(&samples, threshold).max(by_cluster.0);
+        let below = continued_below(&samples, threshold).max(by_cluster.1);
+        return (above, below);
     }
-    let p = |test: fn(EffectiveSample, f64) -> f64| {
+    let p = |test: fn(EffectiveSample, f64) -> f64, by_cluster: f64| {
         let scored = looks.iter().map(|look| ScoredLook {
             p: test(look.effective, threshold),
             information: look.sample.trials as f64,
         });
-        continued_p(&scored.collect::<Vec<_>>())
+        let mut scored: Vec<ScoredLook> = scored.collect();
+        if let Some(now) = scored.last_mut() {
+            now.p = now.p.max(by_cluster);
+        }
+        continued_p(&scored)
     };
     let below = if threshold >= 1.0 {
         1.0
     } else {
-        p(clustered_test_above)
+        p(clustered_test_above, by_cluster.0)
     };
     let at_least = if threshold <= 0.0 {
         1.0
     } else {
-        p(clustered_test_below)
+        p(clustered_test_below, by_cluster.1)
     };
     (below, at_least)
 }
@@ -49,6 +62,7 @@ fn looks(belief: &Belief) -> Vec<CountsThen> {
         sample,
         effective,
         before,
+        ..
     } = belief
     else {
         return Vec::new();
@@ -80,6 +94,7 @@ pub(crate) fn after(now: &Belief, then: EffectiveSample) -> Belief {
     Belief::Counts {
         sample: counts,
         effective: if is_independent { counts.into() } else { then },
+        clusters: None,
         before: Some(looks(now).into()),
     }
 }

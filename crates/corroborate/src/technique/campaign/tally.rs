@@ -320,6 +320,7 @@ pub fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
         count: sample.successes,
         trials: sample.trials,
         effective_trials: Some(enough),
+        clusters: None,
         interval: Interval {
             low: sequence.low,
             high: sequence.high,

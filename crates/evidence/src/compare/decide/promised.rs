@@ -19,6 +19,7 @@ fn rates(uniform: &mut Uniform, people: usize, mean: f64) -> Vec<f64> {
 fn of_people(clusters: &[Sample]) -> Belief {
     let rate = clustered_rate(clusters, Confidence::P95).expect("counts");
     Belief::Counts {
+        clusters: None,
         sample: rate.total,
         effective: rate.worth,
         before: None,
@@ -27,6 +28,7 @@ fn of_people(clusters: &[Sample]) -> Belief {
 
 fn of_episodes(sample: Sample) -> Belief {
     Belief::Counts {
+        clusters: None,
         sample,
         effective: sample.into(),
         before: None,

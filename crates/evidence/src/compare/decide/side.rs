@@ -45,6 +45,7 @@ impl<'a> Side<'a> {
                 sample,
                 effective,
                 before,
+                ..
             },
             true,
         ) = (self.belief, self.worth > 0)
@@ -67,6 +68,7 @@ impl<'a> Side<'a> {
                 trials,
             },
             effective: more,
+            clusters: None,
             before: before.clone(),
         }
     }

@@ -1,0 +1,47 @@
+//! Counts by subject or session, and what they say of a threshold that the effective sample size does not.
+//!
+//! # Definition
+//! The effective size of a count is that of its 95 % interval. A test at another level, or of a threshold far from the
+//! rate, asks how improbable the counts are under the *least favourable* correlation at the threshold: that is the
+//! likelihood of the beta-binomial model, profiled over the correlation ([`stats::BetaBinomial::test_above`]). A claim
+//! needs both tests: its p-value is the greater.
+//!
+//! # Why
+//! People who hardly ever fail do not show how much they differ, so one failure in a hundred attempts counts as one in a
+//! hundred independent trials; and the score test, which speaks of rates below a threshold, takes tails that are skew for
+//! normal. The likelihood at the threshold knows both. By itself it says too much where few people have two attempts.
+//! `stats::clustered` has the sizes of each and of both.
+//!
+//! # Guarantee
+//! Never more claims than by the effective size alone. Asymptotic in the number of subjects; measured there.
+
+use stats::{BetaBinomial, Sample};
+use std::cell::OnceCell;
+
+/// Counts by subject or session.
+#[derive(Debug)]
+pub(crate) struct ByCluster {
+    found: Vec<Sample>,
+    /// Fitted when first asked for, since few counts are held against a threshold.
+    fit: OnceCell<Option<BetaBinomial>>,
+}
+
+impl ByCluster {
+    pub fn new(found: &[[u64; 2]]) -> Self {
+        let sample = |&[successes, trials]: &[u64; 2]| Sample { successes, trials };
+        Self {
+            found: found.iter().map(sample).collect(),
+            fit: OnceCell::new(),
+        }
+    }
+
+    /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 0, which claims nothing by
+    /// itself, where no model can be fitted.
+    pub fn doubts(&self, threshold: f64) -> (f64, f64) {
+        let fit = self.fit.get_or_init(|| BetaBinomial::fit(&self.found).ok());
+        match fit {
+            Some(fit) => (fit.test_above(threshold), fit.test_below(threshold)),
+            None => (0.0, 0.0),
+        }
+    }
+}

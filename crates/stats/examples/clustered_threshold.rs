@@ -1,0 +1,166 @@
+//! How often tests of clustered counts against a threshold err at each level: sums over all outcomes.
+//!
+//! `cargo run -p stats --release --example clustered_threshold` prints the tables in the documentation of `stats::clustered`.
+//! A row has clusters of one size and a rate, which is the threshold. A figure is the largest probability, in percent, of
+//! showing at the level that the rate is on one side of it: over correlations of rates with a beta distribution, and over
+//! two laws for which no test was made, in which all failures are of one kind of people.
+
+use stats::special::{binomial_pmf, ln_gamma};
+use stats::{
+    BetaBinomial, Confidence, Sample, clustered_rate, clustered_test_above, clustered_test_below,
+};
+
+const LEVELS: [f64; 4] = [0.05, 0.025, 0.0125, 0.005];
+const CORRELATIONS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7];
+const RATES: [f64; 5] = [0.5, 0.7, 0.8, 0.9, 0.95];
+const SIZES: [(usize, u64); 6] = [(4, 5), (5, 10), (10, 5), (20, 2), (20, 5), (30, 3)];
+
+/// P-values of "above" and "below" by each test: at the effective size, by the likelihood, by both.
+type Doubts = [[f64; 2]; 3];
+
+/// The p-values at each rate as a threshold.
+fn doubts(clusters: &[Sample]) -> [Doubts; RATES.len()] {
+    let rate = clustered_rate(clusters, Confidence::P95).expect("clusters");
+    let fit = BetaBinomial::fit(clusters).expect("clusters");
+    RATES.map(|threshold| {
+        let worth = [
+            clustered_test_above(rate.worth, threshold),
+            clustered_test_below(rate.worth, threshold),
+        ];
+        let likelihood = [fit.test_above(threshold), fit.test_below(threshold)];
+        let both = [0, 1].map(|side| f64::max(worth[side], likelihood[side]));
+        [worth, likelihood, both]
+    })
+}
+
+/// Probabilities of each number of successes in a cluster.
+type Law = Vec<f64>;
+
+fn beta_binomial(trials: u64, mean: f64, correlation: f64) -> Law {
+    if correlation == 0.0 {
+        return (0..=trials)
+            .map(|k| binomial_pmf(k, trials, mean))
+            .collect();
+    }
+    let size = (1.0 - correlation) / correlation;
+    let (a, b) = (mean * size, (1.0 - mean) * size);
+    let beta = |a: f64, b: f64| ln_gamma(a) + ln_gamma(b) - ln_gamma(a + b);
+    let one = |k: u64| {
+        let (s, f) = (k as f64, (trials - k) as f64);
+        let choose = ln_gamma(trials as f64 + 1.0) - ln_gamma(s + 1.0) - ln_gamma(f + 1.0);
+        (choose + beta(a + s, b + f) - beta(a, b)).exp()
+    };
+    (0..=trials).map(one).collect()
+}
+
+/// A share of the people fails so often that they make all failures.
+fn two_kinds(trials: u64, mean: f64, share: f64) -> Law {
+    let failing = 1.0 - (1.0 - mean) / share;
+    let of = |rate: f64, k: u64| binomial_pmf(k, trials, rate.clamp(0.0, 1.0));
+    (0..=trials)
+        .map(|k| share * of(failing, k) + (1.0 - share) * of(1.0, k))
+        .collect()
+}
+
+/// How many clusters have each number of successes, for all outcomes.
+fn outcomes(clusters: usize, kinds: usize) -> Vec<Vec<usize>> {
+    if kinds == 1 {
+        return vec![vec![clusters]];
+    }
+    let first = 0..=clusters;
+    first
+        .flat_map(|first| {
+            let rest = outcomes(clusters - first, kinds - 1);
+            rest.into_iter()
+                .map(move |rest| [vec![first], rest].concat())
+        })
+        .collect()
+}
+
+fn probability(outcome: &[usize], law: &Law) -> f64 {
+    let total: usize = outcome.iter().sum();
+    let mut log = ln_gamma(total as f64 + 1.0);
+    for (&times, &each) in outcome.iter().zip(law) {
+        if times > 0 {
+            log += times as f64 * each.ln() - ln_gamma(times as f64 + 1.0);
+        }
+    }
+    log.exp()
+}
+
+fn clusters(outcome: &[usize], trials: u64) -> Vec<Sample> {
+    let of = |(successes, &times): (usize, &usize)| {
+        let sample = Sample {
+            successes: successes as u64,
+            trials,
+        };
+        std::iter::repeat_n(sample, times)
+    };
+    outcome.iter().enumerate().flat_map(of).collect()
+}
+
+/// The largest probability of each decision under some laws: by test, side and level.
+fn sizes(
+    found: &[(Vec<usize>, [Doubts; RATES.len()])],
+    rate: usize,
+    laws: &[Law],
+) -> [[[f64; 4]; 2]; 3] {
+    let mut largest = [[[0.0_f64; 4]; 2]; 3];
+    for law in laws {
+        let mut sums = [[[0.0; 4]; 2]; 3];
+        for (outcome, doubts) in found {
+            let probability = probability(outcome, law);
+            for (test, side, level) in cells() {
+                if doubts[rate][test][side] <= LEVELS[level] {
+                    sums[test][side][level] += probability;
+                }
+            }
+        }
+        for (test, side, level) in cells() {
+            largest[test][side][level] = largest[test][side][level].max(sums[test][side][level]);
+        }
+    }
+    largest
+}
+
+fn cells() -> impl Iterator<Item = (usize, usize, usize)> {
+    (0..3)
+        .flat_map(|test| (0..2).flat_map(move |side| (0..4).map(move |level| (test, side, level))))
+}
+
+fn main() {
+    println!("| clusters x trials | rate | law | claim | effective size | likelihood | both |");
+    println!("|---|---|---|---|---|---|---|");
+    for (number, trials) in SIZES {
+        let all = outcomes(number, trials as usize + 1);
+        let with_doubts = |it: &Vec<usize>| (it.clone(), doubts(&clusters(it, trials)));
+        let found: Vec<_> = all.iter().map(with_doubts).collect();
+        for (place, rate) in RATES.into_iter().enumerate() {
+            let beta = CORRELATIONS
+                .map(|it| beta_binomial(trials, rate, it))
+                .to_vec();
+            let others = vec![
+                two_kinds(trials, rate, 1.0 - rate),
+                two_kinds(trials, rate, 2.0 * (1.0 - rate)),
+            ];
+            for (name, laws) in [("beta", beta), ("two kinds", others)] {
+                let sizes = sizes(&found, place, &laws);
+                for (side, claim) in ["above", "below"].iter().enumerate() {
+                    let of = |test: usize| {
+                        let each: Vec<String> = sizes[test][side]
+                            .iter()
+                            .map(|it| format!("{:.2}", 100.0 * it))
+                            .collect();
+                        each.join(" ")
+                    };
+                    println!(
+                        "| {number} x {trials} | {rate} | {name} | {claim} | {} | {} | {} |",
+                        of(0),
+                        of(1),
+                        of(2)
+                    );
+                }
+            }
+        }
+    }
+}
