@@ -335,6 +335,7 @@ mod tests {
 
     fn counts(count: u64, trials: u64, low: f64, high: f64) -> Measure {
         Measure::Counts {
+            clusters: None,
             count,
             trials,
             effective_trials: None,

@@ -15,6 +15,7 @@ pub fn figures(measure: &Measure) -> String {
             trials,
             effective_trials,
             interval,
+            ..
         } if *trials > 0 => {
             let worth = effective_trials.filter(|worth| *worth < *trials as f64);
             let worth = worth.map_or(String::new(), |worth| {

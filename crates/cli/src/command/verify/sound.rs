@@ -52,6 +52,7 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
             count,
             trials,
             effective_trials,
+            clusters,
             interval,
         } => {
             let worth = effective_trials.unwrap_or(*trials as f64);
@@ -63,6 +64,15 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
                 "its effective sample size is larger than its number of trials",
             )
             .map_err(at("/effective_trials"))?;
+            let by_cluster = clusters.iter().flatten();
+            let total = by_cluster.fold([0_u64; 2], |[all, of_all], [one, of_one]| {
+                [all.saturating_add(*one), of_all.saturating_add(*of_one)]
+            });
+            hold(
+                clusters.is_none() || total == [*count, *trials],
+                "its counts by subject or session do not add up to it",
+            )
+            .map_err(at("/clusters"))?;
             let rate = *count as f64 / *trials as f64;
             inside(rate, *interval).map_err(at("/interval"))
         }
