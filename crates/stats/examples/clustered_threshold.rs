@@ -1,9 +1,9 @@
 //! How often tests of clustered counts against a threshold err at each level: sums over all outcomes.
 //!
 //! `cargo run -p stats --release --example clustered_threshold` prints the tables in the documentation of `stats::clustered`.
-//! A row has clusters of one size and a rate, which is the threshold. A figure is the largest probability, in percent, of
-//! showing at the level that the rate is on one side of it: over correlations of rates with a beta distribution, and over
-//! two laws for which no test was made, in which all failures are of one kind of people.
+//! A row has clusters of one size. A figure is the largest probability, in percent, of showing at the level that the rate is
+//! on one side of a threshold at which it is: over rates, and over correlations of a beta distribution of them or two
+//! laws for which no test was made, in which all failures are of one kind of people.
 
 use stats::special::{binomial_pmf, ln_gamma};
 use stats::{
@@ -99,12 +99,11 @@ fn clusters(outcome: &[usize], trials: u64) -> Vec<Sample> {
     outcome.iter().enumerate().flat_map(of).collect()
 }
 
+/// The probability of a decision, by test, side and level.
+type Sizes = [[[f64; 4]; 2]; 3];
+
 /// The largest probability of each decision under some laws: by test, side and level.
-fn sizes(
-    found: &[(Vec<usize>, [Doubts; RATES.len()])],
-    rate: usize,
-    laws: &[Law],
-) -> [[[f64; 4]; 2]; 3] {
+fn sizes(found: &[(Vec<usize>, [Doubts; RATES.len()])], rate: usize, laws: &[Law]) -> Sizes {
     let mut largest = [[[0.0_f64; 4]; 2]; 3];
     for law in laws {
         let mut sums = [[[0.0; 4]; 2]; 3];
@@ -128,38 +127,50 @@ fn cells() -> impl Iterator<Item = (usize, usize, usize)> {
         .flat_map(|test| (0..2).flat_map(move |side| (0..4).map(move |level| (test, side, level))))
 }
 
+/// The larger of each two.
+fn larger(one: &Sizes, other: &Sizes) -> Sizes {
+    let mut all = *one;
+    for (test, side, level) in cells() {
+        all[test][side][level] = all[test][side][level].max(other[test][side][level]);
+    }
+    all
+}
+
 fn main() {
-    println!("| clusters x trials | rate | law | claim | effective size | likelihood | both |");
-    println!("|---|---|---|---|---|---|---|");
+    println!("| clusters x trials | law | claim | at `n*` | by the likelihood | by both |");
+    println!("|---|---|---|---|---|---|");
     for (number, trials) in SIZES {
         let all = outcomes(number, trials as usize + 1);
         let with_doubts = |it: &Vec<usize>| (it.clone(), doubts(&clusters(it, trials)));
         let found: Vec<_> = all.iter().map(with_doubts).collect();
-        for (place, rate) in RATES.into_iter().enumerate() {
-            let beta = CORRELATIONS
-                .map(|it| beta_binomial(trials, rate, it))
-                .to_vec();
-            let others = vec![
-                two_kinds(trials, rate, 1.0 - rate),
-                two_kinds(trials, rate, 2.0 * (1.0 - rate)),
-            ];
-            for (name, laws) in [("beta", beta), ("two kinds", others)] {
-                let sizes = sizes(&found, place, &laws);
-                for (side, claim) in ["above", "below"].iter().enumerate() {
-                    let of = |test: usize| {
-                        let each: Vec<String> = sizes[test][side]
-                            .iter()
-                            .map(|it| format!("{:.2}", 100.0 * it))
-                            .collect();
-                        each.join(" ")
-                    };
-                    println!(
-                        "| {number} x {trials} | {rate} | {name} | {claim} | {} | {} | {} |",
-                        of(0),
-                        of(1),
-                        of(2)
-                    );
-                }
+        let beta = |rate: f64| {
+            let of = |it| beta_binomial(trials, rate, it);
+            CORRELATIONS.map(of).to_vec()
+        };
+        let others = |rate: f64| {
+            let failing = 1.0 - rate;
+            vec![
+                two_kinds(trials, rate, failing),
+                two_kinds(trials, rate, 2.0 * failing),
+            ]
+        };
+        let laws: [(&str, &dyn Fn(f64) -> Vec<Law>); 2] = [("beta", &beta), ("two kinds", &others)];
+        for (name, laws) in laws {
+            let at = |(place, rate): (usize, f64)| sizes(&found, place, &laws(rate));
+            let rates = RATES.into_iter().enumerate().map(at);
+            let largest = rates.fold(Sizes::default(), |all, it| larger(&all, &it));
+            for (side, claim) in ["above", "below"].iter().enumerate() {
+                let of = |test: usize| {
+                    largest[test][side]
+                        .map(|it| format!("{:.1}", 100.0 * it))
+                        .join(" ")
+                };
+                println!(
+                    "| {number} x {trials} | {name} | {claim} | {} | {} | {} |",
+                    of(0),
+                    of(1),
+                    of(2)
+                );
             }
         }
     }

@@ -97,12 +97,47 @@
 //! # Against a threshold
 //! With `n*` independent trials the test that a rate lies towards the middle from the threshold is the
 //! score test (its inversion is Wilson's interval), and that it lies towards the end is the exact
-//! binomial one: clusters that all succeed hide how much they vary. Wrong decisions at a level of 5 %
-//! when the rate is the threshold, in percent over 1500 draws: with 5, 10 or 20 clusters of ten, rates
-//! of 0.5, 0.88 and 0.95 and correlations of 0, 0.1 and 0.3, the score test below a threshold 2.5 to
-//! 4.9, the exact test above it 0 to 5.1. (The exact one below: 0.5 to 3.7. The score test above: up to
-//! 7.2. Exact at the ANOVA size, above: up to 22.8.) Measured with intervals that were narrower by about 1 % (20 clusters) to
-//! 6 % (5), so that rates were worth a little more than now.
+//! binomial one: clusters that all succeed hide how much they vary. But `n*` is that of a 95 % interval: at smaller levels
+//! clusters that hardly ever fail are taken for surer than they are, and the score for less skew. So where the count tells
+//! how alike its trials are, a claim needs the likelihood, too ([`crate::BetaBinomial::test_above`]), in which the
+//! correlation is the most likely one *at the threshold*; the likelihood alone claims too much where all of a few clusters
+//! succeed.
+//!
+//! Wrong decisions at levels of 5, 2.5, 1.25 and 0.5 % when the rate is the threshold, in percent, exact by all outcomes:
+//! the largest over rates 0.5, 0.7, 0.8, 0.9 and 0.95 and, *beta*, correlations 0, 0.05, 0.1, 0.2, 0.3, 0.5 and 0.7;
+//! *two kinds*, for which nothing was made: all failures are of one kind of people, who always fail or fail half of the time.
+//! (`cargo run -p stats --release --example clustered_threshold`)
+//!
+//! | clusters x trials | law | claim | at `n*` | by the likelihood | by both |
+//! |---|---|---|---|---|---|
+//! | 4 x 5 | beta | above | 2.1 0.9 0.0 0.0 | 5.7 2.1 0.0 0.0 | 2.1 0.9 0.0 0.0 |
+//! | 4 x 5 | beta | below | 2.7 1.5 0.9 0.7 | 5.7 2.1 0.8 0.3 | 2.4 1.5 0.8 0.3 |
+//! | 4 x 5 | two kinds | above | 0.1 0.1 0.0 0.0 | 6.2 0.1 0.0 0.0 | 0.1 0.1 0.0 0.0 |
+//! | 4 x 5 | two kinds | below | 3.9 2.2 1.2 0.8 | 6.2 2.3 1.0 0.4 | 3.9 2.2 1.0 0.4 |
+//! | 5 x 10 | beta | above | 3.6 1.8 1.2 0.8 | 6.9 2.7 1.0 0.4 | 3.6 1.8 1.0 0.4 |
+//! | 5 x 10 | beta | below | 3.8 2.5 1.8 1.1 | 5.2 2.7 1.0 0.4 | 3.2 1.7 1.0 0.4 |
+//! | 5 x 10 | two kinds | above | 3.1 0.2 0.1 0.0 | 3.1 3.1 0.1 0.0 | 3.1 0.2 0.1 0.0 |
+//! | 5 x 10 | two kinds | below | 5.7 4.6 3.5 2.4 | 5.9 4.4 3.0 1.3 | 5.7 4.4 3.0 1.3 |
+//! | 10 x 5 | beta | above | 4.4 4.0 2.1 1.0 | 9.7 4.1 2.5 1.0 | 4.4 4.0 2.1 1.0 |
+//! | 10 x 5 | beta | below | 5.9 2.9 2.2 1.3 | 4.6 2.3 1.1 0.5 | 3.7 1.8 0.9 0.4 |
+//! | 10 x 5 | two kinds | above | 2.8 1.2 0.6 0.1 | 10.7 2.8 2.8 0.1 | 2.8 1.2 0.6 0.1 |
+//! | 10 x 5 | two kinds | below | 8.6 3.5 2.6 1.5 | 5.5 2.1 1.3 0.6 | 4.7 2.1 1.3 0.6 |
+//! | 20 x 2 | beta | above | 4.4 2.2 2.2 0.8 | 7.2 6.6 2.2 1.2 | 4.4 2.2 2.2 0.8 |
+//! | 20 x 2 | beta | below | 5.7 4.6 2.0 1.0 | 5.0 2.5 1.1 0.4 | 4.2 2.2 1.0 0.4 |
+//! | 20 x 2 | two kinds | above | 6.9 1.8 1.8 0.8 | 12.2 12.2 1.8 1.1 | 6.9 1.8 1.8 0.8 |
+//! | 20 x 2 | two kinds | below | 7.5 7.5 1.8 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 |
+//! | 20 x 5 | beta | above | 5.1 5.1 4.7 1.0 | 9.5 7.7 1.9 0.9 | 5.1 5.1 1.9 0.9 |
+//! | 20 x 5 | beta | below | 7.2 4.1 2.1 1.4 | 4.8 2.4 1.2 0.5 | 4.2 2.2 1.0 0.4 |
+//! | 20 x 5 | two kinds | above | 6.9 1.5 1.5 0.8 | 12.2 12.2 1.1 1.1 | 6.9 1.5 1.1 0.8 |
+//! | 20 x 5 | two kinds | below | 7.5 7.5 2.4 1.6 | 5.8 3.2 1.6 0.6 | 4.8 3.2 1.6 0.5 |
+//! | 30 x 3 | beta | above | 6.0 4.0 2.9 1.6 | 10.5 4.5 3.9 0.7 | 6.0 4.0 2.9 0.7 |
+//! | 30 x 3 | beta | below | 6.4 3.7 2.0 1.2 | 4.9 2.4 1.2 0.5 | 4.5 2.2 1.1 0.4 |
+//! | 30 x 3 | two kinds | above | 4.7 2.9 2.0 1.1 | 21.5 4.4 4.2 1.1 | 4.7 2.9 2.0 1.1 |
+//! | 30 x 3 | two kinds | below | 7.3 6.1 2.6 1.6 | 6.1 2.6 1.6 0.6 | 6.1 2.6 1.6 0.6 |
+//!
+//! So by both a claim of the larger levels is wrong at most 1.2 times as often as it may be under the model, and of the
+//! smaller ones, where whole numbers of people decide, up to 2.3 times; under the other law up to 1.4 and 2.6 times.
+//! At `n*` alone it is up to 3.7 times, and 4.7 under the other law.
 //!
 //! # Source
 //! D. A. Williams (1975); E. B. Wilson (1927) for the score test.
