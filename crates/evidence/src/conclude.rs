@@ -31,8 +31,9 @@
 //! simulator or model: of the system such a verdict says nothing. *Satisfied* speaks of the conditions of its pieces,
 //! which the report names; *violated* of some condition that the study declares.
 //!
-//! Where the level is divided, attempts of people who differ do not keep it: the effective sample size is that of the
-//! 95 % interval. `ERROR_RATES.md` has the rates, those over looks and those of what is carried over.
+//! Attempts of people who differ keep it as far as these differ as the beta-binomial model has it and are many: at divided
+//! levels an error is up to twice as frequent (`compare/by_cluster.rs`). `ERROR_RATES.md` has the rates, those over looks and
+//! those of what is carried over.
 //!
 //! How often a requirement that the system does not meet is called satisfied on any step, and on one that is enough, beside
 //! a model with a typed-in constant or a simulator; in percent of 4000 seeded studies (standard error at most 0.4 at 5), by

@@ -21,7 +21,8 @@
 //! sawtooth, so that some smaller `n` may reach it, too. Clustered trials count at their design
 //! effect of today, of further subjects with as many trials each as those of today have: more trials of the same
 //! subjects tell less. Simulated (`promised`), 10 people with 10 trials each and 20 more at a correlation of 0.3 keep
-//! what is promised on average.
+//! what is promised on average by the test at the effective size; the conclusion asks the likelihood of people's counts,
+//! too, and may want more.
 
 use super::{Piece, current, independent, looked_at, quantity};
 use crate::compare::{Belief, Study, TrialCosts};
