@@ -53,6 +53,9 @@ fn beta_binomial(trials: u64, mean: f64, correlation: f64) -> Law {
     (0..=trials).map(one).collect()
 }
 
+/// Laws of a rate, with their name.
+type Family<'a> = (&'a str, &'a dyn Fn(f64) -> Vec<Law>);
+
 /// A share of the people fails so often that they make all failures.
 fn two_kinds(trials: u64, mean: f64, share: f64) -> Law {
     let failing = 1.0 - (1.0 - mean) / share;
@@ -154,7 +157,7 @@ fn main() {
                 two_kinds(trials, rate, 2.0 * failing),
             ]
         };
-        let laws: [(&str, &dyn Fn(f64) -> Vec<Law>); 2] = [("beta", &beta), ("two kinds", &others)];
+        let laws: [Family<'_>; 2] = [("beta", &beta), ("two kinds", &others)];
         for (name, laws) in laws {
             let at = |(place, rate): (usize, f64)| sizes(&found, place, &laws(rate));
             let rates = RATES.into_iter().enumerate().map(at);
