@@ -178,6 +178,7 @@ impl<'a> Study<'a> {
 ///             count,
 ///             trials,
 ///             effective_trials: None,
+///             clusters: None,
 ///             interval: Interval { low: 0.0, high: 1.0 },
 ///         },
 ///         denominator: Denominator::default(),
