@@ -27,7 +27,8 @@ fn doubts(clusters: &[Sample]) -> [Doubts; RATES.len()] {
             clustered_test_above(rate.worth, threshold),
             clustered_test_below(rate.worth, threshold),
         ];
-        let likelihood = [fit.test_above(threshold), fit.test_below(threshold)];
+        let (above, below) = fit.threshold_tests(threshold);
+        let likelihood = [above, below];
         let both = [0, 1].map(|side| f64::max(worth[side], likelihood[side]));
         [worth, likelihood, both]
     })

@@ -110,17 +110,15 @@ impl BetaBinomial {
         }
     }
 
-    /// P-value of the mean being at least the threshold: a small value is evidence that it is below. At 2.5 % the
-    /// threshold is the upper end of the 95 % [`interval`](Self::interval).
+    /// P-values of the mean being at most the threshold (a small value is evidence that it is above) and at least the
+    /// threshold (evidence that it is below). At 2.5 % the threshold is an end of the 95 % [`interval`](Self::interval).
     #[must_use]
-    pub fn test_below(&self, threshold: f64) -> f64 {
-        student_t_sf(-self.deviate(threshold), self.clusters as f64 - 1.0)
-    }
-
-    /// P-value of the mean being at most the threshold: a small value is evidence that it is above.
-    #[must_use]
-    pub fn test_above(&self, threshold: f64) -> f64 {
-        student_t_sf(self.deviate(threshold), self.clusters as f64 - 1.0)
+    pub fn threshold_tests(&self, threshold: f64) -> (f64, f64) {
+        let (deviate, degrees) = (self.deviate(threshold), self.clusters as f64 - 1.0);
+        (
+            student_t_sf(deviate, degrees),
+            student_t_sf(-deviate, degrees),
+        )
     }
 
     /// What Student's deviate of normal cluster means with this ratio of likelihoods would be: positive where the mean is

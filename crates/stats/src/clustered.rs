@@ -99,7 +99,7 @@
 //! score test (its inversion is Wilson's interval), and that it lies towards the end is the exact
 //! binomial one: clusters that all succeed hide how much they vary. But `n*` is that of a 95 % interval: at smaller levels
 //! clusters that hardly ever fail are taken for surer than they are, and the score for less skew. So where the count tells
-//! how alike its trials are, a claim needs the likelihood, too ([`crate::BetaBinomial::test_above`]), in which the
+//! how alike its trials are, a claim needs the likelihood, too ([`crate::BetaBinomial::threshold_tests`]), in which the
 //! correlation is the most likely one *at the threshold*; the likelihood alone claims too much where all of a few clusters
 //! succeed.
 //!

@@ -147,10 +147,8 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
     });
     let mut scored: Vec<ScoredLook> = scored.collect();
     if let Some((now, people)) = scored.last_mut().zip(looks.last().and_then(by_people)) {
-        now.p = now.p.max(match is_above {
-            true => people.test_above(threshold),
-            false => people.test_below(threshold),
-        });
+        let (above, below) = people.threshold_tests(threshold);
+        now.p = now.p.max(if is_above { above } else { below });
     }
     continued_p(&scored)
 }

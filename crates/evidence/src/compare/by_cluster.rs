@@ -3,7 +3,7 @@
 //! # Definition
 //! The effective size of a count is that of its 95 % interval. A test at another level, or of a threshold far from the
 //! rate, asks how improbable the counts are under the *least favourable* correlation at the threshold: that is the
-//! likelihood of the beta-binomial model, profiled over the correlation ([`stats::BetaBinomial::test_above`]). A claim
+//! likelihood of the beta-binomial model, profiled over the correlation ([`stats::BetaBinomial::threshold_tests`]). A claim
 //! needs both tests: its p-value is the greater.
 //!
 //! # Why
@@ -39,9 +39,7 @@ impl ByCluster {
     /// itself, where no model can be fitted.
     pub fn doubts(&self, threshold: f64) -> (f64, f64) {
         let fit = self.fit.get_or_init(|| BetaBinomial::fit(&self.found).ok());
-        match fit {
-            Some(fit) => (fit.test_above(threshold), fit.test_below(threshold)),
-            None => (0.0, 0.0),
-        }
+        fit.as_ref()
+            .map_or((0.0, 0.0), |fit| fit.threshold_tests(threshold))
     }
 }
