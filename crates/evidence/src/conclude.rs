@@ -117,6 +117,8 @@ use crate::{
 };
 use common::common_bound;
 use judge::{Asked, Level};
+pub(crate) use limits::of_tests;
+pub(crate) use stand::at_one_look;
 use std::collections::BTreeMap;
 
 #[cfg(doc)]

@@ -13,12 +13,14 @@
 //! # Guarantee
 //! That of `stats::continuation`: with the looks recorded, whoever goes on until something is shown errs no more often
 //! than the declared level: exactly for independent counts, approximately for correlated ones, which exceed it where few
-//! people are added at many looks (`ERROR_RATES.md`). Looks that were not recorded are not known.
+//! people are added at many looks (`ERROR_RATES.md`). Of correlated ones a look keeps the counts by subject, so that it
+//! says later what it said then. Looks that were not recorded are not known.
 
 pub(crate) mod over_looks;
 
 use crate::compare::words::percent;
 use crate::compare::{Belief, CountsThen};
+use crate::conclude::{at_one_look, of_tests};
 use crate::{Evidence, Interval, Measure, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -57,6 +59,9 @@ pub struct LookedAt {
     /// Independent trials that say as much; `None` if all are independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_trials: Option<f64>,
+    /// `[count, trials]` of each subject or session, where they tell how alike trials of one are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters: Option<Vec<[u64; 2]>>,
 }
 
 /// What it costs that trials may be added and judged again.
@@ -83,18 +88,20 @@ impl Look {
             piece
                 .findings
                 .iter()
-                .filter_map(|finding| match finding.measure {
+                .filter_map(|finding| match &finding.measure {
                     Measure::Counts {
                         count,
                         trials,
                         effective_trials,
+                        clusters,
                         ..
-                    } if trials > 0 => Some(LookedAt {
+                    } if *trials > 0 => Some(LookedAt {
                         evidence: piece.id.clone(),
                         subject: finding.subject.clone(),
-                        count,
-                        trials,
-                        effective_trials,
+                        count: *count,
+                        trials: *trials,
+                        effective_trials: *effective_trials,
+                        clusters: clusters.clone(),
                     }),
                     _ => None,
                 })
@@ -112,25 +119,25 @@ impl Look {
 
 /// What looking costs at one piece's counts; `None` if this is the only look at them.
 pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Looking> {
-    let Belief::Counts {
-        effective,
-        before: Some(_),
-        ..
-    } = belief
-    else {
+    if !matches!(
+        belief,
+        Belief::Counts {
+            before: Some(_),
+            ..
+        }
+    ) {
         return None;
-    };
+    }
+    let counts = belief.counts()?;
     let look = over_looks::number(belief);
     let error = 0.5 * level.alpha();
-    let all = Interval {
-        low: over_looks::lower_limit(belief, error),
-        high: over_looks::upper_limit(belief, error),
-    };
-    let once = stats::IntervalMethod::ClopperPearson.interval(*effective, level);
-    let once = Interval {
-        low: once.low,
-        high: once.high,
-    };
+    let estimate = belief.estimate();
+    let all = of_tests(
+        |rate| over_looks::doubts(belief, rate),
+        estimate,
+        (error, error),
+    );
+    let once = of_tests(|rate| at_one_look(&counts, rate), estimate, (error, error));
     let in_words =
         |interval: Interval| format!("{} to {}", percent(interval.low), percent(interval.high));
     Some(Looking {
@@ -202,17 +209,8 @@ impl Belief {
         else {
             return self;
         };
-        let then = |one: &Belief| match one {
-            Belief::Counts {
-                sample, effective, ..
-            } => Some(CountsThen {
-                sample: *sample,
-                effective: *effective,
-            }),
-            _ => None,
-        };
         let mut looks: Vec<CountsThen> = Vec::new();
-        for one in earlier.iter().flatten().filter_map(then) {
+        for one in earlier.iter().flatten().filter_map(Belief::counts) {
             if one.sample != sample && looks.last().is_none_or(|last| last.sample != one.sample) {
                 looks.push(one);
             }
@@ -228,7 +226,11 @@ impl Belief {
 
 impl LookedAt {
     fn belief(&self) -> Option<Belief> {
-        Belief::of_counts(self.count, self.trials, self.effective_trials).ok()
+        let belief = Belief::of_counts(self.count, self.trials, self.effective_trials).ok()?;
+        Some(match &self.clusters {
+            Some(clusters) => belief.by_cluster(clusters),
+            None => belief,
+        })
     }
 }
 
@@ -243,6 +245,7 @@ mod tests {
             count: *count,
             trials: *trials,
             effective_trials: None,
+            clusters: None,
         });
         Look {
             counts: counts.collect(),

@@ -16,7 +16,7 @@
 use super::{About, SampleSizes};
 use crate::placed::toml_place;
 use diagnostic::Problem;
-use evidence::{Look, Looks};
+use evidence::{Look, LookedAt, Looks};
 use host::files::write_whole;
 use std::fmt::Write;
 use std::path::Path;
@@ -49,22 +49,37 @@ pub fn load(folder: &Path, about: &About) -> Result<Option<Looks>, Problem> {
         let counts = all.counts.iter().enumerate();
         counts.map(move |(place, one)| (look, place, one))
     });
-    let Some((look, place, wrong)) =
-        counts.find(|(.., one)| one.count > one.trials || one.trials == 0)
-    else {
+    let found = counts.find_map(|(look, place, one)| Some((look, place, mistake(one)?)));
+    let Some((look, place, mistake)) = found else {
         return Ok(Some(looks));
     };
     let (look, place) = (look.to_string(), place.to_string());
     let place = toml_place(&source, &["looks", &look, "counts", &place]);
-    Err(Problem::new(
-        "bad-look",
+    Err(Problem::new("bad-look", mistake)
+        .at(&source, place)
+        .remedy(format!("restore {LOOKS} from version control")))
+}
+
+/// Why a look can be of no trials.
+fn mistake(one: &LookedAt) -> Option<String> {
+    let (id, count, trials) = (&one.evidence, one.count, one.trials);
+    if count > trials || trials == 0 {
+        return Some(format!(
+            "a look at {id} has {count} of {trials} trials; `count` must be at most `trials`, and `trials` at least 1"
+        ));
+    }
+    let clusters = one.clusters.as_ref()?;
+    let sum = |place: usize| -> u128 { clusters.iter().map(|it| u128::from(it[place])).sum() };
+    let is_whole = sum(0) == u128::from(count) && sum(1) == u128::from(trials);
+    let fits = clusters.iter().all(|it| it[0] <= it[1]);
+    (!is_whole || !fits).then(|| {
         format!(
-            "a look at {} has {} of {} trials; `count` must be at most `trials`, and `trials` at least 1",
-            wrong.evidence, wrong.count, wrong.trials
-        ),
-    )
-    .at(&source, place)
-    .remedy(format!("restore {LOOKS} from version control")))
+            "a look at {id} has {count} of {trials} trials, and its `clusters` have {} of {}; they must add up, none with \
+             more successes than trials",
+            sum(0),
+            sum(1)
+        )
+    })
 }
 
 /// Records the looks, whole or not at all, unless the file has them.
@@ -110,6 +125,9 @@ fn counts(look: &Look) -> String {
         if let Some(effective) = one.effective_trials {
             let _ = write!(text, ", effective_trials = {effective:?}");
         }
+        if let Some(clusters) = &one.clusters {
+            let _ = write!(text, ", clusters = {clusters:?}");
+        }
         text.push_str(" },\n");
     }
     text
@@ -118,7 +136,7 @@ fn counts(look: &Look) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use evidence::{LookedAt, Subject};
+    use evidence::Subject;
 
     #[test]
     fn what_is_written_is_read_again() {
@@ -128,6 +146,7 @@ mod tests {
             count: 88,
             trials: 100,
             effective_trials,
+            clusters: None,
         };
         let first = Look {
             counts: vec![one(
@@ -139,7 +158,10 @@ mod tests {
         let second = Look {
             counts: vec![
                 one("E4", Subject::FailureMode("slip".into()), Some(40.0)),
-                one("E5", Subject::FailureMode("slip".into()), None),
+                LookedAt {
+                    clusters: Some(vec![[40, 50], [48, 50]]),
+                    ..one("E5", Subject::FailureMode("slip".into()), None)
+                },
             ],
         };
         let looks = Looks::default().with(first).with(second);

@@ -137,20 +137,20 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
     let scored = looks.iter().map(|it| {
         let (sample, effective) = sample_of(it);
         let size = effective.unwrap_or(sample.trials as f64);
+        let by_size = test(
+            EffectiveSample::at_size(sample, size).expect("a size"),
+            threshold,
+        );
+        let by_people = by_people(it).map_or(0.0, |people| {
+            let (above, below) = people.threshold_tests(threshold);
+            if is_above { above } else { below }
+        });
         ScoredLook {
-            p: test(
-                EffectiveSample::at_size(sample, size).expect("a size"),
-                threshold,
-            ),
+            p: by_size.max(by_people),
             information: sample.trials as f64,
         }
     });
-    let mut scored: Vec<ScoredLook> = scored.collect();
-    if let Some((now, people)) = scored.last_mut().zip(looks.last().and_then(by_people)) {
-        let (above, below) = people.threshold_tests(threshold);
-        now.p = now.p.max(if is_above { above } else { below });
-    }
-    continued_p(&scored)
+    continued_p(&scored.collect::<Vec<_>>())
 }
 
 fn by_people(measure: &Measure) -> Option<BetaBinomial> {
@@ -291,15 +291,23 @@ pub fn rows(studies: u64) -> Vec<Row> {
             };
             add(three, Verdict::Violated, few);
         }
-        if going == Going::Double || going == Going::Often {
-            let people = Case {
-                trials: Trials::People(0.3),
-                first: 100,
-                ..case
-            };
-            add(people, Verdict::Satisfied, few);
-            add(people, Verdict::Violated, few);
-        }
     }
     all(&jobs)
+}
+
+/// The same of people, at the one correlation that a cohort has.
+pub fn rows_of_people(studies: u64) -> Vec<Row> {
+    let jobs = [Going::Double, Going::Often].into_iter().flat_map(|going| {
+        let case = Case {
+            going,
+            trials: Trials::People(0.3),
+            requirements: 1,
+            rate: 0.9,
+            threshold: 0.9,
+            first: 100,
+        };
+        let verdicts = [Verdict::Satisfied, Verdict::Violated];
+        verdicts.map(|wanted| -> Job<'_> { Box::new(move || vec![row(&case, wanted, studies)]) })
+    });
+    all(&jobs.collect::<Vec<_>>())
 }

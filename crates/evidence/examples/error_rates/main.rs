@@ -1,7 +1,7 @@
 //! How often the statements of a study are wrong: every error rate that this crate promises, measured.
 //!
 //! `cargo run -p evidence --release --example error_rates` prints the tables of `ERROR_RATES.md`, with the names of
-//! sections (`several`, `looks`, `pairs`, `models`, `carried`, `people`, `cells`) only those, with a number so many studies. Each row is a simulation with a seed of
+//! sections (`several`, `looks`, `looks-at-people`, `pairs`, `models`, `carried`, `people`, `cells`) only those, with a number so many studies. Each row is a simulation with a seed of
 //! its own, or a sum over all outcomes, so that it prints the same each time. `tests/integration/error_rates.rs` has a small version.
 
 pub(crate) mod carried;
@@ -20,7 +20,7 @@ use table::Row;
 type Section = (&'static str, &'static str, fn(u64) -> Vec<Row>);
 
 /// All sections with the studies of a row.
-const SECTIONS: [(Section, u64); 7] = [
+const SECTIONS: [(Section, u64); 8] = [
     (
         (
             "several",
@@ -34,6 +34,14 @@ const SECTIONS: [(Section, u64); 7] = [
             "looks",
             "Verdicts when trials are added until one comes out",
             looks::rows,
+        ),
+        200,
+    ),
+    (
+        (
+            "looks-at-people",
+            "Verdicts when people are added until one comes out",
+            looks::rows_of_people,
         ),
         200,
     ),

@@ -2,18 +2,33 @@
 
 use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
-use crate::looks::over_looks;
 use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
-use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, IntervalMethod, Sample};
+use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, Sample};
 use std::rc::Rc;
 
-/// Counts at an earlier look, of the same sequence of trials.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Counts at one look, of one sequence of trials.
+#[derive(Clone, Debug)]
 pub(crate) struct CountsThen {
     /// The counts as they were.
     pub sample: Sample,
     /// At their effective size.
     pub effective: EffectiveSample,
+    /// By subject or session, where they tell how alike trials of one are.
+    pub clusters: Option<Rc<ByCluster>>,
+}
+
+impl CountsThen {
+    /// Whether each trial counts as one.
+    pub fn is_independent(&self) -> bool {
+        self.effective.trials >= self.sample.trials as f64
+    }
+
+    /// p-values of "the rate is below the threshold" and "the rate is at least as high", by the counts by subject
+    /// alone; 0, which claims nothing by itself, where there are none.
+    pub fn doubts_by_cluster(&self, threshold: f64) -> (f64, f64) {
+        let clusters = self.clusters.as_ref();
+        clusters.map_or((0.0, 0.0), |it| it.doubts(threshold))
+    }
 }
 
 /// What is known of a rate.
@@ -87,7 +102,7 @@ impl Belief {
     }
 
     /// The same counts by subject or session; nothing else has any.
-    fn by_cluster(self, found: &[[u64; 2]]) -> Self {
+    pub fn by_cluster(self, found: &[[u64; 2]]) -> Self {
         match self {
             Self::Counts {
                 sample,
@@ -146,34 +161,20 @@ impl Belief {
         }
     }
 
-    /// The value that the rate reaches with `confidence`, one-sided: Clopper and Pearson's limit,
-    /// the lower bound, or a quantile.
-    pub fn lower_limit(&self, confidence: Confidence) -> f64 {
+    /// The present counts, without the looks before; `None` of what is not counted.
+    pub fn counts(&self) -> Option<CountsThen> {
         match self {
             Self::Counts {
-                before: Some(_), ..
-            } => over_looks::lower_limit(self, confidence.alpha()),
-            Self::Counts { effective, .. } => {
-                IntervalMethod::ClopperPearson.lower_limit(*effective, confidence)
-            }
-            Self::Known { bounds, .. } => bounds.low,
-            Self::Distribution { posterior, .. } => posterior.quantile(confidence.alpha()),
-            Self::Range { ends, .. } => ends.least.quantile(confidence.alpha()),
-        }
-    }
-
-    /// The value that the rate does not exceed with `confidence`, one-sided, found as the lower limit.
-    pub fn upper_limit(&self, confidence: Confidence) -> f64 {
-        match self {
-            Self::Counts {
-                before: Some(_), ..
-            } => over_looks::upper_limit(self, confidence.alpha()),
-            Self::Counts { effective, .. } => {
-                IntervalMethod::ClopperPearson.upper_limit(*effective, confidence)
-            }
-            Self::Known { bounds, .. } => bounds.high,
-            Self::Distribution { posterior, .. } => posterior.quantile_upper(confidence.alpha()),
-            Self::Range { ends, .. } => ends.greatest.quantile_upper(confidence.alpha()),
+                sample,
+                effective,
+                clusters,
+                ..
+            } => Some(CountsThen {
+                sample: *sample,
+                effective: *effective,
+                clusters: clusters.clone(),
+            }),
+            _ => None,
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! # Definition
 //! The common bound is the smallest one-sided lower limit of all current pieces (for a requirement of
-//! "at most": the largest upper limit), each at the level `1 - alpha`. It is above the rate of some
+//! "at most": the largest upper limit), each at the level `1 - alpha`. The limits are those of the tests by which
+//! verdicts are made (`limits`), so that one piece has one limit at one level. The bound is above the rate of some
 //! piece only if it is above the smallest of the rates, and then the limit of the piece with that rate
 //! is wrong: so *all rates are at least the bound* holds with confidence `1 - alpha` whatever the number
 //! of pieces and their dependence, without a correction for being several (an intersection-union test;
@@ -34,9 +35,11 @@
 //! | 0.85, 0.95, 0.95, 0.95 | all | 100.0 (0.649) | 100.0 (0.579) |
 
 use super::Piece;
+use super::limits::limits;
+use super::stand::ClaimLevels;
 use super::words::{percent_down, percent_up};
-use crate::Direction;
 use crate::compare::words::{list, percent};
+use crate::{Direction, Threshold};
 use stats::Confidence;
 
 /// What all pieces support at once: "at least" or "at most" this, as the requirement asks.
@@ -45,14 +48,16 @@ pub(super) fn common_bound(
     direction: Direction,
     level: Confidence,
 ) -> Option<f64> {
-    let beliefs = pieces.iter().map(|piece| &piece.belief);
+    // The limits of a rate do not depend on the value that is asked.
+    let asked = Threshold {
+        direction,
+        value: 0.5,
+    };
+    let of = |piece: &Piece<'_>| limits(&piece.belief, asked, ClaimLevels::both(level));
+    let all = pieces.iter().map(of);
     match direction {
-        Direction::AtLeast => beliefs
-            .map(|belief| belief.lower_limit(level))
-            .reduce(f64::min),
-        Direction::AtMost => beliefs
-            .map(|belief| belief.upper_limit(level))
-            .reduce(f64::max),
+        Direction::AtLeast => all.map(|limits| limits.low).reduce(f64::min),
+        Direction::AtMost => all.map(|limits| limits.high).reduce(f64::max),
     }
 }
 

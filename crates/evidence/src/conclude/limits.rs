@@ -11,7 +11,6 @@
 
 use super::stand::{ClaimLevels, doubts};
 use crate::compare::Belief;
-use crate::looks::over_looks;
 use crate::{Direction, Interval, Threshold};
 
 /// Halvings of an interval of rates: below the precision of a rate.
@@ -36,32 +35,34 @@ pub(super) fn limits(belief: &Belief, threshold: Threshold, levels: ClaimLevels)
             low: ends.least.quantile(above),
             high: ends.greatest.quantile_upper(below),
         },
-        Belief::Counts {
-            before: Some(_), ..
-        } => Interval {
-            low: over_looks::lower_limit(belief, above),
-            high: over_looks::upper_limit(belief, below),
-        },
-        Belief::Counts { effective, .. } => {
+        Belief::Counts { .. } => {
             let at_least = |value| Threshold {
                 direction: Direction::AtLeast,
                 value,
             };
-            let exceeded = |t: f64| doubts(belief, at_least(t)).0 <= above;
-            let missed = |t: f64| doubts(belief, at_least(t)).1 <= below;
-            let rate = effective.successes / effective.trials;
-            Interval {
-                low: last(exceeded, 0.0, rate),
-                high: 1.0 - last(|u| missed(1.0 - u), 0.0, 1.0 - rate),
-            }
+            let doubts = |value| doubts(belief, at_least(value));
+            of_tests(doubts, belief.estimate(), (above, below))
         }
     }
 }
 
-/// The last point of `[low, high]` up to which a statement holds.
-fn last(holds: impl Fn(f64) -> bool, low: f64, high: f64) -> f64 {
-    let (mut low, mut high) = (low, high);
-    if !holds(low) && !holds(low + 1e-12) {
+/// The limits of a rate whose p-values of "below the threshold" and "at least as high" are these, at the errors of its
+/// lower and its upper limit.
+pub(crate) fn of_tests(
+    doubts: impl Fn(f64) -> (f64, f64),
+    estimate: f64,
+    (above, below): (f64, f64),
+) -> Interval {
+    Interval {
+        low: last(|t| doubts(t).0 <= above, estimate),
+        high: 1.0 - last(|rest| doubts(1.0 - rest).1 <= below, 1.0 - estimate),
+    }
+}
+
+/// The last point from 0 to `high` up to which a statement holds.
+fn last(holds: impl Fn(f64) -> bool, high: f64) -> f64 {
+    let (mut low, mut high) = (0.0, high);
+    if !holds(low) && !holds(1e-12) {
         return low;
     }
     for _ in 0..HALVINGS {

@@ -1,7 +1,7 @@
 //! How one piece of evidence stands to a threshold.
 
 use super::{CERTAINTY, limits, words};
-use crate::compare::{Belief, End};
+use crate::compare::{Belief, CountsThen, End};
 use crate::looks::over_looks;
 use crate::{Direction, PieceStanding, Standing, Step, Threshold};
 use stats::{
@@ -68,16 +68,9 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
         Belief::Counts {
             before: Some(_), ..
         } => over_looks::doubts(belief, value),
-        Belief::Counts {
-            sample,
-            effective,
-            clusters,
-            ..
-        } => {
-            let is_clustered = effective.trials < sample.trials as f64;
-            let at_size = doubts_of_counts(*effective, is_clustered, value);
-            let by_cluster = clusters.as_ref().map_or((0.0, 0.0), |it| it.doubts(value));
-            (at_size.0.max(by_cluster.0), at_size.1.max(by_cluster.1))
+        Belief::Counts { .. } => {
+            let counts = belief.counts();
+            counts.map_or((1.0, 1.0), |counts| at_one_look(&counts, value))
         }
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
@@ -90,6 +83,13 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
         Direction::AtLeast => (at_least, at_most),
         Direction::AtMost => (at_most, at_least),
     }
+}
+
+/// p-values of "the rate is below" and "the rate is at least the threshold", of counts that are looked at once.
+pub(crate) fn at_one_look(counts: &CountsThen, threshold: f64) -> (f64, f64) {
+    let at_size = doubts_of_counts(counts.effective, !counts.is_independent(), threshold);
+    let by_cluster = counts.doubts_by_cluster(threshold);
+    (at_size.0.max(by_cluster.0), at_size.1.max(by_cluster.1))
 }
 
 /// Whether a test of the claim "met" can err, and of "missed": a known value cannot, certainty is denied by one failure

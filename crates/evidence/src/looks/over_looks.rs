@@ -3,8 +3,8 @@
 //! # Definition
 //! Of independent trials the p-values are those of `stats::continued_above` and `continued_below`, exact at every look.
 //! Of correlated trials each look has the p-value of the test of correlated trials, and its information is the number of
-//! trials at the design effect of today: `stats::continued_p`. The present look's p-value is also that of its counts by
-//! subject, whichever is greater; those of earlier looks are not kept. The limits of the rate are where the p-value is the error.
+//! trials at the design effect of today: `stats::continued_p`. A look's p-value is also that of its counts by subject,
+//! whichever is greater. The limits of the rate are where the p-value is the error.
 //!
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
@@ -18,61 +18,47 @@ use stats::{
 /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
 pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
     let looks = looks(belief);
-    let by_cluster = match belief {
-        Belief::Counts {
-            clusters: Some(clusters),
-            ..
-        } => clusters.doubts(threshold),
-        _ => (0.0, 0.0),
-    };
-    let is_independent = |look: &CountsThen| look.effective.trials >= look.sample.trials as f64;
-    if looks.iter().all(is_independent) {
+    if looks.iter().all(CountsThen::is_independent) {
         let samples: Vec<Sample> = looks.iter().map(|look| look.sample).collect();
+        let now = looks.last();
+        let by_cluster = now.map_or((0.0, 0.0), |now| now.doubts_by_cluster(threshold));
         let above = continued_above(&samples, threshold).max(by_cluster.0);
         let below = continued_below(&samples, threshold).max(by_cluster.1);
         return (above, below);
     }
-    let p = |test: fn(EffectiveSample, f64) -> f64, by_cluster: f64| {
-        let scored = looks.iter().map(|look| ScoredLook {
-            p: test(look.effective, threshold),
+    let by_cluster = looks.iter().map(|look| look.doubts_by_cluster(threshold));
+    let by_cluster: Vec<(f64, f64)> = by_cluster.collect();
+    let p = |test: fn(EffectiveSample, f64) -> f64, of: fn(&(f64, f64)) -> f64| {
+        let pairs = looks.iter().zip(&by_cluster);
+        let scored = pairs.map(|(look, by_cluster)| ScoredLook {
+            p: test(look.effective, threshold).max(of(by_cluster)),
             information: look.sample.trials as f64,
         });
-        let mut scored: Vec<ScoredLook> = scored.collect();
-        if let Some(now) = scored.last_mut() {
-            now.p = now.p.max(by_cluster);
-        }
-        continued_p(&scored)
+        continued_p(&scored.collect::<Vec<_>>())
     };
     let below = if threshold >= 1.0 {
         1.0
     } else {
-        p(clustered_test_above, by_cluster.0)
+        p(clustered_test_above, |it| it.0)
     };
     let at_least = if threshold <= 0.0 {
         1.0
     } else {
-        p(clustered_test_below, by_cluster.1)
+        p(clustered_test_below, |it| it.1)
     };
     (below, at_least)
 }
 
 /// All looks, the present one last.
 fn looks(belief: &Belief) -> Vec<CountsThen> {
-    let Belief::Counts {
-        sample,
-        effective,
-        before,
-        ..
-    } = belief
-    else {
-        return Vec::new();
+    let before = match belief {
+        Belief::Counts {
+            before: Some(before),
+            ..
+        } => before.to_vec(),
+        _ => Vec::new(),
     };
-    let now = CountsThen {
-        sample: *sample,
-        effective: *effective,
-    };
-    let before = before.iter().flat_map(|before| before.iter().copied());
-    before.chain([now]).collect()
+    before.into_iter().chain(belief.counts()).collect()
 }
 
 /// The counts after further trials, at these counts in independent trials, looked at again.
@@ -104,37 +90,19 @@ pub(crate) fn number(belief: &Belief) -> u64 {
     looks(belief).len() as u64
 }
 
-/// The largest rate up to which all are excluded as too low, at this one-sided error.
-pub(crate) fn lower_limit(belief: &Belief, error: f64) -> f64 {
-    excluded(|rate| doubts(belief, rate).0 <= error, belief.estimate())
-}
-
-/// The least rate from which on all are excluded as too high.
-pub(crate) fn upper_limit(belief: &Belief, error: f64) -> f64 {
-    1.0 - excluded(
-        |rest| doubts(belief, 1.0 - rest).1 <= error,
-        1.0 - belief.estimate(),
-    )
-}
-
-/// By halving, the end of the rates from 0 on that are excluded, not beyond the estimate.
-fn excluded(holds: impl Fn(f64) -> bool, estimate: f64) -> f64 {
-    let (mut low, mut high) = (0.0, estimate);
-    for _ in 0..50 {
-        let middle = f64::midpoint(low, high);
-        if holds(middle) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::conclude::of_tests;
     use stats::{Confidence, Interval, continued_interval};
+
+    fn limits(belief: &Belief, error: f64) -> crate::Interval {
+        of_tests(
+            |rate| doubts(belief, rate),
+            belief.estimate(),
+            (error, error),
+        )
+    }
 
     fn looked_at(looks: &[(u64, u64, Option<f64>)]) -> Belief {
         let of = |look: &(u64, u64, Option<f64>)| {
@@ -152,8 +120,8 @@ mod tests {
             [(17, 20), (45, 50), (93, 100)].map(|(successes, trials)| Sample { successes, trials });
         let expected = continued_interval(&samples, Confidence::P95);
         let found = Interval {
-            low: lower_limit(&belief, 0.025),
-            high: upper_limit(&belief, 0.025),
+            low: limits(&belief, 0.025).low,
+            high: limits(&belief, 0.025).high,
         };
         assert!(
             (found.low - expected.low).abs() < 1e-9,
@@ -183,7 +151,7 @@ mod tests {
         let plain = looked_at(&[(88, 100, None)]);
         let alike = looked_at(&[(88, 100, Some(40.0))]);
         let again = looked_at(&[(44, 50, Some(20.0)), (88, 100, Some(40.0))]);
-        let low = |belief: &Belief| lower_limit(belief, 0.05);
+        let low = |belief: &Belief| limits(belief, 0.05).low;
         assert!(low(&alike) < low(&plain), "{} {}", low(&alike), low(&plain));
         assert!(low(&again) < low(&alike), "{} {}", low(&again), low(&alike));
         // One failure denies certainty at any look, and no count shows it.

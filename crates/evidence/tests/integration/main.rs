@@ -11,6 +11,7 @@ mod clustering;
 mod coherence;
 mod error_rates;
 mod false_conflicts;
+mod figures;
 mod handover;
 mod intervals;
 mod support;
