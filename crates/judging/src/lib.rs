@@ -5,10 +5,13 @@
 //! keep their last value in between. The clock is the trace's, unless a form names a signal as its
 //! clock. [`Judges`] holds what is compiled once; a [`Session`] is one pass
 //! over one trace, whether it comes from memory, a file or a running system.
+//! [`monitor()`] judges recordings as a whole: from a request of plain data to
+//! a report.
 
 mod at_work;
 pub mod forms;
 mod losses;
+pub mod monitor;
 pub mod recording;
 mod session;
 mod shown;
@@ -20,6 +23,7 @@ pub mod verdicts;
 pub mod watched;
 
 pub use losses::Losses;
+pub use monitor::{MonitorReport, MonitorRequest, Monitored, monitor};
 pub use session::{News, Session};
 pub use shown::Shown;
 pub use space_time::{SpaceTime, SpaceTimeSession};

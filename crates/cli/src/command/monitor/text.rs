@@ -1,6 +1,6 @@
 //! Verdicts as text for people.
 
-use super::form::{
+use judging::monitor::{
     DECIDED_BY_NO_NUMBER, MonitorReport, RecordingVerdicts, Robustness, ShownResponsible,
     ShownSignal, SubjectVerdict,
 };

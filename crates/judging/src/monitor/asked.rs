@@ -1,71 +1,54 @@
 //! What is judged: the requirements of a study, or formulas without one.
 
-use crate::args::{EndingChoice, Monitor, TimeChoice};
+use super::request::{MonitorRequest, Monitored};
+use crate::Judges;
+use crate::recording::ReadingRules;
 use diagnostic::{Problem, Source};
 use evidence::Subject;
-use judging::Judges;
-use judging::recording::ReadingRules;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use study::{FormulaRule, JudgingForm, Rule, Study, Vocabulary};
 use temporal::formula::{Ending, FormulaMonitor, TimeModel};
 
-/// What a call asks.
+/// What a request asks, read and checked.
 #[derive(Debug)]
-pub struct Asked<'a> {
-    what: What,
-    only: &'a [String],
-    /// The recordings that are judged, as they are named.
-    pub recordings: &'a [PathBuf],
-}
-
-#[derive(Debug)]
-enum What {
-    Study(Box<Study>),
+pub enum Asked<'r> {
+    /// The requirements and failure modes of a study.
+    Study {
+        study: Box<Study>,
+        /// Only these; all if there are none.
+        only: &'r [String],
+    },
+    /// Formulas, each a requirement of its own.
     Formulas {
         vocabulary: Vocabulary,
         forms: Vec<(Subject, JudgingForm)>,
     },
 }
 
-impl<'a> Asked<'a> {
+impl<'r> Asked<'r> {
     /// Reads the study, or the formulas.
-    pub fn new(arguments: &'a Monitor) -> Result<Self, Problem> {
-        let (what, recordings) = if arguments.formula.is_empty() {
-            let (study, recordings) = study_first(&arguments.paths)?;
-            (What::Study(Box::new(Study::load(study)?)), recordings)
-        } else {
-            (formulas(arguments)?, &arguments.paths[..])
-        };
-        let asked = Self {
-            what,
-            only: &arguments.only,
-            recordings,
-        };
-        asked.check_only()?;
-        Ok(asked)
-    }
-
-    fn check_only(&self) -> Result<(), Problem> {
-        let What::Study(study) = &self.what else {
-            return Ok(());
-        };
-        match self.only.iter().find(|id| study.forms.by_id(id).is_none()) {
-            Some(id) => Err(Problem::new(
-                "unknown-subject",
-                format!("requirements.toml does not declare `{id}`"),
-            )
-            .remedy("check the identifier")),
-            None => Ok(()),
+    pub fn new(monitored: &'r Monitored) -> Result<Self, Problem> {
+        match monitored {
+            Monitored::Study { folder, only } => {
+                let study = Box::new(Study::load(folder)?);
+                check_only(&study, only)?;
+                Ok(Self::Study { study, only })
+            }
+            Monitored::Formulas {
+                texts,
+                ending,
+                time,
+                start_within_secs,
+            } => formulas(texts, *time, *ending, *start_within_secs),
         }
     }
 
     /// What has a meaning that is perhaps not meant, one line each.
     pub fn warnings(&self) -> Vec<String> {
-        let found = match &self.what {
-            What::Study(study) => study.forms.warnings(self.only),
-            What::Formulas { forms, .. } => {
+        let found = match self {
+            Self::Study { study, only } => study.forms.warnings(only),
+            Self::Formulas { forms, .. } => {
                 let rules = forms.iter().filter_map(|(_, form)| match &form.rule {
                     Rule::Formula(rule) => Some(rule),
                     Rule::Staged(_) => None,
@@ -79,11 +62,11 @@ impl<'a> Asked<'a> {
 
     /// The compiled monitors.
     pub fn judges(&self) -> Result<Judges<'_>, Problem> {
-        match &self.what {
-            What::Study(study) => Judges::new(study, |subject| {
-                self.only.is_empty() || self.only.iter().any(|id| id == subject.id())
+        match self {
+            Self::Study { study, only } => Judges::new(study, |subject| {
+                only.is_empty() || only.iter().any(|id| id == subject.id())
             }),
-            What::Formulas { vocabulary, forms } => {
+            Self::Formulas { vocabulary, forms } => {
                 let forms = forms.iter().map(|(subject, form)| (subject, form));
                 Judges::without_study(vocabulary, forms)
             }
@@ -91,26 +74,23 @@ impl<'a> Asked<'a> {
     }
 
     /// How recordings are read.
-    pub fn rules(&self, arguments: &Monitor) -> Result<ReadingRules, Problem> {
-        let map = arguments.map.as_deref();
-        let rules = match &self.what {
-            What::Study(study) => ReadingRules::of_study(&study.folder, map)?,
-            What::Formulas { .. } => ReadingRules::of_map(map)?,
+    pub fn rules(&self, request: &MonitorRequest) -> Result<ReadingRules, Problem> {
+        let map = request.map.as_deref();
+        let rules = match self {
+            Self::Study { study, .. } => ReadingRules::of_study(&study.folder, map)?,
+            Self::Formulas { .. } => ReadingRules::of_map(map)?,
         };
-        Ok(rules.with_call(
-            arguments.time.map(TimeChoice::source),
-            arguments.opening.options(),
-        ))
+        Ok(rules.with_call(request.time, request.opening.clone()))
     }
 
     /// What a requirement says, in words or as a formula.
     pub fn text(&self, subject: &Subject) -> String {
-        match &self.what {
-            What::Study(study) => {
+        match self {
+            Self::Study { study, .. } => {
                 let requirement = study.requirements.iter().find(|r| r.id == subject.id());
                 requirement.map_or_else(|| subject.id().to_owned(), |r| r.text.clone())
             }
-            What::Formulas { forms, .. } => {
+            Self::Formulas { forms, .. } => {
                 let found = forms.iter().find(|(other, _)| other == subject);
                 match found.map(|(_, form)| &form.rule) {
                     Some(Rule::Formula(rule)) => rule.text.clone(),
@@ -122,7 +102,7 @@ impl<'a> Asked<'a> {
 
     /// What a proposition means, if it is one of the vocabulary.
     pub fn meaning(&self, proposition: &str) -> Option<String> {
-        let What::Study(study) = &self.what else {
+        let Self::Study { study, .. } = self else {
             return None;
         };
         let found = study.vocabulary.propositions.get(proposition);
@@ -130,51 +110,46 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// The study that is named first, and the recordings.
-fn study_first(paths: &[PathBuf]) -> Result<(&Path, &[PathBuf]), Problem> {
-    let remedy = "name a study's folder first, or give a formula: \
-                  --formula 'always (/robot.speed < 250 mm/s)'";
-    match paths {
-        [study, rest @ ..] if study.is_file() => {
-            let _ = rest;
-            let message = format!("{} is a file, not a study's folder", study.display());
-            Err(Problem::new("no-study", message).remedy(remedy))
-        }
-        [study, rest @ ..] if !rest.is_empty() => Ok((study, rest)),
-        _ => Err(
-            Problem::new("no-recordings", "no recording is named behind the study")
-                .remedy("name recordings, or folders of them, behind the study"),
-        ),
+fn check_only(study: &Study, only: &[String]) -> Result<(), Problem> {
+    match only.iter().find(|id| study.forms.by_id(id).is_none()) {
+        Some(id) => Err(Problem::new(
+            "unknown-subject",
+            format!("requirements.toml does not declare `{id}`"),
+        )
+        .remedy("check the identifier")),
+        None => Ok(()),
     }
 }
 
-fn formulas(arguments: &Monitor) -> Result<What, Problem> {
+fn formulas<'r>(
+    texts: &[String],
+    time: TimeModel,
+    ending: Ending,
+    start_within_secs: f64,
+) -> Result<Asked<'r>, Problem> {
     let vocabulary = Vocabulary {
-        source: Source {
-            name: "<formula>".into(),
-            text: arguments.formula.join("\n"),
-        },
+        source: source_of(&texts.join("\n")),
         propositions: BTreeMap::new(),
         signals: trace::Vocabulary::default(),
     };
     let mut forms = Vec::new();
-    for (index, text) in arguments.formula.iter().enumerate() {
-        let id = match arguments.formula.len() {
+    for (index, text) in texts.iter().enumerate() {
+        let id = match texts.len() {
             1 => "formula".to_owned(),
             _ => format!("formula {}", index + 1),
         };
         let form = JudgingForm {
-            rule: Rule::Formula(rule(arguments, text)?),
+            rule: Rule::Formula(rule(text, time, ending)?),
             clock: None,
-            start_within_secs: arguments.start_within,
+            start_within_secs,
             from_sentence: false,
         };
         forms.push((Subject::Requirement(id), form));
     }
-    Ok(What::Formulas { vocabulary, forms })
+    Ok(Asked::Formulas { vocabulary, forms })
 }
 
-/// A formula of the command line as a text with a name.
+/// A formula as a text with a name.
 fn source_of(formula: &str) -> Source {
     Source {
         name: "<formula>".into(),
@@ -182,7 +157,7 @@ fn source_of(formula: &str) -> Source {
     }
 }
 
-fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
+fn rule(text: &str, time: TimeModel, ending: Ending) -> Result<FormulaRule, Problem> {
     let source = source_of(text);
     let bad = |message: String, span: Range<usize>| {
         Problem::new("bad-formula", message).at(&source, span)
@@ -210,17 +185,8 @@ fn rule(arguments: &Monitor, text: &str) -> Result<FormulaRule, Problem> {
             .trigger()
             .map(|trigger| trigger.display(&parsed.atoms).to_string()),
         parsed,
-        time: if arguments.dense {
-            TimeModel::Dense
-        } else {
-            TimeModel::Discrete
-        },
-        ending: match arguments.ending {
-            EndingChoice::Finite => Ending::Finite,
-            EndingChoice::Weak => Ending::Weak,
-            EndingChoice::Strong => Ending::Strong,
-            EndingChoice::Inconclusive => Ending::Inconclusive,
-        },
+        time,
+        ending,
         place: Some(0..text.len()),
     };
     FormulaMonitor::compile(&rule.parsed.formula, &rule.settings())

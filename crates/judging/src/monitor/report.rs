@@ -1,11 +1,13 @@
-//! What `monitor --format json` prints.
+//! The form of the verdicts on recordings.
 
 use super::asked::Asked;
-use judging::recording::JudgedRecording;
-use judging::{Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name};
+use crate::recording::JudgedRecording;
+use crate::{Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name};
+use evidence::Subject;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
+use temporal::monitor::Verdict;
 
 /// Why there is no robustness where truth values decide and no comparison does.
 pub const DECIDED_BY_NO_NUMBER: &str = "what decided it is true or false, and no number";
@@ -78,6 +80,9 @@ pub struct SubjectVerdict {
     pub failed_proposition: Option<String>,
     /// What that proposition means.
     pub failed_meaning: Option<String>,
+    /// Whether it is a requirement's, in its main reading.
+    #[serde(skip)]
+    is_main: bool,
 }
 
 /// What the robustness can be, given what was recorded.
@@ -150,7 +155,7 @@ pub struct Total {
 
 impl MonitorReport {
     /// A report on nothing yet.
-    pub fn new(warnings: Vec<String>) -> Self {
+    pub(super) fn new(warnings: Vec<String>) -> Self {
         Self {
             format: "1.4".into(),
             warnings,
@@ -158,11 +163,35 @@ impl MonitorReport {
             totals: Vec::new(),
         }
     }
+
+    /// Whether a requirement is violated, in its main reading, in a recording that is complete: in another one the violation may
+    /// be due to what is lost. A failure mode that occurs is a finding, not a violation.
+    pub fn is_violated(&self) -> bool {
+        let mut complete = self.recordings.iter().filter(|it| it.complete);
+        complete.any(|it| it.comes_to(Verdict::Violated))
+    }
+
+    /// Whether all recordings are complete.
+    pub fn is_complete(&self) -> bool {
+        self.recordings.iter().all(|it| it.complete)
+    }
+
+    /// Whether a recording ended before a verdict on a requirement, in its main reading.
+    pub fn is_inconclusive(&self) -> bool {
+        let mut recordings = self.recordings.iter();
+        recordings.any(|it| it.comes_to(Verdict::Inconclusive))
+    }
 }
 
 impl RecordingVerdicts {
+    /// Whether a requirement, in its main reading, has this verdict.
+    fn comes_to(&self, verdict: Verdict) -> bool {
+        let mut main = self.verdicts.iter().filter(|it| it.is_main);
+        main.any(|it| it.verdict == verdict_name(verdict))
+    }
+
     /// What was found in `file`.
-    pub fn new(asked: &Asked<'_>, file: &Path, found: &JudgedRecording<'_>) -> Self {
+    pub(super) fn new(asked: &Asked<'_>, file: &Path, found: &JudgedRecording<'_>) -> Self {
         Self {
             file: file.display().to_string(),
             complete: found.complete,
@@ -210,6 +239,8 @@ impl SubjectVerdict {
             failed_at_secs: violation.map(|v| v.to_secs),
             failed_proposition: responsible.map(|r| r.proposition.clone()),
             failed_meaning: responsible.and_then(|r| asked.meaning(&r.proposition)),
+            is_main: matches!(judgement.subject, Subject::Requirement(_))
+                && judgement.reading.is_none(),
         }
     }
 }
