@@ -2,13 +2,18 @@
 //! and of a [`host::Host`]. Faces (a command line, a notebook, a server) translate and render, and nothing else.
 
 pub mod corroboration;
+pub mod kept;
 mod memory;
 pub mod outcome;
 mod published;
 pub mod refine;
+pub mod results;
+pub mod run;
 pub mod schemas;
 pub mod technique;
 pub mod what_if;
+
+pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 
 /// Which build of the engine this is: the same for the same sources of what computes results, however they were built.
 pub fn build() -> host::BuildId {

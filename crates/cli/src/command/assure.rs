@@ -3,11 +3,10 @@
 
 mod statement;
 
-use super::report::read_current_result;
-use super::run::results_folder;
 use super::{Done, json};
 use crate::args::Assure;
 use corroborate::outcome::Outcome;
+use corroborate::results::{read_current_result, results_folder};
 use diagnostic::Problem;
 use evidence::StudyResult;
 use host::files::write_whole;

@@ -1,10 +1,9 @@
 //! `corroborate compare`: the comparisons of a study that has been run.
 
-use super::report::read_current_result;
-use super::run::results_folder;
 use super::{Done, json};
 use crate::args::{Compare, Format};
 use corroborate::outcome::Outcome;
+use corroborate::results::{read_current_result, results_folder};
 use diagnostic::Problem;
 use evidence::{Comparison, StudyResult};
 use schemars::JsonSchema;

@@ -28,13 +28,13 @@ mod map;
 mod sound;
 
 use super::assure::{self, ASSURANCE};
-use super::report::read_result;
-use super::run::STUDY;
 use super::{Done, Host, json};
 use crate::args::{Format, Verify};
 use audit::{Audit, VerifyReport};
 use corroborate::corroboration::{self, Piece};
 use corroborate::outcome::Outcome;
+use corroborate::results::read_result;
+use corroborate::run::COMPARISON;
 use diagnostic::Problem;
 use evidence::StudyResult;
 use host::store::Stored;
@@ -155,7 +155,7 @@ fn figures(
     audit.checked(values, "values of study.json follow from the evidence");
     let text = host::files::read_source(&file)?.text;
     compare::bytes(&file, &json(claimed)?, &text, audit);
-    let path = results.join(STUDY);
+    let path = results.join(COMPARISON);
     if let Some(kept) = kept::read::<Stored<StudyResult>>(&path, audit) {
         if !kept.is_as_kept() {
             audit.fault(&path, "/digest", "the hash of the content does not hold");

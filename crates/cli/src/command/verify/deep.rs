@@ -3,8 +3,8 @@
 
 use super::audit::Audit;
 use super::compare;
-use crate::command::run::counted_constants;
 use corroborate::corroboration::Piece;
+use corroborate::run::counted_constants;
 use corroborate::technique::Produced;
 use corroborate::technique::model_checking::Compiled;
 use corroborate::technique::operation::Recordings;

@@ -2,7 +2,7 @@
 
 use super::audit::Audit;
 use super::{compare, kept};
-use crate::command::diagnose::DIAGNOSIS;
+use corroborate::kept::DIAGNOSIS;
 use corroborate::technique::confidence;
 use corroborate::technique::matrix::{diagnose, inputs_of};
 use diagnostic::Problem;

@@ -2,8 +2,8 @@
 //! finding shows it again.
 
 use super::audit::Audit;
-use crate::command::calibrate::kept_calibration;
-use crate::command::explore::{findings_again, kept_exploration};
+use corroborate::kept;
+use corroborate::technique::exploration::findings_again;
 use diagnostic::Problem;
 use evidence::{CalibrationReport, Exploration, StudyResult};
 use host::Host;
@@ -21,7 +21,7 @@ pub fn again(
     if claimed.exploration.is_none() {
         return Ok(None);
     }
-    let kept = kept_exploration(study, results);
+    let kept = kept::exploration(study, results);
     let Some(kept) = of_these_files(kept, "/exploration", results, audit) else {
         return Ok(None);
     };
@@ -55,7 +55,7 @@ pub fn calibration(
     audit: &mut Audit,
 ) -> Option<CalibrationReport> {
     claimed.calibration.as_ref()?;
-    let kept = kept_calibration(study, results);
+    let kept = kept::calibration(study, results);
     let kept = of_these_files(kept, "/calibration", results, audit)?;
     audit.not_checked("the posterior of the calibration (`calibrate` fits it again from the episodes that it kept)");
     Some(kept)

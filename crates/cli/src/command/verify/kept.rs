@@ -86,7 +86,7 @@ fn as_kept(path: &Path, stored: &Stored<Produced>, audit: &mut Audit) -> Result<
 /// The assets that are stated, whose hashes are checked elsewhere; those that the ledger names must
 /// be among them.
 fn assets(study: &Study, entry: &Entry, claimed: &StudyResult) -> Result<Vec<Asset>, Problem> {
-    let named = crate::command::run::assets(study, entry)?;
+    let named = corroborate::technique::assets(study, entry)?;
     let stated = claimed.evidence.iter().find(|piece| piece.id == entry.id);
     let stated = stated.map_or(&[][..], |piece| &piece.assets);
     let as_stated = |one: &Asset| {

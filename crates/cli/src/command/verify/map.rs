@@ -3,7 +3,8 @@
 
 use super::audit::Audit;
 use super::compare;
-use crate::command::explore::{kept_map, map_again, map_file};
+use corroborate::kept;
+use corroborate::technique::exploration::map_again;
 use diagnostic::Problem;
 use evidence::{DisagreementMap, StudyResult};
 use host::Host;
@@ -21,7 +22,7 @@ pub fn again(
     if claimed.disagreement.is_none() {
         return Ok(None);
     }
-    let kept = match kept_map(study, results) {
+    let kept = match kept::map(study, results) {
         Ok(Some(kept)) => kept,
         Ok(None) => return Ok(None),
         Err(problem) => {
@@ -36,7 +37,7 @@ pub fn again(
     };
     match map_again(study, &kept, results, is_deep, setting) {
         Ok(Some(again)) => {
-            let values = compare::values(&map_file(results), &again, &kept, audit)?;
+            let values = compare::values(&kept::map_file(results), &again, &kept, audit)?;
             audit.checked(values, what);
         }
         Ok(None) => audit.not_checked(
