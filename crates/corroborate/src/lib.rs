@@ -1,10 +1,12 @@
 //! The engine: from a study's entries to evidence, comparison, conclusion, diagnosis and refinement, as functions of values
 //! and of a [`host::Host`]. Faces (a command line, a notebook, a server) translate and render, and nothing else.
 
+mod compare;
 pub mod corroboration;
 pub mod kept;
 mod memory;
 pub mod outcome;
+mod plan;
 mod published;
 pub mod refine;
 pub mod results;
@@ -13,6 +15,8 @@ pub mod schemas;
 pub mod technique;
 pub mod what_if;
 
+pub use compare::{CompareReport, CompareRequest, compare};
+pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 
 /// Which build of the engine this is: the same for the same sources of what computes results, however they were built.

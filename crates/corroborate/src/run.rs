@@ -6,7 +6,9 @@ mod ready;
 mod runner;
 
 pub use counted::counted_constants;
+pub(crate) use prepare::Prepared;
 pub use ready::COMPARISON;
+pub(crate) use ready::{Ready, evidence_file};
 
 use crate::corroboration::Piece;
 use crate::results::results_folder;
@@ -14,7 +16,6 @@ use diagnostic::Problem;
 use evidence::{Evidence, StudyResult};
 use host::Host;
 use host::store::Store;
-use ready::Ready;
 use runner::Runner;
 use serde::Serialize;
 use std::path::{Path, PathBuf};

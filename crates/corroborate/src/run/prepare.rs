@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use study::{Entry, Study, Work, quoted_names};
 
 /// What an entry needs, read and checked before anything runs.
-pub(super) enum Prepared<'a> {
+pub(crate) enum Prepared<'a> {
     Check(Box<Compiled<'a>>),
     Simulate(Box<Campaign>),
     Command(Box<OutsideCommand>),
