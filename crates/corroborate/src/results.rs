@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub const RESULT: &str = "study.json";
 /// The file of the page that a face draws of it.
 pub const REPORT: &str = "report.html";
+/// The folder of results in which the assurance case lies.
+pub const ASSURANCE: &str = "assurance";
 
 /// Where a study's results are, unless they go elsewhere.
 pub fn results_folder(study: &Path, out: Option<&Path>) -> PathBuf {

@@ -5,10 +5,9 @@ mod prepare;
 mod ready;
 mod runner;
 
-pub use counted::counted_constants;
+pub(crate) use counted::counted_constants;
 pub(crate) use prepare::Prepared;
-pub use ready::COMPARISON;
-pub(crate) use ready::{Ready, evidence_file};
+pub(crate) use ready::{COMPARISON, Ready, evidence_file};
 
 use crate::corroboration::Piece;
 use crate::results::results_folder;

@@ -7,7 +7,7 @@ use evidence::Measure;
 use study::{Calibrated, Entry, Study, Work};
 
 /// The constants whose counts are uncertain, with the counts; `value_of` tells a constant of the model.
-pub fn counted_constants(
+pub(crate) fn counted_constants(
     study: &Study,
     entry: &Entry,
     before: &[Piece],

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use study::{Entry, Study, Work};
 
 /// The file that keeps the result of comparing, with the hash of what it was compared from.
-pub const COMPARISON: &str = "comparison.json";
+pub(crate) const COMPARISON: &str = "comparison.json";
 
 /// The file that keeps what was produced for an entry.
 pub(crate) fn evidence_file(id: &str) -> String {
