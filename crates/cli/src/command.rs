@@ -27,6 +27,7 @@ mod what_if;
 
 use crate::args::Command;
 use corroborate::outcome::Outcome;
+pub use corroborate::results::json;
 use diagnostic::Problem;
 pub use host::Host;
 
@@ -78,13 +79,6 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), Problem> {
         .num_threads(usize::from(threads))
         .build_global()
         .map_err(|error| Problem::new("cannot-start-threads", error.to_string()))
-}
-
-/// A value as pretty JSON with a final newline.
-pub fn json(value: &impl serde::Serialize) -> Result<String, Problem> {
-    serde_json::to_string_pretty(value)
-        .map(|text| text + "\n")
-        .map_err(|error| Problem::new("cannot-write", format!("the result as JSON: {error}")))
 }
 
 #[cfg(test)]

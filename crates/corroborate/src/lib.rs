@@ -1,14 +1,76 @@
 //! The engine: from a study's entries to evidence, comparison, conclusion, diagnosis and refinement, as functions of values
-//! and of a [`host::Host`]. Faces (a command line, a notebook, a server) translate and render, and nothing else.
+//! and of a [`Host`]. Faces (a command line, a notebook, a server) translate and render, and nothing else.
+//!
+//! A study is a folder of text files: what is required of a system, in which words, and which evidence is to be produced.
+//!
+//! ```
+//! use corroborate::{Host, RunRequest, VerifyRequest};
+//!
+//! # let folder = tempfile::tempdir()?;
+//! # let folder = folder.path();
+//! corroborate::new_study(folder)?;
+//! let host = Host::silent(corroborate::build());
+//! let request = RunRequest::new(folder);
+//! assert!(!corroborate::plan(&request, &host)?.is_fresh());
+//!
+//! let result = corroborate::run(&request, &host)?.into_study()?;
+//! for conclusion in &result.conclusions {
+//!     println!("{}: {}", conclusion.requirement, conclusion.verdict.words());
+//! }
+//! assert!(corroborate::plan(&request, &host)?.is_fresh());
+//!
+//! let verified = corroborate::verify(&VerifyRequest::new(request.results()), &host, None)?;
+//! assert!(verified.faults.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | to | there is |
+//! |---|---|
+//! | make a study that runs as it is | [`new_study()`] |
+//! | open one and look into it, every mistake placed | [`Study::load`] |
+//! | check all of it, and see what is stale and why | [`plan()`] |
+//! | produce what is stale, compare, conclude; resume | [`run()`] |
+//! | follow that as it goes | [`Host::events`], a closure that takes each [`Event`](host::Event) |
+//! | cancel it | [`Host::cancel`]: call [`Cancel::cancel`](host::Cancel::cancel) from any thread |
+//! | read verdicts | [`StudyResult::conclusions`](evidence::StudyResult::conclusions); their sum as [`corroboration::outcome`] |
+//! | read the result of an earlier run | [`results::read_current_result`] |
+//! | compare pieces of evidence | [`compare()`] |
+//! | check that every figure follows from its evidence | [`verify()`] |
+//!
+//! Nothing is global: studies run side by side in one process, each with a host of its own, with the same results as one
+//! after another. `examples/first_study.rs` shows all of it.
 
+mod compare;
 pub mod corroboration;
+pub mod kept;
 mod memory;
 pub mod outcome;
+mod plan;
 mod published;
 pub mod refine;
+pub mod results;
+mod run;
 pub mod schemas;
 pub mod technique;
+mod template;
+mod verify;
 pub mod what_if;
+
+pub use diagnostic;
+pub use evidence;
+pub use host;
+pub use study;
+
+pub use diagnostic::Problem;
+pub use evidence::StudyResult;
+pub use host::{Events, Host};
+pub use study::Study;
+
+pub use compare::{CompareReport, CompareRequest, compare};
+pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
+pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
+pub use template::new_study;
+pub use verify::{Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
 
 /// Which build of the engine this is: the same for the same sources of what computes results, however they were built.
 pub fn build() -> host::BuildId {

@@ -21,6 +21,7 @@ use evidence::{
 use host::store::hash_of;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use study::{Entry, Study, Work};
 
 /// What a technique found for one entry of the ledger.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -66,6 +67,42 @@ pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Probl
         path: path.to_string_lossy().replace('\\', "/"),
         hash: hash_of(&bytes),
     })
+}
+
+/// The files that an entry names, with their hashes.
+pub fn assets(study: &Study, entry: &Entry) -> Result<Vec<Asset>, Problem> {
+    use AssetRole::{Data, RequirementModel, SystemModel};
+    let mut files: Vec<(AssetRole, &Path)> = Vec::new();
+    match &entry.work {
+        Work::Check { model, .. } => files.push((SystemModel, model)),
+        Work::Simulate {
+            scenario,
+            parameters,
+            ..
+        } => files.extend([(SystemModel, scenario.as_path()), (SystemModel, parameters)]),
+        Work::SimulateScene { scene, .. } => files.push((SystemModel, scene)),
+        Work::Read {
+            cohort,
+            requirements,
+            failure_modes,
+            ..
+        } => {
+            let tables = [cohort, requirements, failure_modes];
+            files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
+        }
+        Work::Judge { .. } | Work::Command { .. } => {
+            let map = Path::new("topics.toml");
+            if study.folder.join(map).exists() {
+                files.push((RequirementModel, map));
+            }
+        }
+    }
+    files.push((RequirementModel, Path::new("requirements.toml")));
+    files.push((RequirementModel, Path::new("vocabulary.toml")));
+    files
+        .into_iter()
+        .map(|(role, path)| asset(&study.folder, role, path))
+        .collect()
 }
 
 /// The level as `stats` has it. The study's levels were checked when it was

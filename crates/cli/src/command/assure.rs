@@ -3,11 +3,10 @@
 
 mod statement;
 
-use super::report::read_current_result;
-use super::run::results_folder;
 use super::{Done, json};
 use crate::args::Assure;
 use corroborate::outcome::Outcome;
+use corroborate::results::{ASSURANCE, REPORT, RESULT, read_current_result, results_folder};
 use diagnostic::Problem;
 use evidence::StudyResult;
 use host::files::write_whole;
@@ -41,15 +40,12 @@ pub fn assure(arguments: &Assure) -> Result<Done, Problem> {
     })
 }
 
-/// The folder of results in which the assurance case lies.
-pub const ASSURANCE: &str = "assurance";
-
 /// Names and contents of all files of a study's assurance case.
 pub fn files(result: &StudyResult) -> Result<Vec<(String, String)>, Problem> {
     let case = report::assurance::case(result);
     let mut files = vec![
-        ("study.json".to_owned(), json(result)?),
-        ("report.html".to_owned(), report::html(result)),
+        (RESULT.to_owned(), json(result)?),
+        (REPORT.to_owned(), report::html(result)),
         (
             "argument.gsn.yaml".to_owned(),
             report::assurance::yaml(&case.safety),

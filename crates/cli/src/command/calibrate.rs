@@ -10,12 +10,13 @@ mod work;
 use super::rare::bench::TestBench;
 use super::{Done, Host, json, use_threads};
 use crate::args::{Calibrate, Format};
+use corroborate::kept::CALIBRATION;
 use corroborate::outcome::Outcome;
 use corroborate::technique::confidence;
 use corroborate::technique::simulation::{SearchPhysics, Seeds, scenario_source};
 use counts::Reality;
 use diagnostic::{Problem, Source};
-use evidence::{CalibrationReport, FileReport, Likeness, LineageReport};
+use evidence::{FileReport, Likeness, LineageReport};
 use file::{CODE, CalibrationText, merge, quoted, written};
 use host::files::write_whole;
 use host::store::{Inputs, Store, hash_of};
@@ -27,9 +28,6 @@ use study::{Study, Work as Ledgered};
 use testbench::SimError;
 use toml::Table;
 use work::Work;
-
-/// The file of the result, in the folder of a calibration.
-const CALIBRATION: &str = "calibration.json";
 
 /// Fits, checks, and writes the fitted set.
 pub fn calibrate(arguments: &Calibrate, setting: &Host) -> Result<Done, Problem> {
@@ -182,30 +180,6 @@ fn base_parameters(
     })
 }
 
-/// The result of a calibration beside these results, if one was made of these very files.
-pub fn kept_calibration(
-    study: &Study,
-    results: &Path,
-) -> Result<Option<CalibrationReport>, Problem> {
-    let path = results.join("calibration").join(CALIBRATION);
-    let Ok(bytes) = std::fs::read(&path) else {
-        return Ok(None);
-    };
-    const REMEDY: &str = "run corroborate calibrate again, or remove the file";
-    let report: CalibrationReport = serde_json::from_slice(&bytes).map_err(|error| {
-        Problem::new("bad-result", format!("{}: {error}", path.display())).remedy(REMEDY)
-    })?;
-    let lineage = &report.lineage;
-    for of in lineage.files.iter().chain([&lineage.calibration]) {
-        let content = host::files::read_source(&study.folder.join(&of.file))?;
-        if hash_of(content.text.as_bytes()) != of.hash {
-            let message = format!("{} is of another {}", path.display(), of.file);
-            return Err(Problem::new("stale-result", message).remedy(REMEDY));
-        }
-    }
-    Ok(Some(report))
-}
-
 /// Fails unless the middle of the space can be simulated, and both ends of each parameter.
 fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<(), Problem> {
     let middle = vec![0.5; space.dimensions()];
@@ -232,7 +206,7 @@ fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<(), 
 
 #[cfg(test)]
 mod tests {
-    use super::CalibrationReport;
+    use evidence::CalibrationReport;
 
     #[test]
     fn the_committed_schema_is_the_form_that_is_printed() {

@@ -1,82 +1,34 @@
 //! `corroborate compare`: the comparisons of a study that has been run.
 
-use super::report::read_current_result;
-use super::run::results_folder;
 use super::{Done, json};
 use crate::args::{Compare, Format};
-use corroborate::outcome::Outcome;
+use corroborate::{CompareReport, CompareRequest};
 use diagnostic::Problem;
-use evidence::{Comparison, StudyResult};
-use schemars::JsonSchema;
-use serde::Serialize;
-
-/// What `compare --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct CompareReport {
-    /// Version of this form.
-    pub format: String,
-    /// The pairs that were asked for.
-    pub comparisons: Vec<Comparison>,
-}
+use evidence::Comparison;
 
 /// Prints comparisons.
 pub fn compare(arguments: &Compare) -> Result<Done, Problem> {
-    let folder = results_folder(&arguments.study, arguments.out.as_deref());
-    let result = read_current_result(&arguments.study, &folder)?;
-    let known = |id: &String| result.evidence.iter().any(|e| &e.id == id);
-    if let Some(unknown) = arguments.evidence.iter().find(|id| !known(id)) {
-        let ids: Vec<&str> = result.evidence.iter().map(|e| e.id.as_str()).collect();
-        return Err(Problem::new(
-            "unknown-evidence",
-            format!("the ledger has no evidence `{unknown}`"),
-        )
-        .remedy(format!("it has {}", ids.join(", "))));
-    }
-    let chosen: Vec<&Comparison> = result
-        .comparisons
-        .iter()
-        .filter(|c| is_chosen(c, &arguments.evidence))
-        .collect();
-    let outcome = if chosen
-        .iter()
-        .any(|c| c.outcome == evidence::Outcome::Conflicts)
-    {
-        Outcome::Violated
-    } else if chosen
-        .iter()
-        .any(|c| c.outcome == evidence::Outcome::Inconclusive)
-    {
-        Outcome::Inconclusive
-    } else {
-        Outcome::Holds
-    };
-    let output = match arguments.format {
-        Format::Json => json(&CompareReport {
-            format: "1.0".into(),
-            comparisons: chosen.into_iter().cloned().collect(),
-        })?,
-        Format::Text => text(&result, &chosen),
-    };
-    Ok(Done { output, outcome })
+    let report = corroborate::compare(&CompareRequest {
+        study: arguments.study.clone(),
+        out: arguments.out.clone(),
+        evidence: arguments.evidence.clone(),
+    })?;
+    Ok(Done {
+        outcome: report.outcome(),
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => text(&report),
+        },
+    })
 }
 
-/// With one identifier: its pairs. With more: the pairs among them.
-fn is_chosen(comparison: &Comparison, ids: &[String]) -> bool {
-    let named = |id: &String| ids.contains(id);
-    match ids.len() {
-        0 => true,
-        1 => named(&comparison.left) || named(&comparison.right),
-        _ => named(&comparison.left) && named(&comparison.right),
-    }
-}
-
-fn text(result: &StudyResult, chosen: &[&Comparison]) -> String {
+fn text(report: &CompareReport) -> String {
     let mut output = String::new();
     let mut subject = "";
-    for comparison in chosen {
+    for comparison in &report.comparisons {
         if comparison.subject.id() != subject {
             subject = comparison.subject.id();
-            output.push_str(&format!("\n{}\n", heading(result, subject)));
+            output.push_str(&format!("\n{}\n", report.heading(subject)));
         }
         output.push_str(&format!(
             "  {:<28} {:<15} {}\n",
@@ -89,14 +41,6 @@ fn text(result: &StudyResult, chosen: &[&Comparison]) -> String {
         output.push_str("There is nothing to compare.\n");
     }
     output.trim_start().to_owned()
-}
-
-fn heading(result: &StudyResult, id: &str) -> String {
-    if let Some(requirement) = result.requirements.iter().find(|r| r.id == id) {
-        return format!("{id}  {}", requirement.text);
-    }
-    let mode = result.failure_modes.iter().find(|m| m.id == id);
-    mode.map_or_else(|| id.to_owned(), |m| m.name.clone())
 }
 
 fn outcome_name(comparison: &Comparison) -> &'static str {

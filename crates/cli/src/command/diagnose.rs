@@ -1,10 +1,11 @@
 //! `corroborate diagnose`: which asset is to blame for what disagrees.
 
-use super::report::read_current_result;
-use super::run::{results_folder, terminal_width, use_colour};
+use super::run::{terminal_width, use_colour};
 use super::{Done, Host, json, use_threads};
 use crate::args::{Diagnose, Format};
+use corroborate::kept::DIAGNOSIS;
 use corroborate::outcome::Outcome;
+use corroborate::results::{REPORT, RESULT, read_current_result, results_folder};
 use corroborate::technique::matrix::{ModelPaths, as_text, diagnose as diagnosed, path_seeds};
 use corroborate::technique::model_checking::worst_cases_in_lines;
 use diagnostic::Problem;
@@ -42,15 +43,12 @@ pub fn diagnose(arguments: &Diagnose, setting: &Host) -> Result<Done, Problem> {
     let outcome = outcome(&diagnosis);
     store.keep(DIAGNOSIS, &diagnosis.inputs, &diagnosis)?;
     result.diagnosis = Some(diagnosis);
-    store.write("study.json", json(&result)?.as_bytes())?;
-    store.write("report.html", report::html(&result).as_bytes())?;
+    store.write(RESULT, json(&result)?.as_bytes())?;
+    store.write(REPORT, report::html(&result).as_bytes())?;
     // Formed so that what cannot be written as text is found here, not when it is read.
     let _ = report::text(&result, terminal_width(), use_colour());
     Ok(Done { output, outcome })
 }
-
-/// The file that keeps a diagnosis beside the results.
-pub const DIAGNOSIS: &str = "diagnosis.json";
 
 fn outcome(diagnosis: &Diagnosis) -> Outcome {
     let mut suspects = diagnosis.suspects.iter();

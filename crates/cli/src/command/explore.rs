@@ -3,40 +3,31 @@
 
 mod causes;
 mod disagreement;
-mod kept;
 
-pub use disagreement::{kept_map, map_again, map_file};
-pub use kept::{findings_again, kept_exploration};
-
-use super::run::assets;
 use super::{Done, Host, json, use_threads};
 use crate::args::{Explore, Format};
+use corroborate::kept::EXPLORATION;
 use corroborate::outcome::Outcome;
 use corroborate::technique::exploration::{
-    Abstraction, ExplorationReport, Explored, Exploring, FindingReport, Formal, Journal, Met,
-    ModelTests, OpenBench, Plan, ShowsJudge, Situations, SourceKind, Watching, as_text,
-    tests_of_model,
+    Abstraction, ExplorationReport, Explored, Exploring, FindingReport, Formal, Journal, MapSearch,
+    Met, ModelTests, OpenBench, Plan, ShowsJudge, Situations, SourceKind, Watching, as_text,
+    assets_of, inputs_of_all, shown_again, tests_of_model,
 };
-use corroborate::technique::{asset, rows};
+use corroborate::technique::rows;
 use diagnostic::{Problem, did_you_mean};
-use evidence::{Asset, AssetRole, Confirmation, Stopped};
+use evidence::{Confirmation, Stopped};
 use host::BuildId;
 use host::Cancel;
 use host::files::write_whole;
-use host::store::Inputs;
-use judging::{Judges, SpaceTime, inputs_of};
+use judging::{Judges, SpaceTime};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Finding, Shows, Study, Work};
-use testbench::Unwatched;
 
 /// The environment's name for the folder in which controllers leave which of
 /// their lines ran.
 const COVERAGE: &str = "CORROBORATE_COVERAGE";
-
-/// The file of the result, in the folder of an exploration.
-const EXPLORATION: &str = "exploration.json";
 
 /// Explores and writes what was found.
 pub fn explore(arguments: &Explore, setting: &Host) -> Result<Done, Problem> {
@@ -60,13 +51,13 @@ pub fn explore(arguments: &Explore, setting: &Host) -> Result<Done, Problem> {
     };
     let began = Instant::now();
     if arguments.disagreement {
-        let search = disagreement::Search {
+        let search = MapSearch {
             study: &study,
             plan: &plan,
             bench: &bench,
             folder: &folder,
         };
-        return search.done(arguments.format, setting);
+        return disagreement::search(&search, arguments.format, setting);
     }
     let fast = plan.searching(&bench)?;
     let searched = fast.as_ref().unwrap_or(&bench);
@@ -232,27 +223,6 @@ fn searched<'a>(
     Ok(searched)
 }
 
-/// What decides what any episode shows, beside its seed and its stimulus.
-fn inputs_of_all(
-    study: &Study,
-    plan: &Plan,
-    bench: &OpenBench,
-    build: &BuildId,
-) -> Result<Inputs, Problem> {
-    let mut inputs = Inputs::default();
-    inputs.add("program", build.as_str().as_bytes());
-    inputs.add("plan", plan.source.text.as_bytes());
-    inputs.add_json("files", &bench.files);
-    bench.inputs(&mut inputs);
-    inputs_of(study, &mut inputs);
-    for (name, proposition) in &study.vocabulary.propositions {
-        if let Some(graded) = &proposition.graded {
-            inputs.add(name, graded.text.as_bytes());
-        }
-    }
-    Ok(inputs)
-}
-
 /// The hash of all that decides what an episode shows, beside its seed and
 /// its stimulus.
 fn looked_at_by(
@@ -262,7 +232,7 @@ fn looked_at_by(
     code: &Option<PathBuf>,
     build: &BuildId,
 ) -> Result<String, Problem> {
-    let mut inputs = inputs_of_all(study, plan, bench, build)?;
+    let mut inputs = inputs_of_all(study, plan, bench, build);
     inputs.add("code", &[u8::from(code.is_some())]);
     if let Some(model) = &plan.data.model
         && let Work::Check { model, .. } = &study.entry(model)?.work
@@ -271,27 +241,6 @@ fn looked_at_by(
         inputs.add("model", model.text.as_bytes());
     }
     Ok(inputs.hash())
-}
-
-/// The files that bench, model and plan rest on, each once.
-fn assets_of(study: &Study, plan: &Plan, disagreement: bool) -> Result<Vec<Asset>, Problem> {
-    let mut found = vec![asset(
-        &study.folder,
-        AssetRole::Data,
-        Path::new(&plan.file),
-    )?];
-    let searched = plan.data.disagreement.as_ref().filter(|_| disagreement);
-    let model = searched.and_then(|it| it.model.as_deref());
-    let model = model.or(plan.data.model.as_deref());
-    for entry in [Some(plan.evidence(disagreement)), model]
-        .into_iter()
-        .flatten()
-    {
-        found.extend(assets(study, study.entry(entry)?)?);
-    }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
-    found.dedup();
-    Ok(found)
 }
 
 /// Episodes of a finding that are run again in the full physics before it counts as not confirmed, at most.
@@ -429,34 +378,6 @@ fn write(explored: &Explored, folder: &Path, setting: &Host) -> Result<(), Probl
         .events
         .say(&format!("{} is written", path.display()));
     Ok(())
-}
-
-/// The hash of the recording of a finding's episode if it shows it again.
-fn shown_again<'s>(
-    study: &'s Study,
-    bench: &OpenBench,
-    finding: &Finding,
-    judges: &mut BTreeMap<Shows, ShowsJudge<'s>>,
-    interrupt: &Cancel,
-) -> Result<Option<String>, Problem> {
-    let run = bench.again(&finding.stimulus, finding.seed, &mut Unwatched, interrupt);
-    let Ok(recorded) = run else {
-        return Ok(None);
-    };
-    if !judges.contains_key(&finding.shows) {
-        let judge = ShowsJudge::new(study, &finding.shows, interrupt)?;
-        judges.insert(finding.shows.clone(), judge);
-    }
-    let shows = match judges.get(&finding.shows) {
-        Some(judge) => judge.shows(&recorded)?,
-        None => false,
-    };
-    if !shows {
-        return Ok(None);
-    }
-    let bytes = recording::to_mcap(&recorded.trace)
-        .map_err(|error| Problem::new("cannot-write", error.to_string()))?;
-    Ok(Some(host::store::hash_of(&bytes)))
 }
 
 /// A file name that says what is shown; a number tells equal ones apart.

@@ -6,49 +6,10 @@ use corroborate::outcome::Outcome;
 use diagnostic::Problem;
 use host::files::write_whole;
 
-/// The template's files. It needs no simulation, so that it runs in a moment.
-const FILES: [(&str, &str); 10] = [
-    ("study.toml", include_str!("../template/study.toml")),
-    (
-        "requirements.toml",
-        include_str!("../template/requirements.toml"),
-    ),
-    (
-        "vocabulary.toml",
-        include_str!("../template/vocabulary.toml"),
-    ),
-    (
-        "parameters.toml",
-        include_str!("../template/parameters.toml"),
-    ),
-    ("ledger.toml", include_str!("../template/ledger.toml")),
-    ("model.prism", include_str!("../template/model.prism")),
-    ("attempts.csv", include_str!("../template/attempts.csv")),
-    (
-        "requirements.csv",
-        include_str!("../template/requirements.csv"),
-    ),
-    (
-        "failure_modes.csv",
-        include_str!("../template/failure_modes.csv"),
-    ),
-    (".gitignore", "results/\n"),
-];
-
-/// Makes the folder and its files; refuses to touch a folder with content.
+/// Makes the folder and its files, with the schemas of all files that a study may have.
 pub fn init(arguments: &Init) -> Result<Done, Problem> {
     let folder = &arguments.folder;
-    let occupied = std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
-    if occupied || folder.is_file() {
-        return Err(Problem::new(
-            "folder-not-empty",
-            format!("{} already has content", folder.display()),
-        )
-        .remedy("name a folder that does not exist yet"));
-    }
-    for (name, content) in FILES {
-        write_whole(&folder.join(name), content.as_bytes())?;
-    }
+    corroborate::new_study(folder)?;
     // The first line of each file names its schema; editors that know TOML complete and check by it.
     for file in schema::files() {
         let path = folder.join(".schemas").join(schema::schema_name(file.name));

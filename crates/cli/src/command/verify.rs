@@ -1,194 +1,64 @@
 //! `corroborate verify`: whether every figure of a result follows from its evidence, and every hash
 //! holds.
-//!
-//! # Definition
-//! From the kept evidence (`evidence/*.json`) and the study's own files the whole result is formed
-//! again: comparisons, conclusions, suspects, gaps, figures beside the publication's. The result
-//! must be `study.json`, value by value and byte by byte, and the report drawn from it `report.html`.
-//! The evidence itself is held against what it was counted from: tables are read again, journals of
-//! episodes counted again, intervals formed again from their counts, and every value has to lie in its own interval. Assets and recordings must have
-//! the hashes that are stated.
-//!
-//! # Guarantee
-//! A figure that was changed anywhere between the evidence and the page is found, whatever else was
-//! changed to fit. So is a count of tables or of journals. With `--deep` formal models are solved and
-//! recordings judged again, too, and the diagnosis is made again: the same paths are sampled, the same
-//! episodes judged, the same suspects ranked. The map of where model and simulation part is searched
-//! again, by the outcomes in the journal of its episodes, and with `--deep` by running these. Findings of an exploration are those that
-//! it kept, and with `--deep` their scenarios are run again; a fit is the one that was kept. What is not derived again is listed as such. Nothing is written.
 
-mod audit;
-mod compare;
-mod counts;
-mod deep;
-mod diagnosis;
-mod found;
-mod kept;
-mod map;
-mod sound;
-
-use super::assure::{self, ASSURANCE};
-use super::report::read_result;
-use super::run::STUDY;
+use super::assure;
 use super::{Done, Host, json};
 use crate::args::{Format, Verify};
-use audit::{Audit, VerifyReport};
-use corroborate::corroboration::{self, Piece};
-use corroborate::outcome::Outcome;
+use corroborate::{Drawing, VerifyReport, VerifyRequest};
 use diagnostic::Problem;
-use evidence::StudyResult;
-use host::store::Stored;
-use std::path::{Path, PathBuf};
-use study::Study;
 
 /// Verifies the results of a study.
 pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
-    let results = &arguments.results;
-    let folder = study_folder(arguments)?;
-    let study = Study::load(&folder)?;
-    let claimed = read_result(&folder, results)?;
-    let mut audit = Audit::default();
-    assets(&study, &claimed, results, &mut audit);
-    let deep = arguments.deep.then_some(setting);
-    let pieces = kept::pieces(&study, results, &claimed, deep, &mut audit)?;
-    match pieces {
-        Some(pieces) => {
-            let rests_on = (&study, pieces);
-            figures(
-                rests_on,
-                &claimed,
-                results,
-                (setting, arguments.deep),
-                &mut audit,
-            )?;
-        }
-        None => audit.not_checked("comparisons and conclusions: not all evidence could be read"),
-    }
-    written(&claimed, results, &mut audit)?;
-    audit.not_checked(
-        "hashes of all inputs of evidence (`run` forms them, and finds what is stale)",
-    );
-    let report = VerifyReport::new(results, &folder, audit);
-    let outcome = match report.faults.is_empty() {
-        true => Outcome::Holds,
-        false => Outcome::Violated,
+    let request = VerifyRequest {
+        results: arguments.results.clone(),
+        study: arguments.study.clone(),
+        deep: arguments.deep,
     };
-    let output = match arguments.format {
-        Format::Json => json(&report)?,
-        Format::Text => report.text(),
+    let drawing = Drawing {
+        page: &report::html,
+        assurance: &assure::files,
     };
-    Ok(Done { output, outcome })
+    let report = corroborate::verify(&request, setting, Some(&drawing))?;
+    Ok(Done {
+        outcome: report.outcome(),
+        output: match arguments.format {
+            Format::Json => json(&report)?,
+            Format::Text => text(&report),
+        },
+    })
 }
 
-/// The study whose results these are: as named, or the folder around them.
-fn study_folder(arguments: &Verify) -> Result<PathBuf, Problem> {
-    if let Some(study) = &arguments.study {
-        return Ok(study.clone());
+/// For people.
+fn text(report: &VerifyReport) -> String {
+    let mut text = String::new();
+    for fault in &report.faults {
+        let place = match fault.place.as_str() {
+            "" => String::new(),
+            place => format!(" at {place}"),
+        };
+        text.push_str(&format!("✗ {}{place}: {}\n", fault.file, fault.fault));
     }
-    let results = &arguments.results;
-    let whole = std::fs::canonicalize(results);
-    let whole = whole.map_err(|error| Problem::cannot_read(results, &error))?;
-    match whole
-        .parent()
-        .filter(|parent| parent.join("study.toml").exists())
-    {
-        Some(_) => Ok(results.join("..")),
-        None => Err(Problem::new(
-            "no-study",
-            format!("{} does not lie in a study's folder", results.display()),
-        )
-        .remedy("name the study, too: corroborate verify RESULTS STUDY")),
+    for checked in &report.checked {
+        text.push_str(&format!("{:>8} {}\n", checked.count, checked.what));
     }
+    for what in &report.not_checked {
+        text.push_str(&format!("  not derived again: {what}\n"));
+    }
+    text.push_str(&match report.faults.len() {
+        0 => "Everything that was checked holds.\n".to_owned(),
+        1 => "1 fault.\n".to_owned(),
+        faults => format!("{faults} faults.\n"),
+    });
+    text
 }
 
-/// Every asset has the content of which the hash is stated.
-fn assets(study: &Study, claimed: &StudyResult, results: &Path, audit: &mut Audit) {
-    let file = results.join("study.json");
-    let mut held = std::collections::BTreeSet::new();
-    for (e, piece) in claimed.evidence.iter().enumerate() {
-        for (a, asset) in piece.assets.iter().enumerate() {
-            let place = format!("/evidence/{e}/assets/{a}/hash");
-            let path = study.folder.join(&asset.path);
-            match kept::hash_of_file(&path) {
-                Some(hash) if hash == asset.hash => {
-                    held.insert(asset.path.clone());
-                }
-                Some(_) => {
-                    let fault =
-                        format!("{} is not the file that {} rests on", asset.path, piece.id);
-                    audit.fault(&file, &place, fault);
-                }
-                None => {
-                    let fault = format!("{} cannot be read", path.display());
-                    audit.fault(&file, &place, fault);
-                }
-            }
-        }
-    }
-    audit.checked(held.len() as u64, "assets have the stated hash");
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// What is claimed is what follows from the evidence.
-fn figures(
-    (study, pieces): (&Study, Vec<Piece>),
-    claimed: &StudyResult,
-    results: &Path,
-    (setting, is_deep): (&Host, bool),
-    audit: &mut Audit,
-) -> Result<(), Problem> {
-    let mut expected = corroboration::corroborate(study, pieces)?;
-    if expected.produced_by != claimed.produced_by {
-        audit.not_checked(&format!(
-            "the program: this is {}, the result is of {}",
-            expected.produced_by, claimed.produced_by
-        ));
-        expected.produced_by.clone_from(&claimed.produced_by);
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(VerifyReport).into();
+        crate::command::tests::assert_schema_is_committed("verify.schema.json", &schema);
     }
-    let file = results.join("study.json");
-    let compared = expected.clone();
-    let deep = is_deep.then_some(setting);
-    expected.diagnosis = diagnosis::again((study, &expected), claimed, results, deep, audit)?;
-    expected.disagreement = map::again(study, claimed, results, (setting, is_deep), audit)?;
-    expected.exploration = found::again(study, claimed, results, deep, audit)?;
-    expected.calibration = found::calibration(study, claimed, results, audit);
-    let values = compare::values(&file, &expected, claimed, audit)?;
-    audit.checked(values, "values of study.json follow from the evidence");
-    let text = host::files::read_source(&file)?.text;
-    compare::bytes(&file, &json(claimed)?, &text, audit);
-    let path = results.join(STUDY);
-    if let Some(kept) = kept::read::<Stored<StudyResult>>(&path, audit) {
-        if !kept.is_as_kept() {
-            audit.fault(&path, "/digest", "the hash of the content does not hold");
-        }
-        let values = compare::values_at(&path, "/content", &compared, &kept.content, audit)?;
-        audit.checked(values, "values of comparison.json follow from the evidence");
-    }
-    Ok(())
-}
-
-/// What was written of the claimed result is what this program writes of it.
-fn written(claimed: &StudyResult, results: &Path, audit: &mut Audit) -> Result<(), Problem> {
-    let path = results.join("report.html");
-    match std::fs::read_to_string(&path) {
-        Ok(found) => {
-            if compare::bytes(&path, &report::html(claimed), &found, audit) {
-                audit.checked(1, "report is drawn from study.json, byte by byte");
-            }
-        }
-        Err(error) => audit.fault(&path, "", format!("it cannot be read: {error}")),
-    }
-    let folder = results.join(ASSURANCE);
-    if !folder.exists() {
-        return Ok(());
-    }
-    let mut same = 0;
-    for (name, content) in assure::files(claimed)? {
-        let path = folder.join(&name);
-        match std::fs::read_to_string(&path) {
-            Ok(found) => same += u64::from(compare::bytes(&path, &content, &found, audit)),
-            Err(error) => audit.fault(&path, "", format!("it cannot be read: {error}")),
-        }
-    }
-    audit.checked(same, "files of the assurance case are as they were written");
-    Ok(())
 }

@@ -8,6 +8,7 @@
 //! the episodes are chosen, not drawn.
 
 mod abstraction;
+mod again;
 mod bench;
 mod campaign;
 mod code;
@@ -30,13 +31,14 @@ mod text;
 mod triggers;
 
 pub use abstraction::{AbstractTrace, Abstraction, Class};
+pub use again::{assets_of, findings_again, inputs_of_all, shown_again};
 pub use bench::{OpenBench, command_of};
 pub use campaign::{Explored, Exploring};
-pub use disagreement::{Disagreement, Episodes, as_text as disagreement_text};
+pub use disagreement::{MapSearch, as_text as disagreement_text, map_again};
 pub use episode::Watching;
 pub use form::{ExplorationReport, FindingReport};
 pub use formal::{Formal, Meaning};
-pub use journal::{Journal, Known};
+pub use journal::Journal;
 pub use plan::{Plan, SourceKind};
 pub use seen::Met;
 pub use shows::ShowsJudge;

@@ -12,6 +12,7 @@
 mod contexts;
 mod predictions;
 mod report;
+mod search;
 mod text;
 
 use super::bench::OpenBench;
@@ -28,6 +29,7 @@ use rayon::prelude::*;
 use stimulus::{Point, Stimulus};
 use study::Study;
 
+pub use search::{MapSearch, map_again};
 pub use text::as_text;
 
 /// Episodes between two looks at what they showed.

@@ -16,7 +16,7 @@
 //! No sound finding is refused. Not every wrong one is: an answer that was changed within its bounds needs `--deep`.
 
 use super::audit::Audit;
-use corroborate::technique::Produced;
+use crate::technique::Produced;
 use evidence::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Reading};
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 
 use super::audit::Audit;
 use super::{compare, kept};
-use crate::command::diagnose::DIAGNOSIS;
-use corroborate::technique::confidence;
-use corroborate::technique::matrix::{diagnose, inputs_of};
+use crate::kept::DIAGNOSIS;
+use crate::technique::confidence;
+use crate::technique::matrix::{diagnose, inputs_of};
 use diagnostic::Problem;
 use evidence::{Diagnosis, Interval, StudyResult};
 use host::Host;
@@ -34,12 +34,12 @@ pub fn again(
         audit.fault(&path, "/inputs", "it is a diagnosis of other evidence");
     }
     intervals(study, &path, &kept.content, audit)?;
-    let Some(setting) = deep else {
+    let Some(host) = deep else {
         audit.not_checked("the diagnosis: nothing was sampled or judged again (`--deep` does)");
         return Ok(Some(kept.content));
     };
     let effort = kept.content.effort.clone();
-    match diagnose(study, expected, results, &effort, setting) {
+    match diagnose(study, expected, results, &effort, host) {
         Ok(again) => {
             let values = compare::values_at(&path, "/content", &again, &kept.content, audit)?;
             audit.checked(
@@ -48,7 +48,7 @@ pub fn again(
             );
             Ok(Some(again))
         }
-        Err(problem) if setting.cancel.is_cancelled() => Err(problem),
+        Err(problem) if host.cancel.is_cancelled() => Err(problem),
         Err(problem) => {
             let why = format!("the diagnosis cannot be made again here: {problem}");
             audit.not_checked(&why);

@@ -2,12 +2,14 @@
 
 use super::audit::Audit;
 use super::{compare, counts, deep};
-use crate::command::{Host, json};
-use corroborate::corroboration::{self, Piece};
-use corroborate::technique::Produced;
-use corroborate::technique::model_checking::Compiled;
+use crate::corroboration::{self, Piece};
+use crate::results::json;
+use crate::run::evidence_file;
+use crate::technique::Produced;
+use crate::technique::model_checking::Compiled;
 use diagnostic::Problem;
 use evidence::{Asset, StudyResult};
+use host::Host;
 use host::store::{Stored, hash_of};
 use serde::de::DeserializeOwned;
 use std::path::Path;
@@ -24,22 +26,15 @@ pub fn pieces(
     let mut pieces: Vec<Piece> = Vec::new();
     let mut is_whole = true;
     for entry in &study.ledger {
-        let path = results.join(format!("evidence/{}.json", entry.id));
+        let path = results.join(evidence_file(&entry.id));
         let Some(stored) = read::<Stored<Produced>>(&path, audit) else {
             is_whole = false;
             continue;
         };
         as_kept(&path, &stored, audit)?;
         match deep {
-            Some(setting) if deep::can(entry) => {
-                deep::check(
-                    study,
-                    entry,
-                    &pieces,
-                    (&path, &stored.content),
-                    setting,
-                    audit,
-                )?;
+            Some(host) if deep::can(entry) => {
+                deep::check(study, entry, &pieces, (&path, &stored.content), host, audit)?;
             }
             _ => counts::check(study, entry, results, &path, &stored.content, audit)?,
         }
@@ -86,7 +81,7 @@ fn as_kept(path: &Path, stored: &Stored<Produced>, audit: &mut Audit) -> Result<
 /// The assets that are stated, whose hashes are checked elsewhere; those that the ledger names must
 /// be among them.
 fn assets(study: &Study, entry: &Entry, claimed: &StudyResult) -> Result<Vec<Asset>, Problem> {
-    let named = crate::command::run::assets(study, entry)?;
+    let named = crate::technique::assets(study, entry)?;
     let stated = claimed.evidence.iter().find(|piece| piece.id == entry.id);
     let stated = stated.map_or(&[][..], |piece| &piece.assets);
     let as_stated = |one: &Asset| {

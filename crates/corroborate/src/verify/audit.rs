@@ -1,5 +1,6 @@
 //! What a verification found.
 
+use crate::outcome::Outcome;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -81,8 +82,16 @@ impl Audit {
 }
 
 impl VerifyReport {
+    /// Whether everything that was checked holds.
+    pub fn outcome(&self) -> Outcome {
+        match self.faults.is_empty() {
+            true => Outcome::Holds,
+            false => Outcome::Violated,
+        }
+    }
+
     /// The report of an audit.
-    pub fn new(results: &Path, study: &Path, audit: Audit) -> Self {
+    pub(crate) fn new(results: &Path, study: &Path, audit: Audit) -> Self {
         Self {
             format: "1.0".into(),
             results: results.display().to_string(),
@@ -91,40 +100,5 @@ impl VerifyReport {
             checked: audit.checked,
             not_checked: audit.not_checked,
         }
-    }
-
-    /// For people.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        for fault in &self.faults {
-            let place = match fault.place.as_str() {
-                "" => String::new(),
-                place => format!(" at {place}"),
-            };
-            text.push_str(&format!("✗ {}{place}: {}\n", fault.file, fault.fault));
-        }
-        for checked in &self.checked {
-            text.push_str(&format!("{:>8} {}\n", checked.count, checked.what));
-        }
-        for what in &self.not_checked {
-            text.push_str(&format!("  not derived again: {what}\n"));
-        }
-        text.push_str(&match self.faults.len() {
-            0 => "Everything that was checked holds.\n".to_owned(),
-            1 => "1 fault.\n".to_owned(),
-            faults => format!("{faults} faults.\n"),
-        });
-        text
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_committed_schema_is_the_form_that_is_printed() {
-        let schema: serde_json::Value = schemars::schema_for!(VerifyReport).into();
-        crate::command::tests::assert_schema_is_committed("verify.schema.json", &schema);
     }
 }

@@ -3,11 +3,11 @@
 
 use super::audit::Audit;
 use super::compare;
-use crate::command::run::counted_constants;
-use corroborate::corroboration::Piece;
-use corroborate::technique::Produced;
-use corroborate::technique::model_checking::Compiled;
-use corroborate::technique::operation::Recordings;
+use crate::corroboration::Piece;
+use crate::run::counted_constants;
+use crate::technique::Produced;
+use crate::technique::model_checking::Compiled;
+use crate::technique::operation::Recordings;
 use diagnostic::Problem;
 use host::Host;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub fn check(
     entry: &Entry,
     before: &[Piece],
     (path, produced): (&Path, &Produced),
-    setting: &Host,
+    host: &Host,
     audit: &mut Audit,
 ) -> Result<(), Problem> {
     let (mut again, what) = match &entry.work {
@@ -32,8 +32,8 @@ pub fn check(
             let compiled = Compiled::new(study, model)?;
             let value_of = |name: &str| compiled.constant(name);
             let counted = counted_constants(study, entry, before, &value_of)?;
-            let begin = |title: &str, total: u64| setting.events.begin(title, total);
-            let again = compiled.produce(&entry.id, methods, &counted, &setting.cancel, &begin)?;
+            let begin = |title: &str, total: u64| host.events.begin(title, total);
+            let again = compiled.produce(&entry.id, methods, &counted, &host.cancel, &begin)?;
             (
                 again,
                 "values of evidence follow from solving its model again",
@@ -42,9 +42,9 @@ pub fn check(
         Work::Judge { recordings, .. } => {
             let recordings = Recordings::find(study, recordings)?;
             let title = format!("{}: recordings", entry.id);
-            let stage = setting.events.begin(&title, recordings.count());
-            let say = |line: &str| setting.events.say(line);
-            let (again, _) = recordings.produce(study, &entry.id, &setting.cancel, &stage, &say)?;
+            let stage = host.events.begin(&title, recordings.count());
+            let say = |line: &str| host.events.say(line);
+            let (again, _) = recordings.produce(study, &entry.id, &host.cancel, &stage, &say)?;
             (
                 again,
                 "values of evidence follow from judging its recordings again",

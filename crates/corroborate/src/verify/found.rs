@@ -2,8 +2,9 @@
 //! finding shows it again.
 
 use super::audit::Audit;
-use crate::command::calibrate::kept_calibration;
-use crate::command::explore::{findings_again, kept_exploration};
+use crate::kept;
+use crate::results::RESULT;
+use crate::technique::exploration::findings_again;
 use diagnostic::Problem;
 use evidence::{CalibrationReport, Exploration, StudyResult};
 use host::Host;
@@ -21,17 +22,17 @@ pub fn again(
     if claimed.exploration.is_none() {
         return Ok(None);
     }
-    let kept = kept_exploration(study, results);
+    let kept = kept::exploration(study, results);
     let Some(kept) = of_these_files(kept, "/exploration", results, audit) else {
         return Ok(None);
     };
-    let Some(setting) = deep else {
+    let Some(host) = deep else {
         audit.not_checked("findings of the exploration (`--deep` runs their scenarios again)");
         return Ok(Some(kept));
     };
-    match findings_again(study, &kept, results, setting) {
+    match findings_again(study, &kept, results, host) {
         Ok((run, lost)) => {
-            let file = results.join("study.json");
+            let file = results.join(RESULT);
             for lost in &lost {
                 let fault = format!("{lost} does not show again what was found");
                 audit.fault(&file, "/exploration/findings", fault);
@@ -39,7 +40,7 @@ pub fn again(
             let shown = run - lost.len() as u64;
             audit.checked(shown, "scenarios of findings show again what was found");
         }
-        Err(problem) if setting.cancel.is_cancelled() => return Err(problem),
+        Err(problem) if host.cancel.is_cancelled() => return Err(problem),
         Err(problem) => audit.not_checked(&format!(
             "the exploration's scenarios cannot be run again here: {problem}"
         )),
@@ -55,7 +56,7 @@ pub fn calibration(
     audit: &mut Audit,
 ) -> Option<CalibrationReport> {
     claimed.calibration.as_ref()?;
-    let kept = kept_calibration(study, results);
+    let kept = kept::calibration(study, results);
     let kept = of_these_files(kept, "/calibration", results, audit)?;
     audit.not_checked("the posterior of the calibration (`calibrate` fits it again from the episodes that it kept)");
     Some(kept)
@@ -68,7 +69,7 @@ fn of_these_files<T>(
     audit: &mut Audit,
 ) -> Option<T> {
     kept.unwrap_or_else(|problem| {
-        audit.fault(&results.join("study.json"), place, problem.to_string());
+        audit.fault(&results.join(RESULT), place, problem.to_string());
         None
     })
 }

@@ -3,9 +3,9 @@
 
 use super::audit::Audit;
 use super::{compare, sound};
-use corroborate::technique::campaign::{Intervals, anytime, recount};
-use corroborate::technique::experiment::Tables;
-use corroborate::technique::{Produced, confidence, counts};
+use crate::technique::campaign::{Intervals, anytime, recount};
+use crate::technique::experiment::Tables;
+use crate::technique::{Produced, confidence, counts};
 use diagnostic::Problem;
 use evidence::Measure;
 use std::path::Path;

@@ -1,0 +1,259 @@
+//! What a run would do: which evidence is fresh, which is stale and why.
+//!
+//! # Definition
+//! Evidence is *fresh* if the hash of all that it depends on (its files, the study's settings, the counts that its
+//! constants were set to, the build of the engine) is the one that it was kept with, and it is as it was kept. A run
+//! produces all that is not. Why evidence is stale is told as far as what was kept says it: the files that were hashed
+//! are named; of everything else only one hash was kept.
+//!
+//! # Cost
+//! What is kept is read and hashed; nothing is produced, compared or written.
+
+use crate::corroboration::Piece;
+use crate::results::read_result;
+use crate::run::{COMPARISON, Prepared, Ready, RunRequest, evidence_file, loaded};
+use crate::technique::{Produced, campaign};
+use diagnostic::Problem;
+use evidence::{StudyResult, Technique};
+use host::Host;
+use host::store::{Stored, is_stage_of};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use study::{Entry, Work};
+
+/// What a run would do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunPlan {
+    /// The entries of the ledger that were asked for, in its order.
+    pub evidence: Vec<PlannedEvidence>,
+    /// Comparing and concluding; `None` if only some evidence was asked for, so that nothing is compared.
+    pub comparison: Option<Freshness>,
+}
+
+/// What a run would do for one entry of the ledger.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedEvidence {
+    /// Its identifier.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// Its technique.
+    pub technique: Technique,
+    /// Whether it is fresh.
+    pub freshness: Freshness,
+    /// Of a simulation that is stale: episodes that were run and judged before an interruption, and are not run again
+    /// if their recordings are there.
+    pub kept_episodes: Option<u64>,
+}
+
+/// Whether something has to be produced.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(tag = "is", rename_all = "kebab-case")]
+pub enum Freshness {
+    /// What was kept is taken.
+    Fresh,
+    /// No run has kept it.
+    NotProduced,
+    /// What was kept cannot be read, or was changed.
+    Damaged,
+    /// Files that it rests on were others when it was produced, or are new to it.
+    FilesChanged {
+        /// Their paths in the study.
+        files: Vec<String>,
+    },
+    /// It was produced with other settings, from other counts or by another build; which of these is not kept.
+    OtherInputs,
+    /// It depends on evidence that has to be produced first; whether it is fresh then is known only then.
+    Awaits {
+        /// The identifiers of that evidence.
+        evidence: Vec<String>,
+    },
+    /// It cannot be produced here.
+    CannotProduce {
+        /// Why.
+        reason: String,
+    },
+}
+
+impl RunPlan {
+    /// Whether a run would take everything as it was kept.
+    pub fn is_fresh(&self) -> bool {
+        let evidence = self.evidence.iter().map(|planned| &planned.freshness);
+        let mut all = evidence.chain(&self.comparison);
+        all.all(|it| *it == Freshness::Fresh)
+    }
+}
+
+/// What [`run()`](crate::run()) would do with this request. The study is read, compiled and checked as for a run, so that a
+/// plan finds every mistake that can be seen without producing anything.
+///
+/// # Errors
+/// What the study's files say wrong, each with its place.
+pub fn plan(request: &RunRequest, host: &Host) -> Result<RunPlan, Problem> {
+    let study = loaded(&request.study, &request.only, host)?;
+    let folder = request.results();
+    let planning = Planning {
+        ready: &Ready::new(&study, host)?,
+        // Without it, or with another form of it, less is known of why evidence is stale.
+        last: read_result(&request.study, &folder).ok(),
+        folder: &folder,
+    };
+    planning.plan(&request.only)
+}
+
+/// What a plan is made of.
+struct Planning<'p> {
+    ready: &'p Ready<'p>,
+    last: Option<StudyResult>,
+    folder: &'p Path,
+}
+
+impl Planning<'_> {
+    fn plan(&self, only: &[String]) -> Result<RunPlan, Problem> {
+        let mut evidence: Vec<PlannedEvidence> = Vec::new();
+        let mut fresh: Vec<Piece> = Vec::new();
+        for (entry, prepared) in self.ready.entries() {
+            if !only.is_empty() && !only.contains(&entry.id) {
+                continue;
+            }
+            let freshness = self.freshness(entry, prepared, &evidence, &mut fresh)?;
+            evidence.push(PlannedEvidence {
+                id: entry.id.clone(),
+                title: entry.title.clone(),
+                technique: entry.work.technique(),
+                kept_episodes: match freshness {
+                    Freshness::Fresh => None,
+                    _ => self.kept_episodes(entry, prepared)?,
+                },
+                freshness,
+            });
+        }
+        let comparison = only.is_empty().then(|| self.comparison(&evidence, &fresh));
+        Ok(RunPlan {
+            evidence,
+            comparison,
+        })
+    }
+
+    /// Whether an entry's evidence is fresh; if it is, it is added to the `fresh` ones.
+    fn freshness(
+        &self,
+        entry: &Entry,
+        prepared: &Prepared,
+        before: &[PlannedEvidence],
+        fresh: &mut Vec<Piece>,
+    ) -> Result<Freshness, Problem> {
+        if let Prepared::CannotSimulate(problem) = prepared {
+            return Ok(Freshness::CannotProduce {
+                reason: problem.message().to_owned(),
+            });
+        }
+        let stored = match kept::<Produced>(&self.folder.join(evidence_file(&entry.id))) {
+            Ok(stored) => stored,
+            Err(stale) => return Ok(stale),
+        };
+        let awaited = awaited(entry, before);
+        if !awaited.is_empty() {
+            return Ok(Freshness::Awaits { evidence: awaited });
+        }
+        let counted = self.ready.counted(entry, prepared, fresh)?;
+        let inputs = self.ready.inputs(entry, prepared, &counted)?;
+        if stored.inputs != inputs {
+            return Ok(match self.changed_files(entry, &stored.inputs) {
+                files if files.is_empty() => Freshness::OtherInputs,
+                files => Freshness::FilesChanged { files },
+            });
+        }
+        let piece = self
+            .ready
+            .piece(entry, prepared, fresh, inputs, stored.content);
+        fresh.push(piece);
+        Ok(Freshness::Fresh)
+    }
+
+    /// The files of an entry that are not as they were when it was produced from these inputs, as far as the last result
+    /// tells.
+    fn changed_files(&self, entry: &Entry, inputs: &str) -> Vec<String> {
+        let mut pieces = self.last.iter().flat_map(|result| &result.evidence);
+        let Some(last) = pieces.find(|piece| piece.id == entry.id && piece.inputs == inputs) else {
+            return Vec::new();
+        };
+        let now = self.ready.assets(entry);
+        let changed = now.iter().filter(|asset| !last.assets.contains(asset));
+        let is_gone = |path: &String| now.iter().all(|asset| asset.path != *path);
+        let paths = last.assets.iter().map(|asset| &asset.path);
+        let gone = paths.filter(|path| is_gone(path)).cloned();
+        let mut files: Vec<String> = changed.map(|a| a.path.clone()).chain(gone).collect();
+        files.sort();
+        files.dedup();
+        files
+    }
+
+    /// Episodes of a simulation that an interrupted run has left.
+    fn kept_episodes(&self, entry: &Entry, prepared: &Prepared) -> Result<Option<u64>, Problem> {
+        let source = match (prepared, &entry.work) {
+            (Prepared::Simulate(bench), _) => campaign::Source::Bench(bench),
+            (Prepared::Command(command), Work::Command { .. }) => {
+                campaign::Source::Command(command)
+            }
+            _ => return Ok(None),
+        };
+        let (study, program) = (self.ready.study, self.ready.host.build.as_str());
+        let folder: PathBuf = self.folder.join("episodes").join(&entry.id);
+        let inputs = campaign::episode_inputs(study, entry, source, program);
+        if !is_stage_of(&folder, &inputs.hash()) {
+            return Ok(Some(0));
+        }
+        let judged_by = campaign::judged_by(study, source, program);
+        let records = campaign::records_judged_by(&folder, &judged_by)?;
+        Ok(Some(records.len() as u64))
+    }
+
+    /// Whether what the evidence says together is fresh.
+    fn comparison(&self, evidence: &[PlannedEvidence], fresh: &[Piece]) -> Freshness {
+        let stale = evidence
+            .iter()
+            .filter(|planned| planned.freshness != Freshness::Fresh);
+        let stale: Vec<String> = stale.map(|planned| planned.id.clone()).collect();
+        if !stale.is_empty() {
+            return Freshness::Awaits { evidence: stale };
+        }
+        match kept::<StudyResult>(&self.folder.join(COMPARISON)) {
+            Ok(stored) if stored.inputs == self.ready.study_inputs(fresh) => Freshness::Fresh,
+            Ok(_) => Freshness::OtherInputs,
+            Err(stale) => stale,
+        }
+    }
+}
+
+/// What a file keeps, or why it cannot be taken.
+fn kept<T: DeserializeOwned + Serialize>(path: &Path) -> Result<Stored<T>, Freshness> {
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => Freshness::NotProduced,
+        _ => Freshness::Damaged,
+    })?;
+    let stored: Stored<T> = serde_json::from_slice(&bytes).map_err(|_| Freshness::Damaged)?;
+    match stored.is_as_kept() {
+        true => Ok(stored),
+        false => Err(Freshness::Damaged),
+    }
+}
+
+/// The stale evidence before an entry whose counts its model is computed with.
+fn awaited(entry: &Entry, before: &[PlannedEvidence]) -> Vec<String> {
+    // A step on the way is not compared, so the uncertainty of its counts is not asked for.
+    if entry.intermediate || !matches!(entry.work, Work::Check { .. }) {
+        return Vec::new();
+    }
+    let constants = entry.calibrated.iter().filter(|it| it.constant.is_some());
+    let mut sources: Vec<String> = constants.map(|it| it.calibration.from.clone()).collect();
+    sources.sort();
+    sources.dedup();
+    let is_stale = |id: &String| {
+        let mut all = before.iter();
+        all.any(|planned| planned.id == *id && planned.freshness != Freshness::Fresh)
+    };
+    sources.retain(is_stale);
+    sources
+}
