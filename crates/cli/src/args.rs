@@ -76,6 +76,8 @@ pub struct Arguments {
 pub enum Command {
     /// Produce a study's evidence, compare it, and write the report.
     Run(Run),
+    /// Say what a run would do: which evidence is stale, and why.
+    Plan(Plan),
     /// Check properties of a model in the PRISM language.
     Check(Box<Check>),
     /// Lay out models and property files anew; comments stay.
@@ -174,6 +176,29 @@ pub struct Run {
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Arguments of `plan`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  corroborate plan case-studies/handover
+  corroborate plan my-study --only E1 --format json
+
+The study is read and checked as for a run; nothing is produced or written.
+Exits 0 whether or not evidence is stale.")]
+pub struct Plan {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// Where results are, if not in STUDY/results.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
+    /// Plan only this evidence (may be repeated); then nothing is compared.
+    #[arg(long, value_name = "ID")]
+    pub only: Vec<String>,
+    /// How the plan is printed.
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
 }

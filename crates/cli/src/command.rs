@@ -12,6 +12,7 @@ mod init;
 mod inspect;
 mod library;
 mod monitor;
+mod plan;
 mod rare;
 mod refine;
 mod replay;
@@ -44,6 +45,7 @@ pub struct Done {
 pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
     match command {
         Command::Run(arguments) => run::run(arguments, setting),
+        Command::Plan(arguments) => plan::plan(arguments, setting),
         Command::Check(arguments) => check::check(arguments, setting),
         Command::Format(arguments) => format::format(arguments),
         Command::Simulate(arguments) => simulate::simulate(arguments, setting),

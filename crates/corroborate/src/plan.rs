@@ -17,13 +17,14 @@ use diagnostic::Problem;
 use evidence::{StudyResult, Technique};
 use host::Host;
 use host::store::{Stored, is_stage_of};
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use study::{Entry, Work};
 
 /// What a run would do.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunPlan {
     /// The entries of the ledger that were asked for, in its order.
     pub evidence: Vec<PlannedEvidence>,
@@ -32,7 +33,7 @@ pub struct RunPlan {
 }
 
 /// What a run would do for one entry of the ledger.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PlannedEvidence {
     /// Its identifier.
     pub id: String,
@@ -48,7 +49,7 @@ pub struct PlannedEvidence {
 }
 
 /// Whether something has to be produced.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(tag = "is", rename_all = "kebab-case")]
 pub enum Freshness {
     /// What was kept is taken.

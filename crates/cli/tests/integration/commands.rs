@@ -30,7 +30,7 @@ fn assert_conforms(name: &str, text: &str) {
 fn the_help_of_every_command_shows_examples() {
     let folder = std::env::temp_dir();
     let commands = [
-        "run", "check", "simulate", "monitor", "compare", "report", "init", "explain",
+        "run", "plan", "check", "simulate", "monitor", "compare", "report", "init", "explain",
     ];
     for name in commands {
         let said = corroborate(&folder, &[name, "--help"]);
@@ -376,6 +376,34 @@ fn a_new_study_runs_and_ends_well() {
         let said = study.run(&[command, "study"]);
         assert_eq!(said.code, 0, "{command}: {said:?}");
     }
+}
+
+#[test]
+fn a_plan_says_what_a_run_would_do() {
+    let study = Study::new();
+    let plan = |arguments: &[&str]| {
+        let said = study.run(&[&["plan", "study"], arguments].concat());
+        assert_eq!(said.code, 0, "{said:?}");
+        said.out
+    };
+    let before = plan(&[]);
+    assert!(before.contains("E1          not produced yet"), "{before}");
+    assert!(before.contains("comparison  waits for E1, E2"), "{before}");
+    assert!(before.contains("would produce 2 of 2"), "{before}");
+    assert!(!study.path("results").exists());
+    study.run(&["run", "study"]);
+    assert!(plan(&[]).ends_with("A run would produce nothing.\n"));
+    study.edit("model.prism", "module", "// Changed.\nmodule");
+    let after = plan(&[]);
+    assert!(after.contains("stale: model.prism changed"), "{after}");
+    assert!(after.contains("would produce 1 of 2"), "{after}");
+    let printed = plan(&["--only", "E1", "--format", "json"]);
+    assert_conforms("plan.schema.json", &printed);
+    assert!(!printed.contains("E2"), "{printed}");
+    let unknown = study.run(&["plan", "study", "--only", "E9"]);
+    assert_eq!(unknown.code, 2, "{unknown:?}");
+    let nowhere = study.run(&["plan", "nowhere"]);
+    assert_eq!(nowhere.code, 2, "{nowhere:?}");
 }
 
 #[test]

@@ -1,0 +1,105 @@
+//! `corroborate plan`: what a run of a study would do.
+
+use super::{Done, Host, json};
+use crate::args::{Format, Plan};
+use corroborate::outcome::Outcome;
+use corroborate::{Freshness, PlannedEvidence, RunPlan, RunRequest};
+use diagnostic::Problem;
+
+/// Plans a run.
+pub fn plan(arguments: &Plan, setting: &Host) -> Result<Done, Problem> {
+    let request = RunRequest {
+        study: arguments.study.clone(),
+        out: arguments.out.clone(),
+        only: arguments.only.clone(),
+    };
+    let plan = corroborate::plan(&request, setting)?;
+    Ok(Done {
+        output: match arguments.format {
+            Format::Json => json(&plan)?,
+            Format::Text => text(&plan),
+        },
+        outcome: Outcome::Holds,
+    })
+}
+
+fn text(plan: &RunPlan) -> String {
+    let widths = plan.evidence.iter().map(|it| it.id.chars().count());
+    let width = widths.max().unwrap_or(0).max("comparison".len());
+    let line = |name: &str, what: &str| format!("{name:<width$}  {what}\n");
+    let mut output: String = plan
+        .evidence
+        .iter()
+        .map(|it| line(&it.id, &evidence(it)))
+        .collect();
+    if let Some(comparison) = &plan.comparison {
+        output.push_str(&line("comparison", &freshness(comparison)));
+    }
+    output.push_str(&sum(plan));
+    output
+}
+
+/// What a run would produce, in one sentence.
+fn sum(plan: &RunPlan) -> String {
+    let count = |is: fn(&Freshness) -> bool| {
+        let all = plan.evidence.iter();
+        all.filter(|planned| is(&planned.freshness)).count()
+    };
+    let fresh = count(|it| matches!(it, Freshness::Fresh));
+    let waiting = count(|it| matches!(it, Freshness::Awaits { .. }));
+    let impossible = count(|it| matches!(it, Freshness::CannotProduce { .. }));
+    let all = plan.evidence.len();
+    if plan.is_fresh() {
+        return "A run would produce nothing.\n".to_owned();
+    }
+    if fresh == all {
+        return "A run would produce no evidence, and compare again.\n".to_owned();
+    }
+    let mut sum = format!(
+        "A run would produce {} of {all} pieces of evidence",
+        all - fresh - waiting - impossible
+    );
+    if waiting > 0 {
+        sum.push_str(&format!("; {waiting} may be stale"));
+    }
+    if impossible > 0 {
+        sum.push_str(&format!("; {impossible} cannot be produced here"));
+    }
+    sum.push_str(".\n");
+    sum
+}
+
+/// What is to be done for one piece of evidence.
+fn evidence(planned: &PlannedEvidence) -> String {
+    let kept = match planned.kept_episodes {
+        None | Some(0) => String::new(),
+        Some(1) => "; 1 episode of an interrupted run is kept".to_owned(),
+        Some(kept) => format!("; {kept} episodes of an interrupted run are kept"),
+    };
+    format!("{}{kept}", freshness(&planned.freshness))
+}
+
+fn freshness(of: &Freshness) -> String {
+    match of {
+        Freshness::Fresh => "fresh".to_owned(),
+        Freshness::NotProduced => "not produced yet".to_owned(),
+        Freshness::Damaged => "stale: what was kept is damaged".to_owned(),
+        Freshness::FilesChanged { files } => format!("stale: {} changed", files.join(", ")),
+        Freshness::OtherInputs => {
+            "stale: settings, counts that it depends on, or the program changed".to_owned()
+        }
+        Freshness::Awaits { evidence } => format!("waits for {}", evidence.join(", ")),
+        Freshness::CannotProduce { reason } => format!("cannot be produced here: {reason}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_committed_schema_is_the_form_that_is_printed() {
+        let schema: serde_json::Value = schemars::schema_for!(RunPlan).into();
+        crate::command::tests::assert_schema_is_committed("plan.schema.json", &schema);
+    }
+}
