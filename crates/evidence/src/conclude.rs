@@ -112,7 +112,7 @@ mod words;
 use crate::compare::{Belief, Lineage, Study};
 use crate::looks::{is_open, looking};
 use crate::{
-    Comparison, Conclusion, Direction, ErrorRate, Evidence, Interval, Measure, Outcome,
+    Comparison, Conclusion, Direction, ErrorRate, Evidence, Finding, Interval, Measure, Outcome,
     Requirement, Standing, Subject, Technique, Threshold,
 };
 use common::common_bound;
@@ -149,9 +149,31 @@ pub fn conclude(study: &Study<'_>, comparisons: &[Comparison]) -> Vec<Conclusion
 #[derive(Clone)]
 pub(crate) struct Piece<'a> {
     pub evidence: &'a Evidence,
+    /// What it found on the requirement, or on the one with the same quantity.
+    pub finding: &'a Finding,
     pub belief: Belief,
     /// The interval that it was published with, if it counts.
     pub counted: Option<Interval>,
+}
+
+impl<'a> Piece<'a> {
+    /// What a piece of evidence says about a requirement, if it has a number on it.
+    fn of(evidence: &'a Evidence, requirement: &Requirement, quantity: &Subject) -> Option<Self> {
+        let own = Subject::Requirement(requirement.id.clone());
+        let finding = evidence
+            .finding(&own)
+            .or_else(|| evidence.finding(quantity))?;
+        let counted = match &finding.measure {
+            Measure::Counts { interval, .. } => Some(*interval),
+            _ => None,
+        };
+        Some(Self {
+            evidence,
+            finding,
+            belief: Belief::of(&finding.measure).ok()?,
+            counted,
+        })
+    }
 }
 
 fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion {
@@ -226,19 +248,11 @@ fn current<'a>(
     requirement: &Requirement,
     quantity: &Subject,
 ) -> Vec<Piece<'a>> {
-    let says = |piece: &Evidence| says_something(piece, requirement, quantity).is_some();
+    let says = |piece: &Evidence| Piece::of(piece, requirement, quantity).is_some();
     let indices = current_evidence(evidence, says);
-    indices
-        .into_iter()
-        .filter_map(|index| {
-            let evidence = &evidence[index];
-            let (belief, counted) = says_something(evidence, requirement, quantity)?;
-            Some(Piece {
-                evidence,
-                belief,
-                counted,
-            })
-        })
+    let pieces = indices.into_iter().map(|index| &evidence[index]);
+    pieces
+        .filter_map(|piece| Piece::of(piece, requirement, quantity))
         .collect()
 }
 
@@ -269,21 +283,6 @@ fn looked_at<'a>(
     pieces.into_iter().map(with_looks).collect()
 }
 
-/// What a piece of evidence says about a requirement, and the interval of its counts.
-fn says_something(
-    piece: &Evidence,
-    requirement: &Requirement,
-    quantity: &Subject,
-) -> Option<(Belief, Option<Interval>)> {
-    let own = Subject::Requirement(requirement.id.clone());
-    let finding = piece.finding(&own).or_else(|| piece.finding(quantity))?;
-    let counted = match &finding.measure {
-        Measure::Counts { interval, .. } => Some(*interval),
-        _ => None,
-    };
-    Some((Belief::of(&finding.measure).ok()?, counted))
-}
-
 /// Evidence that counts and would be current, if a later piece of the same technique did not take its place.
 pub(crate) fn superseded<'a>(
     evidence: &'a [Evidence],
@@ -298,8 +297,8 @@ pub(crate) fn superseded<'a>(
         .filter(|piece| stands_for_itself(piece))
         .filter(|piece| Some(&piece.conditions) == conditions && !is_current(&piece.id))
         .filter(|piece| {
-            let said = says_something(piece, requirement, quantity);
-            said.is_some_and(|(_, counted)| counted.is_some())
+            let said = Piece::of(piece, requirement, quantity);
+            said.is_some_and(|it| it.counted.is_some())
         })
         .collect()
 }

@@ -17,6 +17,7 @@
 mod asset;
 mod compare;
 mod conclude;
+mod condition;
 mod description;
 mod diagnose;
 mod disagreement;

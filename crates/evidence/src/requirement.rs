@@ -41,6 +41,10 @@ pub struct Requirement {
     pub property: Option<String>,
     /// The assertion monitor, in words.
     pub monitor: Option<String>,
+    /// What triggers it, in the words of the study: the proposition that has to become true, or the formula that a run has
+    /// to satisfy; `None` if every run does, or counts as one that does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trigger: Option<String>,
     /// Largest difference of two rates that counts as agreement.
     pub margin: f64,
     /// Requirements with the same quantity (such as 1a and 1b, which differ

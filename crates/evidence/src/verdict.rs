@@ -177,6 +177,9 @@ pub struct PieceStanding {
     pub limits: Interval,
     /// `true` where it is held under other conditions than those of the conclusion.
     pub elsewhere: bool,
+    /// Over which runs its figure is taken, and how often these come.
+    #[serde(default)]
+    pub condition: String,
     /// The same in words, with figures.
     pub words: String,
 }
@@ -280,6 +283,18 @@ impl Conclusion {
     #[must_use]
     pub fn is_enough(&self) -> bool {
         self.verdict == Verdict::Satisfied && self.step >= Some(self.needs)
+    }
+
+    /// Over which runs the figures of its pieces are taken, each piece once, in the order of the pieces.
+    #[must_use]
+    pub fn conditions(&self) -> Vec<(&str, &str)> {
+        let mut all: Vec<(&str, &str)> = Vec::new();
+        for it in self.standings.iter().filter(|it| !it.condition.is_empty()) {
+            if !all.iter().any(|(id, _)| *id == it.evidence) {
+                all.push((&it.evidence, &it.condition));
+            }
+        }
+        all
     }
 
     /// Whether further evidence is needed: undecided, or satisfied on a step that is not enough.

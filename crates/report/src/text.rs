@@ -34,7 +34,7 @@ pub fn render(study: &StudyResult, width: usize, colour: bool) -> String {
     verdicts(&mut page, study);
     matrix(&mut page, view);
     combined(&mut page, study);
-    outcomes(&mut page, study);
+    outcomes(&mut page, view);
     further(&mut page, view);
     suspects(&mut page, study);
     gaps(&mut page, view);
@@ -163,6 +163,15 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         );
         let sentence = format!("{}. {}", capital(&mark.word), conclusion.statement);
         page.item(&label, style(&mark), &sentence);
+        let conditions = conclusion.conditions();
+        let conditions: Vec<String> = conditions
+            .iter()
+            .map(|(id, it)| format!("{id}: {it}"))
+            .collect();
+        if !conditions.is_empty() {
+            let words = format!("Over which runs: {}.", conditions.join("; "));
+            page.item(&" ".repeat(label.width()), "", &words);
+        }
         for one in &conclusion.excluded {
             let label = " ".repeat(label.width());
             page.item(&label, "2", &format!("Left out: {}", one.words));
@@ -337,7 +346,8 @@ fn further(page: &mut Page, view: View) {
     }
 }
 
-fn outcomes(page: &mut Page, study: &StudyResult) {
+fn outcomes(page: &mut Page, view: View) {
+    let study = view.study;
     if study.comparisons.is_empty() {
         return;
     }
@@ -373,7 +383,24 @@ fn outcomes(page: &mut Page, study: &StudyResult) {
         page.item("", "", &format!("{copies} {words}"));
     }
     agreement(page, &study.conclusions);
+    triggers(page, view);
     questions(page, study);
+}
+
+/// How often current evidence triggers a subject, where that is not shown to be alike.
+fn triggers(page: &mut Page, view: View) {
+    let conclusions = &view.study.conclusions;
+    let is_current = |id: &String| conclusions.iter().any(|it| it.rests_on.contains(id));
+    for pair in &view.study.comparisons {
+        let Some(trigger) = &pair.trigger else {
+            continue;
+        };
+        let alike = trigger.outcome == Outcome::Corroborates;
+        if !alike && is_current(&pair.left) && is_current(&pair.right) {
+            let title = view.short_title(&pair.subject);
+            page.item("  ", "", &format!("Trigger of {title}: {}", trigger.reason));
+        }
+    }
 }
 
 /// What looks copied, and what settles it.

@@ -2,7 +2,7 @@
 //! every section uses.
 
 use evidence::{
-    Combined, Conclusion, Evidence, Interval, Measure, PieceStanding, Requirement, Step,
+    Combined, Conclusion, Evidence, Finding, Interval, Measure, PieceStanding, Requirement, Step,
     StudyResult, Subject, Technique, Together,
 };
 use maud::{Markup, html};
@@ -101,6 +101,15 @@ impl<'a> View<'a> {
             Some(standing) => words::standing(requirement, standing.standing, measure),
             None => words::reading(requirement, measure),
         }
+    }
+
+    /// Over which runs a finding is taken, and how often these come.
+    pub fn condition(&self, finding: &Finding) -> Option<String> {
+        let trigger = match &finding.subject {
+            Subject::Requirement(id) => self.requirement(id).and_then(|it| it.trigger.as_deref()),
+            Subject::FailureMode(_) => None,
+        };
+        finding.condition(trigger).map(|words| unbroken(&words))
     }
 
     /// Anchor of the evidence's entry in the ledger.

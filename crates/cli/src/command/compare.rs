@@ -36,6 +36,9 @@ fn text(report: &CompareReport) -> String {
             outcome_name(comparison),
             comparison.reason
         ));
+        if let Some(trigger) = &comparison.trigger {
+            output.push_str(&format!("  {:<44} {}\n", "", trigger.reason));
+        }
     }
     if output.is_empty() {
         output.push_str("There is nothing to compare.\n");

@@ -9,11 +9,10 @@
 //! # Guarantee
 //! That of the tests of a pair ([`super::pair`]), for each trigger on its own.
 
-use super::words::{p_value, percent, points};
+use super::words::{p_value, points};
 use super::{Belief, Levels, Pair, Relation};
-use crate::{
-    Denominator, Evidence, Finding, Guarantee, Interval, Measure, Subject, TriggerComparison,
-};
+use crate::condition::share;
+use crate::{Denominator, Evidence, Finding, Interval, Subject, TriggerComparison};
 
 /// Why the numbers of two findings are not over the same runs, if they are not.
 pub(super) fn other_runs(
@@ -56,20 +55,6 @@ fn remedy(subject: &Subject) -> &'static str {
             " Say which runs of the model give it an opportunity: `opportunity = 'P=? [ F \"...\" ]'` in \
              requirements.toml."
         }
-    }
-}
-
-/// A share of runs in words.
-fn share(measure: &Measure) -> Option<String> {
-    match measure {
-        Measure::Counts { count, trials, .. } => Some(format!("{count} of {trials}")),
-        Measure::Probability { answer, .. } => Some(match answer.guarantee {
-            Guarantee::Schedulers { low, high, .. } => {
-                format!("{} to {}", percent(low), percent(high))
-            }
-            _ => percent(answer.value),
-        }),
-        Measure::NotExpressible { .. } | Measure::NotCovered { .. } => None,
     }
 }
 

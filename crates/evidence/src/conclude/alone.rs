@@ -11,7 +11,7 @@
 //! several.
 
 use super::quantity;
-use super::stand::{ClaimLevels, stand};
+use super::stand::{ClaimLevels, Named, stand};
 use super::words::hypothesis;
 use crate::compare::Belief;
 use crate::{Finding, Measure, Requirement, Standing, Step, Subject, Threshold, Verdict};
@@ -50,7 +50,14 @@ pub fn alone(
         let (verdict, words) = match (&finding.measure, Belief::of(&finding.measure)) {
             (Measure::NotExpressible { .. }, _) => return None,
             (_, Ok(belief)) => {
-                let stand = stand((id, step), &belief, threshold, ClaimLevels::both(level));
+                let trigger = requirement.trigger.as_deref();
+                let named = Named {
+                    id,
+                    step,
+                    finding,
+                    trigger,
+                };
+                let stand = stand(named, &belief, threshold, ClaimLevels::both(level));
                 let verdict = match stand.standing {
                     Standing::Supports => Verdict::Satisfied,
                     Standing::Denies => Verdict::Violated,

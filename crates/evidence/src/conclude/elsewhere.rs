@@ -10,7 +10,7 @@
 //! With the pieces elsewhere counted among those that the level is divided by, a requirement that holds under all conditions
 //! is called violated with probability at most `alpha`, as in [`super`].
 
-use super::{Piece, is_trial, says_something, stands_for_itself};
+use super::{Piece, is_trial, stands_for_itself};
 use crate::{Evidence, Requirement, Subject, Technique};
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ pub(super) fn elsewhere<'a>(
     let says = |piece: &Evidence| {
         stands_for_itself(piece)
             && &piece.conditions != conditions
-            && says_something(piece, requirement, quantity).is_some()
+            && Piece::of(piece, requirement, quantity).is_some()
     };
     let mut latest: BTreeMap<(&str, Technique), usize> = BTreeMap::new();
     for (index, piece) in evidence.iter().enumerate().filter(|(_, it)| says(it)) {
@@ -38,13 +38,6 @@ pub(super) fn elsewhere<'a>(
     };
     let pieces = evidence.iter().enumerate();
     let pieces = pieces.filter(|(index, piece)| wanted(*index, piece));
-    let found = pieces.filter_map(|(_, piece)| {
-        let (belief, counted) = says_something(piece, requirement, quantity)?;
-        Some(Piece {
-            evidence: piece,
-            belief,
-            counted,
-        })
-    });
+    let found = pieces.filter_map(|(_, piece)| Piece::of(piece, requirement, quantity));
     found.collect()
 }

@@ -8,7 +8,7 @@
 
 use super::judge::{Asked, Level};
 use super::ladder::{self, Decided};
-use super::{is_trial, says_something};
+use super::{Piece, is_trial};
 use crate::compare::Study;
 use crate::{Evidence, Excluded, ExclusionReason, Measure, Standing, Subject};
 
@@ -50,7 +50,7 @@ fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<Excl
     let finding = piece
         .finding(&own)
         .or_else(|| piece.finding(&asked.quantity))?;
-    let said = says_something(piece, asked.requirement, &asked.quantity);
+    let said = Piece::of(piece, asked.requirement, &asked.quantity);
     if said.is_none() {
         return match &finding.measure {
             Measure::Probability { .. } => {

@@ -2,7 +2,7 @@
 
 use super::ladder::Judged;
 use super::levels::{Test, divisors};
-use super::stand::{ClaimLevels, can_err, doubts, stand};
+use super::stand::{ClaimLevels, Named, can_err, doubts, stand};
 use super::transfer::{Transfer, transfers};
 use super::{
     Piece, among_current, current, elsewhere, independent, is_trial, looked_at, quantity,
@@ -159,9 +159,9 @@ impl<'a> Asked<'a> {
     /// How every piece stands.
     pub fn judge(&self, level: &Level) -> Vec<Judged> {
         let judged = |piece: &Piece, decides: bool, elsewhere: bool| {
-            let (id, step) = (&piece.evidence.id, Step::of(piece.evidence.technique));
             let levels = level.of(group_of(piece));
-            let mut standing = stand((id, step), &piece.belief, self.threshold, levels);
+            let named = self.named(piece);
+            let mut standing = stand(named, &piece.belief, self.threshold, levels);
             standing.elsewhere = elsewhere;
             Judged {
                 standing,
@@ -181,6 +181,16 @@ impl<'a> Asked<'a> {
         let there = self.elsewhere.iter();
         all.extend(there.map(|piece| judged(piece, true, true)));
         all
+    }
+
+    /// A piece as its figures name it.
+    pub fn named<'n>(&'n self, piece: &'n Piece<'a>) -> Named<'n> {
+        Named {
+            id: &piece.evidence.id,
+            step: Step::of(piece.evidence.technique),
+            finding: piece.finding,
+            trigger: self.requirement.trigger.as_deref(),
+        }
     }
 
     /// What the levels are of: the quantity by its own name where any piece has a number of its own, and the side.

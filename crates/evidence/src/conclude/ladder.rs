@@ -162,6 +162,7 @@ mod tests {
                     high: 1.0,
                 },
                 elsewhere: false,
+                condition: String::new(),
                 words: String::new(),
             },
             decides: true,

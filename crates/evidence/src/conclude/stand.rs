@@ -3,7 +3,7 @@
 use super::{CERTAINTY, limits, words};
 use crate::compare::{Belief, CountsThen, End};
 use crate::looks::over_looks;
-use crate::{Direction, PieceStanding, Standing, Step, Threshold};
+use crate::{Direction, Finding, PieceStanding, Standing, Step, Threshold};
 use stats::{
     Confidence, EffectiveSample, Interval, binomial_test_above, binomial_test_below,
     clustered_test_above, clustered_test_below,
@@ -26,9 +26,26 @@ impl ClaimLevels {
     }
 }
 
+/// A piece of evidence as its figures name it.
+#[derive(Clone, Copy)]
+pub(super) struct Named<'n> {
+    pub id: &'n str,
+    pub step: Step,
+    /// Its finding on what is judged, and what triggers that in the words of the study.
+    pub finding: &'n Finding,
+    pub trigger: Option<&'n str>,
+}
+
+impl Named<'_> {
+    /// Over which runs its figure is taken.
+    pub fn condition(&self) -> String {
+        self.finding.condition(self.trigger).unwrap_or_default()
+    }
+}
+
 /// How a piece stands to a threshold at these levels.
 pub(super) fn stand(
-    (id, step): (&str, Step),
+    named: Named<'_>,
     belief: &Belief,
     threshold: Threshold,
     levels: ClaimLevels,
@@ -36,8 +53,8 @@ pub(super) fn stand(
     let (p_not_met, p_met) = doubts(belief, threshold);
     let limits = limits::limits(belief, threshold, levels);
     PieceStanding {
-        evidence: id.to_owned(),
-        step,
+        evidence: named.id.to_owned(),
+        step: named.step,
         standing: standing(p_not_met, p_met, levels),
         p_not_met,
         p_met,
@@ -45,7 +62,14 @@ pub(super) fn stand(
         level_missed: levels.missed,
         limits,
         elsewhere: false,
-        words: words::piece(id, belief, threshold, (p_not_met, p_met), (limits, levels)),
+        condition: named.condition(),
+        words: words::piece(
+            (named.id, named.finding.given()),
+            belief,
+            threshold,
+            (p_not_met, p_met),
+            (limits, levels),
+        ),
     }
 }
 
@@ -188,8 +212,8 @@ mod tests {
 
     fn shown(belief: &Belief, direction: Direction, value: f64) -> Standing {
         let threshold = Threshold { direction, value };
-        let levels = ClaimLevels::both(Confidence::P95);
-        stand(("E", Step::System), belief, threshold, levels).standing
+        let (p_not_met, p_met) = doubts(belief, threshold);
+        standing(p_not_met, p_met, ClaimLevels::both(Confidence::P95))
     }
 
     fn counts(successes: u64, trials: u64) -> Belief {

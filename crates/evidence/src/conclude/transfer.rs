@@ -195,6 +195,7 @@ impl Transfer<'_> {
             level_missed: levels.missed,
             limits,
             elsewhere: false,
+            condition: asked.named(&self.piece).condition(),
             words: self.words(limits, margin, (p_not_met, p_met), threshold),
         }
     }

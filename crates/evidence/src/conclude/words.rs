@@ -9,9 +9,9 @@ use crate::{Direction, Interval, Threshold};
 /// Bounds of a computed value that are nearer to each other are within the digits in which the value is shown.
 const SHOWN: f64 = 1e-4;
 
-/// One piece in words, for example `E3: 88/100, rate <= 92.9 % (one-sided 95 % limit, p = 0.004 against rate >= 95 %)`.
+/// One piece in words, with the runs over which it is taken behind its figure (`given`), for example `E3: 88/100, rate <= 92.9 % (one-sided 95 % limit, p = 0.004 against rate >= 95 %)`.
 pub(super) fn piece(
-    id: &str,
+    (id, given): (&str, &str),
     belief: &Belief,
     threshold: Threshold,
     (p_not_met, p_met): (f64, f64),
@@ -22,7 +22,7 @@ pub(super) fn piece(
         Belief::Counts {
             sample, effective, ..
         } => {
-            let counts = counted(sample.successes, sample.trials, effective.trials);
+            let counts = counted((sample.successes, sample.trials), given, effective.trials);
             if is_certainty(threshold) {
                 let contrary = match threshold.direction {
                     Direction::AtLeast => sample.failures(),
@@ -52,24 +52,24 @@ pub(super) fn piece(
             is_range: true,
             ..
         } => format!(
-            "{id}: computed {} to {} over all schedulers",
+            "{id}: computed {} to {} over all schedulers{given}",
             percent(bounds.low),
             percent(bounds.high)
         ),
         Belief::Known { value, bounds, .. } if bounds.high - bounds.low >= SHOWN => format!(
-            "{id}: computed {} (between {} and {})",
+            "{id}: computed {}{given} (between {} and {})",
             percent(*value),
             percent_down(bounds.low),
             percent_up(bounds.high)
         ),
-        Belief::Known { value, .. } => format!("{id}: computed {}", percent(*value)),
+        Belief::Known { value, .. } => format!("{id}: computed {}{given}", percent(*value)),
         Belief::Range { ends, .. } => {
             let (level, doubt) = match leans_to_met {
                 true => (levels.met, p_not_met),
                 false => (levels.missed, p_met),
             };
             format!(
-                "{id}: computed {} to {} over all schedulers, {} under each of them ({} credible limit, probability {} of \
+                "{id}: computed {} to {} over all schedulers{given}, {} under each of them ({} credible limit, probability {} of \
                  {} under each)",
                 percent(ends.as_written.low),
                 percent(ends.as_written.high),
@@ -86,7 +86,7 @@ pub(super) fn piece(
                 false => (levels.missed, p_not_met),
             };
             format!(
-                "{id}: computed {}, {} ({} credible limit, probability {} of {})",
+                "{id}: computed {}{given}, {} ({} credible limit, probability {} of {})",
                 percent(*value),
                 limit(limits, threshold, leans_to_met),
                 percent(1.0 - level),
@@ -97,16 +97,16 @@ pub(super) fn piece(
     }
 }
 
-/// `88/100 (effective sample size 37)`.
-pub(super) fn counted(successes: u64, trials: u64, effective: f64) -> String {
+/// `88/100 of the runs that trigger it (effective sample size 37)`.
+fn counted((successes, trials): (u64, u64), given: &str, effective: f64) -> String {
     if effective < trials as f64 {
         let size = match effective {
             size if size < 10.0 => format!("{size:.1}"),
             size => format!("{size:.0}"),
         };
-        return format!("{successes}/{trials} (effective sample size {size})");
+        return format!("{successes}/{trials}{given} (effective sample size {size})");
     }
-    format!("{successes}/{trials}")
+    format!("{successes}/{trials}{given}")
 }
 
 /// The limit toward which a piece leans: `rate >= 90.1 %`.

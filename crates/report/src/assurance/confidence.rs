@@ -7,7 +7,7 @@ use super::words::{
 };
 use crate::view::View;
 use crate::words::inaccuracy;
-use evidence::{Comparison, Evidence, Measure, Outcome, Requirement, Subject, Suspect};
+use evidence::{Comparison, Evidence, Finding, Outcome, Requirement, Subject, Suspect};
 
 /// The argument.
 pub fn argument(view: View) -> Argument {
@@ -58,7 +58,7 @@ fn rely(builder: &mut Builder, parent: usize, view: View, requirement: &Requirem
     let ids: Vec<&str> = pieces.iter().map(|(piece, _)| piece.id.as_str()).collect();
     let text = "Techniques agree on it, independently".to_owned();
     agree(builder, goal, view, &subject, &ids, text);
-    numbers(builder, goal, id, &pieces);
+    numbers(builder, goal, view, id, &pieces);
     let own = Subject::Requirement(id.clone());
     let touches = |s: &&Suspect| s.subjects.contains(&own) || s.subjects.contains(&subject);
     for suspect in view.study.suspected().iter().filter(touches) {
@@ -111,14 +111,20 @@ fn pair(builder: &mut Builder, goal: usize, name: &str, comparison: &Comparison)
 }
 
 /// That every number comes with its error.
-fn numbers(builder: &mut Builder, parent: usize, id: &str, pieces: &[(&Evidence, &Measure)]) {
+fn numbers(
+    builder: &mut Builder,
+    parent: usize,
+    view: View,
+    id: &str,
+    pieces: &[(&Evidence, &Finding)],
+) {
     let name = format!("{id}-numbers");
     let text = "Every number comes with an error that is known";
     let goal = builder.support(parent, Kind::Goal, &name, text);
-    for (piece, measure) in pieces {
+    for (piece, finding) in pieces {
         let name = format!("{name}-{}", piece.id);
-        let text = cited(piece, measure);
-        if has_known_error(measure) {
+        let text = cited(view, piece, finding);
+        if has_known_error(&finding.measure) {
             let place = builder.support(goal, Kind::Solution, &name, text);
             builder.cite(place, citation(piece));
         } else {

@@ -7,7 +7,9 @@ use crate::number;
 use crate::plan;
 use crate::view::View;
 use crate::words;
-use evidence::{Conclusion, Evidence, Measure, Outcome, Requirement, Standing, Step, Verdict};
+use evidence::{
+    Conclusion, Evidence, Finding, Measure, Outcome, Requirement, Standing, Step, Verdict,
+};
 
 /// The argument.
 pub fn argument(view: View) -> Argument {
@@ -95,15 +97,15 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
     let (against, supporting): (Vec<_>, Vec<_>) = pieces
         .iter()
         .copied()
-        .partition(|(piece, measure)| speaks_against(view, requirement, piece, measure));
+        .partition(|(piece, finding)| speaks_against(view, requirement, piece, &finding.measure));
     let holes = holes(view, requirement, conclusion);
     let is_bare = supporting.is_empty() && holes.is_empty();
     if !is_bare {
         let text = "Argument over the latest evidence of each technique";
         let strategy = builder.support(goal, Kind::Strategy, name, text);
         builder.claim_point(goal, strategy, claim_point(requirement));
-        for (piece, measure) in supporting {
-            solution(builder, strategy, Kind::Solution, name, (piece, measure));
+        for of in supporting {
+            solution(builder, strategy, Kind::Solution, name, view, of);
         }
         for hole in holes {
             builder.support(strategy, Kind::Goal, &format!("{name}-open"), hole);
@@ -113,7 +115,7 @@ fn develop(builder: &mut Builder, goal: usize, view: View, requirement: &Require
         // Nothing supports the claim, but what denies it is to be relied on, too.
         builder.claim_point(goal, goal, claim_point(requirement));
     }
-    deny(builder, goal, requirement, verdict, &against);
+    deny(builder, goal, view, requirement, (verdict, &against));
     conflicts(builder, goal, view, requirement, &pieces);
 }
 
@@ -164,10 +166,11 @@ fn solution(
     parent: usize,
     kind: Kind,
     name: &str,
-    (piece, measure): (&Evidence, &Measure),
+    view: View,
+    (piece, finding): (&Evidence, &Finding),
 ) {
     let name = format!("{name}-{}", piece.id);
-    let place = builder.support(parent, kind, &name, cited(piece, measure));
+    let place = builder.support(parent, kind, &name, cited(view, piece, finding));
     builder.cite(place, citation(piece));
 }
 
@@ -175,9 +178,9 @@ fn solution(
 fn deny(
     builder: &mut Builder,
     goal: usize,
+    view: View,
     requirement: &Requirement,
-    verdict: Verdict,
-    against: &[(&Evidence, &Measure)],
+    (verdict, against): (Verdict, &[(&Evidence, &Finding)]),
 ) {
     if against.is_empty() && verdict != Verdict::Violated {
         return;
@@ -188,14 +191,8 @@ fn deny(
         _ => format!("Evidence speaks against requirement {id}, without deciding it"),
     };
     let counter = builder.challenge(goal, id, text, verdict == Verdict::Violated);
-    for (piece, measure) in against {
-        solution(
-            builder,
-            counter,
-            Kind::CounterSolution,
-            id,
-            (piece, measure),
-        );
+    for of in against {
+        solution(builder, counter, Kind::CounterSolution, id, view, *of);
     }
 }
 
@@ -205,7 +202,7 @@ fn conflicts(
     goal: usize,
     view: View,
     requirement: &Requirement,
-    pieces: &[(&Evidence, &Measure)],
+    pieces: &[(&Evidence, &Finding)],
 ) {
     let subject = quantity(view.study, requirement);
     let ids: Vec<&str> = pieces.iter().map(|(piece, _)| piece.id.as_str()).collect();

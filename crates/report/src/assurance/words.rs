@@ -4,7 +4,7 @@ use super::node::{Citation, identifier};
 use crate::number;
 use crate::view::View;
 use crate::words::{asked, has_no_bound};
-use evidence::{Comparison, Evidence, Measure, Requirement, StudyResult, Subject};
+use evidence::{Comparison, Evidence, Finding, Measure, Requirement, StudyResult, Subject};
 
 /// The finding in one line: counts, rate and interval, or probability and
 /// guarantee.
@@ -77,13 +77,15 @@ pub fn claim_point(requirement: &Requirement) -> String {
     format!("ACP-{}", identifier(&requirement.id))
 }
 
-/// How a solution names a piece of evidence.
-pub fn cited(piece: &Evidence, measure: &Measure) -> String {
+/// How a solution names a piece of evidence, with the runs over which its figure is taken where these are not all.
+pub fn cited(view: View, piece: &Evidence, finding: &Finding) -> String {
+    let condition = view.condition(finding).filter(|_| finding.is_conditional());
+    let condition = condition.map_or(String::new(), |words| format!("; {words}"));
     format!(
-        "{} ({}): {}",
+        "{} ({}): {}{condition}",
         piece.id,
         piece.technique.name(),
-        figures(measure)
+        figures(&finding.measure)
     )
 }
 
@@ -109,8 +111,8 @@ pub fn quantity(study: &StudyResult, requirement: &Requirement) -> Subject {
     Subject::Requirement(id.clone())
 }
 
-/// The evidence on which a requirement's conclusion rests, with its measure.
-pub fn rests_on<'a>(view: View<'a>, requirement: &Requirement) -> Vec<(&'a Evidence, &'a Measure)> {
+/// The evidence on which a requirement's conclusion rests, with what it found.
+pub fn rests_on<'a>(view: View<'a>, requirement: &Requirement) -> Vec<(&'a Evidence, &'a Finding)> {
     let study = view.study;
     let own = Subject::Requirement(requirement.id.clone());
     let quantity = quantity(study, requirement);
@@ -125,7 +127,7 @@ pub fn rests_on<'a>(view: View<'a>, requirement: &Requirement) -> Vec<(&'a Evide
         .filter(|piece| ids.contains(&piece.id))
         .filter_map(|piece| {
             let finding = piece.finding(&own).or_else(|| piece.finding(&quantity))?;
-            Some((piece, &finding.measure))
+            Some((piece, finding))
         })
         .collect()
 }

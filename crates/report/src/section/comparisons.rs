@@ -235,6 +235,9 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
             td class="why" data-label="Why" {
                 (pair.reason)
                 @if let Some(sensitivity) = &pair.clustering { " " (sensitivity.statement) }
+                @if let Some(trigger) = &pair.trigger {
+                    span class="further" { "How often it is triggered, a quantity of its own: " (trigger.reason) }
+                }
                 @if !pair.further_trials.is_empty() {
                     span class="further" {
                         "Would decide: "

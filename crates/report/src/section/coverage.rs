@@ -1,6 +1,6 @@
 //! Coverage: what was observed how often, and what by nothing.
 
-use evidence::{Evidence, Measure, Subject};
+use evidence::{Denominator, Evidence, Measure, Subject};
 use maud::{Markup, html};
 
 use crate::number;
@@ -32,7 +32,7 @@ pub fn render(view: View) -> Markup {
 fn key() -> Markup {
     html! {
         ul class="key" aria-label="Key to the coverage table" {
-            li { "n: runs or opportunities" }
+            li { "n: runs or opportunities that count; of all runs" }
             li { "∀: every behaviour of the model" }
             li { "○ never covered" }
             li { "⊘ not expressible" }
@@ -81,6 +81,10 @@ fn cell(view: View, evidence: &Evidence, subject: &Subject) -> Markup {
             }
         }
     };
+    let of_all = finding.and_then(|it| match (it.trigger.as_deref(), &it.denominator) {
+        (Some(Measure::Counts { trials, .. }), Denominator::Triggered) => Some(*trials),
+        _ => None,
+    });
     match finding.map(|f| (&f.measure, f.undecided)) {
         None => absent("·", "not asked", ""),
         Some((Measure::NotExpressible { reason }, _)) => absent("⊘", "not expressible", reason),
@@ -89,6 +93,7 @@ fn cell(view: View, evidence: &Evidence, subject: &Subject) -> Markup {
         Some((Measure::Counts { trials, .. }, undecided)) => html! {
             td class="n" {
                 (number::count(*trials))
+                @if let Some(all) = of_all { br; span class="small" { "of " (number::count(all)) } }
                 @if undecided > 0 { br; span class="small" { (number::count(undecided)) " undecided" } }
             }
         },

@@ -1,6 +1,6 @@
 //! Forest plots: all evidence on each requirement along one axis.
 
-use evidence::{Evidence, Measure, Requirement, Subject};
+use evidence::{Evidence, Finding, Measure, Requirement, Subject};
 use maud::{Markup, html};
 
 use crate::plot::{Axis, Strip, glyph, spoken};
@@ -11,7 +11,7 @@ use crate::words;
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "All evidence on each requirement, oldest first. A mark is the rate or the computed probability; "
-        "the line through it is its interval; the dashed line is what is required."
+        "the line through it is its interval; the dashed line is what is required. Where no runs are named, all runs count."
     };
     let body = html! {
         (key(view))
@@ -84,10 +84,10 @@ fn figure(view: View, (subject, members): &(Subject, Vec<&Requirement>)) -> Mark
                     @if !named.is_empty() {
                         li class="row names" aria-hidden="true" { span class="who" {} (axis.names(&named)) span class="what" {} }
                     }
-                    @for (evidence, measure) in &rows {
-                        (row(view, &axis, &thresholds, evidence, measure))
+                    @for (evidence, finding) in &rows {
+                        (row(view, &axis, &thresholds, evidence, finding))
                     }
-                    @if rows.iter().any(|(_, m)| m.estimate().is_some()) { (axis_row(&axis)) }
+                    @if rows.iter().any(|(_, it)| it.measure.estimate().is_some()) { (axis_row(&axis)) }
                 }
             }
         }
@@ -95,18 +95,18 @@ fn figure(view: View, (subject, members): &(Subject, Vec<&Requirement>)) -> Mark
 }
 
 /// All findings on a subject, in the order of the ledger.
-pub fn rows<'a>(view: View<'a>, subject: &Subject) -> Vec<(&'a Evidence, &'a Measure)> {
+pub fn rows<'a>(view: View<'a>, subject: &Subject) -> Vec<(&'a Evidence, &'a Finding)> {
     view.study
         .evidence
         .iter()
-        .filter_map(|e| Some((e, &e.finding(subject)?.measure)))
+        .filter_map(|e| Some((e, e.finding(subject)?)))
         .collect()
 }
 
 /// Every value that the rows' strips show.
-pub fn extent(rows: &[(&Evidence, &Measure)]) -> Vec<f64> {
+pub fn extent(rows: &[(&Evidence, &Finding)]) -> Vec<f64> {
     rows.iter()
-        .flat_map(|(_, measure)| {
+        .flat_map(|(_, Finding { measure, .. })| {
             let ends = measure.interval().map(|i| [i.low, i.high]);
             measure
                 .estimate()
@@ -122,8 +122,10 @@ pub fn row(
     axis: &Axis,
     thresholds: &[f64],
     evidence: &Evidence,
-    measure: &Measure,
+    finding: &Finding,
 ) -> Markup {
+    let measure = &finding.measure;
+    let condition = view.condition(finding).filter(|_| finding.is_conditional());
     let strip = Strip {
         axis,
         measure,
@@ -144,6 +146,7 @@ pub fn row(
                 },
                 None => { (strip.draw()) span class="what" { (figures(measure)) } },
             }
+            @if let Some(condition) = condition { span class="condition" { (condition) } }
         }
     }
 }

@@ -138,7 +138,7 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
                         tr {
                             th scope="row" { (view.title(&finding.subject)) }
                             td data-label="Found" { (figures(&finding.measure)) }
-                            td class="detail" data-label="In detail" { (detail(finding)) }
+                            td class="detail" data-label="In detail" { (detail(view, finding)) }
                         }
                     }
                 }
@@ -213,12 +213,11 @@ fn in_words(verdict: &str) -> String {
     verdict.replace('-', " ")
 }
 
-fn detail(finding: &Finding) -> Markup {
+fn detail(view: View, finding: &Finding) -> Markup {
     html! {
+        @let is_plain = !finding.is_conditional() && finding.trigger.is_none();
+        @if let Some(condition) = view.condition(finding).filter(|_| !is_plain) { p { "Over which runs: " (condition) "." } }
         (measure_detail(&finding.measure))
-        @if finding.undecided > 0 {
-            p { (number::count(finding.undecided)) " ended before a verdict." }
-        }
         @for reading in &finding.readings { (other_reading(reading)) }
         @if !finding.witnesses.is_empty() {
             p { "Runs that show it: " span class="witnesses" { (finding.witnesses.join(", ")) } }

@@ -11,7 +11,7 @@ use crate::words;
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "Each cell shows the current evidence of one technique: how the conclusion judges it, the rate with its two-sided "
-        (number::level(view.study.confidence)) " interval, and below it the one-sided limit and p-value that decide."
+        (number::level(view.study.confidence)) " interval, the runs over which it is taken, and below them the one-sided limit and p-value that decide."
     };
     section("matrix", "Requirements by techniques", lead, table(view))
 }
@@ -74,6 +74,7 @@ fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup
                     Some(finding) => {
                         p { (chip(&view.mark(requirement, &item.id, &finding.measure))) " " (view.link(&item.id)) }
                         (detail(&finding.measure))
+                        @if let Some(condition) = view.condition(finding) { p class="counts" { (condition) } }
                         @if let Some(standing) = view.standing(requirement, &item.id) {
                             p class="counts" { (unbroken(&standing.words)) }
                         }
@@ -91,7 +92,6 @@ fn detail(measure: &Measure) -> Markup {
             Measure::Counts { trials: 0, .. } => {},
             Measure::Counts { count, trials, interval, .. } => {
                 p { b { (number::percent(*count as f64 / *trials as f64)) } " " (range(*interval)) }
-                p class="counts" { (number::count(*count)) " passed of " (number::count(*trials)) " covered" }
             },
             Measure::Probability { answer, credible: Some(credible), .. } if credible.interval.low < credible.interval.high => {
                 p { b { (number::answer(answer)) } " " (range(credible.interval)) }

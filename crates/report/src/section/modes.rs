@@ -44,8 +44,8 @@ fn panel(view: View, mode: &FailureMode, axis: &Axis) -> Markup {
             }
             @if rows.is_empty() { p class="empty" { "No evidence counts this failure mode." } }
             ol class="rows" {
-                @for (evidence, measure) in &rows { (row(view, axis, &[], evidence, measure)) }
-                @if rows.iter().any(|(_, m)| m.estimate().is_some()) { (axis_row(axis)) }
+                @for (evidence, finding) in &rows { (row(view, axis, &[], evidence, finding)) }
+                @if rows.iter().any(|(_, it)| it.measure.estimate().is_some()) { (axis_row(axis)) }
             }
         }
     }

@@ -60,6 +60,7 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                     p class="asked" { (requirement.text) }
                 }
                 p class="statement" { (unbroken(&conclusion.statement)) }
+                (conditions(view, conclusion))
                 @if let Some(combined) = view.combined(&conclusion.requirement) {
                     p class="small" { b { "Together: " } (unbroken(&combined.statement)) }
                 }
@@ -82,6 +83,23 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                         "All of them support a rate of at least " (number::lower_bound(bound)) "."
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Over which runs each figure of the statement is taken.
+fn conditions(view: View, conclusion: &Conclusion) -> Markup {
+    html! {
+        @let conditions = conclusion.conditions();
+        @if !conditions.is_empty() {
+            p class="small" {
+                b { "Over which runs: " }
+                @for (i, (id, condition)) in conditions.iter().enumerate() {
+                    @if i > 0 { "; " }
+                    (view.link(id)) ": " (unbroken(condition))
+                }
+                "."
             }
         }
     }

@@ -98,6 +98,37 @@ fn every_comparison_is_on_the_page() {
     );
 }
 
+/// 11 of 11 runs say little without the 100 in which it could have come up.
+#[test]
+fn every_figure_that_is_not_over_all_runs_says_over_which() {
+    let study = fixture::study();
+    let text = visible(&report::html(&study));
+    let mut conditional = 0;
+    for finding in study.evidence.iter().flat_map(|piece| &piece.findings) {
+        let trigger = match &finding.subject {
+            Subject::Requirement(id) => study.requirements.iter().find(|it| &it.id == id),
+            Subject::FailureMode(_) => None,
+        };
+        let trigger = trigger.and_then(|it| it.trigger.as_deref());
+        let condition = finding.condition(trigger);
+        if finding.measure.estimate().is_some() && finding.is_conditional() {
+            let words = condition.as_deref().expect("every figure has a condition");
+            assert!(text.contains(words), "missing: {words}");
+        }
+        conditional += usize::from(finding.is_conditional());
+    }
+    assert!(conditional > 2, "{conditional}");
+    for part in [
+        "11 of the 11 runs that trigger it (human_ready); 11 of 100 runs trigger it (11 %)",
+        "given that a run triggers it (human_ready); the probability of that is 12.5 %",
+        // In the table of what is covered, and beside the pair.
+        "11of 100",
+        "How often it is triggered, a quantity of its own: Triggered in 11 % and in 12.5 % of the runs",
+    ] {
+        assert!(text.contains(part), "missing: {part}");
+    }
+}
+
 #[test]
 fn the_verdict_comes_before_everything_else() {
     let page = report::html(&fixture::study());
@@ -139,7 +170,7 @@ fn extreme_and_exact_numbers_keep_their_meaning() {
         "0.8803785717422283",
         "79.6–92.4 %",
         "exact: 499/500",
-        "499 passed of 500 covered",
+        "499 of 500 runs",
         "42,960",
         "236,643",
     ] {

@@ -293,6 +293,7 @@ impl Reader<'_> {
             },
             property: form.property.as_ref().map(|p| p.text.clone()),
             monitor: form.monitor.as_ref().map(in_words),
+            trigger: super::trigger::in_words(&form),
             margin: match (&same, text.margin) {
                 (Some((first, _)), None) => first.margin,
                 (_, margin) => self.margin(margin)?,

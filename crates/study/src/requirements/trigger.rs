@@ -68,6 +68,34 @@ impl Reader<'_> {
     }
 }
 
+/// What triggers a subject, in the words of the study: the proposition that has to become true, or the formula that a run has
+/// to satisfy.
+pub(super) fn in_words(form: &SubjectForm) -> Option<String> {
+    match &form.trigger {
+        TriggerForm::Always => None,
+        TriggerForm::Runs(text) => {
+            let path = text.text.trim();
+            let (open, close) = (path.find('[')?, path.rfind(']')?);
+            let path = path.get(open + 1..close)?.trim();
+            Some(proposition(path).unwrap_or(path).to_owned())
+        }
+        TriggerForm::Unknown(_) => match &form.monitor.as_ref()?.rule {
+            Rule::Staged(spec) => Some(spec.when.clone()),
+            Rule::Formula(rule) => rule.trigger_text.clone(),
+        },
+    }
+}
+
+/// The proposition of a path formula that asks for nothing but that it becomes true, such as `F ("near")`.
+fn proposition(path: &str) -> Option<&str> {
+    let mut inner = path.strip_prefix('F')?.trim();
+    while let Some(bare) = inner.strip_prefix('(').and_then(|it| it.strip_suffix(')')) {
+        inner = bare.trim();
+    }
+    let name = inner.strip_prefix('"')?.strip_suffix('"')?;
+    (!name.contains('"')).then_some(name)
+}
+
 /// The state in which a handwritten monitor is triggered, in the language of the model; nothing if it has no trigger.
 fn of_monitor(monitor: &JudgingForm, vocabulary: &Vocabulary) -> Result<Option<String>, String> {
     match &monitor.rule {
@@ -125,5 +153,23 @@ fn in_model(
         Formula::Implies(left, right) => Ok(format!("{} => {}", of(left)?, of(right)?)),
         Formula::Iff(left, right) => Ok(format!("{} <=> {}", of(left)?, of(right)?)),
         other => Err(not_in_model(&other.display(atoms).to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trigger_that_is_one_proposition_is_called_by_its_name() {
+        for (path, name) in [
+            ("F \"near\"", Some("near")),
+            ("F ((\"near\"))", Some("near")),
+            ("F (\"near\" & \"fast\")", None),
+            ("F ((\"near\") | (\"fast\"))", None),
+            ("F<=3 \"near\"", None),
+        ] {
+            assert_eq!(proposition(path), name, "{path}");
+        }
     }
 }
