@@ -197,6 +197,7 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
         needs: asked.requirement.needs,
         statement: statement.words(),
         excluded,
+        excluded_trials: excluded::excluded_trials(study, asked),
         error_rate: ErrorRate {
             level: confidence.alpha(),
             holds_for: study.levels.family,

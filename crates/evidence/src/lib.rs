@@ -85,6 +85,6 @@ pub use step::{CarryOver, Step};
 pub use synthesis::{Synthesis, synthesise};
 pub use verdict::{
     ClusterSensitivity, Comparison, Conclusion, CoverageGap, ErrorFamily, ErrorRate, Excluded,
-    ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, Standing,
+    ExcludedTrials, ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, Standing,
     TriggerComparison, Verdict,
 };

@@ -198,11 +198,36 @@ pub enum ExclusionReason {
     OtherConditions(String),
     /// It rests on the counts of a piece that takes part: the reason.
     NotIndependent(String),
-    /// It has no number on the requirement, or one without a known error: the reason.
+    /// It has a number on the requirement that cannot be judged: the reason.
     NoNumber(String),
+    /// It cannot express the requirement: what is missing.
+    NotExpressible(String),
+    /// It could have covered the requirement and never did: why, as far as known.
+    NotCovered(String),
+    /// It is judged, but on a step below the one that the requirement needs, and does not carry over to it: the reason.
+    BelowNeededStep(String),
 }
 
-/// A piece of evidence that does not take part in a conclusion.
+impl ExclusionReason {
+    /// Whether the piece says nothing of the requirement, so that nothing could be drawn from it.
+    #[must_use]
+    pub fn is_silence(&self) -> bool {
+        matches!(self, Self::NotExpressible(_) | Self::NotCovered(_))
+    }
+}
+
+/// Trials of a piece of evidence that count neither way.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ExcludedTrials {
+    /// The evidence.
+    pub evidence: String,
+    /// How many.
+    pub trials: u64,
+    /// The same in a sentence, with the reason.
+    pub words: String,
+}
+
+/// A piece of evidence that does not take part in a conclusion, or not on the step that the requirement needs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Excluded {
     /// The evidence.
@@ -256,6 +281,9 @@ pub struct Conclusion {
     /// What was left out, with the reason.
     #[serde(default)]
     pub excluded: Vec<Excluded>,
+    /// Trials that count neither way, by piece.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub excluded_trials: Vec<ExcludedTrials>,
     /// The error rate of the verdict.
     #[serde(default)]
     pub error_rate: ErrorRate,
@@ -295,6 +323,12 @@ impl Conclusion {
             }
         }
         all
+    }
+
+    /// What was left out, pieces and trials, each in a sentence.
+    pub fn left_out(&self) -> impl Iterator<Item = &str> {
+        let pieces = self.excluded.iter().map(|it| it.words.as_str());
+        pieces.chain(self.excluded_trials.iter().map(|it| it.words.as_str()))
     }
 
     /// Whether further evidence is needed: undecided, or satisfied on a step that is not enough.

@@ -163,6 +163,7 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         );
         let sentence = format!("{}. {}", capital(&mark.word), conclusion.statement);
         page.item(&label, style(&mark), &sentence);
+        let indent = " ".repeat(label.width());
         let conditions = conclusion.conditions();
         let conditions: Vec<String> = conditions
             .iter()
@@ -170,13 +171,11 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
             .collect();
         if !conditions.is_empty() {
             let words = format!("Over which runs: {}.", conditions.join("; "));
-            page.item(&" ".repeat(label.width()), "", &words);
+            page.item(&indent, "", &words);
         }
-        for one in &conclusion.excluded {
-            let label = " ".repeat(label.width());
-            page.item(&label, "2", &format!("Left out: {}", one.words));
+        for words in conclusion.left_out() {
+            page.item(&indent, "2", &format!("Left out: {words}"));
         }
-        let indent = " ".repeat(label.width());
         for sensitivity in &conclusion.clustering {
             page.item(&indent, "", &sensitivity.statement);
         }

@@ -1,16 +1,19 @@
 //! What a conclusion leaves out, with the reason.
 //!
 //! # Definition
-//! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here, except
-//! those that cannot express or never covered it, which are gaps of coverage. For trials of the system that the study marks
-//! as intermediate, the verdict with them is found, too: they are not refined by what comes later, so leaving them out has
-//! to be seen.
+//! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here with the
+//! reason. One that takes part below the step that the requirement needs, and does not carry over to it, is listed, too: it
+//! is judged, and does not count there. Runs of a piece that ended before a verdict count neither way and are listed by
+//! piece. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
+//! refined by what comes later, so leaving them out has to be seen.
 
 use super::judge::{Asked, Level};
 use super::ladder::{self, Decided};
 use super::{Piece, is_trial};
 use crate::compare::Study;
-use crate::{Evidence, Excluded, ExclusionReason, Measure, Standing, Subject};
+use crate::{
+    Evidence, Excluded, ExcludedTrials, ExclusionReason, Finding, Measure, Standing, Step, Subject,
+};
 
 /// The pieces that are left out, in the ledger's order.
 pub(super) fn excluded(
@@ -29,9 +32,11 @@ pub(super) fn excluded(
     };
     let left_out = study.evidence.iter().enumerate();
     left_out
-        .filter(|(_, piece)| !takes_part(&piece.id))
         .filter_map(|(index, piece)| {
-            let reason = reason(study, asked, piece)?;
+            let reason = match takes_part(&piece.id) {
+                true => below(asked, piece)?,
+                false => reason(study, asked, piece)?,
+            };
             let hidden = reason == ExclusionReason::Intermediate && is_trial(piece);
             let with_it = hidden.then(|| verdict_with(study, asked, level, index));
             Some(Excluded {
@@ -44,25 +49,69 @@ pub(super) fn excluded(
         .collect()
 }
 
-/// Why a piece does not take part; `None` if it has nothing to say of it.
-fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<ExclusionReason> {
+/// Runs that ended before a verdict, by piece in the ledger's order.
+pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
+    let pieces = study.evidence.iter();
+    let undecided = pieces.filter_map(|piece| {
+        let trials = found(asked, piece)?.undecided;
+        (trials > 0).then(|| ExcludedTrials {
+            evidence: piece.id.clone(),
+            trials,
+            words: match trials {
+                1 => format!(
+                    "1 run of {} ended before a verdict and counts neither way.",
+                    piece.id
+                ),
+                many => format!(
+                    "{many} runs of {} ended before a verdict and count neither way.",
+                    piece.id
+                ),
+            },
+        })
+    });
+    undecided.collect()
+}
+
+/// What a piece found on the requirement, or on the one with the same quantity.
+fn found<'e>(asked: &Asked<'_>, piece: &'e Evidence) -> Option<&'e Finding> {
     let own = Subject::Requirement(asked.requirement.id.clone());
-    let finding = piece
+    piece
         .finding(&own)
-        .or_else(|| piece.finding(&asked.quantity))?;
-    let said = Piece::of(piece, asked.requirement, &asked.quantity);
-    if said.is_none() {
-        return match &finding.measure {
-            Measure::Probability { .. } => {
-                Some(ExclusionReason::NoNumber("its error is unknown".to_owned()))
-            }
-            _ => None,
-        };
+        .or_else(|| piece.finding(&asked.quantity))
+}
+
+/// Why a piece that is judged does not count on the step that the requirement needs; `None` if it does.
+fn below(asked: &Asked<'_>, piece: &Evidence) -> Option<ExclusionReason> {
+    let step = Step::of(piece.technique);
+    let needs = asked.requirement.needs;
+    if step >= needs {
+        return None;
+    }
+    let alone = format!(
+        "its figure stands {}, and the requirement needs the step \"{}\"",
+        step.words(),
+        needs.name()
+    );
+    let mut carried = asked.transfers.iter();
+    let carried = carried.find(|it| it.piece.evidence.id == piece.id);
+    match carried.map(|it| &it.anchor) {
+        Some(Ok(_)) if needs <= Step::Corroborated => None,
+        Some(Err(why)) => Some(ExclusionReason::BelowNeededStep(format!(
+            "{alone}; it is declared to carry over and does not, because {why}"
+        ))),
+        _ => Some(ExclusionReason::BelowNeededStep(alone)),
+    }
+}
+
+/// Why a piece does not take part; `None` if it was not asked about it.
+fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<ExclusionReason> {
+    let finding = found(asked, piece)?;
+    if Piece::of(piece, asked.requirement, &asked.quantity).is_none() {
+        return Some(silence(finding));
     }
     if asked.pieces.iter().any(|it| it.evidence.id == piece.id) {
-        return Some(ExclusionReason::NotIndependent(dependence(
-            study, asked, piece,
-        )));
+        let why = dependence(study, asked, piece);
+        return Some(ExclusionReason::NotIndependent(why));
     }
     if piece.intermediate {
         return Some(ExclusionReason::Intermediate);
@@ -70,13 +119,27 @@ fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<Excl
     if let Some(by) = &piece.reproduced_by {
         return Some(ExclusionReason::Reproduced(by.clone()));
     }
-    let here = asked.pieces.first().map(|it| &it.evidence.conditions);
-    if here != Some(&piece.conditions) {
-        return Some(ExclusionReason::OtherConditions(piece.conditions.clone()));
+    let mut here = asked.pieces.iter();
+    let later = here.find(|it| {
+        it.evidence.technique == piece.technique && it.evidence.conditions == piece.conditions
+    });
+    Some(match later {
+        Some(later) => ExclusionReason::Superseded(later.evidence.id.clone()),
+        None => ExclusionReason::OtherConditions(piece.conditions.clone()),
+    })
+}
+
+/// Why a finding has nothing that can be judged.
+fn silence(finding: &Finding) -> ExclusionReason {
+    match &finding.measure {
+        Measure::NotExpressible { reason } => ExclusionReason::NotExpressible(reason.clone()),
+        Measure::NotCovered { reason } => ExclusionReason::NotCovered(reason.clone()),
+        Measure::Counts { trials: 0, .. } => ExclusionReason::NotCovered(String::new()),
+        Measure::Probability { .. } => ExclusionReason::NoNumber("its error is unknown".to_owned()),
+        Measure::Counts { .. } => {
+            ExclusionReason::NoNumber("its counts contradict each other".to_owned())
+        }
     }
-    let mut later = asked.pieces.iter();
-    let later = later.find(|it| it.evidence.technique == piece.technique)?;
-    Some(ExclusionReason::Superseded(later.evidence.id.clone()))
 }
 
 /// On which trials that take part a piece of trials rests.
@@ -119,5 +182,17 @@ fn words(id: &str, reason: &ExclusionReason) -> String {
             format!("{id} does not decide beside the other trials: {why}.")
         }
         ExclusionReason::NoNumber(why) => format!("{id} has a number, but {why}."),
+        ExclusionReason::NotExpressible(why) => because(&format!("{id} cannot express it"), why),
+        ExclusionReason::NotCovered(why) => because(&format!("{id} never covered it"), why),
+        ExclusionReason::BelowNeededStep(why) => {
+            format!("{id} does not count towards what the requirement needs: {why}.")
+        }
+    }
+}
+
+fn because(what: &str, why: &str) -> String {
+    match why.trim().trim_end_matches('.') {
+        "" => format!("{what}."),
+        why => format!("{what}: {why}."),
     }
 }

@@ -44,7 +44,7 @@ impl Statement<'_> {
             None => "by no evidence",
         };
         match self.verdict {
-            Verdict::NotCovered if self.excluded.is_empty() => {
+            Verdict::NotCovered if self.excluded.iter().all(|it| it.reason.is_silence()) => {
                 "Not covered by any evidence.".to_owned()
             }
             Verdict::NotCovered => "Not covered by any evidence that takes part.".to_owned(),

@@ -5,8 +5,7 @@ use crate::support;
 
 use evidence::*;
 use stats::special::binomial_pmf;
-use stats::{Confidence, Sample};
-use support::{Uniform, at_least, computed, counts, exact, piece, requirement, subject};
+use support::{Uniform, any_study, at_least, counts, exact, piece, requirement, subject};
 
 /// All that is concluded from a ledger.
 struct Concluded {
@@ -39,116 +38,6 @@ fn one(ledger: &[Evidence], threshold: f64) -> Conclusion {
     concluded(ledger, &asked, ErrorFamily::Study)
         .conclusions
         .swap_remove(0)
-}
-
-/// A measure of any kind, near a rate.
-fn any_measure(uniform: &mut Uniform, technique: Technique, rate: f64) -> Measure {
-    match technique {
-        Technique::ModelChecking => match uniform.of(&[0, 1, 2, 3]) {
-            0 => exact(rate),
-            1 => {
-                let (low, high) = ((rate - 0.01).max(0.0), (rate + 0.01).min(1.0));
-                computed(rate, Guarantee::Bounded { low, high }, None)
-            }
-            2 => {
-                let reason = "it stopped".to_owned();
-                computed(rate, Guarantee::Estimated { reason }, None)
-            }
-            _ => {
-                let of = |share: f64| rate * (0.8 + 0.2 * share);
-                let quantiles: Vec<f64> = (0..100).map(|i| of((i as f64 + 0.5) / 100.0)).collect();
-                let credible = CredibleInterval {
-                    mean: of(0.5),
-                    interval: Interval {
-                        low: of(0.025),
-                        high: of(0.975),
-                    },
-                    solves: 100,
-                    by_function: false,
-                    spread: vec![],
-                    quantiles,
-                    robust: None,
-                    ends: None,
-                };
-                computed(of(0.5), Guarantee::Exact { rational: None }, Some(credible))
-            }
-        },
-        _ => {
-            let trials = uniform.of(&[0, 3, 20, 60, 200, 1000]);
-            let sample = Sample {
-                successes: uniform.count(trials, rate),
-                trials,
-            };
-            let worth = (trials > 3 && uniform.chance(0.3)).then_some(0.4 * trials as f64);
-            match trials {
-                0 => Measure::NotCovered {
-                    reason: "It never came up.".into(),
-                },
-                _ => Measure::of_counts(sample, worth, Confidence::P95).expect("a measure"),
-            }
-        }
-    }
-}
-
-/// A study of any kind.
-fn any_study(uniform: &mut Uniform) -> (Vec<Evidence>, Vec<Requirement>) {
-    let count = 1 + (uniform.draw() * 4.0) as usize;
-    let mut requirements: Vec<Requirement> = (0..count)
-        .map(|index| {
-            let value = uniform.of(&[0.5, 0.8, 0.9, 0.95, 0.99]);
-            requirement(
-                index,
-                uniform.of(&[
-                    None,
-                    at_least(value),
-                    at_least(value),
-                    Some((Direction::AtMost, value)),
-                    Some((Direction::AtMost, 1.0 - value)),
-                ]),
-            )
-        })
-        .collect();
-    if count > 1 && uniform.chance(0.3) {
-        requirements[count - 1].same_quantity_as = Some("0".into());
-    }
-    for requirement in &mut requirements {
-        requirement.needs = uniform.of(&Step::ALL);
-    }
-    let rates: Vec<f64> = (0..count)
-        .map(|_| uniform.of(&[0.05, 0.5, 0.85, 0.9, 0.95, 0.99, 1.0]))
-        .collect();
-    let mut ledger: Vec<Evidence> = Vec::new();
-    for place in 0..1 + (uniform.draw() * 5.0) as usize {
-        let technique = uniform.of(&[
-            Technique::ModelChecking,
-            Technique::Simulation,
-            Technique::Experiment,
-            Technique::Operation,
-        ]);
-        let off = uniform.of(&[0.0, 0.0, -0.05, 0.03]);
-        let mut findings = Vec::new();
-        for (index, rate) in rates.iter().enumerate() {
-            let own = requirements[index].same_quantity_as.is_none();
-            if own && uniform.chance(0.8) {
-                let rate = (rate + off).clamp(0.0, 1.0);
-                findings.push((index, any_measure(uniform, technique, rate)));
-            }
-        }
-        let mut piece = piece(&format!("E{place}"), technique, findings);
-        if uniform.chance(0.2) {
-            piece.conditions = "crowded".into();
-        }
-        piece.intermediate = uniform.chance(0.15);
-        if place > 0 && uniform.chance(0.2) {
-            piece.calibrated = vec![Calibration {
-                parameter: "p".into(),
-                from: "E0".into(),
-                subject: subject(0),
-            }];
-        }
-        ledger.push(piece);
-    }
-    (ledger, requirements)
 }
 
 /// The sides of a threshold, "met" and "missed", that an interval leaves.
@@ -266,7 +155,8 @@ fn check_words(found: &Concluded, conclusion: &Conclusion) {
     );
 }
 
-/// What has a number takes part or is listed, once.
+/// What found anything on a requirement takes part in its conclusion or is listed with a reason, once; what takes part is
+/// listed only where it does not count on the step that is needed. Runs without a verdict are listed, too.
 fn check_nothing_is_silent(
     ledger: &[Evidence],
     requirement: &Requirement,
@@ -278,10 +168,58 @@ fn check_nothing_is_silent(
         .unwrap_or(&requirement.id);
     for piece in ledger {
         let finding = piece.finding(&Subject::Requirement(quantity.clone()));
-        let has_number = finding.is_some_and(|finding| finding.measure.estimate().is_some());
-        let listed = conclusion.excluded.iter().any(|it| it.evidence == piece.id);
+        let mut listed = conclusion
+            .excluded
+            .iter()
+            .filter(|it| it.evidence == piece.id);
+        let (reason, again) = (listed.next(), listed.next());
         let part = conclusion.rests_on.contains(&piece.id);
-        assert_eq!(listed || part, has_number, "{} {conclusion:?}", piece.id);
+        let what = format!("{} {conclusion:?}", piece.id);
+        assert!(again.is_none(), "listed twice: {what}");
+        assert_eq!(reason.is_some() || part, finding.is_some(), "{what}");
+        if let Some(it) = reason {
+            let of = &it.reason;
+            let both = matches!(
+                of,
+                ExclusionReason::BelowNeededStep(_) | ExclusionReason::NotIndependent(_)
+            );
+            assert_eq!(part, both, "{what}");
+            let silent = finding.is_some_and(|it| it.measure.estimate().is_none());
+            assert_eq!(silent, of.is_silence(), "{what}");
+            assert!(
+                it.words.starts_with(&piece.id) && it.words.ends_with('.'),
+                "{what}"
+            );
+        }
+        let undecided = finding.map_or(0, |it| it.undecided);
+        let trials = conclusion.excluded_trials.iter();
+        let trials: Vec<u64> = trials
+            .filter(|it| it.evidence == piece.id)
+            .map(|it| it.trials)
+            .collect();
+        assert_eq!(trials.iter().sum::<u64>(), undecided, "{what}");
+    }
+    check_what_is_needed(requirement, conclusion);
+}
+
+/// A requirement that is satisfied on a step that is enough has a piece that supports it and is not listed as below it.
+fn check_what_is_needed(requirement: &Requirement, conclusion: &Conclusion) {
+    let is_below = |id: &str| {
+        conclusion
+            .excluded
+            .iter()
+            .any(|it| it.evidence == id && matches!(it.reason, ExclusionReason::BelowNeededStep(_)))
+    };
+    for it in conclusion.standings.iter().filter(|it| !it.elsewhere) {
+        if it.step >= requirement.needs {
+            assert!(!is_below(&it.evidence), "{conclusion:?}");
+        } else if it.step != Step::Corroborated {
+            let carried = conclusion
+                .standings
+                .iter()
+                .any(|other| other.evidence == it.evidence && other.step == Step::Corroborated);
+            assert!(carried || is_below(&it.evidence), "{conclusion:?}");
+        }
     }
 }
 

@@ -64,10 +64,10 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                 @if let Some(combined) = view.combined(&conclusion.requirement) {
                     p class="small" { b { "Together: " } (unbroken(&combined.statement)) }
                 }
-                @if !conclusion.excluded.is_empty() {
-                    p class="small" {
-                        b { "Left out: " }
-                        @for one in &conclusion.excluded { (unbroken(&one.words)) " " }
+                @if conclusion.left_out().next().is_some() {
+                    p class="small" { b { "Left out:" } }
+                    ul class="lines small" {
+                        @for words in conclusion.left_out() { li { (unbroken(words)) } }
                     }
                 }
                 @for sensitivity in &conclusion.clustering {

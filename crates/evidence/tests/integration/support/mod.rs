@@ -1,10 +1,13 @@
 //! What the tests and the simulations of this crate share: seeded numbers, and pieces of evidence to judge.
 #![allow(dead_code, reason = "each test and example uses its part")]
 
+mod studies;
 mod uniform;
 
 use evidence::*;
 use stats::{Confidence, Sample};
+#[allow(unused_imports, reason = "each test and example uses its part")]
+pub use studies::any_study;
 pub use uniform::Uniform;
 
 pub fn subject(index: usize) -> Subject {
