@@ -2,7 +2,7 @@
 
 use crate::compare::{Programme, Together, TrialCosts, Undecided, programme};
 use crate::conclude::combined::{Combined, Weights, combine};
-use crate::conclude::threshold::{Deciding, deciding};
+use crate::conclude::threshold::{Deciding, NotPlanned, deciding, not_planned};
 use crate::{Comparison, Conclusion, Looks, Study, compare_together};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,9 @@ pub struct Synthesis {
     pub programme: Option<Programme>,
     /// Further trials that would decide each undecided requirement.
     pub deciding: Vec<Deciding>,
+    /// Why there is no such plan for a requirement that is left open.
+    #[serde(default)]
+    pub not_planned: Vec<NotPlanned>,
     /// The looks at the counts up to this one; none if all sample sizes were fixed in advance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub looks: Option<Looks>,
@@ -36,11 +39,13 @@ pub fn synthesise(
     costs: TrialCosts,
     weights: &Weights,
 ) -> Synthesis {
+    let deciding = deciding(study, conclusions, &costs);
     Synthesis {
         together: compare_together(study, comparisons),
         combined: combine(study, comparisons, weights),
         programme: programme(&undecided, &costs),
-        deciding: deciding(study, conclusions, &costs),
+        not_planned: not_planned(study, conclusions, &deciding),
+        deciding,
         undecided,
         costs,
         looks: study.looks.cloned(),

@@ -17,6 +17,8 @@ use crate::words::{self, Mark};
 
 /// Narrower than this nothing can be laid out.
 const LEAST_WIDTH: usize = 40;
+/// Columns of an identifier that are shown.
+const LONGEST_ID: usize = 12;
 /// Suspects listed; the rest are counted.
 const SUSPECTS_SHOWN: usize = 8;
 /// Undecided pairs listed with what would decide them; the rest are counted.
@@ -159,7 +161,7 @@ fn verdicts(page: &mut Page, study: &StudyResult) {
         let label = format!(
             "{} {} ",
             mark.symbol,
-            pad(&clean(&conclusion.requirement), 3)
+            pad(&clean(&conclusion.requirement), id_width(study))
         );
         let sentence = format!("{}. {}", capital(&mark.word), conclusion.statement);
         page.item(&label, style(&mark), &sentence);
@@ -192,6 +194,12 @@ fn capital(text: &str) -> String {
     })
 }
 
+/// Columns for the requirements' identifiers: as many as the longest has, within reason.
+fn id_width(study: &StudyResult) -> usize {
+    let ids = study.requirements.iter().map(|it| clean(&it.id).width());
+    ids.max().unwrap_or(0).clamp(3, LONGEST_ID)
+}
+
 /// Padded on the right, or cut, to the width.
 fn pad(text: &str, width: usize) -> String {
     let mut kept = String::new();
@@ -211,12 +219,13 @@ fn matrix(page: &mut Page, view: View) {
     }
     page.heading("Requirements by techniques");
     let techniques = words::techniques(view.study);
-    let column = page.width.saturating_sub(5) / techniques.len();
+    let ids = id_width(view.study) + 2;
+    let column = page.width.saturating_sub(ids) / techniques.len();
     let heads: String = techniques
         .iter()
         .map(|t| pad(words::technique(*t), column))
         .collect();
-    let heads = format!("     {}", heads.trim_end());
+    let heads = format!("{}{}", " ".repeat(ids), heads.trim_end());
     let styled = page.styled(&heads, "2");
     page.line(&styled);
     for requirement in &view.study.requirements {
@@ -224,12 +233,13 @@ fn matrix(page: &mut Page, view: View) {
             .iter()
             .map(|t| cell(page, view, requirement, *t, column))
             .collect();
-        let id = pad(&clean(&requirement.id), 5);
+        let id = pad(&clean(&requirement.id), ids);
         page.line(&format!("{id}{cells}"));
     }
-    let level = number::level(view.study.confidence);
     let words = format!(
-        "Intervals are two-sided at {level}; the marks are those of the one-sided limits above."
+        "Intervals are {}; the marks are those of the {} above.",
+        words::intervals(view.study),
+        words::limits(view.study)
     );
     page.item("", "2", &words);
 }
@@ -304,7 +314,7 @@ fn combined(page: &mut Page, study: &StudyResult) {
     }
     page.heading("Independent evidence pooled");
     for one in said {
-        let label = format!("{} ", pad(&clean(&one.requirement), 5));
+        let label = format!("{}  ", pad(&clean(&one.requirement), id_width(study)));
         page.item(&label, "2", &one.statement);
     }
 }
@@ -313,7 +323,8 @@ fn combined(page: &mut Page, study: &StudyResult) {
 fn further(page: &mut Page, view: View) {
     let synthesis = &view.study.synthesis;
     let current: Vec<_> = synthesis.undecided.iter().filter(|u| u.current).collect();
-    if current.is_empty() && synthesis.deciding.is_empty() {
+    let not_planned = &synthesis.not_planned;
+    if current.is_empty() && synthesis.deciding.is_empty() && not_planned.is_empty() {
         return;
     }
     page.heading("What would decide");
@@ -329,6 +340,10 @@ fn further(page: &mut Page, view: View) {
             let text = format!("requirement {}: {words}", one.requirement);
             page.item("+ ", "33", &text);
         }
+    }
+    for one in not_planned {
+        let text = format!("requirement {}: {}", one.requirement, one.reason);
+        page.item("– ", "", &text);
     }
     for one in current.iter().take(PLANS_SHOWN) {
         let words = match one.plans.first() {

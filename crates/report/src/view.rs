@@ -2,8 +2,8 @@
 //! every section uses.
 
 use evidence::{
-    Combined, Conclusion, Evidence, Finding, Interval, Measure, PieceStanding, Requirement, Step,
-    StudyResult, Subject, Technique, Together,
+    Combined, Conclusion, Evidence, Excluded, Finding, Interval, Measure, PieceStanding,
+    Requirement, Step, StudyResult, Subject, Technique, Together,
 };
 use maud::{Markup, html};
 
@@ -95,8 +95,20 @@ impl<'a> View<'a> {
         standings.find(|it| it.evidence == evidence && it.step != Step::Corroborated)
     }
 
-    /// The mark of a piece of evidence on a requirement: as the conclusion judged it, else as its interval lies.
+    /// Why a piece of evidence with a number takes no part in the conclusion on a requirement.
+    pub fn apart(&self, requirement: &Requirement, evidence: &str) -> Option<&'a Excluded> {
+        let conclusion = self.conclusion(&requirement.id)?;
+        let takes_part = conclusion.rests_on.iter().any(|id| id == evidence);
+        let mut excluded = conclusion.excluded.iter();
+        excluded.find(|it| it.evidence == evidence && !takes_part && !it.reason.is_silence())
+    }
+
+    /// The mark of a piece of evidence on a requirement: as the conclusion judged it, else as its interval lies. What takes
+    /// no part has no mark for or against.
     pub fn mark(&self, requirement: &Requirement, evidence: &str, measure: &Measure) -> Mark {
+        if self.apart(requirement, evidence).is_some() {
+            return words::apart();
+        }
         match self.standing(requirement, evidence) {
             Some(standing) => words::standing(requirement, standing.standing, measure),
             None => words::reading(requirement, measure),

@@ -72,6 +72,28 @@ pub fn standing(requirement: &Requirement, standing: Standing, measure: &Measure
     }
 }
 
+/// Of what the intervals are that stand beside rates: `two-sided at 95 % and of one look`.
+pub fn intervals(study: &StudyResult) -> String {
+    let level = number::level(study.confidence);
+    match study.synthesis.looks {
+        Some(_) => format!("two-sided at {level} and of one look"),
+        None => format!("two-sided at {level}"),
+    }
+}
+
+/// What decides a verdict, and at which looks it holds.
+pub fn limits(study: &StudyResult) -> &'static str {
+    match study.synthesis.looks {
+        Some(_) => "one-sided limits, which hold at every look,",
+        None => "one-sided limits",
+    }
+}
+
+/// A number that takes no part in a conclusion.
+pub fn apart() -> Mark {
+    mark("·", "takes no part", "none")
+}
+
 /// For what the error rates of the verdicts hold; `None` where there is no verdict.
 pub fn error_rates(study: &StudyResult) -> Option<String> {
     let rates = study.conclusions.iter().map(|one| one.error_rate);

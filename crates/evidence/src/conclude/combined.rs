@@ -199,7 +199,7 @@ fn together_in_words(result: &Combined, conflict: bool, confidence: Confidence) 
     let who = list(&ids);
     let Some(Interval { low, high }) = result.interval else {
         return match result.common {
-            None => "Not covered by any evidence.".to_owned(),
+            None => "Nothing to pool: no evidence takes part.".to_owned(),
             _ if conflict => format!("Not pooled: {who} are independent and conflict."),
             _ if ids.is_empty() => "Not pooled: no independent evidence is counted.".to_owned(),
             _ => {

@@ -68,17 +68,24 @@ pub(super) fn common_statement(
     bound: f64,
     confidence: Confidence,
 ) -> String {
-    let who = match ids {
-        [only] => format!("{only} supports"),
-        [_, _] => format!("{} both support", list(ids)),
-        _ => format!("{} all support", list(ids)),
+    let (who, why) = match ids {
+        [only] => (
+            format!("{only} supports"),
+            "at the whole level, which the verdict divides among all that is judged",
+        ),
+        [_, _] => (
+            format!("{} both support", list(ids)),
+            "uncorrected for several pieces: it is the weakest of their limits at the whole level",
+        ),
+        _ => (
+            format!("{} all support", list(ids)),
+            "uncorrected for several pieces: it is the weakest of their limits at the whole level",
+        ),
     };
     let level = percent(confidence.level());
     let what = match direction {
         Direction::AtLeast => format!("rate >= {}", percent_down(bound)),
         Direction::AtMost => format!("rate <= {}", percent_up(bound)),
     };
-    format!(
-        "{who} {what} with {level} confidence (uncorrected for several pieces: it is the weakest of their limits)."
-    )
+    format!("{who} {what} with {level} confidence ({why}).")
 }

@@ -45,13 +45,27 @@ fn gaps(evidence: &[Evidence], current: &[&Evidence], subject: &Subject) -> Vec<
             })
             .collect();
     }
-    let reasons: Vec<String> = silent
+    let reasons = silent
         .iter()
-        .map(|(id, why)| sentence(&format!("{id} {why}")))
-        .collect();
+        .map(|(id, why)| sentence(&format!("{id} {why}")));
+    // A number that takes part in nothing is named, so that nobody reads that there is none.
+    let apart = evidence.iter().filter(|piece| speaks(piece));
+    let apart = apart.map(|piece| {
+        let why = match &piece.reproduced_by {
+            Some(by) => format!("is reproduced by {by}"),
+            None => "is marked as intermediate".to_owned(),
+        };
+        format!("{} has a number on it and {why}.", piece.id)
+    });
+    let apart: Vec<String> = apart.collect();
+    let what = match apart.is_empty() {
+        true => "Not covered by any evidence.",
+        false => "Not covered by any evidence that takes part.",
+    };
+    let reasons: Vec<String> = reasons.chain(apart).collect();
     let reason = match reasons.as_slice() {
         [] => "No evidence was asked about it.".to_owned(),
-        _ => format!("Not covered by any evidence. {}", reasons.join(" ")),
+        _ => format!("{what} {}", reasons.join(" ")),
     };
     vec![CoverageGap {
         subject: subject.clone(),

@@ -24,11 +24,12 @@
 //! what is promised on average by the test at the effective size; the conclusion asks the likelihood of people's counts,
 //! too, and may want more.
 
-use super::{Piece, current, independent, looked_at, quantity};
+use super::words::is_certainty;
+use super::{Piece, current, independent, looked_at, quantity, threshold_of};
 use crate::compare::{Belief, Study, TrialCosts};
 use crate::conclude::stand::shown_below_and_above;
 use crate::looks::{is_open, over_looks};
-use crate::{Conclusion, Direction, Requirement, Step};
+use crate::{Conclusion, Direction, Requirement, Step, Verdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Predictive};
@@ -55,6 +56,75 @@ pub struct Deciding {
     /// The chance that they show it to be violated.
     #[serde(default)]
     pub violated: Option<f64>,
+}
+
+/// Why no further trials are planned for an open requirement.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct NotPlanned {
+    /// The requirement's identifier.
+    pub requirement: String,
+    /// Why, and what would be needed, in a sentence.
+    pub reason: String,
+}
+
+/// The reasons for all open and conflicting requirements without a plan, in their order.
+pub(crate) fn not_planned(
+    study: &Study<'_>,
+    conclusions: &[Conclusion],
+    planned: &[Deciding],
+) -> Vec<NotPlanned> {
+    let without = conclusions.iter().filter(|conclusion| {
+        let is_open = conclusion.is_open() || conclusion.verdict == Verdict::Conflicting;
+        is_open
+            && !planned
+                .iter()
+                .any(|it| it.requirement == conclusion.requirement)
+    });
+    let reasons = without.filter_map(|conclusion| {
+        let mut requirements = study.requirements.iter();
+        let requirement = requirements.find(|it| it.id == conclusion.requirement)?;
+        Some(NotPlanned {
+            requirement: requirement.id.clone(),
+            reason: why_not_planned(study, requirement, conclusion),
+        })
+    });
+    reasons.collect()
+}
+
+fn why_not_planned(
+    study: &Study<'_>,
+    requirement: &Requirement,
+    conclusion: &Conclusion,
+) -> String {
+    let quantity = quantity(study.requirements, requirement);
+    if conclusion.verdict == Verdict::Conflicting {
+        return "Pieces of evidence conflict; what explains it has to be found first, not further \
+                trials."
+            .to_owned();
+    }
+    let asked = threshold_of(requirement);
+    if is_certainty(asked) {
+        return "It asks for certainty, which no number of trials shows; one violation would refute \
+                it."
+        .to_owned();
+    }
+    if asked.value <= 0.0 || asked.value >= 1.0 {
+        return "Every rate meets its threshold, so no trials are needed.".to_owned();
+    }
+    let pieces = current(study.evidence, requirement, &quantity);
+    let mut counted = pieces.iter().filter(|piece| {
+        piece.counted.is_some() && Step::of(piece.evidence.technique) >= requirement.needs
+    });
+    match counted.next() {
+        None => format!(
+            "No trials on the step \"{}\" that it needs cover it, so there is nothing to plan from.",
+            requirement.needs.name()
+        ),
+        Some(piece) => format!(
+            "No trials can be added to {}: it is published or rests on other trials.",
+            piece.evidence.id
+        ),
+    }
 }
 
 /// Plans for every requirement whose conclusion is undecided, the cheapest first.

@@ -100,13 +100,24 @@ pub(super) fn piece(
 /// `88/100 of the runs that trigger it (effective sample size 37)`.
 fn counted((successes, trials): (u64, u64), given: &str, effective: f64) -> String {
     if effective < trials as f64 {
-        let size = match effective {
-            size if size < 10.0 => format!("{size:.1}"),
-            size => format!("{size:.0}"),
-        };
+        let size = effective_size(effective);
         return format!("{successes}/{trials}{given} (effective sample size {size})");
     }
     format!("{successes}/{trials}{given}")
+}
+
+/// An effective sample size in digits that are the same wherever it is shown.
+///
+/// ```
+/// assert_eq!(evidence::effective_size(37.25), "37");
+/// assert_eq!(evidence::effective_size(4.04), "4.0");
+/// ```
+#[must_use]
+pub fn effective_size(size: f64) -> String {
+    match size {
+        size if size < 10.0 => format!("{size:.1}"),
+        size => format!("{size:.0}"),
+    }
 }
 
 /// The limit toward which a piece leans: `rate >= 90.1 %`.

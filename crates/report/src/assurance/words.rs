@@ -4,7 +4,9 @@ use super::node::{Citation, identifier};
 use crate::number;
 use crate::view::View;
 use crate::words::{asked, has_no_bound};
-use evidence::{Comparison, Evidence, Finding, Measure, Requirement, StudyResult, Subject};
+use evidence::{
+    Comparison, Evidence, Finding, Measure, Requirement, StudyResult, Subject, effective_size,
+};
 
 /// The finding in one line: counts, rate and interval, or probability and
 /// guarantee.
@@ -19,7 +21,7 @@ pub fn figures(measure: &Measure) -> String {
         } if *trials > 0 => {
             let worth = effective_trials.filter(|worth| *worth < *trials as f64);
             let worth = worth.map_or(String::new(), |worth| {
-                format!(" (effective sample size {})", number::decimal(worth, 0))
+                format!(" (effective sample size {})", effective_size(worth))
             });
             format!(
                 "{} of {}{worth}: {}, interval {}",

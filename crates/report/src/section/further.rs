@@ -4,7 +4,7 @@ use evidence::{Deciding, Synthesis, Undecided};
 use maud::{Markup, html};
 
 use crate::plan;
-use crate::view::{View, section};
+use crate::view::{View, section, unbroken};
 
 /// The section.
 pub fn render(view: View) -> Markup {
@@ -16,7 +16,7 @@ pub fn render(view: View) -> Markup {
     let synthesis = &view.study.synthesis;
     let current: Vec<&Undecided> = synthesis.undecided.iter().filter(|u| u.current).collect();
     let body = html! {
-        @if current.is_empty() && synthesis.deciding.is_empty() {
+        @if current.is_empty() && synthesis.deciding.is_empty() && synthesis.not_planned.is_empty() {
             p class="empty" { "Nothing waits for trials: no current pair is undecided." }
         } @else {
             p { (plan::pricing(&synthesis.costs)) }
@@ -24,6 +24,7 @@ pub fn render(view: View) -> Markup {
                 p { b { "All at once: " } (plan::programme(programme, &synthesis.costs)) }
             }
             (requirements(view, synthesis))
+            (not_planned(view, synthesis))
             (pairs(view, synthesis, &current))
         }
     };
@@ -55,6 +56,20 @@ fn requirements(view: View, synthesis: &Synthesis) -> Markup {
                         }
                         "."
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Open requirements for which there is no plan, with the reason.
+fn not_planned(view: View, synthesis: &Synthesis) -> Markup {
+    html! {
+        @if !synthesis.not_planned.is_empty() {
+            h3 { "Left open without a plan" }
+            ul class="lines" {
+                @for one in &synthesis.not_planned {
+                    li { "Requirement " (view.requirement_link(&one.requirement)) ": " (unbroken(&one.reason)) }
                 }
             }
         }

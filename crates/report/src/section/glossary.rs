@@ -18,7 +18,7 @@ pub fn render(view: View) -> Markup {
             (verdict_term(Verdict::Conflicting, "Pieces of evidence contradict each other, so at least one of their models is wrong."))
             (verdict_term(Verdict::Undecided, "The evidence does not decide."))
             (verdict_term(Verdict::NotCovered, "Nothing speaks about it."))
-            (term("Above, below, spans", "In the matrix: the whole interval lies above or below what is required, or on both sides of it. This is one technique's view; the conclusion weighs them all."))
+            (term("At least, below, open", "In the matrix: the one-sided limit of this piece shows that what is required is met, that it is not, or neither. This is one piece's view; the conclusion weighs them all."))
         }
         h3 { "The three techniques" }
         dl class="glossary" {

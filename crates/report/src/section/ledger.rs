@@ -2,7 +2,7 @@
 
 use evidence::{
     ClusterTests, DescriptionGap, Evidence, Finding, Guarantee, Measure, MethodAnswer, Reading,
-    RobustBounds, Spread, WorstCase,
+    RobustBounds, Spread, WorstCase, effective_size,
 };
 use maud::{Markup, html};
 
@@ -115,7 +115,7 @@ fn cluster_tests(clusters: &ClusterTests) -> Markup {
                     "All trials are of one person or session, of whom alone they tell."
                 } @else {
                     "Trials are grouped: intraclass correlation " (number::decimal(clusters.intraclass_correlation, 3))
-                    ", effective sample size " (number::decimal(clusters.effective_trials, 1)) "."
+                    ", effective sample size " (effective_size(clusters.effective_trials)) "."
                 }
             }
             @if !clusters.tests.is_empty() {
@@ -245,7 +245,7 @@ fn measure_detail(measure: &Measure) -> Markup {
     html! {
         @match measure {
             Measure::Counts { effective_trials: Some(effective), .. } => {
-                p { "Effective sample size: " (number::decimal(*effective, 1)) "; the interval is computed from it." }
+                p { "Effective sample size: " (effective_size(*effective)) "; the interval is computed from it." }
             },
             Measure::Counts { .. } => {},
             Measure::Probability { answer, others, credible } => {

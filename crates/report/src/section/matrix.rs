@@ -10,8 +10,8 @@ use crate::words;
 /// The section.
 pub fn render(view: View) -> Markup {
     let lead = html! {
-        "Each cell shows the current evidence of one technique: how the conclusion judges it, the rate with its two-sided "
-        (number::level(view.study.confidence)) " interval, the runs over which it is taken, and below them the one-sided limit and p-value that decide."
+        "Each cell shows the current evidence of one technique: how the conclusion judges it, the rate with its interval ("
+        (words::intervals(view.study)) "), the runs over which it is taken, and below them what decides: the " (words::limits(view.study)) " with p-values."
     };
     section("matrix", "Requirements by techniques", lead, table(view))
 }
@@ -75,8 +75,10 @@ fn cell(view: View, requirement: &Requirement, evidence: &[&Evidence]) -> Markup
                         p { (chip(&view.mark(requirement, &item.id, &finding.measure))) " " (view.link(&item.id)) }
                         (detail(&finding.measure))
                         @if let Some(condition) = view.condition(finding) { p class="counts" { (condition) } }
-                        @if let Some(standing) = view.standing(requirement, &item.id) {
-                            p class="counts" { (unbroken(&standing.words)) }
+                        @match (view.apart(requirement, &item.id), view.standing(requirement, &item.id)) {
+                            (Some(apart), _) => p class="counts" { (unbroken(&apart.words)) },
+                            (None, Some(standing)) => p class="counts" { (unbroken(&standing.words)) },
+                            (None, None) => {},
                         }
                     },
                     None => p class="absent" { "· not asked " (view.link(&item.id)) },

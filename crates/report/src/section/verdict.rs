@@ -70,6 +70,9 @@ fn conclusion_item(view: View, conclusion: &Conclusion) -> Markup {
                         @for words in conclusion.left_out() { li { (unbroken(words)) } }
                     }
                 }
+                @for looking in &conclusion.looking {
+                    p class="small" { b { "If trials are added: " } (unbroken(&looking.statement)) }
+                }
                 @for sensitivity in &conclusion.clustering {
                     p class="small" { b { "If trials were alike: " } (unbroken(&sensitivity.statement)) }
                 }

@@ -6,5 +6,8 @@ mod markup;
 mod page;
 mod preview;
 mod replay;
+mod statements;
 mod style;
 mod summary;
+#[path = "../../../evidence/tests/integration/support/mod.rs"]
+mod support;

@@ -5,7 +5,7 @@ use evidence::Subject;
 use study::Study;
 
 /// The rate of each requirement that is judged, with the interval of a confidence sequence at the
-/// study's level: `1a 83.1 % (74.9 to 89.6)`.
+/// study's level: `1a 83.1 % (74.9 to 89.6); intervals hold at every look`. Those of the report are of one look, and narrower.
 pub fn estimates(study: &Study, tally: &Tally) -> String {
     let Ok(level) = stats::Confidence::new(study.about.confidence) else {
         return String::new();
@@ -24,5 +24,9 @@ pub fn estimates(study: &Study, tally: &Tally) -> String {
             requirement.id
         ))
     });
-    told.collect::<Vec<_>>().join(", ")
+    let told: Vec<String> = told.collect();
+    match told.is_empty() {
+        true => String::new(),
+        false => format!("{}; intervals hold at every look", told.join(", ")),
+    }
 }

@@ -124,11 +124,11 @@ impl Cohort {
             return tests;
         };
         tests.push(format!(
-            "{column} by the beta-binomial model of {} subjects: interval {}, effective sample size {:.1}; \
+            "{column} by the beta-binomial model of {} subjects: interval {}, effective sample size {}; \
              intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
             rate.clusters,
             rate.interval,
-            rate.worth.trials,
+            evidence::effective_size(rate.worth.trials),
             fit.intraclass_correlation,
             fit.p_value
         ));
