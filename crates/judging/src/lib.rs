@@ -33,7 +33,7 @@ use diagnostic::Problem;
 use evidence::Subject;
 use host::store::Inputs;
 use std::collections::BTreeMap;
-use study::{FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
+use study::{Forms, FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
 use temporal::formula::{Formula, FormulaMonitor, Settings};
 use temporal::monitor::{Monitor, RobustnessMonitor, TooManyUnbounded, Verdict};
 use trace::{Predicate, Quantity, Replay, Trace};
@@ -42,6 +42,8 @@ use trace::{Predicate, Quantity, Replay, Trace};
 #[derive(Debug)]
 pub struct Judges<'a> {
     vocabulary: &'a Vocabulary,
+    /// The forms of the study that they are of, for diagnostics; `None` of forms that belong to no study.
+    forms: Option<&'a Forms>,
     /// The propositions that any monitor uses, each once.
     predicates: Vec<Predicate>,
     /// Their texts.
@@ -171,7 +173,7 @@ pub struct Responsible {
 impl<'a> Judges<'a> {
     /// Compiles the monitors of those subjects for which `wanted` holds.
     pub fn new(study: &'a Study, wanted: impl Fn(&Subject) -> bool) -> Result<Self, Problem> {
-        let mut collector = Collector::new(&study.vocabulary);
+        let mut collector = Collector::of_study(study);
         for form in study.forms.subjects.iter().filter(|f| wanted(&f.subject)) {
             for (reading, judging) in written_forms(form) {
                 collector.add(&form.subject, reading, judging)?;
@@ -185,7 +187,7 @@ impl<'a> Judges<'a> {
         study: &'a Study,
         forms: impl IntoIterator<Item = (&'a Subject, &'a str, &'a JudgingForm)>,
     ) -> Result<Self, Problem> {
-        let mut collector = Collector::new(&study.vocabulary);
+        let mut collector = Collector::of_study(study);
         for (subject, name, judging) in forms {
             collector.add(subject, Some(name), judging)?;
         }
@@ -275,8 +277,8 @@ impl<'a> Judges<'a> {
 }
 
 impl Judges<'_> {
-    /// An error in a proposition: at its place in the vocabulary, or, for a predicate that stands in a requirement, with the
-    /// requirement's name and the predicate.
+    /// An error in a proposition: at its place in the vocabulary, or, for a predicate that stands in a requirement, at its place
+    /// there, with the requirement's name and the predicate.
     fn in_proposition(&self, place: usize, error: &trace::PredicateError) -> Problem {
         let uses = |judge: &&SubjectJudge<'_>| judge.propositions.contains(&place);
         self.in_subject(self.judges.iter().find(uses), &self.texts[place], error)
@@ -295,11 +297,16 @@ impl Judges<'_> {
         error: &trace::PredicateError,
     ) -> Problem {
         let problem = self.vocabulary.predicate_problem(error);
-        match judge {
-            Some(judge) if error.entry.is_none() => {
-                problem.about(&format!("{}: `{text}`", judge.subject.id()))
-            }
-            _ => problem,
+        let Some(judge) = judge.filter(|_| error.entry.is_none()) else {
+            return problem;
+        };
+        let problem = problem.about(&format!("{}: `{text}`", judge.subject.id()));
+        let place = |forms: &Forms| forms.place_of(judge.subject, text);
+        match self.forms.and_then(|forms| Some((forms, place(forms)?))) {
+            Some((forms, place)) => problem.at(&forms.source, place).remedy(
+                "correct the predicate, or judge a recording that has the signals it names",
+            ),
+            None => problem,
         }
     }
 }
@@ -312,10 +319,18 @@ struct Collector<'a> {
 }
 
 impl<'a> Collector<'a> {
+    /// For forms of a study, whose places are told.
+    fn of_study(study: &'a Study) -> Self {
+        let mut collector = Self::new(&study.vocabulary);
+        collector.judges.forms = Some(&study.forms);
+        collector
+    }
+
     fn new(vocabulary: &'a Vocabulary) -> Self {
         Self {
             judges: Judges {
                 vocabulary,
+                forms: None,
                 predicates: Vec::new(),
                 texts: Vec::new(),
                 clocks: Vec::new(),

@@ -73,7 +73,7 @@ impl<'a> SpaceTime<'a> {
         let Some((form, judging)) = form.and_then(|f| Some((f, f.monitor.as_ref()?))) else {
             return Ok(None);
         };
-        let mut collector = Collector::new(&study.vocabulary);
+        let mut collector = Collector::of_study(study);
         match in_stages(form, judging) {
             Some(in_stages) => collector.add(&form.subject, None, &in_stages)?,
             None => collector.add(&form.subject, None, judging)?,
@@ -95,7 +95,12 @@ impl<'a> SpaceTime<'a> {
         let propositions = places.map(|(place, graded)| {
             let predicate = &self.judges.predicates[*place];
             let wrong = |error: trace::PredicateError| self.judges.in_proposition(*place, &error);
-            let degree = scaled(graded.as_ref().unwrap_or(predicate), layout).map_err(wrong)?;
+            let degree = match graded {
+                Some(graded) => scaled(graded, layout).map_err(|error| {
+                    in_graded(self.judges.vocabulary, &self.judges.texts[*place], &error)
+                })?,
+                None => scaled(predicate, layout).map_err(wrong)?,
+            };
             Ok((predicate.bind(layout).map_err(wrong)?, degree))
         });
         let propositions = propositions.collect::<Result<Vec<_>, Problem>>()?;
@@ -266,16 +271,28 @@ fn graded(vocabulary: &Vocabulary, name: &str) -> Result<Option<Predicate>, Prob
         return Ok(None);
     };
     let predicate = vocabulary.signals.predicate(&binding.text);
-    predicate.map(Some).map_err(|error| match error.entry {
-        Some(_) => vocabulary.predicate_problem(&error),
-        None => {
-            let (from, to) = (error.span.start, error.span.end);
+    predicate
+        .map(Some)
+        .map_err(|error| in_graded(vocabulary, name, &error))
+}
+
+/// An error in the predicate that grades a proposition, at its place in the vocabulary: in `graded`, or in the proposition
+/// that it names.
+fn in_graded(vocabulary: &Vocabulary, name: &str, error: &trace::PredicateError) -> Problem {
+    let proposition = vocabulary.propositions.get(name);
+    let binding = proposition.and_then(|it| it.graded.as_ref());
+    match binding.filter(|_| error.entry.is_none()) {
+        None => vocabulary.predicate_problem(error),
+        Some(binding) => {
             let at = binding.span.start;
             Problem::new("bad-predicate", error.kind.to_string())
-                .at(&vocabulary.source, at + from..at + to)
+                .at(
+                    &vocabulary.source,
+                    at + error.span.start..at + error.span.end,
+                )
                 .remedy("`graded` is a predicate over signals, such as \"/gripper.force > 0.5 N\"")
         }
-    })
+    }
 }
 
 /// A predicate with the greatest magnitude that it compares numbers with.

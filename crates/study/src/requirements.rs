@@ -31,6 +31,22 @@ impl Forms {
         self.subjects.iter().find(|form| &form.subject == subject)
     }
 
+    /// Where a text stands among the forms of a subject; its identifier where that cannot be told.
+    pub fn place_of(&self, subject: &Subject, text: &str) -> Option<Range<usize>> {
+        let file = &self.source.text;
+        let id = self.of(subject)?.span.clone();
+        let begin = file.get(..id.start)?.rfind("[[").unwrap_or(id.start);
+        let rest = file.get(id.end..)?;
+        let next = ["\n[[requirement]]", "\n[[failure_mode]]"];
+        let next = next.iter().filter_map(|header| rest.find(header)).min();
+        let end = next.map_or(file.len(), |at| id.end + at);
+        let found = file.get(begin..end)?.find(text);
+        Some(match found.filter(|_| !text.is_empty()) {
+            Some(at) => begin + at..begin + at + text.len(),
+            None => id,
+        })
+    }
+
     /// The subject with this identifier, requirement or failure mode.
     pub fn by_id(&self, id: &str) -> Option<&SubjectForm> {
         self.subjects.iter().find(|form| form.subject.id() == id)

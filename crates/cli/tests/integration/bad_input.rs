@@ -476,6 +476,56 @@ fn bad_recordings() {
     assert!(matches!(said.code, 2 | 3), "{said:?}");
 }
 
+/// A speed is compared with a force: which units signals have is known with the recording, the place is in the study.
+#[test]
+fn predicates_whose_units_do_not_go_together() {
+    let header = "time_secs,/robot.state,/battery.charging,/odometry.speed [m/s],/scanner.person_distance [m]";
+    let rows = "0,approach,false,0.1,3\n1,docked,true,0.1,3\n";
+    let wrong = "/odometry.speed > 1 N";
+    let staged = format!("wait_for = \"{wrong}\"");
+    let formula = format!("formula = \"G ({wrong})\"");
+    let said = |spoil: &dyn Fn(&Study)| {
+        let study = Study::new();
+        spoil(&study);
+        std::fs::write(study.beside().join("r.csv"), format!("{header}\n{rows}")).expect("written");
+        study.run(&["monitor", "study", "r.csv"])
+    };
+    let in_stages = said(&|study| {
+        study.edit("requirements.toml", "wait_for = \"docked\"", &staged);
+    });
+    assert_refused(&in_stages, "bad-predicate", "study/requirements.toml:18:31");
+    let in_formula = said(&|study| {
+        study.edit(
+            "requirements.toml",
+            "monitor.when = \"approaching\"",
+            &formula,
+        );
+        let stages = "monitor.then = [{ wait_for = \"docked\", within_secs = 60 }]\nmonitor.at_end = \"fail_pending\"\n";
+        study.edit("requirements.toml", stages, "");
+    });
+    assert_refused(
+        &in_formula,
+        "bad-predicate",
+        "study/requirements.toml:17:15",
+    );
+    for said in [in_stages, in_formula] {
+        assert!(
+            said.talk.contains("`/odometry.speed > 1 N`"),
+            "{}",
+            said.talk
+        );
+    }
+    let in_vocabulary = said(&|study| {
+        let bound = "trace = \"/odometry.speed\"";
+        study.edit(
+            "vocabulary.toml",
+            bound,
+            "trace = \"/odometry.speed + 1 N\"",
+        );
+    });
+    assert_refused(&in_vocabulary, "bad-predicate", "study/vocabulary.toml:");
+}
+
 /// `corroborate check` on the wrong models of `conformance/bad`: each of their mistakes is shown with its line.
 #[test]
 fn check_shows_every_mistake_of_a_model_at_once() {

@@ -33,7 +33,10 @@ pub(crate) fn counted_constants(
         let Some(finding) = finding else {
             continue;
         };
-        let bad = |error: stats::StatsError| Problem::new("bad-counts", error.to_string());
+        let place = || calibrated.span.clone();
+        let bad = |error: stats::StatsError| {
+            Problem::new("bad-counts", error.to_string()).at(&study.ledger_source, place())
+        };
         let Some(sample) = calibrated.sample(&finding.measure).map_err(bad)? else {
             return Err(Problem::new(
                 "bad-calibration",
@@ -45,6 +48,7 @@ pub(crate) fn counted_constants(
                     calibration.subject.id()
                 ),
             )
+            .at(&study.ledger_source, place())
             .remedy("calibrate from evidence that counts"));
         };
         counted.push(CountedConstant {

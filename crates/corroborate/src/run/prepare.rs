@@ -86,13 +86,17 @@ fn prepared_campaign(campaign: Result<Campaign, Problem>) -> Result<Prepared<'st
 
 /// The stopping rules of the ledger, held against the requirements.
 pub(super) fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
-    let with_rule = study
-        .ledger
-        .iter()
-        .filter_map(|entry| Some((entry, entry.sampling.until.as_ref()?)));
+    let entries = study.ledger.iter().enumerate();
+    let with_rule =
+        entries.filter_map(|(place, entry)| Some((place, entry, entry.sampling.until.as_ref()?)));
     with_rule
-        .map(|(entry, text)| {
-            let until = Until::new(study, text).map_err(|problem| problem.about(&entry.id))?;
+        .map(|(place, entry, text)| {
+            let at = || {
+                let place = place.to_string();
+                study::placed::toml_place(&study.ledger_source, &["evidence", &place, "until"])
+            };
+            let until = Until::new(study, text)
+                .map_err(|problem| problem.about(&entry.id).at(&study.ledger_source, at()))?;
             Ok((entry.id.as_str(), until))
         })
         .collect()

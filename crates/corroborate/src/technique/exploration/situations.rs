@@ -2,28 +2,37 @@
 
 use super::plan::{Plan, SituationData};
 use campaign::{ActionPattern, Coverage, CoverageModel, Situation, Variable};
-use diagnostic::Problem;
+use diagnostic::{Problem, Source};
 use stimulus::{Setting, Stimulus};
-use study::Study;
-use trace::{Cursor, Predicate, Sampling, Trace, ticks};
+use study::{Study, Vocabulary};
+use trace::{BoundPredicate, Cursor, Predicate, Sampling, Trace, ticks};
 
 /// How situations are told.
 pub struct Situations {
     /// The variables and their crosses.
     pub model: CoverageModel,
+    /// The plan and the vocabulary, for diagnostics.
+    source: Source,
+    vocabulary: Vocabulary,
     kinds: Vec<(Variable, Kind)>,
 }
 
 enum Kind {
     /// Whether a proposition held when another first did, or ever.
     Held {
-        proposition: Predicate,
-        when: Option<Predicate>,
+        proposition: Written,
+        when: Option<Written>,
     },
     /// The value of what this key sets.
     Parameter(String),
     /// Whether the test has an action.
     Action(ActionPattern),
+}
+
+/// A predicate as the plan has it.
+struct Written {
+    predicate: Predicate,
+    text: String,
 }
 
 const YES_NO: [&str; 2] = ["yes", "no"];
@@ -41,7 +50,12 @@ impl Situations {
         };
         let checked = model.check();
         checked.map_err(|error| plan.mistake("[[cross]]", error.to_string()))?;
-        Ok(Self { model, kinds })
+        Ok(Self {
+            model,
+            source: plan.source.clone(),
+            vocabulary: study.vocabulary.clone(),
+            kinds,
+        })
     }
 
     /// What an episode was like.
@@ -50,7 +64,10 @@ impl Situations {
         for (variable, kind) in &self.kinds {
             let label = match kind {
                 Kind::Held { proposition, when } => {
-                    let held = held(proposition, when.as_ref(), trace);
+                    let bound = |it: &Written| self.bound(it, trace);
+                    let when = when.as_ref().map(bound).transpose();
+                    let held =
+                        when.and_then(|when| held(&bound(proposition)?, when.as_ref(), trace));
                     let named =
                         |problem: Problem| problem.about(&format!("situation `{}`", variable.name));
                     Some(held.map_err(named)?)
@@ -66,6 +83,22 @@ impl Situations {
             }
         }
         Ok(situation)
+    }
+
+    /// A predicate over the channels of a trace. One that does not fit them, as where it compares a speed with a force, is a
+    /// mistake at its place in the vocabulary or in the plan.
+    fn bound(&self, written: &Written, trace: &Trace) -> Result<BoundPredicate, Problem> {
+        written.predicate.bind(trace).map_err(|error| {
+            if error.entry.is_some() {
+                return self.vocabulary.predicate_problem(&error);
+            }
+            let problem = Problem::new("bad-predicate", error.kind.to_string())
+                .remedy("correct the predicate, or name it in the vocabulary");
+            match self.source.text.find(&written.text) {
+                Some(at) => problem.at(&self.source, at + error.span.start..at + error.span.end),
+                None => problem.about(&format!("{}: `{}`", self.source.name, written.text)),
+            }
+        })
     }
 
     /// Actions by which situations are told apart, each with the weight that
@@ -114,7 +147,12 @@ fn kind_key(kind: &Kind) -> Option<&String> {
 fn kind_of(study: &Study, plan: &Plan, data: &SituationData) -> Result<(Variable, Kind), Problem> {
     let predicate = |text: &String| {
         let predicate = study.vocabulary.signals.predicate(text);
-        predicate.map_err(|error| plan.mistake(text, error.to_string()))
+        predicate
+            .map(|predicate| Written {
+                predicate,
+                text: text.clone(),
+            })
+            .map_err(|error| plan.mistake(text, error.to_string()))
     };
     match (&data.proposition, &data.parameter, &data.action) {
         (Some(proposition), None, None) => {
@@ -176,20 +214,17 @@ fn yes_no(yes: bool) -> String {
 /// Whether a proposition held at the first instant at which `when` did, or
 /// at any.
 fn held(
-    proposition: &Predicate,
-    when: Option<&Predicate>,
+    proposition: &BoundPredicate,
+    when: Option<&BoundPredicate>,
     trace: &Trace,
 ) -> Result<String, Problem> {
-    let bad = |error: trace::PredicateError| Problem::new("bad-predicate", error.to_string());
-    let proposition = proposition.bind(trace).map_err(bad)?;
-    let when = when.map(|when| when.bind(trace)).transpose().map_err(bad)?;
     let times = ticks(trace, Sampling::EveryRow)
         .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
     let mut cursor = Cursor::new(trace);
     for time_secs in times {
         cursor.seek(time_secs);
         let holds = proposition.eval(&cursor) == Some(true);
-        match &when {
+        match when {
             Some(when) if when.eval(&cursor) == Some(true) => return Ok(yes_no(holds)),
             None if holds => return Ok(yes_no(true)),
             _ => {}
