@@ -19,6 +19,7 @@ pub mod report;
 pub mod simulator;
 pub mod solver;
 pub mod suspects;
+mod texts;
 
 #[cfg(test)]
 mod tests;

@@ -50,6 +50,29 @@ pub fn read_prism(path: &Path) -> Result<(Source, Option<Problem>), Problem> {
     Ok((source, Some(warning)))
 }
 
+/// Writes a text in the PRISM language that was made of another's, whole or not at all, in the encoding of that one: bytes
+/// outside of what was changed are the same.
+///
+/// # Errors
+/// `not-latin1` if the other was read as Latin-1 ([`read_prism`]) and the text has a character that Latin-1 has not.
+pub fn write_prism(path: &Path, text: &str, made_of: &Path) -> Result<(), Problem> {
+    if read_prism(made_of)?.1.is_none() {
+        return write_whole(path, text.as_bytes());
+    }
+    let bytes: Result<Vec<u8>, char> = text
+        .chars()
+        .map(|letter| u8::try_from(letter).map_err(|_| letter))
+        .collect();
+    let bytes = bytes.map_err(|letter| {
+        let message = format!(
+            "{} is written in Latin-1, which has no `{letter}`",
+            made_of.display()
+        );
+        Problem::new("not-latin1", message).remedy("save it as UTF-8 first")
+    })?;
+    write_whole(path, &bytes)
+}
+
 fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Source, Problem> {
     let text = String::from_utf8(bytes)
         .map_err(|error| not_text(path, error.utf8_error().valid_up_to()))?;
@@ -191,5 +214,29 @@ mod tests {
         assert_eq!(std::fs::read(&target).expect("there"), b"ours");
         assert!(!target.is_symlink());
         assert!(!folder.path().join("a.partial").exists());
+    }
+
+    #[test]
+    fn what_is_made_of_a_text_in_latin1_keeps_its_bytes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (old, new) = (
+            folder.path().join("old.prism"),
+            folder.path().join("new.prism"),
+        );
+        std::fs::write(&old, b"// caf\xe9\nconst p = 1;\n").expect("written");
+        let (source, _) = read_prism(&old).expect("it is text");
+        let text = source.text.replace("p = 1", "p = 2");
+        write_prism(&new, &text, &old).expect("written");
+        let bytes = std::fs::read(&new).expect("read");
+        assert_eq!(bytes, b"// caf\xe9\nconst p = 2;\n");
+        let beyond = write_prism(&new, "// \u{2265}", &old).expect_err("not in Latin-1");
+        assert_eq!(beyond.code, "not-latin1");
+        assert_eq!(
+            std::fs::read(&new).expect("read"),
+            bytes,
+            "nothing is written"
+        );
+        write_prism(&old, "// \u{e9}\n", &new).expect("written");
+        assert_eq!(std::fs::read(&old).expect("read"), b"// \xe9\n");
     }
 }

@@ -237,7 +237,7 @@ fn looked_at_by(
     if let Some(model) = &plan.data.model
         && let Work::Check { model, .. } = &study.entry(model)?.work
     {
-        let model = host::files::read_source(&study.folder.join(model))?;
+        let (model, _) = host::files::read_prism(&study.folder.join(model))?;
         inputs.add("model", model.text.as_bytes());
     }
     Ok(inputs.hash())

@@ -236,6 +236,45 @@ fn a_constant_that_is_the_complement_of_what_was_counted_carries_the_complements
     assert_eq!(verified.code, 0, "{verified:?}");
 }
 
+/// An accent in a comment, as older models have it: the model is checked, and what is made of it keeps the byte.
+#[test]
+fn a_model_in_latin1_is_checked_and_refined_in_latin1() {
+    let study = with_a_wrong_rate();
+    let mut bytes = b"// Caf\xe9\n".to_vec();
+    bytes.extend(std::fs::read(study.path("model.prism")).expect("read"));
+    study.write("model.prism", &bytes);
+    let run = study.run(&["run", "study"]);
+    assert_ne!(run.code, 2, "{run:?}");
+    assert!(run.talk.contains("study/model.prism:1:"), "{}", run.talk);
+    assert!(run.talk.contains("read-as-latin1"), "{}", run.talk);
+    let said = study.run(&["refine", "study", "--all"]);
+    assert_ne!(said.code, 2, "{said:?}");
+    assert_eq!(
+        std::fs::read(study.path("model.prism")).expect("read"),
+        bytes
+    );
+    let is_new = |name: &&std::path::PathBuf| {
+        name.extension().is_some_and(|it| it == "prism") && !name.ends_with("model.prism")
+    };
+    let contents = study.contents();
+    let new = contents.keys().find(is_new).expect("a refined model");
+    let new = &contents[new];
+    assert!(
+        new.starts_with(b"// Caf\xe9\n"),
+        "{}",
+        String::from_utf8_lossy(new)
+    );
+    // But for its constant the new model is the old one, byte for byte.
+    let rest = |bytes: &[u8]| -> Vec<Vec<u8>> {
+        let lines = bytes.split(|byte| *byte == b'\n');
+        let is_same = |line: &&[u8]| !String::from_utf8_lossy(line).contains("pTouches =");
+        lines.filter(is_same).map(<[u8]>::to_vec).collect()
+    };
+    assert_eq!(rest(new), rest(&bytes));
+    let verified = study.run(&["verify", "study/results", "--deep"]);
+    assert_eq!(verified.code, 0, "{verified:?}");
+}
+
 #[test]
 fn a_complement_that_is_taken_for_the_rate_is_refused_with_its_place() {
     let study = with_a_wrong_rate();

@@ -3,9 +3,10 @@
 use super::ledger_text::{Names, NewEntry, SetTo};
 use super::proposal::{Asset, Change, Proposal, of_model};
 use super::solver::Solver;
+use super::texts;
 use diagnostic::Problem;
 use evidence::{StudyResult, Subject};
-use host::files::write_whole;
+use host::files::{write_prism, write_whole};
 use refinement::{Changed, Exchange, ModelChange, SetConstant};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -86,10 +87,10 @@ impl Applier<'_> {
         proposal: &Proposal,
         make: &dyn Fn(&str) -> Result<String, String>,
     ) -> Result<Applied, Problem> {
-        let path = self.study.folder.join(file);
-        let source = host::files::read_source(&path)?;
+        let file_path = Path::new(file);
+        let source = texts::read(self.study, file_path)?;
         let text = make(&source.text).map_err(|reason| refused(&proposal.title, &reason))?;
-        write_whole(&path, text.as_bytes())?;
+        texts::write(self.study, file_path, &text)?;
         Ok(Applied {
             entry: None,
             file: file.to_owned(),
@@ -129,7 +130,7 @@ impl Applier<'_> {
         let Work::Check { model, .. } = &entry.work else {
             return Ok(Vec::new());
         };
-        let source = host::files::read_source(&self.study.folder.join(model))?;
+        let source = texts::read(self.study, model)?;
         let mut steps = vec![self.step(model, &source.text, SetTo::of(entry), changes)?];
         while steps.len() < self.rounds {
             let Some(last) = steps.last() else { break };
@@ -205,7 +206,8 @@ impl Applier<'_> {
         for (place, step) in steps.iter().enumerate() {
             let id = Names::next_id(self.study, &entry.id, &ids);
             let file = Names::free_model(&self.study.folder, model, &files);
-            write_whole(&self.study.folder.join(&file), step.text.as_bytes())?;
+            let folder = &self.study.folder;
+            write_prism(&folder.join(&file), &step.text, &folder.join(model))?;
             let what = step.what.join("; ");
             let new = NewEntry {
                 id: id.clone(),

@@ -12,10 +12,11 @@ use super::proposal::{
 };
 use super::simulator::of_simulator;
 use super::solver::Solver;
+use super::texts;
 use diagnostic::Problem;
 use evidence::{StudyResult, Suspect, Symptom};
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use study::{Study, Work};
 
 /// All that is offered for a study's result.
@@ -23,7 +24,7 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
     let mut sources = Vec::new();
     for entry in current(study) {
         if let Work::Check { model, .. } = &entry.work {
-            let source = host::files::read_source(&study.folder.join(model))?;
+            let source = texts::read(study, model)?;
             sources.push((entry, model, source.text, solver.at(model)));
         }
     }
@@ -163,7 +164,7 @@ fn of_values(study: &Study, suspect: &Suspect, offered: &mut Offered) -> Result<
     let (Some(file), Some(line)) = (&suspect.asset.file, suspect.asset.line) else {
         return Ok(());
     };
-    let source = host::files::read_source(&study.folder.join(file))?;
+    let source = texts::read(study, Path::new(file))?;
     let mut known: Vec<OneValue> = Vec::new();
     for symptom in &suspect.symptoms {
         let Symptom::EditExplains { found, instead, .. } = symptom else {
@@ -270,7 +271,7 @@ fn of_text(
         ),
     };
     let shown = file.to_string_lossy().replace('\\', "/");
-    let source = host::files::read_source(&study.folder.join(&file))?;
+    let source = texts::read(study, &file)?;
     match change.make(&source.text) {
         Ok(changed) => offered.add(Proposal {
             title,

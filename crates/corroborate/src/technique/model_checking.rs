@@ -49,6 +49,8 @@ const MAX_STEPS_SHOWN: usize = 100;
 pub struct Compiled<'a> {
     study: &'a Study,
     source: Source,
+    /// That its letters had to be guessed, if so.
+    guessed: Option<Problem>,
     tree: prism_lang::ast::Model,
     model: resolved::Model,
     questions: Vec<Question<'a>>,
@@ -88,7 +90,11 @@ pub struct CountedConstant {
 impl<'a> Compiled<'a> {
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
-        Self::of_source(study, host::files::read_source(&study.folder.join(path))?)
+        let (source, guessed) = host::files::read_prism(&study.folder.join(path))?;
+        Ok(Self {
+            guessed,
+            ..Self::of_source(study, source)?
+        })
     }
 
     /// Binds the study's questions to a model's text.
@@ -102,6 +108,7 @@ impl<'a> Compiled<'a> {
         let mut compiled = Self {
             study,
             source,
+            guessed: None,
             tree: parsed.tree,
             model,
             questions: Vec::new(),
@@ -404,6 +411,9 @@ impl<'a> Compiled<'a> {
 
     /// Says what is suspicious in the model.
     pub fn warn(&self, say: &dyn Fn(&str)) {
+        if let Some(guessed) = &self.guessed {
+            say(&guessed.warning_line());
+        }
         for warning in &self.model.warnings {
             say(&study::placed::warning_line(&self.source, warning));
         }

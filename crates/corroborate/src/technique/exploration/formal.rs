@@ -42,7 +42,8 @@ impl Formal {
             )
             .remedy("name an entry of the ledger with a `model`"));
         };
-        let source = host::files::read_source(&study.folder.join(model))?;
+        // That letters had to be guessed is said where the model is checked.
+        let (source, _) = host::files::read_prism(&study.folder.join(model))?;
         let parsed = prism_lang::parse_model(&source.text);
         if let Some(problem) = study::placed::from_diagnostics(&source, &parsed.diagnostics) {
             return Err(problem);
