@@ -29,7 +29,7 @@ fn rate(subject: usize, piece: usize) -> f64 {
 fn counts(subject: usize, piece: usize, trials: u64, effect: f64) -> Measure {
     let count = (trials as f64 * rate(subject, piece)).round() as u64;
     Measure::Counts {
-        clusters: None,
+        by_subject: None,
         count,
         trials,
         effective_trials: (effect > 1.0).then_some(trials as f64 / effect),

@@ -56,7 +56,7 @@ mod shared_data;
 mod together;
 pub(crate) mod words;
 
-pub(crate) use belief::{Belief, CountsThen};
+pub(crate) use belief::{Belief, CountsAtLook};
 pub(crate) use ends::End;
 pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
@@ -178,7 +178,7 @@ impl<'a> Study<'a> {
 ///             count,
 ///             trials,
 ///             effective_trials: None,
-///             clusters: None,
+///             by_subject: None,
 ///             interval: Interval { low: 0.0, high: 1.0 },
 ///         },
 ///         denominator: Denominator::default(),

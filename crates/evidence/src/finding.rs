@@ -228,7 +228,7 @@ pub enum Measure {
         /// What was counted of each subject or session, and of how many trials, where that tells how alike trials of
         /// one are; `None` otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        clusters: Option<Vec<[u64; 2]>>,
+        by_subject: Option<Vec<[u64; 2]>>,
         /// Interval of the rate at the study's level: Wilson's or, of clustered trials, from the
         /// variance between clusters.
         interval: Interval,

@@ -78,7 +78,7 @@ pub use ledger::{
     RepeatedRows, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
-pub use measure::Worst;
+pub use measure::{Worst, adds_up};
 pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
 pub use step::{CarryOver, Step};

@@ -19,7 +19,7 @@
 pub(crate) mod over_looks;
 
 use crate::compare::words::percent;
-use crate::compare::{Belief, CountsThen};
+use crate::compare::{Belief, CountsAtLook};
 use crate::conclude::{at_one_look, of_tests};
 use crate::{Evidence, Interval, Measure, Subject};
 use schemars::JsonSchema;
@@ -59,9 +59,10 @@ pub struct LookedAt {
     /// Independent trials that say as much; `None` if all are independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_trials: Option<f64>,
-    /// `[count, trials]` of each subject or session, where they tell how alike trials of one are.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clusters: Option<Vec<[u64; 2]>>,
+    /// `[count, trials]` of each subject or session, where they tell how alike trials of one are. Files of older versions
+    /// call it `clusters`.
+    #[serde(default, skip_serializing_if = "Option::is_none", alias = "clusters")]
+    pub by_subject: Option<Vec<[u64; 2]>>,
 }
 
 /// What it costs that trials may be added and judged again.
@@ -93,7 +94,7 @@ impl Look {
                         count,
                         trials,
                         effective_trials,
-                        clusters,
+                        by_subject,
                         ..
                     } if *trials > 0 => Some(LookedAt {
                         evidence: piece.id.clone(),
@@ -101,7 +102,7 @@ impl Look {
                         count: *count,
                         trials: *trials,
                         effective_trials: *effective_trials,
-                        clusters: clusters.clone(),
+                        by_subject: by_subject.clone(),
                     }),
                     _ => None,
                 })
@@ -209,7 +210,7 @@ impl Belief {
         else {
             return self;
         };
-        let mut looks: Vec<CountsThen> = Vec::new();
+        let mut looks: Vec<CountsAtLook> = Vec::new();
         for one in earlier.iter().flatten().filter_map(Belief::counts) {
             if one.sample != sample && looks.last().is_none_or(|last| last.sample != one.sample) {
                 looks.push(one);
@@ -227,8 +228,8 @@ impl Belief {
 impl LookedAt {
     fn belief(&self) -> Option<Belief> {
         let belief = Belief::of_counts(self.count, self.trials, self.effective_trials).ok()?;
-        Some(match &self.clusters {
-            Some(clusters) => belief.by_cluster(clusters),
+        Some(match &self.by_subject {
+            Some(by_subject) => belief.by_cluster(by_subject),
             None => belief,
         })
     }
@@ -245,7 +246,7 @@ mod tests {
             count: *count,
             trials: *trials,
             effective_trials: None,
-            clusters: None,
+            by_subject: None,
         });
         Look {
             counts: counts.collect(),

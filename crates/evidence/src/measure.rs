@@ -34,7 +34,7 @@ impl Measure {
             count: sample.successes,
             trials: sample.trials,
             effective_trials,
-            clusters: None,
+            by_subject: None,
             interval: Interval {
                 low: interval.low,
                 high: interval.high,
@@ -92,9 +92,9 @@ impl Measure {
 
     fn of_rate(rate: &ClusteredRate, by_subject: &[Sample]) -> Self {
         let with_trials = by_subject.iter().filter(|one| one.trials > 0);
-        let clusters = with_trials.map(|one| [one.successes, one.trials]);
+        let counts = with_trials.map(|one| [one.successes, one.trials]);
         Self::Counts {
-            clusters: (rate.method == ClusterMethod::Profile).then(|| clusters.collect()),
+            by_subject: (rate.method == ClusterMethod::Profile).then(|| counts.collect()),
             count: rate.total.successes,
             trials: rate.total.trials,
             effective_trials: match rate.method {
@@ -109,6 +109,22 @@ impl Measure {
             },
         }
     }
+}
+
+/// Whether counts by subject or session are those of a total: they add up to its successes and its trials, none with more
+/// successes than trials.
+///
+/// ```
+/// use evidence::adds_up;
+/// assert!(adds_up(&[[4, 5], [3, 5]], [7, 10]));
+/// assert!(!adds_up(&[[6, 5], [1, 5]], [7, 10]));
+/// assert!(!adds_up(&[[4, 5]], [7, 10]));
+/// ```
+#[must_use]
+pub fn adds_up(by_subject: &[[u64; 2]], [successes, trials]: [u64; 2]) -> bool {
+    let sum = |place: usize| -> u128 { by_subject.iter().map(|it| u128::from(it[place])).sum() };
+    let possible = by_subject.iter().all(|it| it[0] <= it[1]);
+    possible && [sum(0), sum(1)] == [u128::from(successes), u128::from(trials)]
 }
 
 impl CredibleInterval {

@@ -1,7 +1,7 @@
 //! Files as the engine reads and writes them: texts whole and in UTF-8, results whole or not at all.
 
 use diagnostic::{Problem, Source};
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -108,7 +108,7 @@ pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>, Problem> {
     }
     let mut bytes = Vec::new();
     if metadata.len() <= most {
-        let file = std::fs::File::open(path).map_err(cannot)?;
+        let file = File::open(path).map_err(cannot)?;
         // It may grow while it is read.
         file.take(most + 1)
             .read_to_end(&mut bytes)
@@ -144,27 +144,41 @@ pub fn write_whole_or_through(path: &Path, bytes: &[u8]) -> Result<(), Problem> 
 /// Writes a file whole or not at all: a new file beside it, whose content has reached the disk, is renamed. A link of its
 /// name that somebody laid there is replaced, not followed.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<(), Problem> {
+    write_whole_by(path, |mut file| {
+        let written = file.write_all(content);
+        written.map_err(|error| Problem::cannot_write(path, &error))?;
+        Ok(file)
+    })
+}
+
+/// The same of a content that is not held in memory: `write` is given the new file and hands it back when all is written.
+pub fn write_whole_by(
+    path: &Path,
+    write: impl FnOnce(File) -> Result<File, Problem>,
+) -> Result<(), Problem> {
     let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(fail)?;
     }
     let partial: PathBuf = path.with_extension("partial");
-    let written = write_new(&partial, content).and_then(|()| std::fs::rename(&partial, path));
-    written.map_err(|error| {
+    let written = new_file(&partial).map_err(fail).and_then(write);
+    let written = written.and_then(|file| {
+        let kept = file.sync_data();
+        kept.and_then(|()| std::fs::rename(&partial, path))
+            .map_err(fail)
+    });
+    written.inspect_err(|_| {
         let _ = std::fs::remove_file(&partial);
-        fail(error)
     })
 }
 
-/// Writes a file that was not there; what an interrupted run left of its name goes first.
-fn write_new(path: &Path, content: &[u8]) -> std::io::Result<()> {
+/// A file that was not there; what an interrupted run left of its name goes first.
+fn new_file(path: &Path) -> std::io::Result<File> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
-    file.write_all(content)?;
-    file.sync_data()
+    OpenOptions::new().write(true).create_new(true).open(path)
 }
 
 #[cfg(test)]

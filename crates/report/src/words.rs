@@ -357,7 +357,7 @@ mod tests {
 
     fn counts(count: u64, trials: u64, low: f64, high: f64) -> Measure {
         Measure::Counts {
-            clusters: None,
+            by_subject: None,
             count,
             trials,
             effective_trials: None,

@@ -16,7 +16,7 @@
 use super::{About, SampleSizes};
 use crate::placed::toml_place;
 use diagnostic::Problem;
-use evidence::{Look, LookedAt, Looks};
+use evidence::{Look, LookedAt, Looks, adds_up};
 use host::files::write_whole;
 use std::fmt::Write;
 use std::path::Path;
@@ -68,13 +68,11 @@ fn mistake(one: &LookedAt) -> Option<String> {
             "a look at {id} has {count} of {trials} trials; `count` must be at most `trials`, and `trials` at least 1"
         ));
     }
-    let clusters = one.clusters.as_ref()?;
-    let sum = |place: usize| -> u128 { clusters.iter().map(|it| u128::from(it[place])).sum() };
-    let is_whole = sum(0) == u128::from(count) && sum(1) == u128::from(trials);
-    let fits = clusters.iter().all(|it| it[0] <= it[1]);
-    (!is_whole || !fits).then(|| {
+    let by_subject = one.by_subject.as_ref()?;
+    let sum = |place: usize| -> u128 { by_subject.iter().map(|it| u128::from(it[place])).sum() };
+    (!adds_up(by_subject, [count, trials])).then(|| {
         format!(
-            "a look at {id} has {count} of {trials} trials, and its `clusters` have {} of {}; they must add up, none with \
+            "a look at {id} has {count} of {trials} trials, and its `by_subject` have {} of {}; they must add up, none with \
              more successes than trials",
             sum(0),
             sum(1)
@@ -125,8 +123,8 @@ fn counts(look: &Look) -> String {
         if let Some(effective) = one.effective_trials {
             let _ = write!(text, ", effective_trials = {effective:?}");
         }
-        if let Some(clusters) = &one.clusters {
-            let _ = write!(text, ", clusters = {clusters:?}");
+        if let Some(by_subject) = &one.by_subject {
+            let _ = write!(text, ", by_subject = {by_subject:?}");
         }
         text.push_str(" },\n");
     }
@@ -146,7 +144,7 @@ mod tests {
             count: 88,
             trials: 100,
             effective_trials,
-            clusters: None,
+            by_subject: None,
         };
         let first = Look {
             counts: vec![one(
@@ -159,13 +157,16 @@ mod tests {
             counts: vec![
                 one("E4", Subject::FailureMode("slip".into()), Some(40.0)),
                 LookedAt {
-                    clusters: Some(vec![[40, 50], [48, 50]]),
+                    by_subject: Some(vec![[40, 50], [48, 50]]),
                     ..one("E5", Subject::FailureMode("slip".into()), None)
                 },
             ],
         };
         let looks = Looks::default().with(first).with(second);
         let read: Looks = toml::from_str(&text(&looks)).expect("valid TOML");
+        assert_eq!(read, looks);
+        let older = text(&looks).replace("by_subject", "clusters");
+        let read: Looks = toml::from_str(&older).expect("valid TOML");
         assert_eq!(read, looks);
     }
 }

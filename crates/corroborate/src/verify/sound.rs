@@ -17,7 +17,7 @@
 
 use super::audit::Audit;
 use crate::technique::Produced;
-use evidence::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Reading};
+use evidence::{CredibleInterval, Guarantee, Interval, Measure, MethodAnswer, Reading, adds_up};
 use std::path::Path;
 
 /// What two roundings may differ by.
@@ -52,7 +52,7 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
             count,
             trials,
             effective_trials,
-            clusters,
+            by_subject,
             interval,
         } => {
             let worth = effective_trials.unwrap_or(*trials as f64);
@@ -64,15 +64,12 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
                 "its effective sample size is larger than its number of trials",
             )
             .map_err(at("/effective_trials"))?;
-            let by_cluster = clusters.iter().flatten();
-            let total = by_cluster.fold([0_u64; 2], |[all, of_all], [one, of_one]| {
-                [all.saturating_add(*one), of_all.saturating_add(*of_one)]
-            });
+            let fits = |by_subject: &Vec<[u64; 2]>| adds_up(by_subject, [*count, *trials]);
             hold(
-                clusters.is_none() || total == [*count, *trials],
-                "its counts by subject or session do not add up to it",
+                by_subject.as_ref().is_none_or(fits),
+                "its counts by subject or session do not add up to it, or one has more successes than trials",
             )
-            .map_err(at("/clusters"))?;
+            .map_err(at("/by_subject"))?;
             let rate = *count as f64 / *trials as f64;
             inside(rate, *interval).map_err(at("/interval"))
         }

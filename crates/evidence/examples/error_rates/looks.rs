@@ -155,7 +155,7 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
 
 fn by_people(measure: &Measure) -> Option<BetaBinomial> {
     let Measure::Counts {
-        clusters: Some(clusters),
+        by_subject: Some(clusters),
         ..
     } = measure
     else {

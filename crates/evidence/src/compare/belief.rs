@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 /// Counts at one look, of one sequence of trials.
 #[derive(Clone, Debug)]
-pub(crate) struct CountsThen {
+pub(crate) struct CountsAtLook {
     /// The counts as they were.
     pub sample: Sample,
     /// At their effective size.
@@ -17,7 +17,7 @@ pub(crate) struct CountsThen {
     pub clusters: Option<Rc<ByCluster>>,
 }
 
-impl CountsThen {
+impl CountsAtLook {
     /// Whether each trial counts as one.
     pub fn is_independent(&self) -> bool {
         self.effective.trials >= self.sample.trials as f64
@@ -43,7 +43,7 @@ pub(crate) enum Belief {
         /// The counts by subject or session, where they tell how alike trials of one are.
         clusters: Option<Rc<ByCluster>>,
         /// The counts at looks before this one, where trials may be added; `None` if this is the only look.
-        before: Option<Rc<[CountsThen]>>,
+        before: Option<Rc<[CountsAtLook]>>,
     },
     /// A computed probability, between these bounds.
     Known {
@@ -79,12 +79,12 @@ impl Belief {
                 count,
                 trials,
                 effective_trials,
-                clusters,
+                by_subject,
                 ..
             } => {
                 let belief = Self::of_counts(*count, *trials, *effective_trials)?;
-                Ok(match clusters {
-                    Some(clusters) => belief.by_cluster(clusters),
+                Ok(match by_subject {
+                    Some(by_subject) => belief.by_cluster(by_subject),
                     None => belief,
                 })
             }
@@ -162,14 +162,14 @@ impl Belief {
     }
 
     /// The present counts, without the looks before; `None` of what is not counted.
-    pub fn counts(&self) -> Option<CountsThen> {
+    pub fn counts(&self) -> Option<CountsAtLook> {
         match self {
             Self::Counts {
                 sample,
                 effective,
                 clusters,
                 ..
-            } => Some(CountsThen {
+            } => Some(CountsAtLook {
                 sample: *sample,
                 effective: *effective,
                 clusters: clusters.clone(),

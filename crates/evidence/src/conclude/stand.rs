@@ -1,7 +1,7 @@
 //! How one piece of evidence stands to a threshold.
 
 use super::{CERTAINTY, limits, words};
-use crate::compare::{Belief, CountsThen, End};
+use crate::compare::{Belief, CountsAtLook, End};
 use crate::looks::over_looks;
 use crate::{Direction, Finding, PieceStanding, Standing, Step, Threshold};
 use stats::{
@@ -110,7 +110,7 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
 }
 
 /// p-values of "the rate is below" and "the rate is at least the threshold", of counts that are looked at once.
-pub(crate) fn at_one_look(counts: &CountsThen, threshold: f64) -> (f64, f64) {
+pub(crate) fn at_one_look(counts: &CountsAtLook, threshold: f64) -> (f64, f64) {
     let at_size = doubts_of_counts(counts.effective, !counts.is_independent(), threshold);
     let by_cluster = counts.doubts_by_cluster(threshold);
     (at_size.0.max(by_cluster.0), at_size.1.max(by_cluster.1))

@@ -260,7 +260,7 @@ mod tests {
     fn clustered_trials_are_worth_less() {
         let of = |effective_trials| {
             Rate::of(&Measure::Counts {
-                clusters: None,
+                by_subject: None,
                 count: 20,
                 trials: 100,
                 effective_trials,

@@ -9,7 +9,7 @@
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
 
-use crate::compare::{Belief, CountsThen};
+use crate::compare::{Belief, CountsAtLook};
 use stats::{
     EffectiveSample, Sample, ScoredLook, clustered_test_above, clustered_test_below,
     continued_above, continued_below, continued_p,
@@ -18,7 +18,7 @@ use stats::{
 /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
 pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
     let looks = looks(belief);
-    if looks.iter().all(CountsThen::is_independent) {
+    if looks.iter().all(CountsAtLook::is_independent) {
         let samples: Vec<Sample> = looks.iter().map(|look| look.sample).collect();
         let now = looks.last();
         let by_cluster = now.map_or((0.0, 0.0), |now| now.doubts_by_cluster(threshold));
@@ -50,7 +50,7 @@ pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
 }
 
 /// All looks, the present one last.
-fn looks(belief: &Belief) -> Vec<CountsThen> {
+fn looks(belief: &Belief) -> Vec<CountsAtLook> {
     let before = match belief {
         Belief::Counts {
             before: Some(before),

@@ -17,7 +17,7 @@ fn tolerance(share: f64, count: usize) -> f64 {
 fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
     // Where it is published the interval counts: that of nothing known.
     let measure = |(count, trials): &(u64, u64)| Measure::Counts {
-        clusters: None,
+        by_subject: None,
         count: *count,
         trials: *trials,
         effective_trials: None,

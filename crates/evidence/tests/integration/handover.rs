@@ -39,7 +39,7 @@ fn counted(subject: Subject, count: u64, trials: u64, effective: Option<f64>) ->
     finding(
         subject,
         Measure::Counts {
-            clusters: None,
+            by_subject: None,
             count,
             trials,
             effective_trials: effective,

@@ -7,6 +7,7 @@ use super::record::{EpisodeRecord, Journal, Judged};
 use super::tally::Monitored;
 use crate::technique::rows::column_of_key;
 use diagnostic::Problem;
+use host::files::write_whole_by;
 use judging::verdict_name;
 use recording::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
 use std::collections::BTreeMap;
@@ -26,45 +27,72 @@ pub fn write(
     journal: &Journal,
     count: u64,
 ) -> Result<(), Problem> {
-    let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
-    let unwritten = |error: ParquetError| match error {
-        ParquetError::Write(error) => fail(error),
-        other => Problem::data_lost("cannot-write", format!("{}: {other}", path.display())),
-    };
-    let partial = path.with_extension("partial");
-    let file = BufWriter::new(File::create(&partial).map_err(fail)?);
-    let stimulus = plan.source.stimulus();
-    let about = [
-        ("study", plan.study.about.title.as_str()),
-        ("evidence", plan.id),
-    ];
-    let drawn = drawn_in(plan, plan.numbers.start)?;
-    let drawn: Vec<String> = drawn.into_keys().collect();
-    let columns = columns(stimulus, &drawn, monitors);
-    let mut table = ParquetWriter::new(file, columns, &about).map_err(unwritten)?;
-    for number in plan.numbers.start..plan.numbers.start + count {
-        let Some(record) = journal.read(number)? else {
-            return Err(Problem::data_lost(
+    write_whole_by(path, |file| {
+        let all = Rows {
+            plan,
+            monitors,
+            journal,
+            count,
+        };
+        all.write(path, file)
+    })
+}
+
+/// The rows of a table.
+struct Rows<'a> {
+    plan: &'a Campaigning<'a>,
+    monitors: &'a [Monitored],
+    journal: &'a Journal,
+    count: u64,
+}
+
+impl Rows<'_> {
+    /// Writes them one after the other, however many there are.
+    fn write(&self, path: &Path, file: File) -> Result<File, Problem> {
+        let plan = self.plan;
+        let fail = |error: std::io::Error| Problem::cannot_write(path, &error);
+        let unwritten = |error: ParquetError| match error {
+            ParquetError::Write(error) => fail(error),
+            other => Problem::data_lost("cannot-write", format!("{}: {other}", path.display())),
+        };
+        let stimulus = plan.source.stimulus();
+        let about = [
+            ("study", plan.study.about.title.as_str()),
+            ("evidence", plan.id),
+        ];
+        let drawn = drawn_in(plan, plan.numbers.start)?;
+        let drawn: Vec<String> = drawn.into_keys().collect();
+        let columns = columns(stimulus, &drawn, self.monitors);
+        let file = BufWriter::new(file);
+        let mut table = ParquetWriter::new(file, columns, &about).map_err(unwritten)?;
+        for number in plan.numbers.start..plan.numbers.start + self.count {
+            let record = self.record(number)?;
+            let recording = record.recording.as_ref().map(|_| plan.recording(number));
+            let name = recording.as_deref().and_then(Path::file_name);
+            let name = name.map(|name| name.to_string_lossy().into_owned());
+            let values = drawn_in(plan, number)?;
+            let values: Vec<Option<f64>> =
+                drawn.iter().map(|key| values.get(key).copied()).collect();
+            let row = row(&record, name.as_deref(), stimulus, &values);
+            table.push(&row).map_err(unwritten)?;
+        }
+        let file = table.finish().map_err(unwritten)?;
+        file.into_inner().map_err(|error| fail(error.into_error()))
+    }
+
+    fn record(&self, number: u64) -> Result<EpisodeRecord, Problem> {
+        let journal = self.journal;
+        journal.read(number)?.ok_or_else(|| {
+            Problem::data_lost(
                 "cannot-read",
                 format!(
                     "{} has no whole line of episode {number}",
                     journal.path().display()
                 ),
             )
-            .remedy("run the command again; the episode is made again"));
-        };
-        let recording = record.recording.as_ref().map(|_| plan.recording(number));
-        let name = recording.as_deref().and_then(Path::file_name);
-        let name = name.map(|name| name.to_string_lossy().into_owned());
-        let values = drawn_in(plan, number)?;
-        let values: Vec<Option<f64>> = drawn.iter().map(|key| values.get(key).copied()).collect();
-        let row = row(&record, name.as_deref(), stimulus, &values);
-        table.push(&row).map_err(unwritten)?;
+            .remedy("run the command again; the episode is made again")
+        })
     }
-    let file = table.finish().map_err(unwritten)?;
-    file.into_inner()
-        .map_err(|error| fail(error.into_error()))?;
-    std::fs::rename(&partial, path).map_err(fail)
 }
 
 /// What an episode drew once from its seed, by key; another simulator does not say.

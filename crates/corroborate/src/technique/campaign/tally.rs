@@ -320,7 +320,7 @@ pub fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
         count: sample.successes,
         trials: sample.trials,
         effective_trials: Some(enough),
-        clusters: None,
+        by_subject: None,
         interval: Interval {
             low: sequence.low,
             high: sequence.high,

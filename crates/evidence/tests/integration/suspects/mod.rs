@@ -16,7 +16,7 @@ fn counted(subject: Subject, count: u64, trials: u64) -> Finding {
     finding(
         subject,
         Measure::Counts {
-            clusters: None,
+            by_subject: None,
             count,
             trials,
             effective_trials: None,
