@@ -303,6 +303,20 @@ mod tests {
     }
 
     #[test]
+    fn what_cannot_happen_is_held_to_a_tenth_of_the_margin() {
+        let seen = Rate::counted(30, 1000);
+        assert!(strength(Rate::Computed(0.0), seen, 0.05) <= WITHIN_MARGIN);
+        assert!(strength(Rate::Never, seen, 0.05) > 5.0);
+        assert_eq!(strength(Rate::Never, Rate::counted(0, 1000), 0.05), 0.0);
+        // One of a thousand may have been written down as another kind.
+        assert_eq!(strength(Rate::Never, Rate::counted(1, 1000), 0.05), 0.0);
+        // Another model that takes it for rare agrees within the margin, as ever.
+        assert!(strength(Rate::Never, Rate::Computed(0.03), 0.05) <= WITHIN_MARGIN);
+        let apart = ln_together(&[Rate::Never, seen], 0.05);
+        assert!(apart < ln_together(&[Rate::Computed(0.0), seen], 0.05));
+    }
+
+    #[test]
     fn more_of_the_same_difference_is_stronger_and_order_does_not_matter() {
         let at = |n: u64| {
             strength(
