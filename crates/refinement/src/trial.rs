@@ -162,7 +162,7 @@ impl Ground<'_> {
         subject: &Subject,
         values: [Option<f64>; 2],
     ) -> bool {
-        let rate = |piece: &Evidence| Rate::of(&piece.finding(subject)?.measure);
+        let rate = |piece: &Evidence| Rate::on(piece, subject);
         let is_real =
             |it: &&&Evidence| matches!(it.technique, Technique::Experiment | Technique::Operation);
         piece.technique == Technique::Simulation
@@ -182,11 +182,11 @@ impl Ground<'_> {
         subject: &Subject,
         values: [Option<f64>; 2],
     ) -> Option<[f64; 2]> {
-        let theirs = Rate::of(&piece.finding(subject)?.measure)?;
+        let theirs = Rate::on(piece, subject)?;
         let margin = self.margin(subject);
         let is_mode = matches!(subject, Subject::FailureMode(_));
         Some(values.map(|value| match value.or(is_mode.then_some(0.0)) {
-            Some(value) => strength(Rate::Computed(value), theirs, margin),
+            Some(value) => strength(Rate::claimed(value, subject), theirs, margin),
             None => 0.0,
         }))
     }

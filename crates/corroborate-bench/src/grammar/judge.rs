@@ -5,7 +5,9 @@
 //! mended, `refine --accept` in a copy.
 //!
 //! * *Found*: a conflict, or an open suspect with a score of 1 or more, on a subject that the fault touches.
-//! * *First suspect right*: the first open suspect is a culprit and touches one of these subjects.
+//! * *First suspect right*: the first open suspect, the one that `diagnose` prints first, is a culprit and touches one of
+//!   these subjects. *Strongly so*: and its score is 1 or more. A conflict that is shown by little data is shared out
+//!   between the pieces that differ, so that none of them need reach that.
 //! * *Repaired*: the first proposal changes such a file, at a line that can mend it, and afterwards no suspect with a
 //!   score of 1 or more is open on these subjects.
 //! * *Harmful*: a proposal that changes a text in which nothing is wrong; or one that moves a value of the model further
@@ -23,6 +25,9 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+/// The score from which a suspect counts as found.
+const STRONG: f64 = 1.0;
+
 /// What the program made of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
@@ -30,12 +35,14 @@ pub struct Outcome {
     pub refused: Option<String>,
     /// Pairs that conflict, as `subject: left-right`.
     pub conflicts: Vec<String>,
-    /// Open suspects with a score of 1 or more, the first first.
+    /// Open suspects, the first first.
     pub suspects: Vec<Suspected>,
     /// Whether the fault was found.
     pub found: bool,
     /// Whether the first suspect is right.
     pub is_first_right: bool,
+    /// Whether it is, with a score of 1 or more.
+    pub is_first_strong: bool,
     /// The first proposal's headline.
     pub offered: Option<String>,
     /// Whether the first proposal repairs the study.
@@ -183,12 +190,15 @@ pub fn judge(study: &Generated, program: &Path, folder: &Path) -> Result<Outcome
         || outcome
             .suspects
             .iter()
-            .any(|it| it.subjects.iter().any(touches));
-    outcome.is_first_right = outcome.suspects.first().is_some_and(|first| {
+            .any(|it| it.score >= STRONG && it.subjects.iter().any(touches));
+    let is_right = |first: &&Suspected| {
         let named =
             |it: &super::plant::Culprit| it.kind == first.kind && first.place.contains(&it.names);
         study.planted.culprits.iter().any(named) && first.subjects.iter().any(touches)
-    });
+    };
+    let right = outcome.suspects.first().filter(is_right);
+    (outcome.is_first_right, outcome.is_first_strong) =
+        (right.is_some(), right.is_some_and(|it| it.score >= STRONG));
     let said = call(program, &["refine", &path, "--format", "json", "-j", "1"])?;
     if is_refusal(said.code) {
         outcome.offered = Some(format!("refine refused: {}", first_line(&said.talk)));
@@ -232,6 +242,7 @@ fn refused(study: &Generated, said: &Said) -> Outcome {
         refused: Some(first_line(&said.talk)),
         found: is_named,
         is_first_right: is_named,
+        is_first_strong: is_named,
         ..Outcome::default()
     }
 }
@@ -275,7 +286,7 @@ fn suspects(diagnosis: &Value) -> Vec<Suspected> {
             score: it["score"].as_f64().unwrap_or(0.0),
         }
     });
-    read.filter(|it| it.score >= 1.0).collect()
+    read.collect()
 }
 
 fn title(offer: &Value) -> String {
@@ -352,5 +363,6 @@ fn repairs(study: &Generated, program: &Path, path: &str, offer: &Value) -> Resu
     }
     let left = suspects(&parsed(&study.name, &said.out)?);
     let touches = |subject: &String| study.planted.subjects.contains(subject);
-    Ok(!left.iter().any(|it| it.subjects.iter().any(touches)))
+    let mut strong = left.iter().filter(|it| it.score >= STRONG);
+    Ok(!strong.any(|it| it.subjects.iter().any(touches)))
 }

@@ -32,7 +32,7 @@ struct Figure {
     holds: fn(&Judged<'_>) -> bool,
 }
 
-const FIGURES: [Figure; 9] = [
+const FIGURES: [Figure; 10] = [
     Figure {
         name: "found where the best test has 95 % power",
         aim: "at least 95 %",
@@ -86,6 +86,12 @@ const FIGURES: [Figure; 9] = [
         aim: "none",
         of: is_sound,
         holds: |it| it.1.refused.is_some(),
+    },
+    Figure {
+        name: "first suspect right with a score of 1 or more, of those found",
+        aim: "",
+        of: |it| !is_sound(it) && it.1.found,
+        holds: |it| it.1.is_first_strong,
     },
 ];
 

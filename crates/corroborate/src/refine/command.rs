@@ -165,12 +165,12 @@ fn predicted(
     counts: &Counts,
 ) -> Trial {
     let mut trial = Trial::default();
-    let Some(was) = piece.finding(subject).and_then(|it| Rate::of(&it.measure)) else {
+    let Some(was) = Rate::on(piece, subject) else {
         return trial;
     };
     let trials = match was {
         Rate::Counted { trials, .. } => trials,
-        Rate::Computed(_) => episodes as f64,
+        Rate::Computed(_) | Rate::Never => episodes as f64,
     };
     let is = Rate::Counted {
         count: counts.rate() * trials,
@@ -178,7 +178,7 @@ fn predicted(
     };
     let margin = super::proposal::ground(study, result).margin(subject);
     for other in others(result, piece) {
-        let theirs = other.finding(subject).and_then(|it| Rate::of(&it.measure));
+        let theirs = Rate::on(other, subject);
         let Some(theirs) = theirs else {
             continue;
         };
@@ -479,7 +479,7 @@ impl<'a> Fitting<'a> {
         let others = others(self.result, self.piece);
         let margin = super::proposal::ground(self.study, self.result).margin(&finding.subject);
         let apart = others.filter_map(|other| {
-            let theirs = Rate::of(&other.finding(&finding.subject)?.measure)?;
+            let theirs = Rate::on(other, &finding.subject)?;
             Some(strength(own, theirs, margin))
         });
         apart.fold(0.0, f64::max)

@@ -1,37 +1,43 @@
-//! Clues that follow from one piece of evidence: failure modes that its model cannot express although
-//! others show them, whose rate is 0 there; and methods that stopped outside bounds that hold.
+//! Clues that follow from one piece of evidence: failure modes that its model excludes although others show them; and
+//! methods that stopped outside bounds that hold.
 //!
-//! Where one piece alone shows such a failure mode, it may be the one that is wrong: the disagreement of strength `T` with
-//! "never" speaks against the model with `q T` and against that piece with `(1 - q) T`, `q` the probability that the model
-//! is the odd one out (`rates`). Where several show it, they are not all wrong.
+//! A model *excludes* a failure mode that it has nothing for, or of which it computes exactly 0 ([`Rate::Never`]). Where one
+//! voice alone shows it ([`mod@super::voices`]), that may be what is wrong: the disagreement of strength `T` with "never"
+//! speaks against the model with `q T` and, if it is one piece, against that piece with `(1 - q) T`, `q` the probability
+//! that the model is the odd one out (`rates`). Where several show it, they are not all wrong; `T` is then of the counts of
+//! all of them that do not differ from the strongest.
 
 use super::matter::{Clue, Matter, name_of, rate_in_words, system_model};
-use super::rates::{NAMED, counts_of, figure, solver};
-use super::strength::{Rate, strength};
+use super::rates::{NAMED, counts_of, figure, rate_or_never, solver};
+use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
 use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique};
 
 impl Matter<'_> {
-    /// Clues against models that cannot express a failure mode that others show.
+    /// Clues against models that exclude a failure mode that others show.
     pub(super) fn of_missing_modes(&self) -> Vec<Clue> {
         let mut clues = Vec::new();
-        for piece in self.speaking() {
+        let models = self
+            .speaking()
+            .filter(|piece| piece.technique == Technique::ModelChecking);
+        for piece in models {
             for finding in &piece.findings {
-                let (Subject::FailureMode(mode), Measure::NotExpressible { reason }) =
-                    (&finding.subject, &finding.measure)
-                else {
-                    continue;
-                };
-                if piece.technique == Technique::ModelChecking {
-                    clues.extend(self.missing_mode(piece, mode, &finding.subject, reason));
-                    clues.extend(self.shown_alone(piece, &finding.subject));
+                let subject = &finding.subject;
+                let excludes = rate_or_never(piece, subject) == Some(Rate::Never);
+                if let (Subject::FailureMode(mode), true) = (subject, excludes) {
+                    let reason = match &finding.measure {
+                        Measure::NotExpressible { reason } => reason,
+                        _ => "None of its paths fails so.",
+                    };
+                    clues.extend(self.missing_mode(piece, mode, subject, reason));
+                    clues.extend(self.shown_alone(piece, subject));
                 }
             }
         }
         clues
     }
 
-    /// What shows a failure mode that a model cannot express: how strongly against never, the strongest first.
+    /// What shows a failure mode that a model excludes: how strongly against never, the strongest first.
     fn shown(&self, piece: &Evidence, subject: &Subject) -> Vec<(f64, &Evidence)> {
         let margin = self.margin(subject);
         let others = self.speaking().filter(|e| e.conditions == piece.conditions);
@@ -39,7 +45,7 @@ impl Matter<'_> {
             .filter_map(|e| {
                 let measure = &e.finding(subject)?.measure;
                 let shows = matches!(measure, Measure::Counts { count, .. } if *count > 0);
-                let apart = strength(Rate::Computed(0.0), Rate::of(measure)?, margin);
+                let apart = strength(Rate::Never, Rate::of(measure)?, margin);
                 shows.then_some((apart, e))
             })
             .collect();
@@ -47,10 +53,35 @@ impl Matter<'_> {
         shown
     }
 
-    /// The probability that a model is the odd one out, and not the one piece that shows what it cannot express.
-    fn is_odd(&self, model: &Evidence, shows: &Evidence, subject: &Subject) -> f64 {
+    /// How strongly all that show a failure mode, and do not differ from the strongest of them, speak against never.
+    fn against_never(&self, shown: &[(f64, &Evidence)], subject: &Subject) -> f64 {
+        let margin = self.margin(subject);
+        let Some((most, first)) = shown.first() else {
+            return 0.0;
+        };
+        let strongest = Rate::on(first, subject);
+        let (mut sum, mut size) = (0.0, 0.0);
+        for (_, piece) in shown {
+            let (Some(first), Some(rate)) = (strongest, Rate::on(piece, subject)) else {
+                continue;
+            };
+            if let Rate::Counted { count, trials } = rate
+                && strength(first, rate, margin) < STRONG
+            {
+                (sum, size) = (sum + count, size + trials);
+            }
+        }
+        let all = Rate::Counted {
+            count: sum,
+            trials: size,
+        };
+        most.max(strength(Rate::Never, all, margin))
+    }
+
+    /// The probability that a model is the odd one out, and not what alone shows a failure mode that it excludes.
+    fn is_odd(&self, model: &Evidence, shows: &[&Evidence], subject: &Subject) -> f64 {
         let odds =
-            self.apart(&[shows], model, subject, None) - self.apart(&[model], model, subject, None);
+            self.apart(shows, model, subject, None) - self.apart(&[model], model, subject, None);
         1.0 / (1.0 + odds.exp())
     }
 
@@ -60,7 +91,7 @@ impl Matter<'_> {
         let [(whole, shows)] = shown[..] else {
             return None;
         };
-        let share = 1.0 - self.is_odd(model, shows, subject);
+        let share = 1.0 - self.is_odd(model, &[shows], subject);
         let mut clue =
             (share >= NAMED).then(|| self.of_system(shows, model, subject, (whole, share)))?;
         clue.title = format!("{} alone shows {}", shows.id, name_of(subject));
@@ -81,9 +112,12 @@ impl Matter<'_> {
         reason: &str,
     ) -> Option<Clue> {
         let shown = self.shown(piece, subject);
-        let (whole, most) = *shown.first()?;
-        let score = match shown.len() {
-            1 => whole * self.is_odd(piece, most, subject),
+        let (_, most) = *shown.first()?;
+        let whole = self.against_never(&shown, subject);
+        let show: Vec<&Evidence> = shown.iter().map(|(_, piece)| *piece).collect();
+        // Pieces that share an assumption may be wrong together.
+        let score = match super::voices::voices(&show, subject).len() {
+            1 => whole * self.is_odd(piece, &show, subject),
             _ => whole,
         };
         let words: Vec<String> = shown
@@ -100,15 +134,14 @@ impl Matter<'_> {
             .skip(place + 1)
             .filter(|e| e.technique == piece.technique && !e.intermediate);
         let mended = later.find(|e| {
-            e.finding(subject)
-                .is_some_and(|f| f.measure.estimate().is_some())
+            rate_or_never(e, subject).is_some_and(|rate| rate != Rate::Never)
         });
         Some(Clue {
             inaccuracy: Inaccuracy::SystemModel,
             asset: system_model(piece),
             subject: subject.clone(),
             score,
-            title: format!("{} does not know {}", piece.id, name_of(subject)),
+            title: format!("{} excludes {}", piece.id, name_of(subject)),
             explanation: format!("It occurs: {}. {reason}", words.join(", ")),
             symptom: Symptom::MissingMode {
                 mode: mode.to_owned(),

@@ -95,7 +95,7 @@ impl Matter<'_> {
             .filter(|d| d.form == found.form)
             .collect();
         let differing: u64 = alike.iter().map(|d| d.count).sum();
-        let own = piece.finding(subject).and_then(|f| Rate::of(&f.measure));
+        let own = Rate::on(piece, subject);
         let score = match (own, under_sentence(piece, subject)) {
             (Some(own), Some(meant)) if found.form == "monitor" => {
                 strength(own, meant, self.margin(subject))

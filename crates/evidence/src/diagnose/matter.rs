@@ -79,8 +79,8 @@ fn form_of(cell: &Cell) -> &'static str {
 /// so that the two forms differ least: they show no difference.
 fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -> Rate {
     let near = match rate {
-        Rate::Computed(value) => value,
         Rate::Counted { count, trials } => count / trials,
+        claim => claim.computed().unwrap_or_default(),
     };
     let counted = match other.undecided {
         0 => Rate::counted(other.count, other.trials),
@@ -89,13 +89,16 @@ fn judged_otherwise(rate: Rate, own: Option<&Cell>, other: &Cell, margin: f64) -
             trials: other.trials as f64,
         },
     };
-    match (rate, own) {
-        (Rate::Computed(value), Some(own)) => {
+    match (rate.computed(), own) {
+        (Some(value), Some(own)) => {
             let ([low, high], [own_low, own_high]) = (other.shares(), own.shares());
             let shift = 0.0_f64.clamp(low - own_high, high - own_low);
-            Rate::Computed((value + shift).clamp(0.0, 1.0))
+            match shift == 0.0 {
+                true => rate,
+                false => Rate::Computed((value + shift).clamp(0.0, 1.0)),
+            }
         }
-        (Rate::Computed(_), None) if strength(rate, counted, margin) < STRONG => rate,
+        (Some(_), None) if strength(rate, counted, margin) < STRONG => rate,
         _ => counted,
     }
 }
@@ -146,7 +149,7 @@ impl<'a> Matter<'a> {
     /// All the ways in which a piece judges a subject, its own first.
     pub(super) fn judged(&self, piece: &Evidence, subject: &Subject) -> Vec<Judged> {
         let finding = piece.finding(subject);
-        let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::of(&f.measure)?))) else {
+        let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::on(piece, subject)?))) else {
             return Vec::new();
         };
         let own = own_form(piece);
@@ -198,8 +201,7 @@ impl<'a> Matter<'a> {
 
     /// How strongly two pieces differ on a subject, by their own findings.
     pub(super) fn difference(&self, one: &Evidence, other: &Evidence, subject: &Subject) -> f64 {
-        let rate = |piece: &Evidence| piece.finding(subject).and_then(|f| Rate::of(&f.measure));
-        match (rate(one), rate(other)) {
+        match (Rate::on(one, subject), Rate::on(other, subject)) {
             (Some(a), Some(b)) => strength(a, b, self.margin(subject)),
             _ => 0.0,
         }

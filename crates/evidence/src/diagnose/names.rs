@@ -109,7 +109,7 @@ fn against_others(
     });
     for other in others {
         for (subject, rate) in rates {
-            let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
+            let theirs = Rate::on(other, subject);
             let apart = theirs.map_or(0.0, |r| strength(r, rate, margin(subject)));
             sum += apart;
             most = most.max(apart);
@@ -144,7 +144,7 @@ impl Matter<'_> {
             found.is_whole,
         );
         let exchanged = exchanged?;
-        let theirs = Rate::of(&against.finding(subject)?.measure)?;
+        let theirs = Rate::on(against, subject)?;
         let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
         let value = piece.finding(subject)?.measure.estimate()?;
         let clue = Clue {

@@ -187,7 +187,7 @@ impl<'a> Matter<'a> {
         if holds(&answer.guarantee) {
             return None;
         }
-        let theirs = Rate::of(&against.finding(subject)?.measure)?;
+        let theirs = Rate::on(against, subject)?;
         let rest = strength(Rate::Computed(sound.value), theirs, self.margin(subject));
         (whole - rest >= STRONG).then(|| {
             let clue = Clue {
@@ -555,16 +555,15 @@ impl<'a> Matter<'a> {
     }
 }
 
-/// The rate of a piece; of a failure mode that a model cannot express it is 0.
-fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate> {
+/// The rate of a piece; a failure mode that a model cannot express never happens in it.
+pub(super) fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate> {
     let measure = &piece.finding(subject)?.measure;
-    let never = matches!(subject, Subject::FailureMode(_))
+    let has_nothing = matches!(subject, Subject::FailureMode(_))
         && matches!(measure, Measure::NotExpressible { .. })
         && piece.technique == Technique::ModelChecking;
-    if never {
-        Some(Rate::Computed(0.0))
-    } else {
-        Rate::of(measure)
+    match has_nothing {
+        true => Some(Rate::Never),
+        false => Rate::on(piece, subject),
     }
 }
 

@@ -49,11 +49,15 @@ pub(super) fn share_with_tools(matter: &Matter<'_>, clues: &mut [Clue]) {
 /// Takes from the system models what an edit of a requirement model explains; of several edits the one that takes most.
 pub(super) fn share_with_edits(clues: &mut [Clue]) {
     let taken = |clue: &Clue| {
-        let Symptom::RateDiffers {
-            evidence, others, ..
-        } = &clue.symptom
-        else {
-            return 0.0;
+        let (evidence, others) = match &clue.symptom {
+            Symptom::RateDiffers {
+                evidence, others, ..
+            } => (evidence, others),
+            Symptom::MissingMode { shown, .. } => match clue.asset.evidence.first() {
+                Some(model) => (model, shown),
+                None => return 0.0,
+            },
+            _ => return 0.0,
         };
         let shares = clues.iter().filter_map(|edit| match &edit.symptom {
             Symptom::EditExplains { pairs, share, .. } if edit.subject == clue.subject => {
@@ -127,7 +131,7 @@ fn left(matter: &Matter<'_>, clue: &Clue, evidence: &str, scales: &[f64]) -> Opt
 }
 
 fn rate(piece: &Evidence, subject: &Subject) -> Option<Rate> {
-    Rate::of(&piece.finding(subject)?.measure)
+    Rate::on(piece, subject)
 }
 
 /// The rate with so many times the violations.

@@ -30,7 +30,7 @@ impl Matter<'_> {
                 && it.id != piece.id
         });
         let counted: Vec<Rate> = counted
-            .filter_map(|it| Rate::of(&it.finding(subject)?.measure))
+            .filter_map(|it| Rate::on(it, subject))
             .collect();
         let most = |rate: Rate| {
             let against = counted

@@ -9,9 +9,12 @@
 //! * counts and counts: `m(k1, n1) m(k2, n2) / m(k1 + k2, n1 + n2)`;
 //! * a computed value `v` and counts: one rate means that it is somewhere in `v - w .. v + w`, uniformly,
 //!   since models that agree within the declared margin agree. With `w` the margin;
-//! * two computed values: 0 if they are within the margin, else [`CERTAIN`].
+//! * two computed values: 0 if they are within the margin, else [`CERTAIN`];
+//! * a failure that a model excludes ([`Rate::Never`]): a value of 0 with a tenth of the margin. That something cannot
+//!   happen is a claim of its own, which no margin for rates softens; what is left is for runs that were taken for
+//!   another kind of failure by mistake.
 //!
-//! A difference within the margin is weighed again with a tenth of the margin and counts at most 1, so
+//! Any other difference within the margin is weighed again with a tenth of the margin and counts at most 1, so
 //! that it is named, but behind all that matters. Effective sizes take the place of sizes where trials
 //! are clustered.
 //!
@@ -26,7 +29,7 @@
 //! the midpoint rule, over the part of it that has likelihood: relative error below 1e-3 of the Bayes
 //! factor (tested against exact integrals).
 
-use crate::Measure;
+use crate::{Evidence, Guarantee, Measure, Subject};
 use stats::special::ln_gamma;
 
 /// What is strong evidence, in decades: a Bayes factor of 10, by Jeffreys' scale.
@@ -37,6 +40,9 @@ pub const CERTAIN: f64 = 100.0;
 
 /// The most that a difference within the margin counts.
 const WITHIN_MARGIN: f64 = 1.0;
+
+/// The part of the margin with which a difference within it is weighed again.
+const SMALL: f64 = 0.1;
 
 /// Points at which a likelihood is evaluated.
 const POINTS: u32 = 2048;
@@ -53,6 +59,8 @@ pub enum Rate {
     },
     /// A value that was computed from a model.
     Computed(f64),
+    /// A failure that a model excludes: it computes exactly 0, or has nothing that could be it.
+    Never,
 }
 
 impl Rate {
@@ -77,6 +85,46 @@ impl Rate {
         }
     }
 
+    /// The rate of a piece on a subject, if it has one. A failure mode of which a model computes exactly 0, by a method
+    /// whose bounds hold, is excluded by it.
+    pub fn on(piece: &Evidence, subject: &Subject) -> Option<Self> {
+        match &piece.finding(subject)?.measure {
+            Measure::Probability { answer, .. }
+                if !matches!(answer.guarantee, Guarantee::Estimated { .. }) =>
+            {
+                Some(Self::claimed(answer.value, subject))
+            }
+            measure => Self::of(measure),
+        }
+    }
+
+    /// What a model says that computes this value; a failure mode with the value 0 is excluded by it.
+    #[must_use]
+    pub fn claimed(value: f64, subject: &Subject) -> Self {
+        match subject {
+            Subject::FailureMode(_) if value == 0.0 => Self::Never,
+            _ => Self::Computed(value),
+        }
+    }
+
+    /// The value of one that was not counted.
+    #[must_use]
+    pub fn computed(self) -> Option<f64> {
+        match self {
+            Self::Computed(value) => Some(value),
+            Self::Never => Some(0.0),
+            Self::Counted { .. } => None,
+        }
+    }
+
+    /// How far the rate of the system may be from what is said of it, of a declared margin.
+    fn window(self, margin: f64) -> f64 {
+        match self {
+            Self::Never => margin * SMALL,
+            Self::Computed(_) | Self::Counted { .. } => margin,
+        }
+    }
+
     /// Counts of independent trials.
     pub fn counted(count: u64, trials: u64) -> Self {
         Self::Counted {
@@ -92,7 +140,7 @@ pub fn strength(one: Rate, other: Rate, margin: f64) -> f64 {
     let strength = if whole >= WITHIN_MARGIN {
         whole
     } else {
-        against_one_rate(one, other, margin / 10.0).clamp(whole, WITHIN_MARGIN)
+        against_one_rate(one, other, margin * SMALL).clamp(whole, WITHIN_MARGIN)
     };
     strength.clamp(0.0, CERTAIN)
 }
@@ -107,14 +155,8 @@ pub fn signed_strength(one: Rate, other: Rate, margin: f64) -> f64 {
 }
 
 /// The decimal logarithm of the Bayes factor.
-fn against_one_rate(one: Rate, other: Rate, window: f64) -> f64 {
+fn against_one_rate(one: Rate, other: Rate, margin: f64) -> f64 {
     match (one, other) {
-        (Rate::Computed(a), Rate::Computed(b)) if (a - b).abs() <= window => 0.0,
-        (Rate::Computed(_), Rate::Computed(_)) => CERTAIN,
-        (Rate::Computed(value), Rate::Counted { count, trials })
-        | (Rate::Counted { count, trials }, Rate::Computed(value)) => {
-            in_decades(marginal(count, trials) - near(value, window, count, trials))
-        }
         (
             Rate::Counted { count, trials },
             Rate::Counted {
@@ -124,6 +166,18 @@ fn against_one_rate(one: Rate, other: Rate, window: f64) -> f64 {
         ) => {
             let apart = marginal(count, trials) + marginal(other_count, other_trials);
             in_decades(apart - marginal(count + other_count, trials + other_trials))
+        }
+        (claim, Rate::Counted { count, trials }) | (Rate::Counted { count, trials }, claim) => {
+            let value = claim.computed().unwrap_or_default();
+            let one_rate = near(value, claim.window(margin), count, trials);
+            in_decades(marginal(count, trials) - one_rate)
+        }
+        (a, b) => {
+            let [a, b] = [a, b].map(|it| it.computed().unwrap_or_default());
+            match (a - b).abs() <= margin {
+                true => 0.0,
+                false => CERTAIN,
+            }
         }
     }
 }
@@ -145,6 +199,7 @@ fn ln_beta(a: f64, b: f64) -> f64 {
 pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
     let (mut count, mut trials) = (0.0, 0.0);
     let mut computed: Option<f64> = None;
+    let mut window = margin;
     for rate in rates {
         match *rate {
             Rate::Counted {
@@ -154,17 +209,22 @@ pub fn ln_together(rates: &[Rate], margin: f64) -> f64 {
                 count += k;
                 trials += n;
             }
-            Rate::Computed(value) => match computed {
-                Some(first) if (first - value).abs() > margin => {
+            Rate::Computed(_) | Rate::Never => {
+                let value = rate.computed().unwrap_or_default();
+                if computed.is_some_and(|first| (first - value).abs() > margin) {
                     return -CERTAIN * std::f64::consts::LN_10;
                 }
-                Some(_) => {}
-                None => computed = Some(value),
-            },
+                // That it cannot happen says more than that it is rare.
+                computed = match *rate {
+                    Rate::Never => Some(0.0),
+                    _ => computed.or(Some(value)),
+                };
+                window = window.min(rate.window(margin));
+            }
         }
     }
     let found = match computed {
-        Some(value) => near(value, margin, count, trials),
+        Some(value) => near(value, window, count, trials),
         None => marginal(count, trials),
     };
     found.max(marginal(count, trials) - CERTAIN * std::f64::consts::LN_10)
@@ -240,6 +300,20 @@ mod tests {
         assert_eq!(strength(all, Rate::Computed(0.5), 0.05), CERTAIN);
         assert_eq!(strength(all, Rate::Computed(0.97), 0.05), WITHIN_MARGIN);
         assert_eq!(strength(all, Rate::Computed(1.0), 0.05), 0.0);
+    }
+
+    #[test]
+    fn what_cannot_happen_is_held_to_a_tenth_of_the_margin() {
+        let seen = Rate::counted(30, 1000);
+        assert!(strength(Rate::Computed(0.0), seen, 0.05) <= WITHIN_MARGIN);
+        assert!(strength(Rate::Never, seen, 0.05) > 5.0);
+        assert_eq!(strength(Rate::Never, Rate::counted(0, 1000), 0.05), 0.0);
+        // One of a thousand may have been written down as another kind.
+        assert_eq!(strength(Rate::Never, Rate::counted(1, 1000), 0.05), 0.0);
+        // Another model that takes it for rare agrees within the margin, as ever.
+        assert!(strength(Rate::Never, Rate::Computed(0.03), 0.05) <= WITHIN_MARGIN);
+        let apart = ln_together(&[Rate::Never, seen], 0.05);
+        assert!(apart < ln_together(&[Rate::Computed(0.0), seen], 0.05));
     }
 
     #[test]

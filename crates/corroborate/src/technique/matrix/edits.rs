@@ -185,10 +185,8 @@ impl Diagnosing<'_> {
             for other in others.filter(comparable) {
                 for finding in &one.findings {
                     let subject = &finding.subject;
-                    let theirs = other.finding(subject).and_then(|f| Rate::of(&f.measure));
-                    if let (Some(a), Some(b), true) =
-                        (Rate::of(&finding.measure), theirs, self.is_own(subject))
-                    {
+                    let rates = (Rate::on(one, subject), Rate::on(other, subject));
+                    if let ((Some(a), Some(b)), true) = (rates, self.is_own(subject)) {
                         let apart = signed_strength(a, b, self.margin(subject));
                         pairs.insert((one.id.clone(), other.id.clone(), subject.clone()), apart);
                     }
@@ -489,10 +487,11 @@ impl Explained {
         let is_extreme = |rate: Rate| match rate {
             Rate::Counted { count, trials } => count <= 0.0 || count >= trials,
             Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
+            Rate::Never => true,
         };
         let rate = |id: &String, subject: &Subject| {
             let piece = evidence.iter().find(|piece| &piece.id == id)?;
-            Rate::of(&piece.finding(subject)?.measure)
+            Rate::on(piece, subject)
         };
         self.pairs.keys().all(|(one, other, subject)| {
             let rates = [one, other].map(|id| rate(id, subject));

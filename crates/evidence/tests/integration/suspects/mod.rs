@@ -1,5 +1,6 @@
 //! Who is suspected first, on the handover's first three pieces of evidence and on planted faults.
 
+mod never;
 mod odd;
 mod voices;
 
