@@ -165,7 +165,7 @@ fn a_replay_writes_recordings_and_a_page_only_if_a_face_draws_one() {
     };
     assert_eq!(page.title, "Requirement clear is violated");
     let signal = page.signals.iter().find(|it| it.name == "/cart.gap");
-    assert!(signal.expect("it is judged by").causes.len() == 1);
+    assert!(!signal.expect("it is judged by").causes.is_empty());
     assert!(
         page.marks
             .iter()
