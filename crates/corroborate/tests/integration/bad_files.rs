@@ -91,7 +91,7 @@ fn a_wrong_calibration_is_told_with_its_line() {
             "intertia",
         ),
         (
-            "episodes_per_round = 8",
+            "episodes_per_round = 400",
             "episodes_per_round = 0",
             "no episodes",
         ),
