@@ -8,6 +8,7 @@ mod args;
 mod command;
 mod explain;
 mod memory;
+mod shown_calibration;
 mod shown_problem;
 mod terminal;
 

@@ -36,23 +36,39 @@
 //! | read the result of an earlier run | [`results::read_current_result`] |
 //! | compare pieces of evidence | [`compare()`] |
 //! | check that every figure follows from its evidence | [`verify()`] |
+//! | look for what nobody has thought of; stop and go on | [`explore()`] |
+//! | map where formal model and simulation differ | [`map_disagreement`](explore::map_disagreement) |
+//! | make a finding small, and keep it as a regression | [`shrink()`] |
+//! | run an episode again, and look at it; run all regressions again | [`replay()`], [`check_regressions`](replay::check_regressions) |
+//! | fit a simulator to what was counted | [`calibrate()`] |
+//! | estimate how rare an event is | [`rare()`] |
+//! | run the same episodes in two physics engines | [`engines()`] |
 //!
 //! Nothing is global: studies run side by side in one process, each with a host of its own, with the same results as one
-//! after another. `examples/first_study.rs` shows all of it.
+//! after another. Every function takes a request as plain data, which its `new` fills with defaults, and gives a report that
+//! serializes by the schema of its name in `schemas/`. What is simulated in physics needs [`Host::physics_library`].
+//! `examples/first_study.rs` shows a study from its folder to verdicts, `examples/explore_and_replay.rs` one that is explored.
 
+pub mod calibrate;
 mod compare;
 pub mod corroboration;
+pub mod engines;
+pub mod explore;
 pub mod kept;
 mod memory;
 pub mod outcome;
 mod plan;
 mod published;
+pub mod rare;
 pub mod refine;
+pub mod replay;
 pub mod results;
 mod run;
 pub mod schemas;
+pub mod shrink;
 pub mod technique;
 mod template;
+mod test_bench;
 mod verify;
 pub mod what_if;
 
@@ -66,9 +82,15 @@ pub use evidence::StudyResult;
 pub use host::{Events, Host};
 pub use study::Study;
 
+pub use calibrate::{CalibrateRequest, calibrate};
 pub use compare::{CompareReport, CompareRequest, compare};
+pub use engines::{EnginesReport, EnginesRequest, engines};
+pub use explore::{ExploreRequest, explore};
 pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
+pub use rare::{RareReport, RareRequest, rare};
+pub use replay::{ReplayReport, ReplayRequest, replay};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
+pub use shrink::{ShrinkReport, ShrinkRequest, shrink};
 pub use template::new_study;
 pub use verify::{Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
 

@@ -2,6 +2,8 @@
 //!
 //! Editors complete and check the files by them, and the reference of the documentation is made of them.
 
+use crate::calibrate::CalibrationText;
+use crate::rare::RareText;
 use crate::technique::exploration::Plan;
 use crate::what_if::file::Variant;
 use rig::Join;
@@ -16,6 +18,8 @@ pub fn all() -> Vec<(&'static str, Schema)> {
         ("topics.toml", recording::TopicMap::schema()),
         ("scene.toml", scene()),
         ("exploration.toml", Plan::schema()),
+        ("calibration.toml", schema_for!(CalibrationText)),
+        ("rare.toml", schema_for!(RareText)),
         ("variant.toml", schema_for!(Variant)),
     ]);
     all

@@ -29,6 +29,7 @@ mod interval;
 mod ledger;
 mod looks;
 mod measure;
+pub mod replay;
 mod requirement;
 mod sensitivity;
 mod step;

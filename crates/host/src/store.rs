@@ -56,7 +56,7 @@ impl Store {
                 "results-in-use",
                 format!("another process is writing to {}", folder.display()),
             )
-            .remedy("wait until it is done, or choose another folder with --out")),
+            .remedy("wait until it is done, or choose another folder for results (--out on the command line)")),
             Err(TryLockError::Error(error)) => Err(fail(error)),
         }
     }

@@ -118,7 +118,9 @@ impl<'a> Work<'a> {
             "recording-cut-short",
             format!("{} was cut short or damaged: {lost}", file.display()),
         )
-        .remedy("record it again, or judge what there is with --partial"))
+        .remedy(
+            "record it again, or judge what there is all the same (--partial on the command line)",
+        ))
     }
 }
 
@@ -140,7 +142,7 @@ fn verdict_files(folder: &Path, files: &[PathBuf]) -> Result<Vec<PathBuf>, Probl
             "already-there",
             format!("{} is there already and would be replaced", name.display()),
         )
-        .remedy("name a new folder with --verdicts, or remove the file")),
+        .remedy("name a new folder for the verdicts (--verdicts on the command line), or remove the file")),
         None => Ok(names),
     }
 }

@@ -48,6 +48,16 @@ pub fn from_toml(source: &Source, error: &toml::de::Error) -> Problem {
     }
 }
 
+/// Where a word stands in a file: in quotes if it does so, else bare, else the first line.
+pub fn quoted(source: &Source, word: &str) -> Range<usize> {
+    let text = &source.text;
+    let found = [format!("\"{word}\""), word.to_owned()]
+        .into_iter()
+        .filter(|_| !word.is_empty())
+        .find_map(|wanted| text.find(&wanted).map(|at| at..at + wanted.len()));
+    found.unwrap_or_else(|| 0..text.lines().next().map_or(0, str::len))
+}
+
 /// Where a TOML file has what a path of keys leads to (places in lists as numbers), or the last part of it that is there: the
 /// key, or the element of a list.
 pub fn toml_place(source: &Source, path: &[&str]) -> Range<usize> {

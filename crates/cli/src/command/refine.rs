@@ -1,9 +1,10 @@
 //! `corroborate refine`: patches of the assets from what disagrees, and what
 //! they change.
 
-use super::calibrate::calibrate;
 use super::{Done, Host, json, run, use_threads};
-use crate::args::{Calibrate, Format, Refine};
+use crate::args::{Format, Refine};
+use crate::shown_calibration::as_text;
+use corroborate::CalibrateRequest;
 use corroborate::corroboration;
 use corroborate::outcome::Outcome;
 use corroborate::refine::apply::{Applied, Applier, append_to_ledger};
@@ -16,6 +17,7 @@ use corroborate::refine::solver::Solver;
 use corroborate::refine::suspects::offered;
 use diagnostic::Problem;
 use evidence::StudyResult;
+use host::files::write_whole;
 use std::path::{Path, PathBuf};
 use study::Study;
 
@@ -202,18 +204,11 @@ fn recalibrate(
 ) -> Result<Applied, Problem> {
     let entry = study.entry(&recalibration.entry)?;
     let target = recalibration.target(study, entry);
-    let done = calibrate(
-        &Calibrate {
-            study: study.folder.clone(),
-            file: study.folder.join(&recalibration.file),
-            to: Some(study.folder.join(&target)),
-            out: None,
-            threads: None,
-            format: Format::Text,
-        },
-        setting,
-    )?;
-    setting.events.say(done.output.trim_end());
+    let file = study.folder.join(&recalibration.file);
+    let report = corroborate::calibrate(&CalibrateRequest::new(&study.folder, file), setting)?;
+    let to = study.folder.join(&target);
+    write_whole(&to, report.parameter_set.as_bytes())?;
+    setting.events.say(as_text(&report).trim_end());
     let id = Names::next_id(study, &entry.id, &[]);
     let new = recalibration.new_entry(entry, id.clone(), &target, episodes);
     append_to_ledger(study, &new.text())?;

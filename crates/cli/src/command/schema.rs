@@ -2,11 +2,11 @@
 
 mod text;
 
-use super::{Done, calibrate, json, rare, simulate};
+use super::{Done, json, simulate};
 use crate::args::{Format, SchemaOfFile};
 use corroborate::outcome::Outcome;
 use diagnostic::{Problem, did_you_mean};
-use schemars::{Schema, schema_for};
+use schemars::Schema;
 use std::fmt::Write as _;
 
 /// A kind of file that a study may have.
@@ -72,14 +72,7 @@ const SAYS: [(&str, &str); 13] = [
 /// All kinds of file.
 pub fn files() -> Vec<FileOfStudy> {
     let mut schemas = corroborate::schemas::all();
-    schemas.extend([
-        ("ros2.toml", simulate::ros2_table::schema()),
-        (
-            "calibration.toml",
-            schema_for!(calibrate::file::CalibrationText),
-        ),
-        ("rare.toml", schema_for!(rare::file::RareText)),
-    ]);
+    schemas.push(("ros2.toml", simulate::ros2_table::schema()));
     let with_words = SAYS.iter().filter_map(|(name, says)| {
         let place = schemas.iter().position(|(file, _)| file == name)?;
         let (_, schema) = schemas.swap_remove(place);

@@ -32,7 +32,7 @@ fn simulator_of(
         return Simulator::of_entry(study, entry, library);
     }
     let Work::SimulateScene { scene, test, .. } = &entry.work else {
-        return Err(super::engines::one_engine(entry));
+        return Err(corroborate::engines::one_engine(entry));
     };
     let campaign = Campaign::of_scene_in_rapier(study, scene, test.as_deref())?;
     Ok(Simulator::Bench(Box::new(campaign)))

@@ -1,4 +1,5 @@
-//! Calibration as a user meets it: a small one of the handover, and files that are wrong.
+//! Calibration as a user meets it: a small one of the handover, and priors that are wrong. Files that are wrong are in the tests
+//! of the library.
 //!
 //! Needs the physics library; without it the tests that simulate are skipped with a line that says
 //! so, except in continuous integration, where nothing is skipped.
@@ -7,7 +8,7 @@ use crate::support;
 
 use serde_json::Value;
 use std::path::Path;
-use support::program::{Said, corroborate};
+use support::program::Said;
 use support::simulation::{handover, library, simulating};
 use support::{copy_study, read, root, schema};
 
@@ -201,96 +202,6 @@ fn kept(folder: &Path) -> Vec<(String, std::time::SystemTime)> {
         .collect();
     files.sort();
     files
-}
-
-#[test]
-fn what_is_wrong_is_said_with_its_line() {
-    for (old, new, message) in [
-        (
-            "evidence = \"E3\"",
-            "evidence = \"E33\"",
-            "no evidence `E33`",
-        ),
-        (
-            "evidence = \"E3\"",
-            "evidence = \"E1\"",
-            "no tables of counts",
-        ),
-        (
-            "fit = [\"grip_failure\"",
-            "fit = [\"grip_failur\"",
-            "did you mean `grip_failure`",
-        ),
-        (
-            "hold_out = [\"runtime_error\"",
-            "hold_out = [\"grip_failure\"",
-            "named twice",
-        ),
-        (
-            "hold_out = [\"runtime_error\"",
-            "hold_out = [\"2\"",
-            "was not counted",
-        ),
-        ("folds = 5", "folds = 1", "two folds"),
-        ("folds = 5", "folds = 11", "cannot be divided"),
-        (
-            "hold_out_runs.folds = 5",
-            "hold_out_runs.subjects = [\"11\"]",
-            "no subject `11`",
-        ),
-        (
-            "hold_out_runs.folds = 5",
-            "hold_out_runs.share = 1.5",
-            "not between 0 and 1",
-        ),
-        (
-            "hold_out_runs.folds = 5",
-            "hold_out_runs.sets = 5",
-            "unknown",
-        ),
-        (
-            "no_opportunity_after.false_negative_pressure = [\"grip_failure\"]",
-            "",
-            "not known by subject",
-        ),
-        (
-            "no_opportunity_after.false_negative_pressure = [\"grip_failure\"]",
-            "no_opportunity_after.false_negative_pressure = [\"false_negative_location\"]",
-            "97 opportunities",
-        ),
-        (
-            "parameters.hand.friction.uniform.0",
-            "scenario.hand",
-            "`scenario.hand`",
-        ),
-        (
-            "uniform = [0.28, 0.6]",
-            "uniform = [0.6, 0.28]",
-            "lowest friction",
-        ),
-        (
-            "inertia = \"geometry\"",
-            "intertia = \"geometry\"",
-            "intertia",
-        ),
-        (
-            "episodes_per_round = 8",
-            "episodes_per_round = 0",
-            "no episodes",
-        ),
-        (
-            "fit = [\"grip_failure\", \"false_negative_pressure\", \"false_negative_location\"]",
-            "fit = []",
-            "nothing is fitted",
-        ),
-    ] {
-        let folder = study(&[(old, new)]);
-        let said = corroborate(folder.path(), &["calibrate", ".", "calibration.toml"]);
-        assert_eq!(said.code, 2, "{new}: {said:?}");
-        assert!(said.out.is_empty(), "{new}: {said:?}");
-        let place = said.talk.contains("calibration.toml:");
-        assert!(place && said.talk.contains(message), "{new}: {said:?}");
-    }
 }
 
 #[test]

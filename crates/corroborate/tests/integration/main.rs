@@ -1,5 +1,7 @@
 //! The engine as a library: no process is started for it, and nothing of a process is shared by those who use it.
 
+mod bad_files;
+mod exploring;
 mod plans;
 mod side_by_side;
 mod support;

@@ -22,17 +22,19 @@ impl Copy {
         copy
     }
 
+    /// A study of the repository, without what was made of it.
+    pub fn of(study: &str) -> Self {
+        let from = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../..")
+            .join(study);
+        let folder = TempDir::new().expect("a temporary folder");
+        copy(&from, folder.path());
+        Self { folder }
+    }
+
     /// A cart whose simulator is a command in Python, with so many episodes.
     pub fn of_cart(episodes: u64) -> Self {
-        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../conformance/command");
-        let folder = TempDir::new().expect("a temporary folder");
-        for entry in std::fs::read_dir(from).expect("a study").flatten() {
-            if entry.path().is_file() {
-                let to = folder.path().join(entry.file_name());
-                std::fs::copy(entry.path(), to).expect("it is copied");
-            }
-        }
-        let copy = Self { folder };
+        let copy = Self::of("conformance/command");
         copy.edit(
             "ledger.toml",
             "episodes = 40",
@@ -71,6 +73,18 @@ impl Copy {
             }
         }
         found
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("it is made");
+    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
+        match from.is_dir() {
+            true if entry.file_name() == "results" => {}
+            true => copy(&from, &to),
+            false => drop(std::fs::copy(from, to).expect("it is copied")),
+        }
     }
 }
 

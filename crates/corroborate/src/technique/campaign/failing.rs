@@ -88,8 +88,9 @@ pub fn words_of(folder: &Path, number: u64) -> PathBuf {
 pub fn stopped_by(folder: &Path, number: u64, kind: FailureKind) -> Problem {
     let words = std::fs::read_to_string(words_of(folder, number));
     let words = words.unwrap_or_else(|_| format!("episode {number}: {}", kind.name()));
-    Problem::new("episode-failed", words.trim_end().to_owned())
-        .remedy("mend the program, or count such episodes with `--on-failure count`")
+    Problem::new("episode-failed", words.trim_end().to_owned()).remedy(
+        "mend the program, or count such episodes (`--on-failure count` on the command line)",
+    )
 }
 
 #[cfg(test)]

@@ -226,7 +226,7 @@ impl<'a> Bench<'a> {
         if plan.on_failure == OnFailure::Stop {
             return Err(failure
                 .problem(number, seed)
-                .remedy("mend the program, or count such episodes with `--on-failure count`"));
+                .remedy("mend the program, or count such episodes (`--on-failure count` on the command line)"));
         }
         failure.keep(plan.folder, number, seed)
     }

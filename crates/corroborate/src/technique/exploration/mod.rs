@@ -32,7 +32,7 @@ mod triggers;
 
 pub use abstraction::{AbstractTrace, Abstraction, Class};
 pub use again::{assets_of, findings_again, inputs_of_all, shown_again};
-pub use bench::{OpenBench, command_of};
+pub use bench::{OpenBench, command_of, failed};
 pub use campaign::{Explored, Exploring};
 pub use disagreement::{MapSearch, as_text as disagreement_text, map_again};
 pub use episode::Watching;

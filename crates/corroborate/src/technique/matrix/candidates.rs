@@ -256,7 +256,7 @@ fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
         let Work::Check { model, .. } = &entry.work else {
             continue;
         };
-        let text = host::files::read_source(&study.folder.join(model))?.text;
+        let text = host::files::read_prism(&study.folder.join(model))?.0.text;
         for (name, place) in &bound {
             for new in other_states(&text, &place.text) {
                 if known.contains(&plain(&new)) {

@@ -267,7 +267,7 @@ impl Diagnosing<'_> {
     /// What a formal model answers to the questions of a study.
     fn model_values(&self, study: &Study, model: &Path) -> Result<Values, Problem> {
         let cancel = || self.setting.cancel.is_cancelled();
-        let source = host::files::read_source(&self.study.folder.join(model))?;
+        let (source, _) = host::files::read_prism(&self.study.folder.join(model))?;
         Compiled::of_source(study, source)?.values_at(&[], &cancel)
     }
 

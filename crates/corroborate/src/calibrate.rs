@@ -1,0 +1,130 @@
+//! Simulator parameters from an evidence's counts: fitted, and checked by the fitted set's own episodes.
+
+mod basis;
+mod conclusion;
+mod counts;
+mod file;
+mod parameter_set;
+mod work;
+
+pub use file::{CalibrationText, HeldOutRuns, Point};
+
+use crate::kept::CALIBRATION;
+use crate::results::json;
+use crate::technique::confidence;
+use crate::technique::simulation::{SearchPhysics, Seeds, scenario_source};
+use crate::test_bench::TestBench;
+use basis::{base_parameters, bench_accepts, inputs, lineage};
+use counts::Reality;
+use diagnostic::{Problem, Source};
+use evidence::CalibrationReport;
+use file::CODE;
+use host::Host;
+use host::files::write_whole;
+use host::store::Store;
+use judging::Judges;
+use rig::check_units;
+use std::path::PathBuf;
+use study::Study;
+use study::placed::quoted;
+use work::Work;
+
+/// A calibration. [`CalibrateRequest::new`] has the defaults.
+#[derive(Clone, Debug)]
+pub struct CalibrateRequest {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// The calibration's file.
+    pub file: PathBuf,
+    /// Where finished parts and the result go; by default to the folder `results/calibration` of the study.
+    pub out: Option<PathBuf>,
+}
+
+impl CalibrateRequest {
+    /// The calibration of this file, in the study in this folder.
+    pub fn new(study: impl Into<PathBuf>, file: impl Into<PathBuf>) -> Self {
+        Self {
+            study: study.into(),
+            file: file.into(),
+            out: None,
+        }
+    }
+}
+
+/// Fits parameters of the simulator to the counts of an evidence, runs the fitted set in the full physics, and writes
+/// `calibration.json` and the table of all episodes. The fitted set is in the report
+/// ([`CalibrationReport::parameter_set`]). Finished parts are kept, and an earlier call's are taken.
+///
+/// # Errors
+/// What the study's files and the calibration's file say wrong, each with its place, before anything runs; `interrupted` if the
+/// host was asked to stop; `results-in-use` if another call writes to the same folder; `no-physics-library` if episodes cannot
+/// be simulated here.
+pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationReport, Problem> {
+    let study = Study::load(&request.study)?;
+    let source = host::files::read_source(&request.file)?;
+    let text = CalibrationText::read(&source)?;
+    let level = confidence(text.confidence)?;
+    let reality = Reality::read(&study, &source, &text)?;
+    let base = base_parameters(&study, &source, &text)?;
+    let benches = Benches::open(&study, &source, &text, &base, host)?;
+    let folder = request.out.clone();
+    let folder = folder.unwrap_or_else(|| study.folder.join("results/calibration"));
+    let (space, build) = (text.space(), &host.build);
+    let work = Work {
+        judges: Judges::new(&study, |subject| {
+            let mut modes = reality.observed.iter();
+            modes.any(|it| it.mode == subject.id())
+        })?,
+        inputs: inputs(&study, benches.search(), &space, &reality, build)?,
+        check_inputs: inputs(&study, &benches.full, &space, &reality, build)?,
+        store: Store::open(&folder)?,
+        seeds: Seeds::new(study.about.seed, &format!("calibration: {}", text.name)),
+        text: &text,
+        bench: benches.search(),
+        check_bench: &benches.full,
+        reality,
+        space,
+        host,
+        agreement: confidence(study.about.agreement)?,
+        lineage: lineage(&study, &source, &text)?,
+    };
+    let report = work.report(&base, level)?;
+    write_whole(&folder.join(CALIBRATION), json(&report)?.as_bytes())?;
+    Ok(report)
+}
+
+/// The bench of the full physics, and that of the rounds, if they run in another.
+struct Benches {
+    full: TestBench,
+    fast: Option<TestBench>,
+}
+
+impl Benches {
+    /// Opens them, and tries what is to be fitted.
+    fn open(
+        study: &Study,
+        source: &Source,
+        text: &CalibrationText,
+        base: &Source,
+        host: &Host,
+    ) -> Result<Self, Problem> {
+        let scenario = scenario_source(&study.folder.join(&text.scenario))?;
+        let library = host.physics_library.as_deref();
+        let full = TestBench::new(&scenario, base, &text.test, library)?;
+        let fast =
+            SearchPhysics::choose(text.physics, || full.in_fast_physics()).map_err(|message| {
+                let span = quoted(source, "physics");
+                let problem = Problem::new(CODE, message).at(source, span);
+                problem.remedy("leave `physics` out")
+            })?;
+        let space = text.space();
+        check_units(&space, source, CODE)?;
+        bench_accepts(&full, &space, source)?;
+        Ok(Self { full, fast })
+    }
+
+    /// That of the rounds.
+    fn search(&self) -> &TestBench {
+        self.fast.as_ref().unwrap_or(&self.full)
+    }
+}

@@ -1,0 +1,160 @@
+//! The same episodes in two engines: how far their recordings lie apart, and where their verdicts differ.
+
+use super::name_of;
+use super::report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
+use crate::technique::campaign::{Ended, FailureCounts, ended, stops};
+use crate::technique::confidence;
+use crate::technique::simulation::{Campaign, Seeds};
+use diagnostic::Problem;
+use evidence::FailureKind;
+use host::Host;
+use judging::{Judges, verdict_name};
+use rayon::prelude::*;
+use study::{Entry, Study};
+use temporal::monitor::Verdict;
+use testbench::{Difference, Unwatched, differences};
+
+/// A call, with what it names.
+pub struct Called<'a> {
+    pub study: &'a Study,
+    pub entry: &'a Entry,
+    pub campaigns: &'a [Campaign],
+    pub numbers: Vec<u64>,
+    pub seeds: Seeds,
+    pub host: &'a Host,
+}
+
+/// What one episode shows.
+struct Compared {
+    differences: Vec<Difference>,
+    /// By engine, in the order of the monitors.
+    verdicts: [Vec<Verdict>; 2],
+    failed: [Option<FailureKind>; 2],
+    words: [String; 2],
+}
+
+impl Called<'_> {
+    /// Runs each episode in both engines.
+    pub fn compare(&self, report: &mut EnginesReport) -> Result<(), Problem> {
+        let [first, second] = self.campaigns else {
+            return Ok(());
+        };
+        let judges = Judges::new(self.study, |_| true)?;
+        let stage = self
+            .host
+            .events
+            .begin("episodes in both engines", self.numbers.len() as u64);
+        let numbers = self.numbers.par_iter();
+        let compared: Vec<Compared> = numbers
+            .map(|number| {
+                let a = self.run(first, *number)?;
+                let b = self.run(second, *number)?;
+                let verdicts = [
+                    judges.verdicts_of(a.trace())?,
+                    judges.verdicts_of(b.trace())?,
+                ];
+                stage.advance();
+                Ok(Compared {
+                    differences: match (a.trace(), b.trace()) {
+                        (Some(a), Some(b)) => differences(a, b),
+                        _ => Vec::new(),
+                    },
+                    verdicts,
+                    failed: [a.failed, b.failed],
+                    words: [a.words, b.words],
+                })
+            })
+            .collect::<Result<_, Problem>>()?;
+        drop(stage);
+        for which in [0, 1] {
+            let failed = self.numbers.iter().zip(&compared);
+            let failed =
+                failed.map(|(number, it)| (*number, it.failed[which], it.words[which].as_str()));
+            stops(self.entry, &self.seeds, failed)?;
+        }
+        report.signals = signals(&compared);
+        report.verdicts = self.verdicts(&judges, &compared);
+        report.failures = self.failures(&compared)?;
+        report.fail_alike = compared.iter().all(|it| it.failed[0] == it.failed[1]);
+        Ok(())
+    }
+
+    /// An episode in one engine.
+    pub(super) fn run(&self, campaign: &Campaign, number: u64) -> Result<Ended, Problem> {
+        let seed = self.seeds.of(number);
+        let run = campaign.attempt(seed, &mut Unwatched, &self.host.cancel);
+        ended(run, seed, self.numbers.first() == Some(&number))
+    }
+
+    /// What failed in each engine, if anything did.
+    fn failures(&self, compared: &[Compared]) -> Result<Vec<EngineFailures>, Problem> {
+        let level = confidence(self.study.about.confidence)?;
+        let mut all = Vec::new();
+        for (engine, campaign) in self.campaigns.iter().enumerate() {
+            let numbered = self.numbers.iter().zip(compared);
+            let counts =
+                FailureCounts::of(numbered.map(|(number, it)| (*number, it.failed[engine])));
+            if !counts.is_empty() {
+                all.push(EngineFailures {
+                    engine: name_of(campaign),
+                    failures: counts.shares(level)?,
+                });
+            }
+        }
+        Ok(all)
+    }
+
+    fn verdicts(&self, judges: &Judges<'_>, compared: &[Compared]) -> Vec<VerdictReport> {
+        judges
+            .monitors()
+            .enumerate()
+            .map(|(index, (subject, reading))| {
+                let mut report = VerdictReport {
+                    subject: subject.clone(),
+                    reading: reading.map(str::to_owned),
+                    violated: [0; 2],
+                    differ: Vec::new(),
+                };
+                for (episode, number) in compared.iter().zip(&self.numbers) {
+                    let names = [0, 1].map(|engine| verdict_name(episode.verdicts[engine][index]));
+                    for (count, name) in report.violated.iter_mut().zip(names) {
+                        *count += u64::from(name == "violated");
+                    }
+                    if names[0] != names[1] {
+                        report.differ.push(VerdictPair {
+                            episode: *number,
+                            seed: self.seeds.of(*number),
+                            first: names[0].to_owned(),
+                            second: names[1].to_owned(),
+                        });
+                    }
+                }
+                report
+            })
+            .collect()
+    }
+}
+
+/// All episodes' differences together, in the order of the recordings.
+fn signals(compared: &[Compared]) -> Vec<SignalReport> {
+    let mut sums: Vec<Difference> = Vec::new();
+    for episode in compared {
+        for difference in &episode.differences {
+            match sums.iter_mut().find(|sum| sum.signal == difference.signal) {
+                Some(sum) => sum.add(difference),
+                None => sums.push(difference.clone()),
+            }
+        }
+    }
+    let report = |sum: Difference| SignalReport {
+        typical: sum.typical(),
+        means: (sum.rows > 0).then(|| sum.sums.map(|total| total / sum.rows as f64)),
+        signal: sum.signal,
+        unit: sum.unit,
+        rows: sum.rows,
+        unmatched: sum.unmatched,
+        largest: sum.largest,
+        largest_at_secs: sum.largest_at_secs,
+    };
+    sums.into_iter().map(report).collect()
+}

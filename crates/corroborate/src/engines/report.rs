@@ -1,0 +1,100 @@
+//! What two physics engines make of the same episodes.
+
+use super::determinism::Repeated;
+use evidence::{EpisodeFailures, Subject};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+/// What the same episodes show in two engines, or in one that repeats them.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EnginesReport {
+    /// Version of this form.
+    pub format: String,
+    /// The ledger's entry that was simulated.
+    pub evidence: String,
+    /// The engines with their versions: the first, the second.
+    pub engines: Vec<String>,
+    /// How many episodes were run in each.
+    pub episodes: u64,
+    /// How far the recordings lie apart, signal by signal.
+    pub signals: Vec<SignalReport>,
+    /// The verdicts in both.
+    pub verdicts: Vec<VerdictReport>,
+    /// Episodes that the robot's program or the physics ended by failing, in each engine; those are
+    /// compared up to there.
+    pub failures: Vec<EngineFailures>,
+    /// Hashes of repeated and continued episodes, if those were asked for.
+    pub repeated: Vec<Repeated>,
+    /// Whether in each episode the same failed in both engines, or nothing.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub fail_alike: bool,
+}
+
+impl EnginesReport {
+    /// Whether no verdict, failure or hash differs.
+    pub fn is_same(&self) -> bool {
+        let mut verdicts = self.verdicts.iter();
+        let mut repeated = self.repeated.iter();
+        self.fail_alike
+            && verdicts.all(|verdict| verdict.differ.is_empty())
+            && repeated.all(|repeated| repeated.same)
+    }
+}
+
+/// What failed in one engine.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct EngineFailures {
+    /// The engine with its version.
+    pub engine: String,
+    /// Each kind, with its share of the episodes.
+    pub failures: Vec<EpisodeFailures>,
+}
+
+/// How far a signal lies apart over all episodes.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct SignalReport {
+    /// `/topic.field`.
+    pub signal: String,
+    /// Its unit; empty for truth values and names.
+    pub unit: String,
+    /// Rows that both recordings have.
+    pub rows: u64,
+    /// Rows that one of them has.
+    pub unmatched: u64,
+    /// Root mean square of the differences; for truth values and names the
+    /// share of rows that differ. Absent without rows.
+    pub typical: Option<f64>,
+    /// The largest difference.
+    pub largest: f64,
+    /// When that was.
+    pub largest_at_secs: f64,
+    /// Means in the first and the second engine. Absent without rows.
+    pub means: Option<[f64; 2]>,
+}
+
+/// What the engines' recordings show of one requirement or failure mode.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct VerdictReport {
+    /// Which.
+    pub subject: Subject,
+    /// The reading; absent for the main one.
+    pub reading: Option<String>,
+    /// Violations, or occurrences of a failure mode, in each engine.
+    pub violated: [u64; 2],
+    /// The episodes on which the engines' verdicts differ.
+    pub differ: Vec<VerdictPair>,
+}
+
+/// An episode on which verdicts differ.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct VerdictPair {
+    /// The episode's number.
+    pub episode: u64,
+    /// Its seed.
+    pub seed: u64,
+    /// The verdict in the first engine.
+    pub first: String,
+    /// The verdict in the second.
+    pub second: String,
+}

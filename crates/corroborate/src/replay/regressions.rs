@@ -1,0 +1,227 @@
+//! All regressions run again: which no longer show what they did.
+
+use super::episode::{Episode, finding_file, hash_of_trace, no_finding};
+use crate::technique::exploration::{OpenBench, ShowsJudge, command_of, failed};
+use crate::technique::simulation::load_engine;
+use diagnostic::Problem;
+use host::{Host, Stage};
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use study::{BenchFiles, Finding, Shows, Study};
+
+/// Regressions to be run again. [`RegressionsRequest::new`] has the defaults.
+#[derive(Clone, Debug)]
+pub struct RegressionsRequest {
+    /// The study's folder.
+    pub study: PathBuf,
+    /// Files of findings, as they are or relative to the study; all of its folder `regressions` if there are none.
+    pub findings: Vec<String>,
+}
+
+impl RegressionsRequest {
+    /// All regressions of the study in this folder.
+    pub fn new(study: impl Into<PathBuf>) -> Self {
+        Self {
+            study: study.into(),
+            findings: Vec::new(),
+        }
+    }
+
+    /// With a file among those that are run; others are not, then.
+    #[must_use]
+    pub fn finding(mut self, file: impl Into<String>) -> Self {
+        self.findings.push(file.into());
+        self
+    }
+}
+
+/// What became of all regressions.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RegressionsReport {
+    /// Version of this form.
+    pub format: String,
+    /// The regressions, by name.
+    pub regressions: Vec<RegressionReport>,
+}
+
+/// What became of a regression.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct RegressionReport {
+    /// Its file.
+    pub file: String,
+    /// What it showed, in words; absent if it cannot be read.
+    pub shows: Option<String>,
+    /// Whether it still shows it.
+    pub shown: bool,
+    /// Whether the recording is the same bytes as when it was stored; absent
+    /// where that is not known.
+    pub same_bytes: Option<bool>,
+    /// Why it could not be run.
+    pub error: Option<String>,
+    /// The same with its place and a remedy, for a face that shows it at length.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub problem: Option<Problem>,
+}
+
+impl RegressionsReport {
+    /// Whether every regression still shows what it did.
+    pub fn all_shown(&self) -> bool {
+        self.regressions.iter().all(|it| it.shown)
+    }
+}
+
+/// Runs regressions of a study again. One that cannot be run is told in its place, and the others are run all the same.
+///
+/// # Errors
+/// What the study's files say wrong; `no-regressions` and `no-finding` if there is nothing to run; `interrupted` if the host
+/// was asked to stop; `no-physics-library` if an episode cannot be simulated here.
+pub fn check_regressions(
+    request: &RegressionsRequest,
+    host: &Host,
+) -> Result<RegressionsReport, Problem> {
+    let study = Study::load(&request.study)?;
+    let files = files(&study, &request.findings)?;
+    let findings: Vec<Result<Finding, Problem>> =
+        files.iter().map(|file| Finding::read(file)).collect();
+    let is_outside = |finding: &Finding| command_of(&study, &finding.bench).is_some();
+    if !findings.iter().flatten().all(is_outside) {
+        // What keeps all of them from running is no result of any.
+        load_engine(host.physics_library.as_deref())?;
+    }
+    let prepared = Prepared::new(&study, &findings, host);
+    let stage = host.events.begin("regressions", files.len() as u64);
+    let pairs: Vec<(&PathBuf, &Result<Finding, Problem>)> = files.iter().zip(&findings).collect();
+    let regressions: Vec<RegressionReport> = pairs
+        .into_par_iter()
+        .map(|(file, finding)| prepared.one(file, finding, &stage))
+        .collect();
+    drop(stage);
+    host.go_on()?;
+    Ok(RegressionsReport {
+        format: "1.0".into(),
+        regressions,
+    })
+}
+
+/// The named files, or all of the study's regressions.
+fn files(study: &Study, named: &[String]) -> Result<Vec<PathBuf>, Problem> {
+    if !named.is_empty() {
+        let find = |name: &String| {
+            let name = Path::new(name);
+            finding_file(study, name).ok_or_else(|| no_finding(study, name))
+        };
+        return named.iter().map(find).collect();
+    }
+    let folder = study.folder.join("regressions");
+    let entries = match std::fs::read_dir(&folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Err(none_there(&folder));
+        }
+        Err(error) => return Err(Problem::cannot_read(&folder, &error)),
+    };
+    let paths = entries.flatten().map(|entry| entry.path());
+    let mut files: Vec<PathBuf> = paths
+        .filter(|path| path.extension().is_some_and(|it| it == "toml"))
+        .collect();
+    files.sort();
+    match files.is_empty() {
+        true => Err(none_there(&folder)),
+        false => Ok(files),
+    }
+}
+
+fn none_there(folder: &Path) -> Problem {
+    let message = format!("{} holds no regressions", folder.display());
+    Problem::new("no-regressions", message)
+        .remedy("`corroborate shrink STUDY FINDING` makes one of a finding")
+}
+
+/// The benches and judges that findings need, each once.
+struct Prepared<'a> {
+    benches: BTreeMap<String, Result<OpenBench, Problem>>,
+    judges: BTreeMap<Shows, Result<ShowsJudge<'a>, Problem>>,
+    host: &'a Host,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(study: &'a Study, findings: &[Result<Finding, Problem>], host: &'a Host) -> Self {
+        let library = host.physics_library.as_deref();
+        let (mut benches, mut judges) = (BTreeMap::new(), BTreeMap::new());
+        for finding in findings.iter().flatten() {
+            let files = &finding.bench;
+            benches
+                .entry(key(files))
+                .or_insert_with(|| OpenBench::of_files(study, files, library));
+            let shows = &finding.shows;
+            judges
+                .entry(shows.clone())
+                .or_insert_with(|| ShowsJudge::new(study, shows, &host.cancel));
+        }
+        Self {
+            benches,
+            judges,
+            host,
+        }
+    }
+
+    fn one(
+        &self,
+        file: &Path,
+        finding: &Result<Finding, Problem>,
+        stage: &Stage,
+    ) -> RegressionReport {
+        let mut report = RegressionReport {
+            file: file.display().to_string(),
+            shows: finding.as_ref().ok().map(|it| it.shows.to_string()),
+            shown: false,
+            same_bytes: None,
+            error: None,
+            problem: None,
+        };
+        match finding
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(|it| self.run(it, file))
+        {
+            Ok((shown, same_bytes)) => (report.shown, report.same_bytes) = (shown, same_bytes),
+            Err(problem) => {
+                report.error = Some(problem.line());
+                report.problem = Some(problem);
+            }
+        }
+        stage.advance();
+        report
+    }
+
+    /// Whether it is shown, and whether the bytes are the same.
+    fn run(&self, finding: &Finding, file: &Path) -> Result<(bool, Option<bool>), Problem> {
+        self.host.go_on()?;
+        let lost = || Problem::new("bad-finding", "it was not prepared");
+        let bench = self.benches.get(&key(&finding.bench)).ok_or_else(lost)?;
+        let bench = bench.as_ref().map_err(Clone::clone)?;
+        let judge = self.judges.get(&finding.shows).ok_or_else(lost)?;
+        let judge = judge.as_ref().map_err(Clone::clone)?;
+        let episode = Episode::of_finding(finding.clone(), file);
+        let recorded = episode
+            .run(bench, None, &self.host.cancel)
+            .map_err(|error| failed(&error))?;
+        let shown = judge.shows(&recorded)?;
+        let same = match &finding.recording {
+            Some(known) => Some(known == &hash_of_trace(&recorded.trace)?.0),
+            None => None,
+        };
+        Ok((shown, same))
+    }
+}
+
+/// What tells benches apart.
+fn key(files: &BenchFiles) -> String {
+    let parts = [&files.scenario, &files.parameters, &files.scene];
+    let parts = parts.map(|part| part.as_deref().unwrap_or("-"));
+    format!("{}\n{}", files.evidence, parts.join("\n"))
+}
