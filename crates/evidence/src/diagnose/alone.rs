@@ -133,9 +133,8 @@ impl Matter<'_> {
             .iter()
             .skip(place + 1)
             .filter(|e| e.technique == piece.technique && !e.intermediate);
-        let mended = later.find(|e| {
-            rate_or_never(e, subject).is_some_and(|rate| rate != Rate::Never)
-        });
+        let mended =
+            later.find(|e| rate_or_never(e, subject).is_some_and(|rate| rate != Rate::Never));
         Some(Clue {
             inaccuracy: Inaccuracy::SystemModel,
             asset: system_model(piece),

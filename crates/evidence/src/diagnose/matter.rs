@@ -149,7 +149,8 @@ impl<'a> Matter<'a> {
     /// All the ways in which a piece judges a subject, its own first.
     pub(super) fn judged(&self, piece: &Evidence, subject: &Subject) -> Vec<Judged> {
         let finding = piece.finding(subject);
-        let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::on(piece, subject)?))) else {
+        let Some((finding, rate)) = finding.and_then(|f| Some((f, Rate::on(piece, subject)?)))
+        else {
             return Vec::new();
         };
         let own = own_form(piece);

@@ -29,9 +29,7 @@ impl Matter<'_> {
                 && it.conditions == piece.conditions
                 && it.id != piece.id
         });
-        let counted: Vec<Rate> = counted
-            .filter_map(|it| Rate::on(it, subject))
-            .collect();
+        let counted: Vec<Rate> = counted.filter_map(|it| Rate::on(it, subject)).collect();
         let most = |rate: Rate| {
             let against = counted
                 .iter()
