@@ -237,9 +237,9 @@ fn matrix(page: &mut Page, view: View) {
         page.line(&format!("{id}{cells}"));
     }
     let words = format!(
-        "Intervals are {}; the marks are those of the {} above.",
+        "Intervals are {}; the marks are those of the one-sided limits above{}.",
         words::intervals(view.study),
-        words::limits(view.study)
+        words::at_looks(view.study)
     );
     page.item("", "2", &words);
 }

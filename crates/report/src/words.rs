@@ -81,11 +81,11 @@ pub fn intervals(study: &StudyResult) -> String {
     }
 }
 
-/// What decides a verdict, and at which looks it holds.
-pub fn limits(study: &StudyResult) -> &'static str {
+/// At which looks the one-sided limits hold that decide a verdict, as the end of a sentence.
+pub fn at_looks(study: &StudyResult) -> &'static str {
     match study.synthesis.looks {
-        Some(_) => "one-sided limits, which hold at every look,",
-        None => "one-sided limits",
+        Some(_) => ", which hold at every look",
+        None => "",
     }
 }
 

@@ -11,7 +11,7 @@ use crate::words;
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "Each cell shows the current evidence of one technique: how the conclusion judges it, the rate with its interval ("
-        (words::intervals(view.study)) "), the runs over which it is taken, and below them what decides: the " (words::limits(view.study)) " with p-values."
+        (words::intervals(view.study)) "), the runs over which it is taken, and below them what decides: the one-sided limits with p-values" (words::at_looks(view.study)) "."
     };
     section("matrix", "Requirements by techniques", lead, table(view))
 }
