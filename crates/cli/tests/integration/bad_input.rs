@@ -272,7 +272,7 @@ fn a_file_that_is_no_text() {
     );
     refuses(
         |s| {
-            s.write("model.prism", [b'd', 0xc3, 0x28]);
+            s.write("model.prism", [b'd', 0xc3, 0x00]);
         },
         "not-text",
         "study/model.prism",
