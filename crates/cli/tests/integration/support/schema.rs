@@ -89,6 +89,12 @@ impl Validator<'_> {
                     self.check(wanted, item, &format!("{place}[{index}]"), found);
                 }
             }
+            // The places of a tuple.
+            "prefixItems" => {
+                for (index, (wanted, item)) in items(wanted).iter().zip(items(value)).enumerate() {
+                    self.check(wanted, item, &format!("{place}[{index}]"), found);
+                }
+            }
             unknown => panic!("the validator does not know the keyword `{unknown}`"),
         }
     }
