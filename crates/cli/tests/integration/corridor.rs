@@ -176,7 +176,7 @@ fn what_goes_wrong_with_a_scene_or_its_controller_is_said() {
         change(
             &scene,
             "latency_secs = 0.02\n",
-            "latency_secs = 0.02\nanswer_within_secs = 1\n",
+            "latency_secs = 0.02\nanswer_within_secs = 4\n",
         );
         let said = simulating(&library, folder.path(), &["run", "."]);
         // A program that hangs is what was found out, not a mistake in the study; nothing is covered then.
