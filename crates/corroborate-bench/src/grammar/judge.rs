@@ -19,14 +19,12 @@
 use super::catalogue::Generated;
 use super::plant::Plant;
 use super::write::write;
+use evidence::STRONG;
 use rayon::prelude::*;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The score from which a suspect counts as found.
-const STRONG: f64 = 1.0;
 
 /// What the program made of a study.
 #[derive(Clone, Debug, Default, PartialEq)]
