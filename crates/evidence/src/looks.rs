@@ -12,8 +12,7 @@
 //!
 //! # Guarantee
 //! That of `stats::continuation`: with the looks recorded, whoever goes on until something is shown errs no more often
-//! than the declared level: exactly for independent counts, approximately for correlated ones, which exceed it where few
-//! people are added at many looks (`ERROR_RATES.md`). Of correlated ones a look keeps the counts by subject, so that it
+//! than the declared level: exactly for independent counts, approximately for correlated ones (`ERROR_RATES.md`). Of correlated ones a look keeps the counts by subject, so that it
 //! says later what it said then. Looks that were not recorded are not known.
 
 pub(crate) mod over_looks;

@@ -219,6 +219,11 @@ impl Model {
         (correlation_at(chosen.0), chosen.1)
     }
 
+    /// The most likely correlation if this is the mean.
+    pub(crate) fn most_likely_correlation(&self, mean: f64) -> f64 {
+        self.profile(mean).0
+    }
+
     /// The most likely mean and correlation, and their likelihood.
     fn maximum(&self, total: Sample) -> (f64, f64, f64) {
         if total.failures() == 0 || total.successes == 0 {

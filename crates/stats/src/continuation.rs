@@ -27,7 +27,7 @@
 //! * *Anything with a p-value at each look* ([`continued_p`]): of the p-value `P` of all trials at a look and their
 //!   information `I`, the score is `z sqrt(I)`, `z` the normal quantile of `1 - P`; the difference of two scores over the
 //!   root of the information between them is the stage's normal deviate. Two samples, equivalence and clustered counts
-//!   are tested so.
+//!   are tested so; of clustered counts stages of few people by their exact distribution ([`continued_clusters_above`]).
 //!
 //! # Source
 //! The conditional error principle: H.-H. Mueller and H. Schaefer, "A general statistical principle for changing a
@@ -51,6 +51,10 @@
 //! |---|---|---|---|---|
 //! | 0.9 (false) | 1.5 | 11.5 | 1.5 | 5.1 |
 //! | 0.95 (true) | 19.8 | 100.0 | 19.8 | 90.2 |
+
+mod clusters;
+
+pub use clusters::{ClusteredLook, continued_clusters_above, continued_clusters_below};
 
 use crate::binomial::binomial_test_above;
 use crate::counts::{Confidence, Interval, Sample};
@@ -310,7 +314,7 @@ pub fn sequence(looks: &[Sample]) -> Vec<Sample> {
 }
 
 /// The p-value under continuation from the p-values that each look would have by itself, oldest first. Looks without
-/// more information than the one before change nothing but the p-value that the next is compared with.
+/// more information than the one before change nothing.
 ///
 /// ```
 /// use stats::continuation::{ScoredLook, continued_p};
@@ -331,34 +335,45 @@ pub fn continued_rejects(looks: &[ScoredLook], level: f64) -> bool {
 }
 
 fn stages_of_scores(looks: &[ScoredLook]) -> Vec<Stage> {
-    let (mut score, mut information) = (0.0, 0.0);
+    let mut before: Option<ScoredLook> = None;
     let mut stages: Vec<Stage> = Vec::new();
     for look in looks {
-        let own = look.information - information;
-        // No new information: nothing is asked again.
-        if own.is_nan() || own <= 1e-9 * look.information {
-            continue;
+        if let Some(stage) = scored_stage(before, *look) {
+            stages.push(stage);
+            before = Some(*look);
         }
-        let (now, u) = match stages.is_empty() {
-            // Exact at the first look, whatever the quantile's rounding.
-            true => (deviate(look.p) * look.information.sqrt(), look.p),
-            false => {
-                let now = deviate(look.p) * look.information.sqrt();
-                (now, normal_cdf(-(now - score) / own.sqrt()))
-            }
-        };
-        let growth = if information > 0.0 {
-            (own / information).min(1.0)
-        } else {
-            1.0
-        };
-        stages.push(Stage {
-            growth,
-            outcome: (u, u),
-        });
-        (score, information) = (now, look.information);
     }
     stages
+}
+
+/// The stage between two looks by the difference of their scores; `None` without new information.
+fn scored_stage(before: Option<ScoredLook>, look: ScoredLook) -> Option<Stage> {
+    let information = before.map_or(0.0, |it| it.information);
+    let own = look.information - information;
+    // No new information: nothing is asked again.
+    if own.is_nan() || own <= 1e-9 * look.information {
+        return None;
+    }
+    let u = match before {
+        // Exact at the first look, whatever the quantile's rounding.
+        None => look.p,
+        Some(before) => normal_cdf(-(look.score() - before.score()) / own.sqrt()),
+    };
+    let growth = if information > 0.0 {
+        (own / information).min(1.0)
+    } else {
+        1.0
+    };
+    Some(Stage {
+        growth,
+        outcome: (u, u),
+    })
+}
+
+impl ScoredLook {
+    fn score(&self) -> f64 {
+        deviate(self.p) * self.information.sqrt()
+    }
 }
 
 fn deviate(p: f64) -> f64 {

@@ -14,8 +14,9 @@ use super::support::{Uniform, at_least, counts, piece, requirement};
 use super::table::{Job, Row, all};
 use evidence::*;
 use stats::{
-    BetaBinomial, Confidence, EffectiveSample, Sample, ScoredLook, clustered_test_above,
-    clustered_test_below, continued_above, continued_below, continued_p,
+    BetaBinomial, ClusteredLook, Confidence, EffectiveSample, Sample, ScoredLook,
+    clustered_test_above, clustered_test_below, continued_above, continued_below,
+    continued_clusters_above, continued_clusters_below,
 };
 
 /// When to go on with how many trials.
@@ -134,26 +135,37 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
         true => clustered_test_above,
         false => clustered_test_below,
     };
-    let scored = looks.iter().map(|it| {
+    let clusters: Vec<Option<Vec<Sample>>> = looks.iter().map(clusters_of).collect();
+    let scored = looks.iter().zip(&clusters).map(|(it, clusters)| {
         let (sample, effective) = sample_of(it);
         let size = effective.unwrap_or(sample.trials as f64);
         let by_size = test(
             EffectiveSample::at_size(sample, size).expect("a size"),
             threshold,
         );
-        let by_people = by_people(it).map_or(0.0, |people| {
+        let fit = clusters
+            .as_ref()
+            .and_then(|clusters| BetaBinomial::fit(clusters).ok());
+        let by_people = fit.map_or(0.0, |people| {
             let (above, below) = people.threshold_tests(threshold);
             if is_above { above } else { below }
         });
-        ScoredLook {
-            p: by_size.max(by_people),
-            information: sample.trials as f64,
+        ClusteredLook {
+            clusters: clusters.as_deref(),
+            scored: ScoredLook {
+                p: by_size.max(by_people),
+                information: sample.trials as f64,
+            },
         }
     });
-    continued_p(&scored.collect::<Vec<_>>())
+    let looks: Vec<ClusteredLook<'_>> = scored.collect();
+    match is_above {
+        true => continued_clusters_above(&looks, threshold),
+        false => continued_clusters_below(&looks, threshold),
+    }
 }
 
-fn by_people(measure: &Measure) -> Option<BetaBinomial> {
+fn clusters_of(measure: &Measure) -> Option<Vec<Sample>> {
     let Measure::Counts {
         by_subject: Some(clusters),
         ..
@@ -162,7 +174,7 @@ fn by_people(measure: &Measure) -> Option<BetaBinomial> {
         return None;
     };
     let one = |&[successes, trials]: &[u64; 2]| Sample { successes, trials };
-    BetaBinomial::fit(&clusters.iter().map(one).collect::<Vec<_>>()).ok()
+    Some(clusters.iter().map(one).collect())
 }
 
 fn sample_of(measure: &Measure) -> (Sample, Option<f64>) {

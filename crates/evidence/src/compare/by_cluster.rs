@@ -35,6 +35,11 @@ impl ByCluster {
         }
     }
 
+    /// The counts of each.
+    pub fn found(&self) -> &[Sample] {
+        &self.found
+    }
+
     /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 0, which claims nothing by
     /// itself, where no model can be fitted.
     pub fn doubts(&self, threshold: f64) -> (f64, f64) {

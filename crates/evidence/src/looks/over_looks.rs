@@ -3,16 +3,17 @@
 //! # Definition
 //! Of independent trials the p-values are those of `stats::continued_above` and `continued_below`, exact at every look.
 //! Of correlated trials each look has the p-value of the test of correlated trials, and its information is the number of
-//! trials at the design effect of today: `stats::continued_p`. A look's p-value is also that of its counts by subject,
-//! whichever is greater. The limits of the rate are where the p-value is the error.
+//! trials at the design effect of today. A look's p-value is also that of its counts by subject, whichever is greater.
+//! Where a few subjects are added, they are a stage judged by the exact distribution of their successes, since one person
+//! more is no normal increment: `stats::continued_clusters_above`. The limits of the rate are where the p-value is the error.
 //!
 //! # Guarantee
 //! Of `stats::continuation`: exact for independent trials, approximate for correlated ones.
 
 use crate::compare::{Belief, CountsAtLook};
 use stats::{
-    EffectiveSample, Sample, ScoredLook, clustered_test_above, clustered_test_below,
-    continued_above, continued_below, continued_p,
+    ClusteredLook, EffectiveSample, Sample, ScoredLook, clustered_test_above, clustered_test_below,
+    continued_above, continued_below, continued_clusters_above, continued_clusters_below,
 };
 
 /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 1 of what is not counted.
@@ -28,23 +29,26 @@ pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
     }
     let by_cluster = looks.iter().map(|look| look.doubts_by_cluster(threshold));
     let by_cluster: Vec<(f64, f64)> = by_cluster.collect();
-    let p = |test: fn(EffectiveSample, f64) -> f64, of: fn(&(f64, f64)) -> f64| {
+    let clustered = |test: fn(EffectiveSample, f64) -> f64, of: fn(&(f64, f64)) -> f64| {
         let pairs = looks.iter().zip(&by_cluster);
-        let scored = pairs.map(|(look, by_cluster)| ScoredLook {
-            p: test(look.effective, threshold).max(of(by_cluster)),
-            information: look.sample.trials as f64,
+        let clustered = pairs.map(|(look, by_cluster)| ClusteredLook {
+            clusters: look.clusters.as_ref().map(|it| it.found()),
+            scored: ScoredLook {
+                p: test(look.effective, threshold).max(of(by_cluster)),
+                information: look.sample.trials as f64,
+            },
         });
-        continued_p(&scored.collect::<Vec<_>>())
+        clustered.collect::<Vec<_>>()
     };
     let below = if threshold >= 1.0 {
         1.0
     } else {
-        p(clustered_test_above, |it| it.0)
+        continued_clusters_above(&clustered(clustered_test_above, |it| it.0), threshold)
     };
     let at_least = if threshold <= 0.0 {
         1.0
     } else {
-        p(clustered_test_below, |it| it.1)
+        continued_clusters_below(&clustered(clustered_test_below, |it| it.1), threshold)
     };
     (below, at_least)
 }

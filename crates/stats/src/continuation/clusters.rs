@@ -1,0 +1,260 @@
+//! Looks at clustered counts: people are added, each with trials that are alike.
+//!
+//! # Definition
+//! The people added between two looks are a stage of their own. If the mean of people's rates is the threshold, and their
+//! rates have a beta distribution of intraclass correlation `rho`, the successes of these people are a sum `X` of
+//! beta-binomial numbers, and an outcome `x` stands for the p-values between `P(X > x)` and `P(X >= x)`, as in
+//! [`continued_above`](super::continued_above). `rho` is the most likely one of all people seen so far if the mean is the
+//! threshold. The first stage has the p-value of its look, whatever test that is of; so has, as the difference of two scores
+//! ([`continued_p`](super::continued_p)), a stage of more than [`MOST_CLUSTERS`] people, whose sum is near to normal, and
+//! one that is not a stage of new people: those who were there have made further trials.
+//!
+//! # Why
+//! One person more is far from a normal increment: where 9 of 10 succeed and attempts of one person are alike (0.3), a person
+//! who fails ten times comes along once in 120 and is five standard deviations away.
+//!
+//! # Source
+//! J. G. Skellam (1948) and D. A. Williams (1975) for the model, `crate::beta_binomial`; stages are those of
+//! [`continuation`](super).
+//!
+//! # Guarantee
+//! Exact for stages of new people if `rho` is theirs; it is estimated. Measured rates are in `evidence/ERROR_RATES.md`.
+
+use super::{ScoredLook, Stage, p_of_stages, scored_stage};
+use crate::beta_binomial::Model;
+use crate::counts::Sample;
+use std::collections::BTreeMap;
+
+/// Stages of more people are judged by scores.
+pub const MOST_CLUSTERS: usize = 40;
+
+/// So are stages of more trials, whose exact sums cost time.
+pub const MOST_TRIALS: u64 = 4000;
+
+/// A look at counts of clusters, all so far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClusteredLook<'a> {
+    /// The counts of each cluster; `None` where they are not known.
+    pub clusters: Option<&'a [Sample]>,
+    /// The p-value of all trials if this was the only look, and their information.
+    pub scored: ScoredLook,
+}
+
+/// What is held against the threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// The rate is at most the threshold: successes speak against it.
+    Above,
+    /// The rate is at least the threshold: failures do.
+    Below,
+}
+
+/// The p-value under continuation of "the mean rate is at most the threshold", oldest look first.
+#[must_use]
+pub fn continued_clusters_above(looks: &[ClusteredLook<'_>], threshold: f64) -> f64 {
+    continued(looks, threshold, Side::Above)
+}
+
+/// The same of "the mean rate is at least the threshold".
+#[must_use]
+pub fn continued_clusters_below(looks: &[ClusteredLook<'_>], threshold: f64) -> f64 {
+    continued(looks, threshold, Side::Below)
+}
+
+fn continued(looks: &[ClusteredLook<'_>], threshold: f64, side: Side) -> f64 {
+    let correlation = looks
+        .last()
+        .and_then(|look| look.clusters)
+        .filter(|_| threshold > 0.0 && threshold < 1.0)
+        .map(|clusters| Model::new(clusters).most_likely_correlation(threshold));
+    let mut stages: Vec<Stage> = Vec::new();
+    let mut before: Option<&ClusteredLook<'_>> = None;
+    for look in looks {
+        let Some(mut stage) = scored_stage(before.map(|it| it.scored), look.scored) else {
+            continue;
+        };
+        if let (Some(correlation), Some(added)) = (correlation, added(before, look)) {
+            stage.outcome = outcome(&added, threshold, correlation, side);
+        }
+        stages.push(stage);
+        before = Some(look);
+    }
+    p_of_stages(&stages)
+}
+
+/// The clusters that a look has and the one before had not, if it has all of those unchanged, and they are few.
+fn added(before: Option<&ClusteredLook<'_>>, look: &ClusteredLook<'_>) -> Option<Vec<Sample>> {
+    let mut times: BTreeMap<(u64, u64), usize> = BTreeMap::new();
+    for cluster in before?.clusters? {
+        *times
+            .entry((cluster.successes, cluster.trials))
+            .or_default() += 1;
+    }
+    let mut new = Vec::new();
+    for cluster in look.clusters?.iter().filter(|it| it.trials > 0) {
+        match times.get_mut(&(cluster.successes, cluster.trials)) {
+            Some(left) if *left > 0 => *left -= 1,
+            _ => new.push(*cluster),
+        }
+    }
+    let is_extended = times.values().all(|left| *left == 0);
+    let trials: u64 = new.iter().map(|it| it.trials).sum();
+    (is_extended && !new.is_empty() && new.len() <= MOST_CLUSTERS && trials <= MOST_TRIALS)
+        .then_some(new)
+}
+
+/// `P(X > x)` and `P(X >= x)` of what speaks against the hypothesis.
+fn outcome(added: &[Sample], threshold: f64, correlation: f64, side: Side) -> (f64, f64) {
+    let (mean, found): (f64, u64) = match side {
+        Side::Above => (threshold, added.iter().map(|it| it.successes).sum()),
+        Side::Below => (1.0 - threshold, added.iter().map(Sample::failures).sum()),
+    };
+    let mut sum = vec![1.0];
+    for cluster in added {
+        sum = convolved(&sum, &beta_binomial(cluster.trials, mean, correlation));
+    }
+    let above: f64 = sum[found as usize + 1..].iter().sum();
+    (above.min(1.0), (above + sum[found as usize]).min(1.0))
+}
+
+fn convolved(one: &[f64], other: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; one.len() + other.len() - 1];
+    for (i, a) in one.iter().enumerate() {
+        for (j, b) in other.iter().enumerate() {
+            sum[i + j] += a * b;
+        }
+    }
+    sum
+}
+
+/// The probabilities of 0 to `n` successes of one cluster.
+fn beta_binomial(n: u64, mean: f64, correlation: f64) -> Vec<f64> {
+    let theta = correlation / (1.0 - correlation);
+    let mut logarithms = vec![0.0];
+    for k in 0..n {
+        let (k, left) = (k as f64, (n - k) as f64);
+        let ratio = left / (k + 1.0) * (mean + k * theta) / (1.0 - mean + (left - 1.0) * theta);
+        logarithms.push(logarithms.last().expect("the first") + ratio.ln());
+    }
+    let most = logarithms.iter().copied().fold(f64::MIN, f64::max);
+    let weights: Vec<f64> = logarithms.iter().map(|it| (it - most).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    weights.into_iter().map(|it| it / total).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::continuation::continued_p;
+    use crate::special::binomial_pmf;
+
+    fn samples(counts: &[(u64, u64)]) -> Vec<Sample> {
+        let sample = |&(successes, trials): &(u64, u64)| Sample { successes, trials };
+        counts.iter().map(sample).collect()
+    }
+
+    fn look(clusters: &[Sample], p: f64) -> ClusteredLook<'_> {
+        let trials: u64 = clusters.iter().map(|it| it.trials).sum();
+        ClusteredLook {
+            clusters: Some(clusters),
+            scored: ScoredLook {
+                p,
+                information: trials as f64,
+            },
+        }
+    }
+
+    #[test]
+    fn one_cluster_has_the_distribution_of_its_definition() {
+        // Without correlation binomial; at mean 1/2 and correlation 1/3 the rate is uniform, and so is the count.
+        for (k, found) in beta_binomial(7, 0.3, 0.0).iter().enumerate() {
+            let expected = binomial_pmf(k as u64, 7, 0.3);
+            assert!((found - expected).abs() < 1e-14, "{k}: {found} {expected}");
+        }
+        let uniform = beta_binomial(9, 0.5, 1.0 / 3.0);
+        assert!(uniform.iter().all(|it| (it - 0.1).abs() < 1e-14));
+        // All alike: nearly all or nothing.
+        let alike = beta_binomial(5, 0.9, 1.0 - 1e-9);
+        assert!((alike[5] - 0.9).abs() < 1e-6 && (alike[0] - 0.1).abs() < 1e-6);
+        let many = beta_binomial(2000, 0.999, 0.2);
+        let mean: f64 = (0..).zip(&many).map(|(k, p)| f64::from(k) * p).sum();
+        assert!((mean / 2000.0 - 0.999).abs() < 1e-9, "{mean}");
+    }
+
+    #[test]
+    fn a_stage_is_the_sum_of_its_clusters() {
+        let added = samples(&[(2, 3), (1, 2)]);
+        let (above, at_least) = outcome(&added, 0.6, 0.25, Side::Above);
+        let (one, other) = (beta_binomial(3, 0.6, 0.25), beta_binomial(2, 0.6, 0.25));
+        let sum = |from: usize| -> f64 {
+            let pairs = (0..4).flat_map(|i| (0..3).map(move |j| (i, j)));
+            pairs
+                .filter(|(i, j)| i + j >= from)
+                .map(|(i, j)| one[i] * other[j])
+                .sum()
+        };
+        assert!((above - sum(4)).abs() < 1e-14 && (at_least - sum(3)).abs() < 1e-14);
+    }
+
+    /// Successes against "at most" are failures against "at least".
+    #[test]
+    fn both_sides_are_one_test() {
+        let (first, all) = (
+            samples(&[(9, 10), (5, 10), (10, 10)]),
+            samples(&[(9, 10), (5, 10), (10, 10), (2, 10)]),
+        );
+        let turned = |samples: &[Sample]| -> Vec<Sample> {
+            let one = |it: &Sample| Sample {
+                successes: it.failures(),
+                trials: it.trials,
+            };
+            samples.iter().map(one).collect()
+        };
+        let (first_turned, all_turned) = (turned(&first), turned(&all));
+        let above = continued_clusters_above(&[look(&first, 0.3), look(&all, 0.4)], 0.8);
+        let below =
+            continued_clusters_below(&[look(&first_turned, 0.3), look(&all_turned, 0.4)], 0.2);
+        assert!((above / below - 1.0).abs() < 1e-9, "{above} {below}");
+    }
+
+    /// A person who fails ten times is five standard deviations away, and still happens once in some hundred.
+    #[test]
+    fn one_person_more_is_no_normal_increment() {
+        let first: Vec<Sample> =
+            samples(&[(10, 10), (10, 10), (9, 10), (10, 10), (7, 10), (6, 10)]);
+        let all: Vec<Sample> = first.iter().copied().chain(samples(&[(0, 10)])).collect();
+        let looks = [look(&first, 0.6), look(&all, 0.02)];
+        let by_scores = continued_p(&looks.clone().map(|it| it.scored));
+        let found = continued_clusters_below(&looks, 0.9);
+        assert!(found > 2.0 * by_scores, "{found} {by_scores}");
+    }
+
+    #[test]
+    fn what_is_no_stage_of_few_new_people_is_judged_by_scores() {
+        let first = samples(&[(9, 10), (5, 10)]);
+        let more_of_the_same = samples(&[(18, 20), (5, 10)]);
+        let many: Vec<Sample> = first
+            .iter()
+            .copied()
+            .chain((0..=MOST_CLUSTERS as u64).map(|it| Sample {
+                successes: 5 + it % 5,
+                trials: 10,
+            }))
+            .collect();
+        for later in [more_of_the_same, many] {
+            let looks = [look(&first, 0.6), look(&later, 0.1)];
+            let by_scores = continued_p(&looks.clone().map(|it| it.scored));
+            assert_eq!(continued_clusters_above(&looks, 0.7), by_scores);
+        }
+        let unknown = [
+            look(&first, 0.6),
+            look(&samples(&[(9, 10), (5, 10), (8, 10)]), 0.2),
+        ]
+        .map(|it| ClusteredLook {
+            clusters: None,
+            ..it
+        });
+        let by_scores = continued_p(&unknown.clone().map(|it| it.scored));
+        assert_eq!(continued_clusters_below(&unknown, 0.7), by_scores);
+    }
+}
