@@ -104,6 +104,13 @@ pub(super) struct EntryText {
     /// A folder of recordings that are judged by the study's monitors. Experiments and operation.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) recordings: Option<Spanned<PathBuf>>,
+    /// The name of a technique that is not built in, which whoever runs the study brings; `technique` says as whose evidence
+    /// its findings count.
+    #[schemars(with = "Option<String>")]
+    pub(super) producer: Option<Spanned<String>>,
+    /// What such a technique is told, in its own words.
+    #[schemars(schema_with = "any_table")]
+    pub(super) with: Option<Spanned<toml::Table>>,
 }
 
 #[derive(JsonSchema, Deserialize)]
@@ -151,6 +158,11 @@ pub(super) struct CalibratedText {
     /// the requirement whose rate it is.
     #[schemars(with = "Option<String>")]
     requirement: Option<Spanned<String>>,
+}
+
+/// A table whose keys the technique that takes it knows.
+fn any_table(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    schemars::json_schema!({ "type": ["object", "null"], "additionalProperties": true })
 }
 
 /// The JSON Schema of `ledger.toml`.
@@ -269,9 +281,9 @@ impl Reader<'_> {
     /// Only model checking has a model whose constants can be set; whether the model has them is seen when it is read.
     fn constants_have_a_model(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
         let constant = text.calibrated.iter().find_map(|c| c.constant.as_ref());
-        match (work, constant) {
-            (Work::Check { .. }, _) | (_, None) => Ok(()),
-            (_, Some(constant)) => Err(self.problem(
+        match (work.model(), constant) {
+            (Some(_), _) | (None, None) => Ok(()),
+            (None, Some(constant)) => Err(self.problem(
                 "bad-calibration",
                 format!(
                     "`{}` has no model, and so no constant `{}`",
