@@ -109,7 +109,7 @@ pub(super) struct EntryText {
     #[schemars(with = "Option<String>")]
     pub(super) producer: Option<Spanned<String>>,
     /// What such a technique is told, in its own words.
-    #[schemars(schema_with = "any_table")]
+    #[schemars(with = "Option<BTreeMap<String, AnyValue>>")]
     pub(super) with: Option<Spanned<toml::Table>>,
 }
 
@@ -125,6 +125,23 @@ pub(super) struct TablesText {
     /// Counts by failure mode.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) failure_modes: Option<Spanned<PathBuf>>,
+}
+
+/// A value that only the technique that takes it knows.
+struct AnyValue;
+
+impl JsonSchema for AnyValue {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "AnyValue".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        true.into()
+    }
 }
 
 /// `"reason"`, or `{ E2 = "reason" }`.
@@ -158,11 +175,6 @@ pub(super) struct CalibratedText {
     /// the requirement whose rate it is.
     #[schemars(with = "Option<String>")]
     requirement: Option<Spanned<String>>,
-}
-
-/// A table whose keys the technique that takes it knows.
-fn any_table(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    schemars::json_schema!({ "type": ["object", "null"], "additionalProperties": true })
 }
 
 /// The JSON Schema of `ledger.toml`.
