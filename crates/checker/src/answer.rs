@@ -170,6 +170,17 @@ pub enum Guarantee {
     },
 }
 
+impl Guarantee {
+    /// The bounds between which the value lies, if it is bounded; what is exact, statistical or estimated has none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(f64, f64)> {
+        match self {
+            Guarantee::Bounded { low, high } => Some((*low, *high)),
+            Guarantee::Exact | Guarantee::Statistical { .. } | Guarantee::Estimated { .. } => None,
+        }
+    }
+}
+
 /// The value in one initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InitialValue {

@@ -391,12 +391,15 @@ pub(crate) fn joint_guarantee(initial: &[InitialValue]) -> Guarantee {
     {
         return Guarantee::Exact;
     }
+    let number = |initial: &InitialValue| match initial.value {
+        AnswerValue::Number(value) => Some((value, value)),
+        _ => None,
+    };
     let ends = initial
         .iter()
-        .filter_map(|initial| match (&initial.guarantee, &initial.value) {
-            (Guarantee::Bounded { low, high }, _) => Some((*low, *high)),
-            (Guarantee::Exact, AnswerValue::Number(value)) => Some((*value, *value)),
-            _ => None,
+        .filter_map(|initial| match initial.guarantee == Guarantee::Exact {
+            true => number(initial),
+            false => initial.guarantee.bounds(),
         });
     let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| {
         (low.min(l), high.max(h))

@@ -85,10 +85,10 @@ pub(crate) fn after_a_cut(
 ) -> Result<Answer, CheckError> {
     let reached = match found {
         Ok(answer) if is_whole(&answer, precision) => return Ok(answer),
-        Ok(answer) => match answer.guarantee {
-            Guarantee::Bounded { low, high } => Some(Bounds { low, high }),
-            _ => None,
-        },
+        Ok(answer) => {
+            let bounds = answer.guarantee.bounds();
+            bounds.map(|(low, high)| Bounds { low, high })
+        }
         Err(CheckError::Undecided {
             bounds,
             is_whole: true,
@@ -105,7 +105,7 @@ fn is_whole(answer: &Answer, precision: f64) -> bool {
     let is_close = |guarantee: &Guarantee| match guarantee {
         Guarantee::Exact => true,
         Guarantee::Bounded { low, high } => high - low <= precision * low.abs().max(high.abs()),
-        _ => false,
+        Guarantee::Statistical { .. } | Guarantee::Estimated { .. } => false,
     };
     // States that filters list have values, but no bounds that could be looked at.
     if !answer.printed.is_empty() {

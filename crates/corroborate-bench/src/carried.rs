@@ -16,7 +16,7 @@ use crate::formal::{Formal, Question};
 use checker::explore::explore;
 use checker::interval_model::{ConstantRange, IntervalModel};
 use checker::parametric::{Functions, RationalFunction};
-use checker::{AnswerValue, Guarantee, Options};
+use checker::{AnswerValue, Options};
 use evidence::{CredibleInterval, Interval, Measure};
 use prism_lang::{Constants, Property, ast, parse_model};
 use stats::{BetaPosterior, Confidence};
@@ -215,17 +215,12 @@ fn functions(formal: &Formal, tree: &ast::Model) -> Option<(Functions, Vec<usize
 
 fn bounds_of(model: &IntervalModel, property: &Property) -> Option<Interval> {
     let answer = model.check(property, &Options::default()).ok()?;
-    match (&answer.guarantee, &answer.value) {
-        (Guarantee::Bounded { low, high }, _) => Some(Interval {
-            low: *low,
-            high: *high,
-        }),
-        (_, AnswerValue::Number(value)) => Some(Interval {
-            low: *value,
-            high: *value,
-        }),
+    let number = match answer.value {
+        AnswerValue::Number(value) => Some((value, value)),
         _ => None,
-    }
+    };
+    let (low, high) = answer.guarantee.bounds().or(number)?;
+    Some(Interval { low, high })
 }
 
 /// The bounds of a quotient of probabilities, each division rounded outwards.

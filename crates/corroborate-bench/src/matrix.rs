@@ -10,7 +10,7 @@ use crate::task::{Run, Task};
 use crate::texts::STEP_KEY;
 use evidence::{
     Cell, CellPlace, Clue, HALF_STEP, Inaccuracy, JudgedBy, Rate, Subject, Suspect, SuspectAsset,
-    SuspectKind, Symptom, Technique, Traces, VerdictCounts, strength,
+    SuspectKind, Symptom, Technique, Traces, VerdictCounts, WitnessOf, strength,
 };
 use stats::Confidence;
 
@@ -26,10 +26,10 @@ pub fn cells(
     assets: &Assets,
     level: Confidence,
 ) -> Vec<Cell> {
-    let traces = match technique {
-        Technique::ModelChecking => Traces::Model,
-        Technique::Simulation => Traces::Simulator,
-        _ => Traces::Recordings,
+    let traces = match technique.witness_of() {
+        WitnessOf::Model => Traces::Model,
+        WitnessOf::Simulator => Traces::Simulator,
+        WitnessOf::System => Traces::Recordings,
     };
     let mut cells: Vec<Cell> = Vec::new();
     for (subject, form, count) in &judged.counts {

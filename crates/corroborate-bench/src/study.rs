@@ -216,7 +216,9 @@ fn ledger(
     let mut campaign = |id: &str, stream: Stream, task: &Task, runs: usize| {
         let technique = match stream {
             Stream::Operation => Technique::Operation,
-            _ => Technique::Simulation,
+            Stream::People => Technique::Experiment,
+            Stream::Paths => Technique::ModelChecking,
+            Stream::Simulation => Technique::Simulation,
         };
         let mut random = stream.open(seed);
         let runs: Vec<Run> = (0..runs).map(|_| task.run(&mut random)).collect();

@@ -6,10 +6,10 @@ use crate::technique::experiment::repeated;
 use crate::technique::{Influence, Produced, copies};
 use diagnostic::Problem;
 use evidence::{
-    Asset, Clue, Conclusion, Cost, Denominator, Evidence, Guarantee, Inaccuracy, Matter, Measure,
-    StudyResult, Subject, SuspectAsset, SuspectKind, Symptom, Technique, Verdict,
+    Asset, Clue, Conclusion, Cost, Denominator, Evidence, Inaccuracy, Matter, Measure, StudyResult,
+    Subject, SuspectAsset, SuspectKind, Symptom, Verdict,
 };
-use study::{Entry, Study, Work};
+use study::{Entry, Study};
 
 /// Version of the form of `study.json`.
 pub const FORMAT: &str = "1.0";
@@ -50,7 +50,7 @@ pub fn piece(
     };
     let conditions = study.about.conditions.get(&entry.conditions);
     let technique = entry.work.technique();
-    let is_published = technique == Technique::Simulation && entry.work.is_read();
+    let is_published = technique.is_of_simulator() && entry.work.is_read();
     Piece {
         evidence: Evidence {
             id: entry.id.clone(),
@@ -112,12 +112,10 @@ pub fn headline(study: &Study, produced: &Produced) -> String {
         Measure::Probability {
             answer, credible, ..
         } => {
-            let value = match (&answer.guarantee, answer.complement) {
-                (Guarantee::Schedulers { low, high, .. }, _) => {
-                    format!("{low} to {high} over all schedulers")
-                }
-                (_, Some(rest)) if rest > 0.0 && rest < 1e-9 => format!("1 - {rest:.3e}"),
-                _ => answer.value.to_string(),
+            let value = match (answer.guarantee.over_schedulers(), answer.complement) {
+                (Some((low, high)), _) => format!("{low} to {high} over all schedulers"),
+                (None, Some(rest)) if rest > 0.0 && rest < 1e-9 => format!("1 - {rest:.3e}"),
+                (None, _) => answer.value.to_string(),
             };
             let given = match finding.denominator {
                 Denominator::Triggered => " given its trigger",
@@ -311,10 +309,8 @@ fn drifted(
         true => format!("no {subject_words}"),
     };
     let counted = format!("{source} counts a rate of {rate:.6} for {what}");
-    let file = match &entry.work {
-        Work::Check { model, .. } => Some(model.to_string_lossy().replace('\\', "/")),
-        _ => None,
-    };
+    let model = entry.work.model();
+    let file = model.map(|model| model.to_string_lossy().replace('\\', "/"));
     Clue {
         inaccuracy: Inaccuracy::SystemModel,
         asset: SuspectAsset {

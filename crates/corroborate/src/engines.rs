@@ -12,7 +12,7 @@ use compared::Called;
 use diagnostic::Problem;
 use host::Host;
 use std::path::PathBuf;
-use study::{Entry, Study, Work};
+use study::{Entry, Simulated, Study};
 
 /// Episodes to be run in two engines. [`EnginesRequest::new`] has the defaults.
 #[derive(Clone, Debug)]
@@ -98,9 +98,8 @@ fn campaigns(
     host: &Host,
 ) -> Result<Vec<Campaign>, Problem> {
     let library = host.physics_library.as_deref();
-    match &entry.work {
-        Work::SimulateScene { scene, test, .. } => {
-            let test = test.as_deref();
+    match entry.work.simulated() {
+        Some(Simulated::Scene { scene, test }) => {
             let first = Campaign::of_scene(study, scene, test, library)?;
             for gap in first.gaps() {
                 host.events.say(&gap.to_string());
@@ -108,13 +107,12 @@ fn campaigns(
             let second = Campaign::of_scene_in_rapier(study, scene, test)?;
             Ok(vec![first, second])
         }
-        Work::Simulate {
+        Some(Simulated::Handover {
             scenario,
             parameters,
-            ..
-        } if determinism => Ok(vec![Campaign::new(study, scenario, parameters, library)?]),
-        Work::Simulate { .. } => Err(one_engine(entry)),
-        _ => Err(Problem::new(
+        }) if determinism => Ok(vec![Campaign::new(study, scenario, parameters, library)?]),
+        Some(Simulated::Handover { .. }) => Err(one_engine(entry)),
+        Some(Simulated::Command(_)) | None => Err(Problem::new(
             "not-a-simulation",
             format!("`{}` is no simulation of this test bench", entry.id),
         )

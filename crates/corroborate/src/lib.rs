@@ -91,8 +91,9 @@ pub use rare::{RareReport, RareRequest, rare};
 pub use replay::{ReplayReport, ReplayRequest, replay};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 pub use shrink::{ShrinkReport, ShrinkRequest, shrink};
+pub use technique::Techniques;
 pub use template::new_study;
-pub use verify::{Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
+pub use verify::{Audit, Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
 
 /// Which build of the engine this is: the same for the same sources of what computes results, however they were built.
 pub fn build() -> host::BuildId {

@@ -11,17 +11,17 @@
 
 use crate::corroboration::Piece;
 use crate::results::read_result;
-use crate::run::{COMPARISON, Prepared, Ready, RunRequest, evidence_file, loaded};
-use crate::technique::{Produced, campaign};
+use crate::run::{COMPARISON, Opened, Ready, RunRequest, evidence_file, loaded};
+use crate::technique::Produced;
 use diagnostic::Problem;
 use evidence::{StudyResult, Technique};
 use host::Host;
-use host::store::{Stored, is_stage_of};
+use host::store::Stored;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::path::{Path, PathBuf};
-use study::{Entry, Work};
+use std::path::Path;
+use study::Entry;
 
 /// What a run would do.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -95,7 +95,7 @@ pub fn plan(request: &RunRequest, host: &Host) -> Result<RunPlan, Problem> {
     let study = loaded(&request.study, &request.only, host)?;
     let folder = request.results();
     let planning = Planning {
-        ready: &Ready::new(&study, host)?,
+        ready: &Ready::new(&study, &request.techniques, host)?,
         // Without it, or with another form of it, less is known of why evidence is stale.
         last: read_result(&request.study, &folder).ok(),
         folder: &folder,
@@ -125,7 +125,7 @@ impl Planning<'_> {
                 technique: entry.work.technique(),
                 kept_episodes: match freshness {
                     Freshness::Fresh => None,
-                    _ => self.kept_episodes(entry, prepared)?,
+                    _ => prepared.work.kept_episodes(self.folder)?,
                 },
                 freshness,
             });
@@ -141,11 +141,11 @@ impl Planning<'_> {
     fn freshness(
         &self,
         entry: &Entry,
-        prepared: &Prepared,
+        prepared: &Opened<'_>,
         before: &[PlannedEvidence],
         fresh: &mut Vec<Piece>,
     ) -> Result<Freshness, Problem> {
-        if let Prepared::CannotSimulate(problem) = prepared {
+        if let Some(problem) = prepared.work.obstacle() {
             return Ok(Freshness::CannotProduce {
                 reason: problem.message().to_owned(),
             });
@@ -191,26 +191,6 @@ impl Planning<'_> {
         files
     }
 
-    /// Episodes of a simulation that an interrupted run has left.
-    fn kept_episodes(&self, entry: &Entry, prepared: &Prepared) -> Result<Option<u64>, Problem> {
-        let source = match (prepared, &entry.work) {
-            (Prepared::Simulate(bench), _) => campaign::Source::Bench(bench),
-            (Prepared::Command(command), Work::Command { .. }) => {
-                campaign::Source::Command(command)
-            }
-            _ => return Ok(None),
-        };
-        let (study, program) = (self.ready.study, self.ready.host.build.as_str());
-        let folder: PathBuf = self.folder.join("episodes").join(&entry.id);
-        let inputs = campaign::episode_inputs(study, entry, source, program);
-        if !is_stage_of(&folder, &inputs.hash()) {
-            return Ok(Some(0));
-        }
-        let judged_by = campaign::judged_by(study, source, program);
-        let records = campaign::records_judged_by(&folder, &judged_by)?;
-        Ok(Some(records.len() as u64))
-    }
-
     /// Whether what the evidence says together is fresh.
     fn comparison(&self, evidence: &[PlannedEvidence], fresh: &[Piece]) -> Freshness {
         let stale = evidence
@@ -244,7 +224,7 @@ fn kept<T: DeserializeOwned + Serialize>(path: &Path) -> Result<Stored<T>, Fresh
 /// The stale evidence before an entry whose counts its model is computed with.
 fn awaited(entry: &Entry, before: &[PlannedEvidence]) -> Vec<String> {
     // A step on the way is not compared, so the uncertainty of its counts is not asked for.
-    if entry.intermediate || !matches!(entry.work, Work::Check { .. }) {
+    if entry.intermediate {
         return Vec::new();
     }
     let constants = entry.calibrated.iter().filter(|it| it.constant.is_some());

@@ -6,11 +6,12 @@ mod ready;
 mod runner;
 
 pub(crate) use counted::counted_constants;
-pub(crate) use prepare::Prepared;
+pub(crate) use prepare::{Opened, check_constants};
 pub(crate) use ready::{COMPARISON, Ready, evidence_file};
 
 use crate::corroboration::Piece;
 use crate::results::results_folder;
+use crate::technique::Techniques;
 use diagnostic::Problem;
 use evidence::{Evidence, StudyResult};
 use host::Host;
@@ -29,6 +30,8 @@ pub struct RunRequest {
     pub out: Option<PathBuf>,
     /// Produces only the evidence with these identifiers, and compares nothing; all if there are none.
     pub only: Vec<String>,
+    /// Techniques that are not built in; by default none.
+    pub techniques: Techniques,
 }
 
 impl RunRequest {
@@ -38,6 +41,7 @@ impl RunRequest {
             study: study.into(),
             out: None,
             only: Vec::new(),
+            techniques: Techniques::default(),
         }
     }
 
@@ -52,6 +56,13 @@ impl RunRequest {
     #[must_use]
     pub fn only(mut self, id: impl Into<String>) -> Self {
         self.only.push(id.into());
+        self
+    }
+
+    /// With techniques that are not built in.
+    #[must_use]
+    pub fn techniques(mut self, techniques: Techniques) -> Self {
+        self.techniques = techniques;
         self
     }
 
@@ -137,7 +148,7 @@ fn carried_out(
 ) -> Result<RunReport, Problem> {
     let study = loaded(&request.study, &request.only, host)?;
     let runner = Runner {
-        ready: Ready::new(&study, host)?,
+        ready: Ready::new(&study, &request.techniques, host)?,
         store: Store::open(&request.results())?,
     };
     let pieces = runner.pieces(&request.only)?;

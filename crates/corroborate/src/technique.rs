@@ -7,11 +7,18 @@ pub mod campaign;
 pub mod copies;
 pub mod experiment;
 pub mod exploration;
+mod files;
+mod kinds;
 pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod rows;
 pub mod simulation;
+
+pub use files::Files;
+pub(crate) use kinds::technique_of;
+pub use kinds::{Asked, Kept, Prepared, Propositions, Technique, Techniques, Working};
+pub use model_checking::CountedConstant;
 
 use diagnostic::Problem;
 use evidence::{
@@ -21,7 +28,7 @@ use evidence::{
 use host::store::hash_of;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use study::{Entry, Study, Work};
+use study::{Entry, Study, TableFiles};
 
 /// What a technique found for one entry of the ledger.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -72,30 +79,16 @@ pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Probl
 /// The files that an entry names, with their hashes.
 pub fn assets(study: &Study, entry: &Entry) -> Result<Vec<Asset>, Problem> {
     use AssetRole::{Data, RequirementModel, SystemModel};
-    let mut files: Vec<(AssetRole, &Path)> = Vec::new();
-    match &entry.work {
-        Work::Check { model, .. } => files.push((SystemModel, model)),
-        Work::Simulate {
-            scenario,
-            parameters,
-            ..
-        } => files.extend([(SystemModel, scenario.as_path()), (SystemModel, parameters)]),
-        Work::SimulateScene { scene, .. } => files.push((SystemModel, scene)),
-        Work::Read {
-            cohort,
-            requirements,
-            failure_modes,
-            ..
-        } => {
-            let tables = [cohort, requirements, failure_modes];
-            files.extend(tables.into_iter().flatten().map(|t| (Data, t.as_path())));
-        }
-        Work::Judge { .. } | Work::Command { .. } => {
-            let map = Path::new("topics.toml");
-            if study.folder.join(map).exists() {
-                files.push((RequirementModel, map));
-            }
-        }
+    let parts = entry.work.parts();
+    let simulated = parts.simulated.map(|it| [it.file(), it.parameters()]);
+    let models = simulated.into_iter().flatten().chain([parts.model]);
+    let mut files: Vec<(AssetRole, &Path)> =
+        models.flatten().map(|path| (SystemModel, path)).collect();
+    let tables = parts.tables.into_iter().flat_map(TableFiles::paths);
+    files.extend(tables.map(|path| (Data, path)));
+    let topics = Path::new("topics.toml");
+    if parts.uses_topics && study.folder.join(topics).exists() {
+        files.push((RequirementModel, topics));
     }
     files.push((RequirementModel, Path::new("requirements.toml")));
     files.push((RequirementModel, Path::new("vocabulary.toml")));

@@ -20,19 +20,20 @@
 mod audit;
 mod compare;
 mod counts;
-mod deep;
 mod diagnosis;
 mod found;
 mod kept;
 mod map;
 mod sound;
 
-pub use audit::{Checked, Fault, VerifyReport};
+pub use audit::{Audit, Checked, Fault, VerifyReport};
+pub(crate) use compare::values_at as same_values;
+pub(crate) use counts::check_intervals;
 
 use crate::corroboration::{self, Piece};
 use crate::results::{ASSURANCE, REPORT, RESULT, json, read_result};
 use crate::run::COMPARISON;
-use audit::Audit;
+use crate::technique::Techniques;
 use diagnostic::Problem;
 use evidence::StudyResult;
 use host::Host;
@@ -49,6 +50,8 @@ pub struct VerifyRequest {
     pub study: Option<PathBuf>,
     /// Also solves formal models, judges recordings, makes the diagnosis and runs a map's episodes again.
     pub deep: bool,
+    /// Techniques that are not built in; by default none.
+    pub techniques: Techniques,
 }
 
 impl VerifyRequest {
@@ -58,6 +61,7 @@ impl VerifyRequest {
             results: results.into(),
             study: None,
             deep: false,
+            techniques: Techniques::default(),
         }
     }
 
@@ -65,6 +69,13 @@ impl VerifyRequest {
     #[must_use]
     pub fn study(mut self, folder: impl Into<PathBuf>) -> Self {
         self.study = Some(folder.into());
+        self
+    }
+
+    /// With techniques that are not built in.
+    #[must_use]
+    pub fn techniques(mut self, techniques: Techniques) -> Self {
+        self.techniques = techniques;
         self
     }
 
@@ -104,8 +115,8 @@ pub fn verify(
     let claimed = read_result(&folder, results)?;
     let mut audit = Audit::default();
     assets(&study, &claimed, results, &mut audit);
-    let deep = request.deep.then_some(host);
-    let pieces = kept::pieces(&study, results, &claimed, deep, &mut audit)?;
+    let how = (&request.techniques, host, request.deep);
+    let pieces = kept::pieces(&study, results, &claimed, how, &mut audit)?;
     match pieces {
         Some(pieces) => {
             let rests_on = (&study, pieces);

@@ -1,35 +1,7 @@
-//! Assets, techniques and tools: what a piece of evidence rests on.
+//! Assets and tools: what a piece of evidence rests on.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// A way of finding out whether a requirement holds.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Technique {
-    /// Exhaustive analysis of a formal model.
-    ModelChecking,
-    /// Seeded episodes of a physics simulation, judged by monitors.
-    Simulation,
-    /// Trials with the real robot.
-    Experiment,
-    /// Recordings of the robot at work, judged by monitors, live or later.
-    Operation,
-}
-
-impl Technique {
-    /// The technique's name in running text.
-    pub fn name(self) -> &'static str {
-        match self {
-            Technique::ModelChecking => "model checking",
-            Technique::Simulation => "simulation",
-            Technique::Experiment => "experiments",
-            Technique::Operation => "operation",
-        }
-    }
-}
 
 /// What an asset is for. The first two are the paper's assets (section 2.2).
 #[derive(

@@ -352,10 +352,7 @@ pub(crate) fn current_evidence(
 
 /// Whether it is of the robot itself: later trials do not take the place of earlier ones.
 fn is_trial(piece: &Evidence) -> bool {
-    matches!(
-        piece.technique,
-        Technique::Experiment | Technique::Operation
-    )
+    piece.technique.is_of_system()
 }
 
 /// Positions of the pieces that rest on none of those accepted before, roots first.

@@ -6,7 +6,7 @@
 //! probabilities. It is made here once, so that a page, a summary and a verdict say the same of one figure.
 
 use crate::compare::words::percent;
-use crate::{Denominator, Finding, Guarantee, Measure, Subject};
+use crate::{Denominator, Finding, Measure, Subject};
 
 /// How people call what triggers a subject.
 struct Words {
@@ -175,11 +175,9 @@ fn probability(measure: &Measure) -> Option<String> {
 pub(crate) fn share(measure: &Measure) -> Option<String> {
     match measure {
         Measure::Counts { count, trials, .. } => Some(format!("{count} of {trials}")),
-        Measure::Probability { answer, .. } => Some(match answer.guarantee {
-            Guarantee::Schedulers { low, high, .. } => {
-                format!("{} to {}", percent(low), percent(high))
-            }
-            _ => percent(answer.value),
+        Measure::Probability { answer, .. } => Some(match answer.guarantee.over_schedulers() {
+            Some((low, high)) => format!("{} to {}", percent(low), percent(high)),
+            None => percent(answer.value),
         }),
         Measure::NotExpressible { .. } | Measure::NotCovered { .. } => None,
     }
@@ -188,6 +186,7 @@ pub(crate) fn share(measure: &Measure) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Guarantee;
     use crate::MethodAnswer;
     use stats::{Confidence, Sample};
 

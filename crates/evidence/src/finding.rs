@@ -88,6 +88,30 @@ pub enum Guarantee {
     },
 }
 
+impl Guarantee {
+    /// The least and the greatest value over all schedulers, if the value is such a range.
+    #[must_use]
+    pub fn over_schedulers(&self) -> Option<(f64, f64)> {
+        match self {
+            Guarantee::Schedulers { low, high, .. } => Some((*low, *high)),
+            Guarantee::Exact { .. } | Guarantee::Bounded { .. } | Guarantee::Estimated { .. } => {
+                None
+            }
+        }
+    }
+
+    /// Whether the value is an estimate, of which no bounds are known.
+    #[must_use]
+    pub fn is_estimated(&self) -> bool {
+        match self {
+            Guarantee::Estimated { .. } => true,
+            Guarantee::Exact { .. } | Guarantee::Bounded { .. } | Guarantee::Schedulers { .. } => {
+                false
+            }
+        }
+    }
+}
+
 /// What the scheduler of the worst case does along the most probable path on which the subject fails.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct WorstCase {
@@ -354,7 +378,7 @@ impl Measure {
                     low: *low,
                     high: *high,
                 },
-                (None, _) => Interval {
+                (None, Guarantee::Exact { .. } | Guarantee::Estimated { .. }) => Interval {
                     low: answer.value,
                     high: answer.value,
                 },

@@ -34,12 +34,13 @@ mod requirement;
 mod sensitivity;
 mod step;
 mod synthesis;
+mod technique;
 #[cfg(test)]
 #[path = "../tests/integration/support/uniform.rs"]
 mod uniform;
 mod verdict;
 
-pub use asset::{Asset, AssetRole, Technique, Tool};
+pub use asset::{Asset, AssetRole, Tool};
 pub use compare::{
     DecisionPlan, Influences, Levels, PlannedTrials, Programme, Relation, Spreading, Study,
     Together, TrialCosts, Undecided, compare, compare_together, programme, undecided,
@@ -84,6 +85,7 @@ pub use requirement::{Direction, FailureMode, Requirement, Threshold};
 pub use sensitivity::{ASSUMED_GROUP, CORRELATIONS, bear_clustering};
 pub use step::{CarryOver, Step};
 pub use synthesis::{Synthesis, synthesise};
+pub use technique::{AskedBy, Mark, Rerun, Technique, Traits, WitnessOf};
 pub use verdict::{
     ClusterSensitivity, Comparison, Conclusion, CoverageGap, ErrorFamily, ErrorRate, Excluded,
     ExcludedTrials, ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, Standing,

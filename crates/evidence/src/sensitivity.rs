@@ -18,8 +18,8 @@
 
 use crate::compare::words::list;
 use crate::{
-    ClusterSensitivity, Comparison, Conclusion, Evidence, Measure, Outcome, Study, Technique,
-    Verdict, compare, conclude,
+    ClusterSensitivity, Comparison, Conclusion, Evidence, Measure, Outcome, Study, Verdict,
+    compare, conclude,
 };
 use stats::{Sample, kish_design_effect};
 
@@ -92,10 +92,7 @@ pub fn bear_clustering(
 
 /// Whether counts of a piece may be of unknown clustering.
 fn is_unknown(piece: &Evidence) -> bool {
-    let is_real = matches!(
-        piece.technique,
-        Technique::Experiment | Technique::Operation
-    );
+    let is_real = piece.technique.is_of_system();
     let is_grouped = piece.clusters.as_ref().is_some_and(|it| it.subjects != 1);
     is_real && !is_grouped && piece.findings.iter().any(|it| is_plain(&it.measure))
 }

@@ -12,7 +12,7 @@
 //!
 //! See `conclude` for the rule of each step and its error rate.
 
-use crate::{Subject, Technique};
+use crate::{Subject, Technique, WitnessOf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,10 +58,10 @@ impl Step {
     /// The step on which evidence of a technique stands by itself.
     #[must_use]
     pub fn of(technique: Technique) -> Self {
-        match technique {
-            Technique::ModelChecking => Step::Model,
-            Technique::Simulation => Step::Simulation,
-            Technique::Experiment | Technique::Operation => Step::System,
+        match technique.witness_of() {
+            WitnessOf::Model => Step::Model,
+            WitnessOf::Simulator => Step::Simulation,
+            WitnessOf::System => Step::System,
         }
     }
 

@@ -101,7 +101,9 @@ fn joined(answer: &Answer, over_all: &Answer) -> Result<Guarantee, String> {
             (nearest.next_down(), nearest.next_up())
         }
         (Guarantee::Estimated { reason }, _) => return Err(reason.clone()),
-        _ => return Err("it is no single number".to_owned()),
+        (Guarantee::Bounded { .. } | Guarantee::Exact | Guarantee::Statistical { .. }, _) => {
+            return Err("it is no single number".to_owned());
+        }
     };
     match (&over_all.guarantee, &over_all.value) {
         (Guarantee::Bounded { low, high }, AnswerValue::Number(_)) => Ok(Guarantee::Bounded {
@@ -116,6 +118,12 @@ fn joined(answer: &Answer, over_all: &Answer) -> Result<Guarantee, String> {
                 high: own.1.max(*value),
             },
         }),
-        _ => Err("it is no single number".to_owned()),
+        (
+            Guarantee::Bounded { .. }
+            | Guarantee::Exact
+            | Guarantee::Statistical { .. }
+            | Guarantee::Estimated { .. },
+            _,
+        ) => Err("it is no single number".to_owned()),
     }
 }

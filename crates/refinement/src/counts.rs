@@ -5,7 +5,7 @@
 //! opportunities, then what is later in the ledger. It must hold under the same conditions, count the subject, and not be a step on the way, published
 //! evidence that other evidence of the study reproduces, or evidence that was itself set to the asset's.
 
-use evidence::{Evidence, Measure, Subject, Technique};
+use evidence::{Evidence, Measure, Subject, Technique, WitnessOf};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -81,10 +81,10 @@ pub fn anchors(evidence: &[Evidence], target: &Evidence, subject: &Subject) -> V
 
 /// How near to the real system a technique is; none for a model.
 fn nearness(technique: Technique) -> Option<u8> {
-    match technique {
-        Technique::Operation | Technique::Experiment => Some(0),
-        Technique::Simulation => Some(1),
-        Technique::ModelChecking => None,
+    match technique.witness_of() {
+        WitnessOf::System => Some(0),
+        WitnessOf::Simulator => Some(1),
+        WitnessOf::Model => None,
     }
 }
 

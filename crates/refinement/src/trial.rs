@@ -21,9 +21,7 @@
 
 use crate::model_change::Values;
 use crate::model_offers::Ground;
-use evidence::{
-    Evidence, Measure, Rate, STRONG, Subject, Technique, share_assumption, strength, voices,
-};
+use evidence::{Evidence, Measure, Rate, STRONG, Subject, share_assumption, strength, voices};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -163,9 +161,8 @@ impl Ground<'_> {
         values: [Option<f64>; 2],
     ) -> bool {
         let rate = |piece: &Evidence| Rate::on(piece, subject);
-        let is_real =
-            |it: &&&Evidence| matches!(it.technique, Technique::Experiment | Technique::Operation);
-        piece.technique == Technique::Simulation
+        let is_real = |it: &&&Evidence| it.technique.is_of_system();
+        piece.technique.is_of_simulator()
             && pieces.iter().filter(is_real).any(|real| {
                 let apart = rate(piece)
                     .zip(rate(real))
@@ -205,7 +202,7 @@ impl Ground<'_> {
         };
         let all: Vec<&Evidence> = self.evidence.iter().filter(counts).collect();
         let is_replaced = |(place, piece): (usize, &&Evidence)| {
-            piece.technique == Technique::Simulation
+            piece.technique.is_of_simulator()
                 && all[place + 1..].iter().any(|later| {
                     later.technique == piece.technique && share_assumption(piece, later, subject)
                 })

@@ -5,7 +5,7 @@
 //! pixels, so a strip is crisp at any width, on paper and on a phone, and the
 //! labels beside it stay text of the reader's size.
 
-use evidence::{CredibleInterval, Interval, Measure, Technique};
+use evidence::{CredibleInterval, Interval, Mark, Measure, Technique};
 use maud::{Markup, html};
 
 use crate::number;
@@ -256,11 +256,11 @@ fn glyph_at(x: &str, technique: Technique, hollow: bool) -> Markup {
 fn shape(technique: Technique, hollow: bool) -> Markup {
     let class = if hollow { "mark hollow" } else { "mark" };
     html! {
-        @match technique {
-            Technique::ModelChecking => path class=(class) d="M0-6L6 0L0 6L-6 0Z" {},
-            Technique::Simulation => circle class=(class) r="4.5" {},
-            Technique::Experiment => rect class=(class) x="-4.2" y="-4.2" width="8.4" height="8.4" {},
-            Technique::Operation => path class=(class) d="M0-5.6L5.6 4.4L-5.6 4.4Z" {},
+        @match technique.traits().mark {
+            Mark::Diamond => path class=(class) d="M0-6L6 0L0 6L-6 0Z" {},
+            Mark::Circle => circle class=(class) r="4.5" {},
+            Mark::Square => rect class=(class) x="-4.2" y="-4.2" width="8.4" height="8.4" {},
+            Mark::Triangle => path class=(class) d="M0-5.6L5.6 4.4L-5.6 4.4Z" {},
         }
     }
 }

@@ -291,27 +291,15 @@ pub fn threshold_label(id: &str, threshold: Threshold) -> String {
 
 /// A technique's name as a heading.
 pub fn technique(technique: Technique) -> &'static str {
-    match technique {
-        Technique::ModelChecking => "Model checking",
-        Technique::Simulation => "Simulation",
-        Technique::Experiment => "Experiments",
-        Technique::Operation => "Operation",
-    }
+    technique.traits().heading
 }
 
-/// The techniques to show, from the most abstract to the most real: operation
-/// only if the study has evidence of it.
+/// The techniques to show, from the most abstract to the most real: those that every study is expected to use, and others
+/// only if the study has evidence of them.
 pub fn techniques(study: &evidence::StudyResult) -> Vec<Technique> {
-    let mut techniques = vec![
-        Technique::ModelChecking,
-        Technique::Simulation,
-        Technique::Experiment,
-    ];
-    let mut ledger = study.evidence.iter();
-    if ledger.any(|e| e.technique == Technique::Operation) {
-        techniques.push(Technique::Operation);
-    }
-    techniques
+    let is_there = |it: Technique| study.evidence.iter().any(|e| e.technique == it);
+    let is_shown = |it: &Technique| it.traits().is_expected || is_there(*it);
+    Technique::ALL.into_iter().filter(is_shown).collect()
 }
 
 /// Where a fault is to be sought.

@@ -1,6 +1,7 @@
 //! The ledger's entries: which evidence is to be produced, on which assets,
 //! and whose counts those assets were set to.
 
+mod parts;
 mod read;
 mod work;
 
@@ -13,6 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
+pub use parts::{Parts, Simulated, TableFiles};
 pub use read::load;
 pub(crate) use read::schema;
 
@@ -235,34 +237,17 @@ pub enum Work {
         /// Their folder, relative to the study.
         recordings: PathBuf,
     },
-}
-
-impl Work {
-    /// The technique that does it.
-    pub fn technique(&self) -> evidence::Technique {
-        match self {
-            Work::Check { .. } => evidence::Technique::ModelChecking,
-            Work::Simulate { .. } | Work::SimulateScene { .. } => evidence::Technique::Simulation,
-            Work::Read { technique, .. }
-            | Work::Judge { technique, .. }
-            | Work::Command { technique, .. } => *technique,
-        }
-    }
-
-    /// How many episodes it asks for; 0 of what has none.
-    pub fn episodes(&self) -> u64 {
-        match self {
-            Work::Simulate { episodes, .. }
-            | Work::SimulateScene { episodes, .. }
-            | Work::Command { episodes, .. } => *episodes,
-            Work::Check { .. } | Work::Read { .. } | Work::Judge { .. } => 0,
-        }
-    }
-
-    /// Whether counts are read instead of produced.
-    pub fn is_read(&self) -> bool {
-        matches!(self, Work::Read { .. })
-    }
+    /// What a technique does that is not built in: whoever runs the study brings it.
+    Other {
+        /// As whose evidence its findings count.
+        technique: evidence::Technique,
+        /// Its name.
+        producer: String,
+        /// Where the ledger names it.
+        span: Range<usize>,
+        /// What it is told.
+        with: toml::Table,
+    },
 }
 
 /// A method of model checking.

@@ -62,7 +62,7 @@ pub fn trial_costs(
         let of = text.evidence.get(&entry.id);
         match of.or_else(|| text.technique.get(&technique)) {
             Some(cost) => costs = costs.declare(&entry.id, *cost),
-            None if technique == Technique::ModelChecking => {}
+            None if technique.is_of_model() => {}
             None => return Err(missing(entry, technique, source)),
         }
     }
@@ -71,12 +71,7 @@ pub fn trial_costs(
 
 /// A trial without a cost among trials that have one would be compared in no unit.
 fn missing(entry: &Entry, technique: Technique, source: &Source) -> Problem {
-    let name = match technique {
-        Technique::ModelChecking => "model-checking",
-        Technique::Simulation => "simulation",
-        Technique::Experiment => "experiment",
-        Technique::Operation => "operation",
-    };
+    let name = technique.traits().key;
     let message = format!(
         "study.toml declares costs, but none of a trial of `{}` ({})",
         entry.id,

@@ -12,7 +12,7 @@ use diagnostic::Problem;
 use evidence::{Diagnosis, Effort};
 use host::store::Store;
 use std::fmt::Write as _;
-use study::{Study, Work};
+use study::Study;
 
 /// Runs the command.
 pub fn diagnose(arguments: &Diagnose, setting: &Host) -> Result<Done, Problem> {
@@ -69,7 +69,7 @@ fn show(study: &Study, named: &str, setting: &Host) -> Result<Done, Problem> {
     };
     let (id, number) = named.rsplit_once(':').ok_or_else(wrong)?;
     let number: u64 = number.parse().ok().filter(|n| *n > 0).ok_or_else(wrong)?;
-    if !matches!(study.entry(id)?.work, Work::Check { .. }) {
+    if study.entry(id)?.work.model().is_none() {
         return Err(wrong());
     }
     let paths = ModelPaths::of_entry(study, id, &setting.cancel)?;

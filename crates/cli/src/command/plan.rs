@@ -9,6 +9,7 @@ use diagnostic::Problem;
 /// Plans a run.
 pub fn plan(arguments: &Plan, setting: &Host) -> Result<Done, Problem> {
     let request = RunRequest {
+        techniques: corroborate::Techniques::default(),
         study: arguments.study.clone(),
         out: arguments.out.clone(),
         only: arguments.only.clone(),

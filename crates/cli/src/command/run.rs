@@ -15,6 +15,7 @@ use std::path::Path;
 pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
     let request = RunRequest {
+        techniques: corroborate::Techniques::default(),
         study: arguments.study.clone(),
         out: arguments.out.clone(),
         only: arguments.only.clone(),

@@ -19,7 +19,7 @@ use host::store::Inputs;
 use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 use ros2_table::Ros2Table;
 use std::path::{Path, PathBuf};
-use study::{Entry, Study, Work};
+use study::{Entry, Simulated, Study};
 
 /// The simulator of an entry, in the engine that is asked for.
 fn simulator_of(
@@ -31,10 +31,10 @@ fn simulator_of(
     if engine != EngineChoice::Rapier {
         return Simulator::of_entry(study, entry, library);
     }
-    let Work::SimulateScene { scene, test, .. } = &entry.work else {
+    let Some(Simulated::Scene { scene, test }) = entry.work.simulated() else {
         return Err(corroborate::engines::one_engine(entry));
     };
-    let campaign = Campaign::of_scene_in_rapier(study, scene, test.as_deref())?;
+    let campaign = Campaign::of_scene_in_rapier(study, scene, test)?;
     Ok(Simulator::Bench(Box::new(campaign)))
 }
 
@@ -202,11 +202,7 @@ impl Called<'_> {
     }
 
     fn scenario(&self) -> Option<&Path> {
-        match &self.entry.work {
-            Work::Simulate { scenario, .. } => Some(scenario),
-            Work::SimulateScene { scene, .. } => Some(scene),
-            _ => None,
-        }
+        self.entry.work.simulated_file()
     }
 
     fn stage(&self) -> host::Stage {

@@ -10,6 +10,7 @@ use diagnostic::Problem;
 /// Verifies the results of a study.
 pub fn verify(arguments: &Verify, setting: &Host) -> Result<Done, Problem> {
     let request = VerifyRequest {
+        techniques: corroborate::Techniques::default(),
         results: arguments.results.clone(),
         study: arguments.study.clone(),
         deep: arguments.deep,

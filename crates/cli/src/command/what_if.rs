@@ -14,7 +14,7 @@ use corroborate::what_if::simulated::{Episodes, Verdicts, gain};
 use diagnostic::{Problem, did_you_mean};
 use evidence::{StudyResult, Subject};
 use std::collections::BTreeMap;
-use study::{Entry, Study, Work};
+use study::{Entry, Study};
 
 /// Tries the variants.
 pub fn what_if(arguments: &WhatIf, setting: &Host) -> Result<Done, Problem> {
@@ -142,19 +142,17 @@ impl<'a> Trial<'a> {
         bases: &mut Bases<'a>,
         failures: &mut Vec<VariantFailures>,
     ) -> Result<Vec<(Subject, Gain)>, Problem> {
-        match (&entry.work, &change.cannot) {
-            (Work::Check { .. }, None) => self.formal(read, change, entry, wanted, bases),
-            (work, None) if is_simulated(work) => {
-                self.simulated(read, change, entry, wanted, bases, failures)
-            }
-            (_, reason) => {
-                let reason = reason
-                    .clone()
-                    .unwrap_or_else(|| "It is not tried there.".into());
-                let gain = Gain::NotExpressible { reason };
-                Ok(wanted.iter().map(|s| (s.clone(), gain.clone())).collect())
-            }
+        let reason = change.cannot.clone();
+        let is_tried = reason.is_none();
+        if is_tried && entry.work.model().is_some() {
+            return self.formal(read, change, entry, wanted, bases);
         }
+        if is_tried && is_simulated(&entry.work) {
+            return self.simulated(read, change, entry, wanted, bases, failures);
+        }
+        let reason = reason.unwrap_or_else(|| "It is not tried there.".into());
+        let gain = Gain::NotExpressible { reason };
+        Ok(wanted.iter().map(|s| (s.clone(), gain.clone())).collect())
     }
 
     fn formal(
@@ -165,7 +163,7 @@ impl<'a> Trial<'a> {
         wanted: &[Subject],
         bases: &mut Bases<'a>,
     ) -> Result<Vec<(Subject, Gain)>, Problem> {
-        let Work::Check { model, .. } = &entry.work else {
+        let Some(model) = entry.work.model() else {
             return Ok(Vec::new());
         };
         let points = usize::from(self.arguments.points);

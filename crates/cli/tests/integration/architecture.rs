@@ -6,7 +6,7 @@ use cargo_metadata::{DependencyKind, Metadata, Package};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use support::source::{
-    lines_with, product_code, with_groups_written_out, without_comments_and_texts,
+    lines_with, product_code, silent_matches, with_groups_written_out, without_comments_and_texts,
 };
 use support::{files_below, metadata, read, root, shown};
 
@@ -234,6 +234,34 @@ const MAY_BE_UNSAFE: [&str; 2] = [
     "crates/corroborate/src/memory.rs",
 ];
 
+/// What has to be matched in full: who adds a variant is told by the compiler where it matters.
+const MATCHED_IN_FULL: [&str; 8] = [
+    "Technique",
+    "Work",
+    "Simulated",
+    "Guarantee",
+    "WitnessOf",
+    "AskedBy",
+    "Rerun",
+    "Mark",
+];
+
+/// Where kinds of work are told apart: where they are read, what they have, and which technique does them.
+const TELL_WORK_APART: [&str; 2] = [
+    "crates/study/src/ledger",
+    "crates/corroborate/src/technique/kinds.rs",
+];
+
+/// Where techniques are told apart or named: their table, the ledger that names them, the synthetic studies that have
+/// evidence of each, and the legend of a plot, which shows one mark hollow.
+const TELL_TECHNIQUES_APART: [&str; 5] = [
+    "crates/evidence/src/technique.rs",
+    "crates/study/src/ledger",
+    "crates/corroborate-bench/src/matrix.rs",
+    "crates/corroborate-bench/src/study.rs",
+    "crates/report/src/section/forest.rs",
+];
+
 #[test]
 fn the_crates_are_those_of_the_table() {
     let known: BTreeSet<&str> = CRATES.iter().map(|(name, ..)| *name).collect();
@@ -402,6 +430,58 @@ fn only_what_the_table_names_opens_files() {
         "files are opened by {MAY_USE_FILES:?} alone:\n{}",
         found.join("\n")
     );
+}
+
+#[test]
+fn no_match_over_techniques_work_or_guarantees_takes_the_rest_in_silence() {
+    let mut found = Vec::new();
+    for (name, ..) in CRATES {
+        let folder = root().join("crates").join(name).join("src");
+        for path in rust_files(&folder) {
+            if path.file_stem().is_some_and(|stem| stem == "tests") {
+                continue;
+            }
+            let lines = silent_matches(&product_code(&read(&path)), &MATCHED_IN_FULL);
+            found.extend(lines.iter().map(|line| format!("{}:{line}", shown(&path))));
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "name every variant, so that the compiler finds these places when there is one more:\n{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn techniques_and_kinds_of_work_are_told_apart_in_few_places() {
+    let apart = |crates: &[&str], words: &[&str], allowed: &[&str]| {
+        let found = crates.iter().flat_map(|name| places(name, words));
+        let is_allowed = |place: &String| allowed.iter().any(|it| place.starts_with(it));
+        let found: Vec<String> = found.filter(|place| !is_allowed(place)).collect();
+        assert!(
+            found.is_empty(),
+            "ask for what it has (`Parts`, `Traits`), not for what it is:\n{}",
+            found.join("\n")
+        );
+    };
+    let work = [
+        "Work::Check",
+        "Work::Simulate",
+        "Work::SimulateScene",
+        "Work::Command",
+        "Work::Read",
+        "Work::Judge",
+        "Work::Other",
+    ];
+    apart(&["study", "corroborate", "cli"], &work, &TELL_WORK_APART);
+    let techniques = [
+        "Technique::ModelChecking",
+        "Technique::Simulation",
+        "Technique::Experiment",
+        "Technique::Operation",
+    ];
+    let all: Vec<&str> = CRATES.iter().map(|(name, ..)| *name).collect();
+    apart(&all, &techniques, &TELL_TECHNIQUES_APART);
 }
 
 #[test]

@@ -9,8 +9,8 @@ use host::store::{Inputs, hash_of};
 use rig::tried;
 use std::path::{Path, PathBuf};
 use stimulus::Space;
+use study::Study;
 use study::placed::quoted;
-use study::{Study, Work as Ledgered};
 use testbench::SimError;
 use toml::Table;
 
@@ -41,15 +41,8 @@ pub fn lineage(
 ) -> Result<LineageReport, Problem> {
     let entry = study.entry(&text.evidence)?;
     let mut paths = vec![text.scenario.clone(), text.parameters.clone()];
-    if let Ledgered::Read {
-        cohort,
-        requirements,
-        failure_modes,
-        ..
-    } = &entry.work
-    {
-        let tables = [cohort, requirements, failure_modes];
-        paths.extend(tables.into_iter().flatten().cloned());
+    if let Some(tables) = entry.work.tables() {
+        paths.extend(tables.paths().map(Path::to_owned));
     }
     let file = |path: &PathBuf| {
         let content = host::files::read_source(&study.folder.join(path))?;

@@ -6,8 +6,8 @@ use campaign::Random;
 use campaign::calibration::{Counted, Observed};
 use diagnostic::{Problem, Source, did_you_mean};
 use evidence::{Measure, Subject};
+use study::Study;
 use study::placed::quoted;
-use study::{Study, Work};
 
 /// The counts of the evidence, and which subjects' runs are to be predicted from the others.
 pub struct Reality {
@@ -129,21 +129,13 @@ impl About<'_> {
             };
             return Err(self.wrong(id, message, remedy));
         };
-        let Work::Read {
-            technique,
-            cohort,
-            requirements,
-            failure_modes,
-        } = &entry.work
-        else {
+        let Some(files) = entry.work.tables() else {
             let message = format!("`{id}` has no tables of counts");
             let remedy = "name an entry of the ledger whose counts are read from tables";
             return Err(self.wrong(id, message, remedy));
         };
-        let paths = [cohort, requirements, failure_modes].map(|path| path.as_deref());
-        let [cohort, requirements, failure_modes] = paths;
-        let tables = Tables::read(self.study, cohort, requirements, failure_modes)?;
-        let produced = tables.produce(self.study, id, *technique)?;
+        let tables = Tables::read(self.study, files)?;
+        let produced = tables.produce(self.study, id, entry.work.technique())?;
         Ok((tables, produced.findings))
     }
 

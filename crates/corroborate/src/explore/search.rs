@@ -10,7 +10,7 @@ use host::Host;
 use judging::{Judges, SpaceTime};
 use std::collections::BTreeMap;
 use std::path::Path;
-use study::{Study, Work};
+use study::Study;
 use trace::Trace;
 
 /// A search, in the physics that the plan chooses.
@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
         let mut inputs = inputs_of_all(study, plan, self.bench, &self.host.build);
         inputs.add("code", &[u8::from(self.request.coverage.is_some())]);
         if let Some(model) = &plan.data.model
-            && let Work::Check { model, .. } = &study.entry(model)?.work
+            && let Some(model) = study.entry(model)?.work.model()
         {
             let (model, _) = host::files::read_prism(&study.folder.join(model))?;
             inputs.add("model", model.text.as_bytes());

@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use study::{Entry, Study, Work};
+use study::{Entry, Study};
 
 /// A step that was made.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -127,7 +127,7 @@ impl Applier<'_> {
         entry: &Entry,
         changes: &[&ModelChange],
     ) -> Result<Vec<Applied>, Problem> {
-        let Work::Check { model, .. } = &entry.work else {
+        let Some(model) = entry.work.model() else {
             return Ok(Vec::new());
         };
         let source = texts::read(self.study, model)?;

@@ -36,7 +36,7 @@ use refinement::{
 };
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use study::{CommandText, Entry, Study, Work};
+use study::{CommandText, Entry, Study};
 
 /// Decades of disagreement that do not tell two numbers apart.
 const AS_GOOD: f64 = 0.5;
@@ -316,13 +316,7 @@ impl<'a> Fitting<'a> {
     ) -> Result<Self, Problem> {
         let entry = study.entry(&wanted.entry)?;
         let piece = result.evidence.iter().find(|it| it.id == wanted.entry);
-        let (
-            Work::Command {
-                command, episodes, ..
-            },
-            Some(piece),
-        ) = (&entry.work, piece)
-        else {
+        let (Some(command), Some(piece)) = (entry.work.command(), piece) else {
             return Err(Problem::new(
                 "cannot-refine",
                 format!("{} is not simulated by a command", wanted.entry),
@@ -338,13 +332,13 @@ impl<'a> Fitting<'a> {
             setting,
             command,
             piece,
-            episodes: *episodes,
+            episodes: entry.work.episodes(),
             folder,
             limit_secs: command.limit_secs,
             screened: None,
         };
         let began = Instant::now();
-        fitting.screened = fitting.run(command, SCREENED.min(*episodes))?;
+        fitting.screened = fitting.run(command, SCREENED.min(entry.work.episodes()))?;
         let longest = began.elapsed().as_secs_f64();
         let patient = (PATIENCE * longest).max(LEAST_SECS);
         fitting.limit_secs = fitting.limit_secs.min(patient);

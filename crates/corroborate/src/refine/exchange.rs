@@ -17,7 +17,7 @@ use diagnostic::Problem;
 use evidence::{Subject, Suspect};
 use refinement::{Exchange, unified};
 use std::path::Path;
-use study::{Study, Work};
+use study::Study;
 
 const VOCABULARY: &str = "vocabulary.toml";
 
@@ -80,16 +80,11 @@ pub(super) fn of_exchange(
 /// The files, and what changes places in each.
 fn texts(study: &Study, mixed: &Mixed<'_>) -> Result<Vec<(String, Exchange)>, Problem> {
     let mut texts = Vec::new();
-    let Work::Read {
-        cohort,
-        failure_modes,
-        ..
-    } = &study.entry(mixed.evidence)?.work
-    else {
+    let Some(tables) = study.entry(mixed.evidence)?.work.tables() else {
         return Ok(texts);
     };
     let modes = mixed.modes.clone();
-    if let Some(file) = failure_modes {
+    if let Some(file) = tables.failure_modes {
         let exchange = match mixed.is_whole {
             true => Exchange::Names { modes },
             false => Exchange::Occurrences { modes },
@@ -97,7 +92,7 @@ fn texts(study: &Study, mixed: &Mixed<'_>) -> Result<Vec<(String, Exchange)>, Pr
         texts.push((shown(file), exchange));
     }
     let counted = mixed.modes.each_ref().map(|mode| counted_by(study, mode));
-    if let (Some(cohort), [Some(one), Some(other)]) = (cohort, counted) {
+    if let (Some(cohort), [Some(one), Some(other)]) = (tables.cohort, counted) {
         texts.push(of_cohort(study, mixed, cohort, [one, other]));
     }
     Ok(texts)
@@ -123,9 +118,8 @@ fn of_cohort(
     counted: [(&String, &str); 2],
 ) -> (String, Exchange) {
     let columns = counted.map(|(_, column)| column.trim().to_owned());
-    let others = study.ledger.iter().filter(
-        |entry| matches!(&entry.work, Work::Read { cohort: Some(file), .. } if file != cohort),
-    );
+    let cohorts = study.ledger.iter().filter_map(|entry| entry.work.cohort());
+    let others = cohorts.filter(|file| *file != cohort);
     let is_alone = others.count() == 0;
     let [one, other] = mixed.modes;
     let is_crossed = called_after(&columns[0], other) && called_after(&columns[1], one);

@@ -14,7 +14,7 @@ use refinement::{
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use study::{Entry, Study, Work, quoted_names};
+use study::{Entry, Simulated, Study, quoted_names};
 
 /// One change that is offered.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
@@ -130,7 +130,7 @@ pub fn current(study: &Study) -> Vec<&Entry> {
     let mut found: Vec<&Entry> = Vec::new();
     for entry in study.ledger.iter().filter(|entry| !entry.intermediate) {
         let technique = entry.work.technique();
-        if !matches!(entry.work, Work::Check { .. }) && !is_simulated(entry) {
+        if entry.work.model().is_none() && !is_simulated(entry) {
             continue;
         }
         found.retain(|o| o.work.technique() != technique || o.conditions != entry.conditions);
@@ -141,9 +141,12 @@ pub fn current(study: &Study) -> Vec<&Entry> {
 
 /// Whether parameters of a simulation may be fitted.
 pub fn is_simulated(entry: &Entry) -> bool {
-    let is_ours = matches!(entry.work, Work::Simulate { .. });
-    is_ours
-        || matches!(entry.work, Work::Command { technique, .. } if technique == evidence::Technique::Simulation)
+    match entry.work.simulated() {
+        Some(Simulated::Handover { .. }) => true,
+        // A rig moves: its trials are of the system.
+        Some(Simulated::Command(_)) => entry.work.technique().is_of_simulator(),
+        Some(Simulated::Scene { .. }) | None => false,
+    }
 }
 
 /// A formal model as it is, or as it has become.
@@ -303,8 +306,7 @@ fn hides(
         let (now, then) = (value(before)?, value(after)?);
         let meets = |rate: f64| is_met(requirement, rate);
         let missed = result.evidence.iter().filter(|piece| {
-            let is_real = piece.technique == evidence::Technique::Experiment
-                || piece.technique == evidence::Technique::Operation;
+            let is_real = piece.technique.is_of_system();
             is_real && piece.id != counts.evidence && !piece.intermediate
         });
         let mut missed = missed.filter_map(|piece| {

@@ -10,7 +10,7 @@ use diagnostic::Problem;
 use evidence::{Measure, StudyResult, Subject};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
-use study::{Entry, Study, Work};
+use study::{Entry, Simulated, Study};
 
 /// A calibration that is to be run.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +53,7 @@ pub fn of_simulator(
     (suspect, disagrees): (Option<u32>, &[String]),
     offered: &mut Offered,
 ) -> Result<(), Problem> {
-    let Work::Simulate { parameters, .. } = &entry.work else {
+    let Some(parameters) = entry.work.simulated_parameters() else {
         return Ok(());
     };
     let Some((file, text)) = calibration(study, parameters)? else {
@@ -127,7 +127,7 @@ fn proposal(
 
 fn rates(result: &StudyResult, id: &str, subject: &Subject) -> String {
     let counted = result.evidence.iter().filter_map(|piece| {
-        let is_shown = piece.id == id || piece.technique == evidence::Technique::Experiment;
+        let is_shown = piece.id == id || piece.technique.traits().is_counted_by_people;
         match piece.finding(subject)?.measure {
             Measure::Counts { count, trials, .. } if trials > 0 && is_shown => {
                 Some(format!("{count} of {trials} in {}", piece.id))
@@ -161,7 +161,7 @@ fn calibration(study: &Study, parameters: &Path) -> Result<Option<(PathBuf, Text
 impl Recalibration {
     /// The file of the fitted parameters, beside the old ones.
     pub fn target(&self, study: &Study, entry: &Entry) -> String {
-        let Work::Simulate { parameters, .. } = &entry.work else {
+        let Some(parameters) = entry.work.simulated_parameters() else {
             return format!("{}.toml", self.name);
         };
         let file = parameters.with_file_name(format!("{}.toml", self.name));
@@ -181,13 +181,8 @@ impl Recalibration {
         episodes: Option<u64>,
     ) -> NewEntry {
         let mut assets = Vec::new();
-        if let Work::Simulate {
-            scenario,
-            episodes: before,
-            ..
-        } = &entry.work
-        {
-            let episodes = episodes.unwrap_or(*before);
+        if let Some(Simulated::Handover { scenario, .. }) = entry.work.simulated() {
+            let episodes = episodes.unwrap_or_else(|| entry.work.episodes());
             let scenario = scenario.to_string_lossy().replace('\\', "/");
             assets.push(("scenario", scenario.into()));
             assets.push(("parameters", target.into()));

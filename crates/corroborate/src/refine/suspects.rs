@@ -17,13 +17,13 @@ use diagnostic::Problem;
 use evidence::{StudyResult, Suspect, Symptom};
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
-use study::{Study, Work};
+use study::{Simulated, Study};
 
 /// All that is offered for a study's result.
 pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<Offered, Problem> {
     let mut sources = Vec::new();
     for entry in current(study) {
-        if let Work::Check { model, .. } = &entry.work {
+        if let Some(model) = entry.work.model() {
             let source = texts::read(study, model)?;
             sources.push((entry, model, source.text, solver.at(model)));
         }
@@ -120,7 +120,7 @@ impl Offering<'_> {
                 let mut all = current(self.study).into_iter();
                 if let Some(entry) = all.find(|entry| entry.id == evidence) {
                     let modes: Vec<String> = counts.into_iter().map(|(mode, _)| mode).collect();
-                    if let Work::Command { command, .. } = &entry.work {
+                    if let Some(command) = entry.work.command() {
                         return of_command(
                             self.study,
                             self.result,
@@ -291,16 +291,16 @@ fn place(
     evidence: &str,
     change: TextChange,
 ) -> Result<Option<(PathBuf, TextChange)>, Problem> {
-    let work = &study.entry(evidence)?.work;
-    Ok(match (change, work) {
+    let simulated = study.entry(evidence)?.work.simulated();
+    Ok(match (change, simulated) {
         (change @ TextChange::Methods { .. }, _) => Some((PathBuf::from("ledger.toml"), change)),
-        (TextChange::Step { key, divisor }, Work::Simulate { scenario, .. }) => {
+        (TextChange::Step { key, divisor }, Some(Simulated::Handover { scenario, .. })) => {
             let key = key.strip_prefix("scenario.").unwrap_or(&key).to_owned();
-            Some((scenario.clone(), TextChange::Step { key, divisor }))
+            Some((scenario.to_owned(), TextChange::Step { key, divisor }))
         }
-        (change @ TextChange::Step { .. }, Work::SimulateScene { scene, .. }) => {
-            Some((scene.clone(), change))
+        (change @ TextChange::Step { .. }, Some(Simulated::Scene { scene, .. })) => {
+            Some((scene.to_owned(), change))
         }
-        _ => None,
+        (TextChange::Step { .. }, Some(Simulated::Command(_)) | None) => None,
     })
 }

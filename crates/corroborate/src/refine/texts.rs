@@ -3,7 +3,7 @@
 use diagnostic::{Problem, Source};
 use host::files::{read_prism, read_source, write_prism, write_whole};
 use std::path::Path;
-use study::{Study, Work};
+use study::Study;
 
 /// Reads a file of a study: a model as models are read, which may be in Latin-1.
 pub(super) fn read(study: &Study, file: &Path) -> Result<Source, Problem> {
@@ -24,8 +24,6 @@ pub(super) fn write(study: &Study, file: &Path, text: &str) -> Result<(), Proble
 }
 
 fn is_model(study: &Study, file: &Path) -> bool {
-    study.ledger.iter().any(|entry| match &entry.work {
-        Work::Check { model, .. } => model == file,
-        _ => false,
-    })
+    let mut models = study.ledger.iter().filter_map(|entry| entry.work.model());
+    models.any(|model| model == file)
 }

@@ -7,7 +7,7 @@ use host::Cancel;
 use host::store::hash_of;
 use std::path::{Path, PathBuf};
 use stimulus::{AbstractTest, Stimulus};
-use study::{BenchFiles, Entry, Finding, Shows, Study, Work};
+use study::{BenchFiles, Entry, Finding, Shows, Simulated, Study};
 use testbench::{Control, Recorded, SimError, ViewKeeper, Viewer, Watch};
 
 /// An episode that can be run again.
@@ -79,11 +79,8 @@ impl Episode {
             return Err(Problem::new("bad-episode", message)
                 .remedy(format!("episodes are numbered from 1: {evidence}:1")));
         };
-        if let Work::Simulate { episodes, .. }
-        | Work::SimulateScene { episodes, .. }
-        | Work::Command { episodes, .. } = entry.work
-            && number > episodes
-        {
+        let episodes = entry.work.episodes();
+        if entry.work.simulated().is_some() && number > episodes {
             let message = format!("{evidence} has no episode {number}: it has {episodes}");
             return Err(Problem::new("bad-episode", message).remedy(format!(
                 "name one from {evidence}:1 to {evidence}:{episodes}"
@@ -123,10 +120,7 @@ impl Episode {
 
 /// The test that an entry of the ledger runs.
 fn test_of(entry: &Entry, bench: &OpenBench) -> Result<AbstractTest, Problem> {
-    let named = match &entry.work {
-        Work::SimulateScene { test, .. } => test.as_deref(),
-        _ => None,
-    };
+    let named = entry.work.simulated().and_then(Simulated::test);
     let mut tests = bench.own_tests().iter();
     let found = tests.find(|test| named.is_none_or(|name| test.name == name));
     found.cloned().ok_or_else(|| {

@@ -4,7 +4,7 @@ use crate::corroboration::{Piece, is_rounding};
 use crate::technique::model_checking::CountedConstant;
 use diagnostic::Problem;
 use evidence::Measure;
-use study::{Calibrated, Entry, Study, Work};
+use study::{Calibrated, Entry, Study};
 
 /// The constants whose counts are uncertain, with the counts; `value_of` tells a constant of the model.
 pub(crate) fn counted_constants(
@@ -100,9 +100,9 @@ fn other_value(
 ) -> Problem {
     let calibration = &calibrated.calibration;
     let rate = measure.estimate().unwrap_or(f64::NAN);
-    let file = match &entry.work {
-        Work::Check { model, .. } => model.to_string_lossy().replace('\\', "/"),
-        _ => entry.id.clone(),
+    let file = match entry.work.model() {
+        Some(model) => model.to_string_lossy().replace('\\', "/"),
+        None => entry.id.clone(),
     };
     let (counted, written) = match *measure {
         Measure::Counts { count, trials, .. } => {

@@ -1,87 +1,41 @@
 //! What each entry of a ledger needs, read, compiled and checked before anything runs.
 
-use crate::technique;
-use crate::technique::campaign::{OutsideCommand, Until};
-use crate::technique::experiment::Tables;
+use crate::technique::campaign::Until;
 use crate::technique::model_checking::Compiled;
-use crate::technique::operation::Recordings;
-use crate::technique::simulation::Campaign;
+use crate::technique::{self, Asked, Files, Prepared, Propositions, Techniques, technique_of};
 use diagnostic::{Problem, did_you_mean};
 use host::Host;
 use std::collections::BTreeMap;
-use study::{Entry, Study, Work, quoted_names};
+use study::{Entry, Study, quoted_names};
 
-/// What an entry needs, read and checked before anything runs.
-pub(crate) enum Prepared<'a> {
-    Check(Box<Compiled<'a>>),
-    Simulate(Box<Campaign>),
-    Command(Box<OutsideCommand>),
-    /// The physics library is missing; said when the entry's turn comes, so
-    /// that all else still runs.
-    CannotSimulate(Problem),
-    Read(Tables),
-    Judge(Recordings),
+/// An entry whose files were read, with what was read of them.
+pub(crate) struct Opened<'a> {
+    /// Ready to be produced.
+    pub(crate) work: Box<dyn Prepared + 'a>,
+    /// What it read.
+    pub(crate) files: Files<'a>,
 }
 
 /// Prepares all entries; fails where a word of the study means nothing to what it is for.
-pub(super) fn prepare<'a>(study: &'a Study, host: &Host) -> Result<Vec<Prepared<'a>>, Problem> {
-    let entries = study.ledger.iter();
-    let prepared: Vec<Prepared> = entries
-        .map(|entry| prepared_entry(study, entry, host))
+pub(super) fn prepare<'a>(
+    study: &'a Study,
+    others: &Techniques,
+    host: &'a Host,
+) -> Result<Vec<Opened<'a>>, Problem> {
+    let open = |entry: &'a Entry| {
+        let asked = Asked { study, entry, host };
+        let files = Files::of(&study.folder);
+        let work = technique_of(study, entry, others)?.prepare(asked, &files)?;
+        Ok(Opened { work, files })
+    };
+    let opened: Vec<Opened<'a>> = study
+        .ledger
+        .iter()
+        .map(open)
         .collect::<Result<_, Problem>>()?;
     judging::Judges::new(study, |_| true)?;
-    every_proposition_is_expressed_somewhere(study, &prepared, host)?;
-    Ok(prepared)
-}
-
-fn prepared_entry<'a>(
-    study: &'a Study,
-    entry: &'a Entry,
-    host: &Host,
-) -> Result<Prepared<'a>, Problem> {
-    let library = host.physics_library.as_deref();
-    Ok(match &entry.work {
-        Work::Check { model, .. } => {
-            let compiled = Compiled::new(study, model)?;
-            check_constants(study, entry, &compiled)?;
-            compiled.warn(&|line| host.events.say(line));
-            Prepared::Check(Box::new(compiled))
-        }
-        Work::Simulate {
-            scenario,
-            parameters,
-            ..
-        } => prepared_campaign(Campaign::new(study, scenario, parameters, library))?,
-        Work::SimulateScene { scene, test, .. } => {
-            prepared_campaign(Campaign::of_scene(study, scene, test.as_deref(), library))?
-        }
-        Work::Command { command, .. } => {
-            Prepared::Command(Box::new(OutsideCommand::new(study, command)?))
-        }
-        Work::Read {
-            cohort,
-            requirements,
-            failure_modes,
-            ..
-        } => Prepared::Read(Tables::read(
-            study,
-            cohort.as_deref(),
-            requirements.as_deref(),
-            failure_modes.as_deref(),
-        )?),
-        Work::Judge { recordings, .. } => Prepared::Judge(Recordings::find(study, recordings)?),
-    })
-}
-
-/// A campaign, or that simulations cannot run here.
-fn prepared_campaign(campaign: Result<Campaign, Problem>) -> Result<Prepared<'static>, Problem> {
-    match campaign {
-        Ok(campaign) => Ok(Prepared::Simulate(Box::new(campaign))),
-        Err(problem) if problem.code == "no-physics-library" => {
-            Ok(Prepared::CannotSimulate(problem))
-        }
-        Err(problem) => Err(problem),
-    }
+    every_proposition_is_expressed_somewhere(study, &opened, host)?;
+    Ok(opened)
 }
 
 /// The stopping rules of the ledger, held against the requirements.
@@ -103,7 +57,11 @@ pub(super) fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
 }
 
 /// What was set to a count must be a constant of the model.
-fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<(), Problem> {
+pub(crate) fn check_constants(
+    study: &Study,
+    entry: &Entry,
+    compiled: &Compiled,
+) -> Result<(), Problem> {
     for calibrated in &entry.calibrated {
         let Some(name) = &calibrated.constant else {
             continue;
@@ -130,16 +88,11 @@ fn check_constants(study: &Study, entry: &Entry, compiled: &Compiled) -> Result<
 /// name a value that no model has yet, since that is what a model that does not know it lacks.
 fn every_proposition_is_expressed_somewhere(
     study: &Study,
-    prepared: &[Prepared],
+    prepared: &[Opened<'_>],
     host: &Host,
 ) -> Result<(), Problem> {
-    let models: Vec<&Compiled> = prepared
-        .iter()
-        .filter_map(|p| match p {
-            Prepared::Check(compiled) => Some(compiled.as_ref()),
-            _ => None,
-        })
-        .collect();
+    let models = prepared.iter().filter_map(|it| it.work.propositions());
+    let models: Vec<Propositions<'_>> = models.collect();
     for (name, proposition) in &study.vocabulary.propositions {
         let (Some(binding), Some(first)) = (&proposition.model, models.first()) else {
             continue;
@@ -178,18 +131,15 @@ fn is_a_failure(study: &Study, proposition: &str) -> bool {
 /// What each entry rests on.
 pub(super) fn all_assets<'a>(
     study: &'a Study,
-    prepared: &[Prepared],
+    prepared: &[Opened<'_>],
 ) -> Result<BTreeMap<&'a str, Vec<evidence::Asset>>, Problem> {
     let entries = study.ledger.iter().zip(prepared);
     entries
         .map(|(entry, prepared)| {
             let mut assets = technique::assets(study, entry)?;
-            match prepared {
-                Prepared::Judge(recordings) => assets.extend_from_slice(recordings.assets()),
-                Prepared::Simulate(campaign) => assets.extend_from_slice(campaign.assets()),
-                Prepared::Command(command) => assets.extend_from_slice(command.assets()),
-                _ => {}
-            }
+            let named: Vec<String> = assets.iter().map(|it| it.path.clone()).collect();
+            let read = prepared.files.read().into_iter();
+            assets.extend(read.filter(|asset| !named.contains(&asset.path)));
             Ok((entry.id.as_str(), assets))
         })
         .collect()

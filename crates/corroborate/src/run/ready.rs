@@ -1,17 +1,16 @@
 //! A study whose every entry was read, compiled and hashed: what a run and a plan begin with.
 
 use super::counted::counted_constants;
-use super::prepare::{Prepared, all_assets, prepare, untils};
+use super::prepare::{Opened, all_assets, prepare, untils};
 use crate::corroboration::{self, Piece};
-use crate::technique::Produced;
 use crate::technique::campaign::Until;
-use crate::technique::model_checking::CountedConstant;
+use crate::technique::{CountedConstant, Produced, Techniques};
 use diagnostic::Problem;
 use evidence::{Asset, Evidence, Look};
 use host::Host;
 use host::store::Inputs;
 use std::collections::BTreeMap;
-use study::{Entry, Study, Work};
+use study::{Entry, Study};
 
 /// The file that keeps the result of comparing, with the hash of what it was compared from.
 pub(crate) const COMPARISON: &str = "comparison.json";
@@ -26,7 +25,7 @@ pub(crate) struct Ready<'a> {
     pub(crate) study: &'a Study,
     pub(crate) host: &'a Host,
     /// What each entry needs, in the order of the ledger.
-    pub(super) prepared: Vec<Prepared<'a>>,
+    pub(super) prepared: Vec<Opened<'a>>,
     /// What each entry rests on.
     assets: BTreeMap<&'a str, Vec<Asset>>,
     /// The stopping rules of entries that have one.
@@ -35,8 +34,12 @@ pub(crate) struct Ready<'a> {
 
 impl<'a> Ready<'a> {
     /// Reads, compiles and hashes all that the study names.
-    pub(crate) fn new(study: &'a Study, host: &'a Host) -> Result<Self, Problem> {
-        let prepared = prepare(study, host)?;
+    pub(crate) fn new(
+        study: &'a Study,
+        others: &Techniques,
+        host: &'a Host,
+    ) -> Result<Self, Problem> {
+        let prepared = prepare(study, others, host)?;
         let untils = untils(study)?;
         // Hashed before anything runs, so that an edit meanwhile is not taken for what was run.
         let assets = all_assets(study, &prepared)?;
@@ -50,7 +53,7 @@ impl<'a> Ready<'a> {
     }
 
     /// The entries with what they need.
-    pub(crate) fn entries(&self) -> impl Iterator<Item = (&'a Entry, &Prepared<'a>)> {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (&'a Entry, &Opened<'a>)> {
         self.study.ledger.iter().zip(&self.prepared)
     }
 
@@ -70,13 +73,10 @@ impl<'a> Ready<'a> {
     pub(crate) fn counted(
         &self,
         entry: &Entry,
-        prepared: &Prepared,
+        prepared: &Opened<'_>,
         before: &[Piece],
     ) -> Result<Vec<CountedConstant>, Problem> {
-        let value_of = |name: &str| match prepared {
-            Prepared::Check(compiled) => compiled.constant(name),
-            _ => None,
-        };
+        let value_of = |name: &str| prepared.work.constant(name);
         counted_constants(self.study, entry, before, &value_of)
     }
 
@@ -84,7 +84,7 @@ impl<'a> Ready<'a> {
     pub(crate) fn inputs(
         &self,
         entry: &Entry,
-        prepared: &Prepared,
+        prepared: &Opened<'_>,
         counted: &[CountedConstant],
     ) -> Result<String, Problem> {
         let mut inputs = Inputs::default();
@@ -92,58 +92,38 @@ impl<'a> Ready<'a> {
             .add("program", self.program().as_bytes())
             .add("evidence", entry.id.as_bytes())
             .add_json("confidence", &self.study.about.confidence);
-        match (prepared, &entry.work) {
-            (Prepared::Check(compiled), Work::Check { methods, .. }) => {
-                compiled.inputs(&mut inputs);
-                inputs.add_json("methods", methods);
-                inputs.add("seed", &self.study.about.seed.to_le_bytes());
-                add_counted(counted, &mut inputs);
-            }
-            (
-                Prepared::Simulate(campaign),
-                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
-            ) => {
-                campaign.inputs(&mut inputs);
-                self.add_sampling(entry, *episodes, &mut inputs);
-            }
-            (Prepared::Command(command), Work::Command { episodes, .. }) => {
-                command.inputs(&mut inputs);
-                command.reading_inputs(&mut inputs);
-                self.add_sampling(entry, *episodes, &mut inputs);
-            }
-            (Prepared::Read(tables), Work::Read { .. }) => tables.inputs(self.study, &mut inputs),
-            (Prepared::Judge(recordings), Work::Judge { .. }) => {
-                recordings.inputs(self.study, &mut inputs)?;
-                judging::inputs_of(self.study, &mut inputs);
-            }
-            _ => {}
+        prepared.files.inputs(&mut inputs);
+        prepared.work.settings(counted, &mut inputs)?;
+        if let Some(told) = entry.work.told() {
+            self.all_that_it_may_use(told, &mut inputs);
         }
         Ok(inputs.hash())
     }
 
-    /// How episodes are drawn and judged.
-    fn add_sampling(&self, entry: &Entry, episodes: u64, inputs: &mut Inputs) {
-        inputs.add("seed", &self.study.about.seed.to_le_bytes());
-        inputs.add_json("episodes", &episodes);
-        judging::inputs_of(self.study, inputs);
-        entry.sampling.inputs(inputs);
+    /// What a technique that is not built in is given beside files: which of it is used is not known here.
+    fn all_that_it_may_use(&self, told: &toml::Table, inputs: &mut Inputs) {
+        let study = self.study;
+        inputs
+            .add_json("with", told)
+            .add("seed", &study.about.seed.to_le_bytes())
+            .add("requirements", study.forms.source.text.as_bytes())
+            .add("vocabulary", study.vocabulary.source.text.as_bytes());
     }
 
     /// An entry with what was produced for it, after the pieces before it.
     pub(crate) fn piece(
         &self,
         entry: &Entry,
-        prepared: &Prepared,
+        prepared: &Opened<'_>,
         before: &[Piece],
         inputs: String,
         produced: Produced,
     ) -> Piece {
         let assets = self.assets(entry).to_vec();
         let mut piece = corroboration::piece(self.study, entry, assets, inputs, produced);
-        if let Prepared::Check(compiled) = prepared {
-            let known = |id: &str| before.iter().map(|p| &p.evidence).find(|e| e.id == id);
-            piece.drifted = corroboration::drift(entry, |name| compiled.constant(name), known);
-        }
+        let known = |id: &str| before.iter().map(|p| &p.evidence).find(|e| e.id == id);
+        let constant = |name: &str| prepared.work.constant(name);
+        piece.drifted = corroboration::drift(entry, constant, known);
         piece
     }
 
@@ -169,16 +149,5 @@ impl<'a> Ready<'a> {
             inputs.add("file", source.text.as_bytes());
         }
         inputs.hash()
-    }
-}
-
-fn add_counted(counted: &[CountedConstant], inputs: &mut Inputs) {
-    for constant in counted {
-        let sample = (
-            constant.sample.successes,
-            constant.sample.trials,
-            constant.held,
-        );
-        inputs.add_json(&constant.name, &sample);
     }
 }

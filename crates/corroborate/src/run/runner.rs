@@ -1,22 +1,18 @@
 //! Evidence for the entries of a ledger: kept where it is fresh, produced where it is not.
 
-use super::prepare::Prepared;
+use super::prepare::Opened;
 use super::ready::{COMPARISON, Ready, evidence_file};
 use crate::corroboration::{self, Piece};
 use crate::kept::{self, DIAGNOSIS};
 use crate::results::{REPORT, RESULT, json};
-use crate::technique::Produced;
-use crate::technique::campaign;
 use crate::technique::matrix::inputs_of;
-use crate::technique::model_checking::{CountedConstant, worst_case_tests, worst_cases_in_lines};
-use crate::technique::operation::{Recordings, verdicts_name};
-use crate::technique::simulation::Seeds;
+use crate::technique::model_checking::{worst_case_tests, worst_cases_in_lines};
+use crate::technique::{Produced, Working};
 use diagnostic::Problem;
 use evidence::{DescriptionGap, EpisodeFailures, Measure, StudyResult};
 use host::store::Store;
 use judging::forms::differences;
-use judging::verdicts::RunVerdicts;
-use study::{Entry, Work};
+use study::Entry;
 
 /// A study that is being run, with the folder that keeps its results.
 pub(super) struct Runner<'a> {
@@ -34,7 +30,7 @@ impl Runner<'_> {
                 continue;
             }
             self.ready.host.go_on()?;
-            if let Prepared::CannotSimulate(problem) = prepared {
+            if let Some(problem) = prepared.work.obstacle() {
                 missing.get_or_insert((&entry.id, problem.clone()));
                 continue;
             }
@@ -65,7 +61,7 @@ impl Runner<'_> {
     fn piece(
         &self,
         entry: &Entry,
-        prepared: &Prepared,
+        prepared: &Opened<'_>,
         before: &[Piece],
     ) -> Result<Piece, Problem> {
         let counted = self.ready.counted(entry, prepared, before)?;
@@ -74,7 +70,12 @@ impl Runner<'_> {
         let (produced, how) = match self.store.fresh::<Produced>(&name, &inputs) {
             Some(produced) => (produced, "kept".into()),
             None => {
-                let produced = self.produced(entry, prepared, &counted, &inputs)?;
+                let produced = prepared.work.produce(&Working {
+                    counted: &counted,
+                    store: &self.store,
+                    inputs: &inputs,
+                    until: self.ready.untils.get(entry.id.as_str()),
+                })?;
                 self.store.keep(&name, &inputs, &produced)?;
                 let how = time_taken(&produced);
                 (produced, how)
@@ -83,91 +84,6 @@ impl Runner<'_> {
         let piece = self.ready.piece(entry, prepared, before, inputs, produced);
         self.tell(entry, &piece, &how)?;
         Ok(piece)
-    }
-
-    fn produced(
-        &self,
-        entry: &Entry,
-        prepared: &Prepared,
-        counted: &[CountedConstant],
-        inputs: &str,
-    ) -> Result<Produced, Problem> {
-        let host = self.ready.host;
-        match (prepared, &entry.work) {
-            (Prepared::Check(compiled), Work::Check { methods, .. }) => {
-                let begin = |title: &str, total: u64| host.events.begin(title, total);
-                compiled.produce(&entry.id, methods, counted, &host.cancel, &begin)
-            }
-            (
-                Prepared::Simulate(campaign),
-                Work::Simulate { episodes, .. } | Work::SimulateScene { episodes, .. },
-            ) => self.simulate(entry, campaign::Source::Bench(campaign), *episodes),
-            (Prepared::Command(command), Work::Command { episodes, .. }) => {
-                self.simulate(entry, campaign::Source::Command(command), *episodes)
-            }
-            (Prepared::Read(tables), Work::Read { technique, .. }) => {
-                tables.produce(self.ready.study, &entry.id, *technique)
-            }
-            (Prepared::Judge(recordings), Work::Judge { .. }) => {
-                self.judge(entry, recordings, inputs)
-            }
-            _ => Err(Problem::new(
-                "prepared-otherwise",
-                format!("the entry `{}` was prepared for other work", entry.id),
-            )
-            .remedy("this is a bug of the program: please report it with the ledger")),
-        }
-    }
-
-    fn simulate(
-        &self,
-        entry: &Entry,
-        source: campaign::Source<'_>,
-        episodes: u64,
-    ) -> Result<Produced, Problem> {
-        let (study, host, program) = (self.ready.study, self.ready.host, self.ready.program());
-        let inputs = campaign::episode_inputs(study, entry, source, program);
-        let folder = self
-            .store
-            .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
-        let stage = host
-            .events
-            .begin(&format!("{}: episodes", entry.id), episodes);
-        let plan = campaign::Campaigning {
-            study,
-            id: &entry.id,
-            source,
-            seeds: Seeds::new(study.about.seed, &entry.id),
-            numbers: 1..episodes + 1,
-            keep: entry.sampling.keep,
-            early_end: entry.sampling.early_end,
-            on_failure: entry.sampling.on_failure,
-            until: self.ready.untils.get(entry.id.as_str()),
-            folder: &folder,
-            judged_by: campaign::judged_by(study, source, program),
-            interrupt: &host.cancel,
-            stage: &stage,
-        };
-        plan.produce()
-    }
-
-    /// Judges recordings; what each form says of each is kept for a diagnosis.
-    fn judge(
-        &self,
-        entry: &Entry,
-        recordings: &Recordings,
-        inputs: &str,
-    ) -> Result<Produced, Problem> {
-        let (study, events) = (self.ready.study, &self.ready.host.events);
-        let stage = events.begin(&format!("{}: recordings", entry.id), recordings.count());
-        let interrupt = &self.ready.host.cancel;
-        let say = |line: &str| events.say(line);
-        let (produced, main) = recordings.produce(study, &entry.id, interrupt, &stage, &say)?;
-        let forms = recordings.form_verdicts(study, interrupt)?;
-        let verdicts = RunVerdicts { main, forms };
-        self.store
-            .keep(&verdicts_name(&entry.id), inputs, verdicts)?;
-        Ok(produced)
     }
 
     /// Says what a piece shows, and writes the tests that its worst cases make.

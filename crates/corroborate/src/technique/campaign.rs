@@ -52,6 +52,14 @@ impl Source<'_> {
         }
     }
 
+    /// What judging its recordings depends on, besides the monitors.
+    pub fn reading_inputs(&self, inputs: &mut Inputs) {
+        match self {
+            Source::Bench(_) => {}
+            Source::Command(command) => command.reading_inputs(inputs),
+        }
+    }
+
     /// The name of an episode's recording.
     pub fn recording_name(&self, number: u64) -> String {
         match self {
@@ -107,9 +115,7 @@ pub fn judged_by(study: &Study, source: Source<'_>, program: &str) -> String {
     let mut inputs = Inputs::default();
     inputs.add("program", program.as_bytes());
     inputs_of(study, &mut inputs);
-    if let Source::Command(command) = source {
-        command.reading_inputs(&mut inputs);
-    }
+    source.reading_inputs(&mut inputs);
     inputs.hash()
 }
 

@@ -19,14 +19,17 @@ mod tests_of_cohort;
 
 pub use by_subject::SubjectCount;
 
+use super::files::Files;
 use super::{Produced, confidence, counts};
 use alike::Alike;
 use diagnostic::Problem;
-use evidence::{Cost, Denominator, Finding, Measure, Subject, Technique, Tool};
+use evidence::{
+    AssetRole, Cost, Denominator, Finding, Measure, Subject, Technique, Tool, WitnessOf,
+};
 use host::store::Inputs;
 use std::collections::BTreeMap;
 use std::path::Path;
-use study::{Study, SubjectForm};
+use study::{Study, SubjectForm, TableFiles};
 use trace::Table;
 
 /// More trials than any experiment has, and few enough for exact sums.
@@ -63,23 +66,30 @@ struct ModeRow {
 
 impl Tables {
     /// Reads and checks the tables that are given.
-    pub fn read(
+    pub fn read(study: &Study, files: TableFiles<'_>) -> Result<Self, Problem> {
+        Self::read_through(study, files, &Files::of(&study.folder))
+    }
+
+    /// The same, read through `reader`.
+    pub(crate) fn read_through(
         study: &Study,
-        cohort: Option<&Path>,
-        requirements: Option<&Path>,
-        failure_modes: Option<&Path>,
+        files: TableFiles<'_>,
+        reader: &Files<'_>,
     ) -> Result<Self, Problem> {
-        let open = |path: &Path| Table::read(&study.folder.join(path)).map_err(table_problem);
+        let open = |path: &Path| {
+            reader.bytes(AssetRole::Data, path)?;
+            Table::read(&study.folder.join(path)).map_err(table_problem)
+        };
         let tables = Self {
-            cohort: match cohort {
+            cohort: match files.cohort {
                 Some(path) => Some(Cohort::new(study, open(path)?)?),
                 None => None,
             },
-            requirements: match requirements {
+            requirements: match files.requirements {
                 Some(path) => verdict_rows(study, &open(path)?)?,
                 None => Vec::new(),
             },
-            failure_modes: match failure_modes {
+            failure_modes: match files.failure_modes {
                 Some(path) => mode_rows(study, &open(path)?)?,
                 None => Vec::new(),
             },
@@ -118,9 +128,9 @@ impl Tables {
         };
         Ok(Produced {
             tool: Tool {
-                name: match technique {
-                    Technique::Experiment => "the real robot".into(),
-                    _ => "published counts".into(),
+                name: match technique.witness_of() {
+                    WitnessOf::System => "the real robot".into(),
+                    WitnessOf::Model | WitnessOf::Simulator => "published counts".into(),
                 },
                 version: String::new(),
                 settings: "counts read from tables".into(),

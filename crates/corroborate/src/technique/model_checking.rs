@@ -24,9 +24,10 @@ pub use worst_case::{in_lines as worst_cases_in_lines, tests as worst_case_tests
 use given::{Asked, Given};
 
 use super::Produced;
+use super::files::Files;
 use checker::state_space::StateSpace;
 use diagnostic::{Problem, Source};
-use evidence::{Cost, Denominator, Finding, Measure, Subject, Tool};
+use evidence::{AssetRole, Cost, Denominator, Finding, Measure, Subject, Tool};
 use host::store::Inputs;
 use host::{Cancel, Stage};
 use prism_lang::ast::Optimum;
@@ -90,7 +91,12 @@ pub struct CountedConstant {
 impl<'a> Compiled<'a> {
     /// Reads a model and binds the study's questions to it.
     pub fn new(study: &'a Study, path: &Path) -> Result<Self, Problem> {
-        let (source, guessed) = host::files::read_prism(&study.folder.join(path))?;
+        Self::read(study, path, &Files::of(&study.folder))
+    }
+
+    /// The same, with the model read through `files`.
+    pub(crate) fn read(study: &'a Study, path: &Path, files: &Files<'_>) -> Result<Self, Problem> {
+        let (source, guessed) = files.prism(AssetRole::SystemModel, path)?;
         Ok(Self {
             guessed,
             ..Self::of_source(study, source)?

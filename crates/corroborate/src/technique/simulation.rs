@@ -5,9 +5,10 @@
 //! run by `technique::campaign`.
 
 use super::campaign::{Intervals, Tally, monitors};
+use super::files::Files;
 use crate::memory;
 use diagnostic::{Problem, Source};
-use evidence::{Asset, DescriptionGap, Finding, Tool};
+use evidence::{Asset, AssetRole, DescriptionGap, Finding, Tool};
 use host::store::Inputs;
 use host::{Cancel, Stage};
 use judging::{Judgement, Judges};
@@ -60,8 +61,20 @@ impl Campaign {
         parameters: &Path,
         library: Option<&Path>,
     ) -> Result<Self, Problem> {
-        let (scenario, scenario_text) = read_scenario(&study.folder.join(scenario))?;
-        let (parameters, parameters_text) = read_parameters(&study.folder.join(parameters))?;
+        Self::read(scenario, parameters, library, &Files::of(&study.folder))
+    }
+
+    /// The same, with both read through `files`.
+    pub(crate) fn read(
+        scenario: &Path,
+        parameters: &Path,
+        library: Option<&Path>,
+        files: &Files<'_>,
+    ) -> Result<Self, Problem> {
+        let scenario = files.text(AssetRole::SystemModel, scenario)?;
+        let (scenario, scenario_text) = read_scenario(scenario)?;
+        let parameters = files.text(AssetRole::SystemModel, parameters)?;
+        let (parameters, parameters_text) = read_parameters(parameters)?;
         let engine = load_engine(library)?;
         let handover = Handover::new(
             &engine,
@@ -462,7 +475,10 @@ struct PhysicsOfScenario {
 /// Reads a scenario of a study, which is refused if it asks for the fast physics: what is counted would be
 /// approximate, and nothing in a count, a verdict or a table of episodes shows it.
 pub fn scenario_source(path: &Path) -> Result<Source, Problem> {
-    let source = host::files::read_source(path)?;
+    in_full_physics(host::files::read_source(path)?)
+}
+
+fn in_full_physics(source: Source) -> Result<Source, Problem> {
     let text: Option<PhysicsText> = toml::from_str(&source.text).ok();
     let fast = text.and_then(|text| text.simulation?.fast);
     match fast {
@@ -476,15 +492,14 @@ pub fn scenario_source(path: &Path) -> Result<Source, Problem> {
     }
 }
 
-fn read_scenario(path: &Path) -> Result<(Scenario, String), Problem> {
-    let source = scenario_source(path)?;
+fn read_scenario(source: Source) -> Result<(Scenario, String), Problem> {
+    let source = in_full_physics(source)?;
     let scenario = Scenario::parse(&source.text);
     let scenario = scenario.map_err(|error| scenario_problem(&source.name, &error.into()))?;
     Ok((scenario, source.text))
 }
 
-fn read_parameters(path: &Path) -> Result<(Parameters, String), Problem> {
-    let source = host::files::read_source(path)?;
+fn read_parameters(source: Source) -> Result<(Parameters, String), Problem> {
     let parameters = Parameters::parse(&source.text);
     let parameters = parameters.map_err(|error| scenario_problem(&source.name, &error.into()))?;
     Ok((parameters, source.text))

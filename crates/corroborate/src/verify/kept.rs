@@ -1,26 +1,26 @@
 //! The evidence that is kept, and whether it is what was kept.
 
 use super::audit::Audit;
-use super::{compare, counts, deep};
+use super::{compare, sound};
 use crate::corroboration::{self, Piece};
 use crate::results::json;
 use crate::run::evidence_file;
-use crate::technique::Produced;
 use crate::technique::model_checking::Compiled;
+use crate::technique::{Asked, Kept, Produced, Techniques, technique_of};
 use diagnostic::Problem;
 use evidence::{Asset, StudyResult};
 use host::Host;
 use host::store::{Stored, hash_of};
 use serde::de::DeserializeOwned;
 use std::path::Path;
-use study::{Entry, Study, Work};
+use study::{Entry, Study};
 
 /// The evidence of every entry of the ledger; `None` if some cannot be read.
 pub fn pieces(
     study: &Study,
     results: &Path,
     claimed: &StudyResult,
-    deep: Option<&Host>,
+    (others, host, deep): (&Techniques, &Host, bool),
     audit: &mut Audit,
 ) -> Result<Option<Vec<Piece>>, Problem> {
     let mut pieces: Vec<Piece> = Vec::new();
@@ -32,12 +32,18 @@ pub fn pieces(
             continue;
         };
         as_kept(&path, &stored, audit)?;
-        match deep {
-            Some(host) if deep::can(entry) => {
-                deep::check(study, entry, &pieces, (&path, &stored.content), host, audit)?;
-            }
-            _ => counts::check(study, entry, results, &path, &stored.content, audit)?,
+        let kept = Kept {
+            path: &path,
+            produced: &stored.content,
+            results,
+            before: &pieces,
+            deep,
+        };
+        let technique = technique_of(study, entry, others)?;
+        if !(deep && technique.is_computed_again_when_deep()) {
+            sound::check(study.about.confidence, &path, &stored.content, audit);
         }
+        technique.verify(Asked { study, entry, host }, &kept, audit)?;
         let assets = assets(study, entry, claimed)?;
         let mut piece = corroboration::piece(study, entry, assets, stored.inputs, stored.content);
         piece.drifted = drifted(study, entry, &pieces)?;
@@ -109,7 +115,7 @@ pub fn hash_of_file(path: &Path) -> Option<String> {
 
 /// Constants that do not have the value of the counts they were set to.
 fn drifted(study: &Study, entry: &Entry, before: &[Piece]) -> Result<Vec<evidence::Clue>, Problem> {
-    let Work::Check { model, .. } = &entry.work else {
+    let Some(model) = entry.work.model() else {
         return Ok(Vec::new());
     };
     let compiled = Compiled::new(study, model)?;

@@ -1,7 +1,7 @@
 //! The files of variants: `variants/*.toml` of a study.
 
 use diagnostic::{Problem, Source};
-use evidence::{Subject, Technique};
+use evidence::Subject;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -119,11 +119,7 @@ pub fn subject_of(
 
 /// Whether episodes of it can be run as often as wanted; a rig moves, so it is not run for a prediction.
 pub fn is_simulated(work: &Work) -> bool {
-    match work {
-        Work::Simulate { .. } | Work::SimulateScene { .. } => true,
-        Work::Command { technique, .. } => *technique == Technique::Simulation,
-        _ => false,
-    }
+    work.simulated().is_some() && work.technique().is_of_simulator()
 }
 
 /// A change has to be one that its evidence can have.
@@ -133,7 +129,7 @@ fn fits(source: &Source, change: &ChangeText, entry: &Entry) -> Result<(), Probl
         !change.constants.is_empty(),
         !change.settings.is_empty(),
     );
-    let is_checked = matches!(entry.work, Work::Check { .. });
+    let is_checked = entry.work.model().is_some();
     let remedy = match parts {
         (true, false, false) => return Ok(()),
         (false, true, false) if is_checked => return Ok(()),

@@ -2,6 +2,7 @@
 
 mod bad_files;
 mod exploring;
+mod own_technique;
 mod plans;
 mod side_by_side;
 mod support;

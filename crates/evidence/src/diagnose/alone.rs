@@ -11,7 +11,7 @@ use super::matter::{Clue, Matter, name_of, rate_in_words, system_model};
 use super::rates::{NAMED, counts_of, figure, rate_or_never, solver};
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject, Technique};
+use crate::{Evidence, Guarantee, Inaccuracy, Measure, MethodAnswer, Subject};
 
 impl Matter<'_> {
     /// Clues against models that exclude a failure mode that others show.
@@ -19,7 +19,7 @@ impl Matter<'_> {
         let mut clues = Vec::new();
         let models = self
             .speaking()
-            .filter(|piece| piece.technique == Technique::ModelChecking);
+            .filter(|piece| piece.technique.is_of_model());
         for piece in models {
             for finding in &piece.findings {
                 let subject = &finding.subject;

@@ -8,7 +8,7 @@
 use super::matter::{Clue, Matter, name_of, system_model};
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::{Cell, Figure, JudgedBy, Symptom};
-use crate::{Evidence, Inaccuracy, Subject, Technique};
+use crate::{Evidence, Inaccuracy, Subject};
 
 /// The most that a difference counts on which no conflict hangs.
 const UNHARMFUL: f64 = 2.0;
@@ -20,7 +20,7 @@ impl Matter<'_> {
         let mut clues = Vec::new();
         let formal: Vec<&Evidence> = self
             .speaking()
-            .filter(|e| e.technique == Technique::ModelChecking)
+            .filter(|e| e.technique.is_of_model())
             .collect();
         for cell in self
             .cells

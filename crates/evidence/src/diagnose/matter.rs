@@ -6,8 +6,8 @@ use super::suspect::{
     Cell, Figure, JudgedBy, Suspect, SuspectAsset, SuspectKind, Symptom, Witness,
 };
 use crate::{
-    AssetRole, Comparison, Evidence, FailureMode, Inaccuracy, Outcome, Requirement, Subject,
-    Technique,
+    AssetRole, Comparison, Evidence, FailureMode, Inaccuracy, Outcome, Requirement, Rerun, Subject,
+    WitnessOf,
 };
 
 /// What suspects are found in.
@@ -213,12 +213,14 @@ impl<'a> Matter<'a> {
         let study = self.study;
         let number: String = run.chars().filter(char::is_ascii_digit).collect();
         let number = number.trim_start_matches('0');
-        match piece.technique {
-            Technique::ModelChecking => {
+        match piece.technique.traits().rerun {
+            Rerun::Path => {
                 format!("corroborate diagnose {study} --show {}:{number}", piece.id)
             }
-            Technique::Simulation => format!("corroborate replay {study} {}:{number}", piece.id),
-            _ => format!("corroborate monitor {study} {run}"),
+            Rerun::Episode => format!("corroborate replay {study} {}:{number}", piece.id),
+            Rerun::Recording | Rerun::RecordingIfKept => {
+                format!("corroborate monitor {study} {run}")
+            }
         }
     }
 
@@ -229,9 +231,11 @@ impl<'a> Matter<'a> {
             replay: self.replay(piece, run),
         };
         // What others published or counted by hand cannot be replayed.
-        let replayable = piece.technique == Technique::Simulation && !piece.published
-            || piece.technique == Technique::ModelChecking
-            || piece.technique == Technique::Operation;
+        let replayable = match piece.technique.traits().rerun {
+            Rerun::Path | Rerun::Recording => true,
+            Rerun::Episode => !piece.published,
+            Rerun::RecordingIfKept => false,
+        };
         let runs = runs.iter().filter(|_| replayable);
         runs.map(of).collect()
     }
@@ -241,12 +245,13 @@ impl<'a> Matter<'a> {
 /// is the reason: one is named, all others beside it. Named is the last of the files that say how the system behaves,
 /// since parameters follow their scenario; descriptions and shapes of bodies, which other programs made, come last.
 pub fn system_model(piece: &Evidence) -> SuspectAsset {
-    let (kind, role) = match piece.technique {
-        Technique::ModelChecking => (SuspectKind::FormalModel, AssetRole::SystemModel),
-        Technique::Simulation if !piece.published => {
-            (SuspectKind::Simulation, AssetRole::SystemModel)
+    let (kind, role) = match (piece.technique.witness_of(), piece.published) {
+        (WitnessOf::Model, _) => (SuspectKind::FormalModel, AssetRole::SystemModel),
+        (WitnessOf::Simulator, false) => (SuspectKind::Simulation, AssetRole::SystemModel),
+        // Published simulations are known by their counts alone.
+        (WitnessOf::Simulator, true) | (WitnessOf::System, _) => {
+            (SuspectKind::Data, AssetRole::Data)
         }
-        _ => (SuspectKind::Data, AssetRole::Data),
     };
     let files = piece.assets.iter().filter(|a| a.role == role);
     let files: Vec<&String> = files.map(|asset| &asset.path).collect();

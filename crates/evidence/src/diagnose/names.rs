@@ -16,7 +16,7 @@ use super::matter::{Clue, Matter, name_of, system_model};
 use super::rates::figure;
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, Finding, Inaccuracy, Measure, Subject, Technique};
+use crate::{Evidence, Finding, Inaccuracy, Measure, Subject};
 
 /// From how many decades on an exchange of names explains something.
 const MIXED_UP: f64 = 2.0;
@@ -127,7 +127,7 @@ impl Matter<'_> {
         subject: &Subject,
         whole: f64,
     ) -> Option<(Clue, f64)> {
-        let is_table = piece.technique == Technique::Experiment || piece.published;
+        let is_table = piece.technique.traits().is_counted_by_people || piece.published;
         let margin = |subject: &Subject| self.margin(subject);
         let found = is_table
             .then(|| mixed_up(self.evidence, piece, &margin))

@@ -31,7 +31,7 @@ use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
 use super::strength::{CERTAIN, Rate, STRONG, ln_together, strength};
 use super::suspect::{Figure, ODD_ONE_OUT, SuspectAsset, SuspectKind, Symptom};
-use crate::{Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject, Technique};
+use crate::{AskedBy, Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject};
 
 /// The most that two models count against each other: they differ for certain, but only data say which is wrong.
 const MODELS: f64 = 2.0;
@@ -141,7 +141,10 @@ impl<'a> Matter<'a> {
         let subject = &conflict.subject;
         let mut clues = Vec::new();
         let mut left = self.difference(one, other, subject);
-        if [one, other].map(|piece| piece.technique) == [Technique::ModelChecking; 2] {
+        if [one, other]
+            .iter()
+            .all(|piece| piece.technique.is_of_model())
+        {
             left = left.min(MODELS);
         }
         for (piece, against) in [(one, other), (other, one)] {
@@ -382,7 +385,7 @@ impl<'a> Matter<'a> {
         subject: &Subject,
         left: f64,
     ) -> Vec<Clue> {
-        let is_formal = |piece: &Evidence| piece.technique == Technique::ModelChecking;
+        let is_formal = |piece: &Evidence| piece.technique.traits().asked_by == AskedBy::Property;
         let form = (is_formal(one) || is_formal(other)).then_some("property");
         let weights = [(one, other), (other, one)]
             .map(|(piece, against)| self.apart_with_its_voice(piece, against, subject, form));
@@ -483,12 +486,7 @@ impl<'a> Matter<'a> {
             true => 0.0,
             false => ln_together(&own, margin),
         };
-        let is_data = |piece: &&Evidence| {
-            matches!(
-                piece.technique,
-                Technique::Experiment | Technique::Operation
-            )
-        };
+        let is_data = |piece: &&Evidence| piece.technique.is_of_system();
         let prior = match apart.iter().any(is_data) {
             true => -DATA,
             false => 0.0,
@@ -527,8 +525,7 @@ impl<'a> Matter<'a> {
         against: &Evidence,
         subject: &Subject,
     ) -> Option<String> {
-        let is_made =
-            [Technique::ModelChecking, Technique::Simulation].contains(&against.technique);
+        let is_made = !against.technique.is_of_system();
         self.replaced(piece, against, subject).or_else(|| {
             let by = is_made.then(|| self.replaced(against, piece, subject));
             let same = |id: &String| {
@@ -560,7 +557,7 @@ pub(super) fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate>
     let measure = &piece.finding(subject)?.measure;
     let has_nothing = matches!(subject, Subject::FailureMode(_))
         && matches!(measure, Measure::NotExpressible { .. })
-        && piece.technique == Technique::ModelChecking;
+        && piece.technique.is_of_model();
     match has_nothing {
         true => Some(Rate::Never),
         false => Rate::on(piece, subject),
@@ -569,9 +566,9 @@ pub(super) fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate>
 
 /// The form that a piece's own finding rests on.
 pub(super) fn own_form(piece: &Evidence) -> &'static str {
-    match piece.technique {
-        Technique::ModelChecking => "property",
-        _ => "monitor",
+    match piece.technique.traits().asked_by {
+        AskedBy::Property => "property",
+        AskedBy::Monitor => "monitor",
     }
 }
 
@@ -591,7 +588,7 @@ fn changed<'e>(
     b: &Judged,
 ) -> Option<(&'e Evidence, String)> {
     let is_reading = |judged: &Judged| !["property", "monitor"].contains(&judged.form.as_str());
-    let is_table = |e: &Evidence| e.technique == Technique::Experiment || e.published;
+    let is_table = |e: &Evidence| e.technique.traits().is_counted_by_people || e.published;
     match (a.main, b.main) {
         (true, true) | (false, false) => None,
         // The form in which a table was counted is not known: any may be it.

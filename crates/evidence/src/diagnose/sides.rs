@@ -11,7 +11,7 @@
 
 use super::matter::Matter;
 use super::strength::{Rate, STRONG, strength};
-use crate::{Evidence, Subject, Technique};
+use crate::{Evidence, Subject};
 
 impl Matter<'_> {
     /// Which of two forms of a subject the counts of the real system contradict, if they contradict one alone.
@@ -25,7 +25,7 @@ impl Matter<'_> {
         let rate = |form: &str| Some(judged.iter().find(|it| it.form == form)?.rate);
         let (one, other) = (rate(forms[0])?, rate(forms[1])?);
         let counted = self.speaking().filter(|it| {
-            it.technique == Technique::Experiment
+            it.technique.traits().is_counted_by_people
                 && it.conditions == piece.conditions
                 && it.id != piece.id
         });

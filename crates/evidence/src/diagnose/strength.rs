@@ -29,7 +29,7 @@
 //! the midpoint rule, over the part of it that has likelihood: relative error below 1e-3 of the Bayes
 //! factor (tested against exact integrals).
 
-use crate::{Evidence, Guarantee, Measure, Subject};
+use crate::{Evidence, Measure, Subject};
 use stats::special::ln_gamma;
 
 /// What is strong evidence, in decades: a Bayes factor of 10, by Jeffreys' scale.
@@ -89,9 +89,7 @@ impl Rate {
     /// whose bounds hold, is excluded by it.
     pub fn on(piece: &Evidence, subject: &Subject) -> Option<Self> {
         match &piece.finding(subject)?.measure {
-            Measure::Probability { answer, .. }
-                if !matches!(answer.guarantee, Guarantee::Estimated { .. }) =>
-            {
+            Measure::Probability { answer, .. } if !answer.guarantee.is_estimated() => {
                 Some(Self::claimed(answer.value, subject))
             }
             measure => Self::of(measure),

@@ -16,4 +16,5 @@ mod handover;
 mod intervals;
 mod support;
 mod suspects;
+mod techniques;
 mod verdicts;

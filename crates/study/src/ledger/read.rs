@@ -104,6 +104,13 @@ pub(super) struct EntryText {
     /// A folder of recordings that are judged by the study's monitors. Experiments and operation.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) recordings: Option<Spanned<PathBuf>>,
+    /// The name of a technique that is not built in, which whoever runs the study brings; `technique` says as whose evidence
+    /// its findings count.
+    #[schemars(with = "Option<String>")]
+    pub(super) producer: Option<Spanned<String>>,
+    /// What such a technique is told, in its own words.
+    #[schemars(with = "Option<BTreeMap<String, AnyValue>>")]
+    pub(super) with: Option<Spanned<toml::Table>>,
 }
 
 #[derive(JsonSchema, Deserialize)]
@@ -118,6 +125,23 @@ pub(super) struct TablesText {
     /// Counts by failure mode.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) failure_modes: Option<Spanned<PathBuf>>,
+}
+
+/// A value that only the technique that takes it knows.
+struct AnyValue;
+
+impl JsonSchema for AnyValue {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "AnyValue".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        true.into()
+    }
 }
 
 /// `"reason"`, or `{ E2 = "reason" }`.
@@ -269,9 +293,9 @@ impl Reader<'_> {
     /// Only model checking has a model whose constants can be set; whether the model has them is seen when it is read.
     fn constants_have_a_model(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
         let constant = text.calibrated.iter().find_map(|c| c.constant.as_ref());
-        match (work, constant) {
-            (Work::Check { .. }, _) | (_, None) => Ok(()),
-            (_, Some(constant)) => Err(self.problem(
+        match (work.model(), constant) {
+            (Some(_), _) | (None, None) => Ok(()),
+            (None, Some(constant)) => Err(self.problem(
                 "bad-calibration",
                 format!(
                     "`{}` has no model, and so no constant `{}`",

@@ -53,11 +53,12 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
         ),
         Work::Judge { .. } => ("a judgement of recordings", &["recordings"]),
         Work::Read { .. } => ("a reading of tables", &["tables"]),
+        Work::Other { .. } => ("work of a technique of one's own", &["producer", "with"]),
     }
 }
 
 /// The keys of an entry that say how its work is done, with the place of each that is given.
-fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 18] {
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 20] {
     fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
         value.as_ref().map(Spanned::span)
     }
@@ -81,12 +82,18 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 18] {
         ("on_failure", at(&text.on_failure)),
         ("tables", at(&text.tables)),
         ("recordings", at(&text.recordings)),
+        ("producer", at(&text.producer)),
+        ("with", at(&text.with)),
     ]
 }
 
 impl Reader<'_> {
     pub(super) fn work(&self, text: &EntryText) -> Result<Work, Problem> {
         use evidence::Technique::{Experiment, ModelChecking, Operation, Simulation};
+        if let Some(producer) = &text.producer {
+            let work = other(text, producer, *text.technique.get_ref());
+            return self.no_other_keys(text, &work).map(|()| work);
+        }
         let work = match text.technique.get_ref() {
             ModelChecking => self.check(text),
             technique @ (Simulation | Experiment) if text.command.is_some() => {
@@ -351,25 +358,31 @@ impl Reader<'_> {
         let tables = tables.get_ref();
         let file =
             |path: &Option<Spanned<PathBuf>>| path.as_ref().map(|p| self.existing(p)).transpose();
-        let work = Work::Read {
-            technique,
-            cohort: file(&tables.cohort)?,
-            requirements: file(&tables.requirements)?,
-            failure_modes: file(&tables.failure_modes)?,
-        };
-        match &work {
-            Work::Read {
-                cohort: None,
-                requirements: None,
-                failure_modes: None,
-                ..
-            } => Err(self.problem(
+        let given = [&tables.cohort, &tables.requirements, &tables.failure_modes];
+        if given.iter().all(|path| path.is_none()) {
+            return Err(self.problem(
                 "missing-entry",
                 "`tables` names no table".into(),
                 span,
                 "add `cohort`, `requirements` or `failure_modes`",
-            )),
-            _ => Ok(work),
+            ));
         }
+        Ok(Work::Read {
+            technique,
+            cohort: file(&tables.cohort)?,
+            requirements: file(&tables.requirements)?,
+            failure_modes: file(&tables.failure_modes)?,
+        })
+    }
+}
+
+/// The work of a technique that is not built in; whether there is one of this name is seen when it is run.
+fn other(text: &EntryText, producer: &Spanned<String>, technique: evidence::Technique) -> Work {
+    let with = text.with.as_ref().map(|with| with.get_ref().clone());
+    Work::Other {
+        technique,
+        producer: producer.get_ref().clone(),
+        span: producer.span(),
+        with: with.unwrap_or_default(),
     }
 }

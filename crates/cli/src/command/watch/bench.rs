@@ -25,7 +25,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use study::{Study, Work};
+use study::{Simulated as Named, Study};
 use testbench::SimError;
 use trace::Trace;
 
@@ -67,20 +67,19 @@ impl Bench {
         };
         let entry = study.entry(id)?;
         let library = setting.physics_library.as_deref();
-        let (campaign, file, parameters) = match &entry.work {
-            Work::Simulate {
+        let (campaign, file, parameters) = match entry.work.simulated() {
+            Some(Named::Handover {
                 scenario,
                 parameters,
-                ..
-            } => {
+            }) => {
                 let campaign = Campaign::new(study, scenario, parameters, library)?;
                 (campaign, scenario, Some(parameters))
             }
-            Work::SimulateScene { scene, test, .. } => {
-                let campaign = Campaign::of_scene(study, scene, test.as_deref(), library)?;
+            Some(Named::Scene { scene, test }) => {
+                let campaign = Campaign::of_scene(study, scene, test, library)?;
                 (campaign, scene, None)
             }
-            _ => {
+            Some(Named::Command(_)) | None => {
                 let message = format!("`{}` is no simulation of this study", entry.id);
                 return Err(Problem::new("not-a-simulation", message)
                     .remedy("name an entry of the ledger with a scenario or a scene"));

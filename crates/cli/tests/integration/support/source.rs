@@ -191,3 +191,127 @@ fn first_level(group: &str) -> Vec<&str> {
     parts.push(&group[start..]);
     parts
 }
+
+/// The lines of matches over one of these enums that have an arm for the rest: `_`, or a name of its own, in the place
+/// where arms before it name variants.
+pub fn silent_matches(code: &str, enums: &[&str]) -> Vec<usize> {
+    let is_word = |at: usize| {
+        let before = code[..at].chars().next_back();
+        !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
+    };
+    let silent = code
+        .match_indices("match ")
+        .filter(|(at, _)| is_word(*at) && takes_the_rest(&patterns(&code[*at..]), enums))
+        .map(|(at, _)| code[..at].matches('\n').count() + 1);
+    silent.collect()
+}
+
+fn takes_the_rest(patterns: &[String], enums: &[&str]) -> bool {
+    let alternatives = patterns.iter().flat_map(|pattern| {
+        let without_guard = pattern.split(" if ").next().unwrap_or_default();
+        split_at_first_level(without_guard, "|")
+    });
+    let arms: Vec<Vec<&str>> = alternatives.map(places_of).collect();
+    let names = |text: &str| {
+        let mut enums = enums.iter();
+        enums.any(|name| !lines_with(text, &format!("{name}::")).is_empty())
+    };
+    let is_catching = |text: &str| {
+        let text = text.trim_start_matches('&');
+        text.starts_with(|c: char| c == '_' || c.is_lowercase())
+            && text.chars().all(|c| c.is_alphanumeric() || c == '_')
+            && !["true", "false"].contains(&text)
+    };
+    let width = arms.iter().map(Vec::len).max().unwrap_or(0);
+    (0..width).any(|place| {
+        let of_place = arms.iter().map(|arm| arm.get(place).or(arm.first()));
+        let mut after = of_place.flatten().skip_while(|text| !names(text));
+        after.any(|text| is_catching(text))
+    })
+}
+
+/// A pattern's places: those of a tuple, or itself alone.
+fn places_of(pattern: &str) -> Vec<&str> {
+    let inner = pattern
+        .strip_prefix('(')
+        .and_then(|it| it.strip_suffix(')'));
+    inner.map_or_else(|| vec![pattern], |it| split_at_first_level(it, ","))
+}
+
+fn split_at_first_level<'t>(text: &'t str, separator: &str) -> Vec<&'t str> {
+    let (mut parts, mut rest) = (Vec::new(), text);
+    while let Some(at) = at_first_level(rest, separator) {
+        parts.push(rest[..at].trim());
+        rest = &rest[at + separator.len()..];
+    }
+    parts.push(rest.trim());
+    parts
+}
+
+/// The patterns of the arms of the match that begins here.
+fn patterns(code: &str) -> Vec<String> {
+    let Some(open) = opening_brace(code) else {
+        return Vec::new();
+    };
+    let body = &code[open + 1..item_end(code, open).saturating_sub(1).max(open + 1)];
+    let (mut patterns, mut from) = (Vec::new(), 0);
+    while let Some(arrow) = at_first_level(&body[from..], "=>") {
+        patterns.push(body[from..from + arrow].trim().to_owned());
+        let rest = from + arrow + 2;
+        let space = body[rest..].len() - body[rest..].trim_start().len();
+        let after = match body[rest + space..].starts_with('{') {
+            true => item_end(body, rest + space),
+            false => rest + at_first_level(&body[rest..], ",").unwrap_or(body.len() - rest),
+        };
+        from =
+            after + body[after..].len() - body[after..].trim_start_matches([',', ' ', '\n']).len();
+    }
+    patterns
+}
+
+/// Where the arms of a match begin, which what is matched does not contain in the open.
+fn opening_brace(code: &str) -> Option<usize> {
+    at_first_level(code, "{")
+}
+
+/// Where a text stands outside of all brackets.
+fn at_first_level(code: &str, wanted: &str) -> Option<usize> {
+    let mut depth = 0_usize;
+    for (at, letter) in code.char_indices() {
+        if depth == 0 && code[at..].starts_with(wanted) {
+            return Some(at);
+        }
+        match letter {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth = depth.checked_sub(1)?,
+            _ => {}
+        }
+    }
+    None
+}
+
+#[test]
+fn a_match_that_names_some_variants_and_takes_the_rest_is_found() {
+    let found = |arms: &str| {
+        let code = format!("fn f() {{\n    match (a, b) {{ {arms} }}\n}}");
+        silent_matches(&code, &["Kind"])
+    };
+    for silent in [
+        "Kind::A => 1, _ => 2",
+        "Kind::A { .. } => { f(x) } other => 2",
+        "(Kind::A, 1) => g(|| 1), (_, true) => 2, (Kind::B, _) => 3",
+        "&Kind::A if x => 1, _ if y => 2, Kind::A | Kind::B => 3",
+    ] {
+        assert_eq!(found(silent), [2], "{silent}");
+    }
+    for exhaustive in [
+        "Kind::A => 1, Kind::B => 2",
+        "(Kind::A, _) => 1, (Kind::B, true) => 2, (Kind::B, other) => 3",
+        "(1, _) => 1, (2, Kind::A) => 2, (3, Kind::B) | (4, Kind::A) => 3",
+        "Other::A => 1, _ => 2",
+        "MyKind::A => 1, _ => 2",
+        "Some(Kind::A) => { match x { _ => 1 } } Some(Kind::B) | None => 2",
+    ] {
+        assert_eq!(found(exhaustive), [0; 0], "{exhaustive}");
+    }
+}

@@ -5,7 +5,7 @@ use super::outside::OutsideCommand;
 use crate::technique::simulation::Campaign;
 use diagnostic::Problem;
 use std::path::Path;
-use study::{Entry, Study, Work};
+use study::{Entry, Simulated, Study};
 
 /// What is simulated.
 pub enum Simulator {
@@ -18,20 +18,19 @@ pub enum Simulator {
 impl Simulator {
     /// The simulator of an entry.
     pub fn of_entry(study: &Study, entry: &Entry, library: Option<&Path>) -> Result<Self, Problem> {
-        let campaign = match &entry.work {
-            Work::Simulate {
+        let campaign = match entry.work.simulated() {
+            Some(Simulated::Handover {
                 scenario,
                 parameters,
-                ..
-            } => Campaign::new(study, scenario, parameters, library)?,
-            Work::SimulateScene { scene, test, .. } => {
-                Campaign::of_scene(study, scene, test.as_deref(), library)?
+            }) => Campaign::new(study, scenario, parameters, library)?,
+            Some(Simulated::Scene { scene, test }) => {
+                Campaign::of_scene(study, scene, test, library)?
             }
-            Work::Command { command, .. } => {
+            Some(Simulated::Command(command)) => {
                 let command = OutsideCommand::new(study, command)?;
                 return Ok(Self::Command(Box::new(command)));
             }
-            _ => {
+            None => {
                 return Err(Problem::new(
                     "not-a-simulation",
                     format!("`{}` is no simulation of this study", entry.id),

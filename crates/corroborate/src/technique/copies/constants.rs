@@ -11,7 +11,7 @@
 
 use super::{Candidate, counted, is_declared, probability, subject_in_words};
 use diagnostic::Problem;
-use evidence::{AssetRole, CopyKind, Evidence, Subject, Technique};
+use evidence::{AssetRole, CopyKind, Evidence, Subject};
 use stats::Sample;
 use study::{Entry, Study};
 
@@ -85,7 +85,7 @@ pub(super) fn placed<'a>(
 
 /// Models are read whatever their files are called, of simulations the parameter sets and scenarios.
 fn is_read(piece: &Evidence, path: &str) -> bool {
-    piece.technique == Technique::ModelChecking || path.ends_with(".toml")
+    piece.technique.is_of_model() || path.ends_with(".toml")
 }
 
 /// The text of an asset; empty for what is no text that somebody wrote.
@@ -141,7 +141,7 @@ fn candidate(
         key: format!("{} {} {}", number.text, sample.successes, sample.trials),
         chance,
         met,
-        notable: evidence[placed.piece].technique == Technique::ModelChecking,
+        notable: evidence[placed.piece].technique.is_of_model(),
         finding: format!(
             "{what} is {of_rest}{with}'s {}/{} of {} (an independent source gives it with a probability of {})",
             sample.successes,

@@ -22,7 +22,7 @@
 use super::constants::{Placed, placed};
 use super::{Candidate, counted, is_declared, probability, subject_in_words};
 use diagnostic::Problem;
-use evidence::{CopyKind, Evidence, Subject, Technique};
+use evidence::{CopyKind, Evidence, Subject};
 use stats::Sample;
 use study::Study;
 
@@ -127,7 +127,7 @@ fn candidate(
         key: format!("{} {product}", number.text),
         chance,
         met,
-        notable: evidence[placed.piece].technique == Technique::ModelChecking && chance <= NOTED,
+        notable: evidence[placed.piece].technique.is_of_model() && chance <= NOTED,
         finding: format!(
             "{what} is {product}, {with}'s counts of {} and {} (an independent source gives it with a probability of {})",
             subject_in_words(&one.0),

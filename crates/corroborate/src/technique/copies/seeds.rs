@@ -12,7 +12,7 @@
 
 use crate::technique::experiment::repeated::{Told, tables};
 use diagnostic::Problem;
-use evidence::{CopyKind, Evidence, LineageQuestion, Technique};
+use evidence::{CopyKind, Evidence, LineageQuestion};
 use std::collections::BTreeSet;
 use study::Study;
 
@@ -28,7 +28,7 @@ pub(super) fn questions(
     let place = |of: &Told| {
         evidence
             .iter()
-            .position(|it| it.id == of.evidence && it.technique == Technique::Simulation)
+            .position(|it| it.id == of.evidence && it.technique.is_of_simulator())
     };
     let mut found = Vec::new();
     for (number, later) in told.iter().enumerate() {

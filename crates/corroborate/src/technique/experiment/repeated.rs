@@ -17,7 +17,7 @@ use diagnostic::Problem;
 use evidence::{Evidence, RepeatedRows};
 use stats::SharedRows;
 use std::collections::{BTreeMap, BTreeSet};
-use study::{Study, Work};
+use study::Study;
 use trace::Table;
 
 /// Up to which probability equal rows are not by chance.
@@ -60,10 +60,7 @@ pub fn find(study: &Study, evidence: &mut [Evidence]) -> Result<(), Problem> {
 pub fn tables(study: &Study) -> Result<Vec<Told>, Problem> {
     let mut told = Vec::new();
     for entry in &study.ledger {
-        if let Work::Read {
-            cohort: Some(path), ..
-        } = &entry.work
-        {
+        if let Some(path) = entry.work.cohort() {
             let table = Table::read(&study.folder.join(path)).map_err(table_problem)?;
             told.push(Told {
                 evidence: entry.id.clone(),

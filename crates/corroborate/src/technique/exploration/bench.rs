@@ -9,7 +9,7 @@ use host::store::Inputs;
 use rig::SceneCampaign;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
-use study::{BenchFiles, CommandText, Entry, Study, Work};
+use study::{BenchFiles, CommandText, Entry, Simulated, Study};
 use testbench::{
     Bench, Drawn, End, Engine, Failure, HandoverBench, Part, Recorded, SimError, Unwatched, Watch,
 };
@@ -46,18 +46,17 @@ impl OpenBench {
             evidence: entry.id.clone(),
             ..BenchFiles::default()
         };
-        match &entry.work {
-            Work::Simulate {
+        match entry.work.simulated() {
+            Some(Simulated::Handover {
                 scenario,
                 parameters,
-                ..
-            } => {
+            }) => {
                 files.scenario = shown(scenario);
                 files.parameters = shown(parameters);
             }
-            Work::SimulateScene { scene, .. } => files.scene = shown(scene),
-            Work::Command { .. } => {}
-            _ => {
+            Some(Simulated::Scene { scene, .. }) => files.scene = shown(scene),
+            Some(Simulated::Command(_)) => {}
+            None => {
                 return Err(Problem::new(
                     "not-a-simulation",
                     format!("`{}` is no simulation that takes tests", entry.id),
@@ -276,10 +275,7 @@ impl OpenBench {
 pub fn command_of<'s>(study: &'s Study, files: &BenchFiles) -> Option<&'s CommandText> {
     let has_files = files.scenario.is_some() || files.parameters.is_some() || files.scene.is_some();
     let entry = study.entry(&files.evidence).ok()?;
-    match &entry.work {
-        Work::Command { command, .. } if !has_files => Some(command),
-        _ => None,
-    }
+    entry.work.command().filter(|_| !has_files)
 }
 
 fn handover(

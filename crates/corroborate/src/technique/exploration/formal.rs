@@ -7,7 +7,7 @@ use prism_lang::{
     Constants, Property, StateFormula, parse_properties, resolve_properties, resolved,
 };
 use query::explore;
-use study::{Study, Work};
+use study::Study;
 
 use std::collections::BTreeSet;
 
@@ -35,7 +35,7 @@ pub enum Meaning {
 impl Formal {
     /// The model of a ledger's entry, explored.
     pub fn of_entry(study: &Study, id: &str, interrupt: &Cancel) -> Result<Self, Problem> {
-        let Work::Check { model, .. } = &study.entry(id)?.work else {
+        let Some(model) = study.entry(id)?.work.model() else {
             return Err(Problem::new(
                 "bad-exploration",
                 format!("`{id}` is no formal model of this study"),

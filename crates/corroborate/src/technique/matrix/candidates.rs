@@ -27,7 +27,7 @@ use diagnostic::Problem;
 use evidence::{Subject, SuspectKind, requirement_form};
 use std::collections::BTreeSet;
 use std::ops::Range;
-use study::{Rule, Study, SubjectForm, Work, quoted_names};
+use study::{Rule, Study, SubjectForm, quoted_names};
 use topics::{Topics, quantities};
 use trace::Table;
 
@@ -140,11 +140,7 @@ fn columns(study: &Study) -> Result<Vec<TextEdit>, Problem> {
     let known: BTreeSet<String> = bound.iter().map(|(_, b)| plain(&b.text)).collect();
     let mut found = Vec::new();
     for entry in &study.ledger {
-        let Work::Read {
-            cohort: Some(cohort),
-            ..
-        } = &entry.work
-        else {
+        let Some(cohort) = entry.work.cohort() else {
             continue;
         };
         let Ok(table) = Table::read(&study.folder.join(cohort)) else {
@@ -253,7 +249,7 @@ fn model_bindings(study: &Study) -> Result<Vec<TextEdit>, Problem> {
     let known: BTreeSet<String> = bound.iter().map(|(_, b)| plain(&b.text)).collect();
     let mut found = Vec::new();
     for entry in &study.ledger {
-        let Work::Check { model, .. } = &entry.work else {
+        let Some(model) = entry.work.model() else {
             continue;
         };
         let text = host::files::read_prism(&study.folder.join(model))?.0.text;

@@ -43,7 +43,7 @@ use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    Symptom, Technique, signed_strength,
+    Symptom, signed_strength,
 };
 use judging::Judges;
 use judging::recording::ReadingRules;
@@ -51,7 +51,7 @@ use rayon::prelude::*;
 use scratch::Scratch;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use study::{Study, Work};
+use study::Study;
 
 /// Decades for an edit whose very value something else says, too.
 const SAID: f64 = 2.5;
@@ -177,9 +177,8 @@ impl Diagnosing<'_> {
         for (place, one) in pieces.iter().enumerate() {
             let others = pieces[place + 1..].iter();
             // Two models have no data between them that could tell.
-            let both_computed = |other: &Evidence| {
-                [one.technique, other.technique] == [Technique::ModelChecking; 2]
-            };
+            let both_computed =
+                |other: &Evidence| one.technique.is_of_model() && other.technique.is_of_model();
             let comparable =
                 |other: &&&Evidence| other.conditions == one.conditions && !both_computed(other);
             for other in others.filter(comparable) {
@@ -207,35 +206,27 @@ impl Diagnosing<'_> {
         let mut evidence = self.result.evidence.clone();
         for piece in &mut evidence {
             let entry = self.study.entry(&piece.id)?;
-            let findings = match (&entry.work, reach) {
-                (Work::Check { model, .. }, Reach::Models) => {
+            let (work, id) = (&entry.work, &piece.id);
+            let findings = match reach {
+                Reach::Models => {
+                    let Some(model) = work.model() else { continue };
                     let then = self.model_values(study, model)?;
                     answers(now.get(model), &then, &piece.findings)
                 }
-                (
-                    Work::Read {
-                        technique,
-                        cohort,
-                        requirements,
-                        failure_modes,
-                    },
-                    Reach::Tables,
-                ) => {
-                    let [cohort, requirements, failure_modes] =
-                        [cohort, requirements, failure_modes].map(|it| it.as_deref());
-                    let tables = Tables::read(study, cohort, requirements, failure_modes)?;
-                    tables.produce(study, &piece.id, *technique)?.findings
+                Reach::Tables => {
+                    let Some(files) = work.tables() else { continue };
+                    let tables = Tables::read(study, files)?;
+                    tables.produce(study, id, work.technique())?.findings
                 }
-                (Work::Check { .. } | Work::Read { .. }, _) => continue,
-                (Work::Judge { recordings, .. }, Reach::Runs) => {
-                    let folder = self.study.folder.join(recordings);
+                Reach::Runs => {
+                    let episodes = || self.folder.join("episodes").join(id);
+                    let recordings = work.recordings().map(|of| self.study.folder.join(of));
+                    let simulated = work.simulated().map(|_| episodes());
+                    let Some(folder) = recordings.or(simulated) else {
+                        continue;
+                    };
                     self.verdicts(study, scratch, &folder)?
                 }
-                (_, Reach::Runs) => {
-                    let folder = self.folder.join("episodes").join(&piece.id);
-                    self.verdicts(study, scratch, &folder)?
-                }
-                _ => continue,
             };
             let known = findings.into_iter();
             for new in known {
@@ -252,13 +243,13 @@ impl Diagnosing<'_> {
     fn models_now(&self) -> Result<ModelValues, Problem> {
         let mut all = ModelValues::new();
         for entry in &self.study.ledger {
-            if let Work::Check { model, .. } = &entry.work
+            if let Some(model) = entry.work.model()
                 && !all.contains_key(model)
             {
                 // A model that cannot be solved has nothing that an edit could change.
                 let values = self.model_values(self.study, model);
                 self.setting.go_on()?;
-                all.extend(values.ok().map(|values| (model.clone(), values)));
+                all.extend(values.ok().map(|values| (model.to_owned(), values)));
             }
         }
         Ok(all)

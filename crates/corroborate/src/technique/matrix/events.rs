@@ -52,7 +52,7 @@ impl Diagnosing<'_> {
         }
         let plan = Plan::load(&self.study.folder, file)?;
         let mut models = Vec::new();
-        for entry in self.entries(|work| matches!(work, Work::Check { .. })) {
+        for entry in self.entries(|work| work.model().is_some()) {
             let formal = Formal::of_entry(self.study, &entry.id, &self.setting.cancel)?;
             let Some(abstraction) = Abstraction::new(self.study, &plan, &formal)? else {
                 let said = "exploration.toml has no [abstraction]";
@@ -66,9 +66,7 @@ impl Diagnosing<'_> {
         let Some((_, first)) = models.first() else {
             return Ok(());
         };
-        for entry in
-            self.entries(|work| matches!(work, Work::Simulate { .. } | Work::SimulateScene { .. }))
-        {
+        for entry in self.entries(Work::is_simulated_here) {
             let runs = self.abstracted(entry, first, gathered)?;
             if runs.steps.is_empty() {
                 let said = format!("unmodelled behaviour in {}: no recording is kept", entry.id);

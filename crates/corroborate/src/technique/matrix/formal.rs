@@ -15,7 +15,6 @@ use evidence::{
 use judging::Judges;
 use rayon::prelude::*;
 use stats::Confidence;
-use study::Work;
 use temporal::monitor::Verdict;
 
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.
@@ -41,7 +40,7 @@ struct Sampled {
 impl Diagnosing<'_> {
     /// Fills the cells of all formal models.
     pub(super) fn formal(&self, gathered: &mut Gathered) -> Result<(), Problem> {
-        for entry in self.entries(|work| matches!(work, Work::Check { .. })) {
+        for entry in self.entries(|work| work.model().is_some()) {
             self.setting.go_on()?;
             let paths = match ModelPaths::of_entry(self.study, &entry.id, &self.setting.cancel) {
                 Ok(paths) => paths,

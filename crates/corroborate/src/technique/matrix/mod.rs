@@ -123,7 +123,7 @@ impl Diagnosing<'_> {
     /// Constants that do not have the value of the counts they were set to.
     fn drifted_constants(&self, gathered: &mut Gathered) -> Result<(), Problem> {
         for entry in &self.study.ledger {
-            if let Work::Check { model, .. } = &entry.work {
+            if let Some(model) = entry.work.model() {
                 let compiled = Compiled::new(self.study, model)?;
                 let known = |id: &str| self.result.evidence.iter().find(|e| e.id == id);
                 let found = corroboration::drift(entry, |name| compiled.constant(name), known);

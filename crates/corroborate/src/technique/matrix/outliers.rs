@@ -31,18 +31,12 @@ struct Counted<'a> {
 impl Diagnosing<'_> {
     /// Looks for subjects of cohorts who differ from all others.
     pub(super) fn outliers(&self, gathered: &mut Gathered) -> Result<(), Problem> {
-        for entry in self.entries(|work| work.is_read()) {
-            let Work::Read {
-                cohort: Some(file),
-                requirements,
-                failure_modes,
-                ..
-            } = &entry.work
-            else {
+        for entry in self.entries(Work::is_read) {
+            let files = entry.work.tables();
+            let Some((files, file)) = files.and_then(|all| Some((all, all.cohort?))) else {
                 continue;
             };
-            let others = [requirements, failure_modes].map(|it| it.as_deref());
-            let tables = Tables::read(self.study, Some(file), others[0], others[1])?;
+            let tables = Tables::read(self.study, files)?;
             let counted = self.counted(&tables, &entry.id, file)?;
             let mut named = 0;
             for it in &counted {

@@ -18,7 +18,7 @@ use evidence::{
 use judging::Judges;
 use rayon::prelude::*;
 use stimulus::Stimulus;
-use study::{Entry, Work};
+use study::{Entry, Simulated, Work};
 use temporal::monitor::Verdict;
 use testbench::{Recorded, SimError, Unwatched};
 
@@ -53,9 +53,7 @@ impl Diagnosing<'_> {
                     .push(format!("{said}: not asked for ({option})"));
             }
         }
-        for entry in
-            self.entries(|work| matches!(work, Work::Simulate { .. } | Work::SimulateScene { .. }))
-        {
+        for entry in self.entries(Work::is_simulated_here) {
             if let Some(episodes) = self.effort.half_step {
                 self.half_step(entry, episodes, gathered)?;
             }
@@ -74,18 +72,17 @@ impl Diagnosing<'_> {
     ) -> Result<(), Problem> {
         let library = self.setting.physics_library.as_deref();
         let bench = OpenBench::of_entry(self.study, entry, library)?;
-        let (stimulus, key) = match &entry.work {
-            Work::SimulateScene { test, .. } => {
-                let mut tests = bench.own_tests().iter();
-                let wanted =
-                    |t: &&stimulus::AbstractTest| test.as_ref().is_none_or(|n| n == &t.name);
-                let test = tests.find(wanted).cloned();
+        let own = bench.own_tests();
+        let (stimulus, key) = match entry.work.simulated() {
+            Some(Simulated::Scene { test, .. }) => {
+                let wanted = |t: &&stimulus::AbstractTest| test.is_none_or(|name| name == t.name);
+                let test = own.iter().find(wanted).cloned();
                 (test, "simulation.time_step_secs")
             }
-            _ => (
-                bench.own_tests().first().cloned(),
-                "scenario.simulation.time_step_secs",
-            ),
+            Some(Simulated::Handover { .. }) => {
+                (own.first().cloned(), "scenario.simulation.time_step_secs")
+            }
+            Some(Simulated::Command(_)) | None => return Ok(()),
         };
         let step_secs = value_at(&bench, key).and_then(|value| value.as_float());
         let (Some(test), Some(step_secs)) = (stimulus, step_secs) else {
@@ -137,7 +134,7 @@ impl Diagnosing<'_> {
         episodes: u64,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let Work::SimulateScene { scene, test, .. } = &entry.work else {
+        let Some(Simulated::Scene { scene, test }) = entry.work.simulated() else {
             let said = "the handover's contacts are written for MuJoCo; scenes can be run in both";
             gathered
                 .not_done
@@ -145,7 +142,6 @@ impl Diagnosing<'_> {
             return Ok(());
         };
         let library = self.setting.physics_library.as_deref();
-        let test = test.as_deref();
         let campaigns = [
             Campaign::of_scene(self.study, scene, test, library)?,
             Campaign::of_scene_in_rapier(self.study, scene, test)?,
@@ -334,10 +330,6 @@ fn value_at(bench: &OpenBench, key: &str) -> Option<toml::Value> {
 }
 
 fn file_of(entry: &Entry) -> Option<String> {
-    let path = match &entry.work {
-        Work::Simulate { scenario, .. } => scenario,
-        Work::SimulateScene { scene, .. } => scene,
-        _ => return None,
-    };
+    let path = entry.work.simulated_file()?;
     Some(path.to_string_lossy().replace('\\', "/"))
 }

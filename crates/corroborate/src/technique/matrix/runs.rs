@@ -14,7 +14,7 @@ use host::store::fresh_in;
 use judging::Judges;
 use judging::forms::differences::{OCCURS, PROPERTY, forms_of, judges};
 use judging::verdicts::RunVerdicts;
-use study::{Entry, Study, SubjectForm, TriggerForm, Work};
+use study::{Entry, Study, SubjectForm, TriggerForm};
 use temporal::monitor::Verdict;
 
 /// Where the verdicts of a subject stand among those of an episode.
@@ -53,15 +53,10 @@ impl Diagnosing<'_> {
                 .map(|(subject, reading)| (subject.clone(), reading.is_none()))
                 .collect(),
         };
-        for entry in self.entries(|work| !matches!(work, Work::Check { .. })) {
-            let (traces, episodes) = match &entry.work {
-                Work::Read { .. } => {
-                    let said = "it is read from tables: no run can be judged again";
-                    let said = format!("cells C and F of {}: {said}", entry.id);
-                    gathered.not_done.push(said);
-                    continue;
-                }
-                Work::Judge { recordings, .. } => {
+        for entry in self.entries(|work| work.model().is_none()) {
+            let parts = entry.work.parts();
+            let (traces, episodes) = match (parts.recordings, parts.simulated) {
+                (Some(recordings), _) => {
                     let kept = self.kept_verdicts(entry);
                     let verdicts = match kept {
                         Some(verdicts) => verdicts,
@@ -72,7 +67,16 @@ impl Diagnosing<'_> {
                     };
                     (Traces::Recordings, Some(verdicts))
                 }
-                _ => (Traces::Simulator, self.episodes(entry)?),
+                (None, Some(_)) => (Traces::Simulator, self.episodes(entry, parts.episodes)?),
+                (None, None) => {
+                    let said = match parts.tables {
+                        Some(_) => "it is read from tables: no run can be judged again",
+                        None => "it has no runs that could be judged again",
+                    };
+                    let said = format!("cells C and F of {}: {said}", entry.id);
+                    gathered.not_done.push(said);
+                    continue;
+                }
             };
             let own = self.study.forms.subjects.iter();
             for form in own.filter(|form| self.is_own(&form.subject)) {
@@ -165,13 +169,7 @@ impl Diagnosing<'_> {
     }
 
     /// The verdicts of a campaign's episodes; `None` without a journal.
-    fn episodes(&self, entry: &Entry) -> Result<Option<RunVerdicts>, Problem> {
-        let count = match &entry.work {
-            Work::Simulate { episodes, .. }
-            | Work::SimulateScene { episodes, .. }
-            | Work::Command { episodes, .. } => *episodes,
-            _ => return Ok(None),
-        };
+    fn episodes(&self, entry: &Entry, count: u64) -> Result<Option<RunVerdicts>, Problem> {
         let folder = self.folder.join("episodes").join(&entry.id);
         form_verdicts(&folder, count)
     }

@@ -85,17 +85,15 @@ impl Compiled<'_> {
         match model.check(&property, &options) {
             Err(checker::CheckError::Cancelled) => Err(Problem::interrupted()),
             Err(error) => Ok(Err(error.to_string())),
-            Ok(answer) => Ok(match (&answer.guarantee, &answer.value) {
-                (checker::Guarantee::Bounded { low, high }, _) => Ok(Interval {
-                    low: *low,
-                    high: *high,
-                }),
-                (_, checker::AnswerValue::Number(value)) => Ok(Interval {
-                    low: *value,
-                    high: *value,
-                }),
-                _ => Err("the model has several initial states".to_owned()),
-            }),
+            Ok(answer) => {
+                let number = match answer.value {
+                    checker::AnswerValue::Number(value) => Some((value, value)),
+                    _ => None,
+                };
+                let ends = answer.guarantee.bounds().or(number);
+                let interval = ends.map(|(low, high)| Interval { low, high });
+                Ok(interval.ok_or_else(|| "the model has several initial states".to_owned()))
+            }
         }
     }
 }

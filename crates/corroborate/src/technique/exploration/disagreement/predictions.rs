@@ -7,7 +7,7 @@ use host::Cancel;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use stimulus::{Point, Space};
-use study::{Study, Work};
+use study::Study;
 
 /// A model is checked for at most so many different contexts.
 const MOST_CHECKS: usize = 3000;
@@ -38,7 +38,7 @@ impl<'a> Predictions<'a> {
                 "it names no model, so there is nothing to disagree with",
             )
         })?;
-        let Work::Check { model, .. } = &study.entry(entry)?.work else {
+        let Some(model) = study.entry(entry)?.work.model() else {
             return Err(plan.mistake(entry, format!("`{entry}` is no formal model")));
         };
         let compiled = Compiled::new(study, model)?;
