@@ -59,6 +59,7 @@ impl Analysis<'_> {
         let mut families = Families::new(self.options.nodes, cancel);
         let mut of_nodes = vec![FALSE, EMPTY_SET];
         for node in &self.function.nodes[2..] {
+            families.step()?;
             let low = of_nodes[node.low as usize];
             let high = families.without(of_nodes[node.high as usize], low)?;
             of_nodes.push(families.family(node.level, low, high)?);

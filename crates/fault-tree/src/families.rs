@@ -131,7 +131,8 @@ impl<'a> Families<'a> {
         Ok(())
     }
 
-    fn step(&mut self) -> Result<(), Problem> {
+    /// Looks from time to time whether the caller asks to stop.
+    pub fn step(&mut self) -> Result<(), Problem> {
         self.steps += 1;
         if self.steps.is_multiple_of(STEPS_BETWEEN_LOOKS) && self.cancel.is_cancelled() {
             return Err(Problem::interrupted_while(

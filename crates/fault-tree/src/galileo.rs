@@ -2,14 +2,14 @@
 //!
 //! ```text
 //! toplevel "T";
-//! "T" and "A" "B";          // and, or, not, nand, nor, xor, 2of3
+//! "T" and "A" "B";          // and, or, not, nand, nor, xor, 2of3 (or vot2)
 //! "A" prob=0.1;             // a probability
 //! "B" lambda=0.001 dorm=0;  // a failure rate, with the mission time of the settings
 //! ```
 //!
 //! Source: K. J. Sullivan, J. B. Dugan, D. Coppit, *The Galileo Fault Tree Analysis Tool*, FTCS 1999, and the dialect of Storm.
 //! Comments are `// ...` and `/* ... */`; names may stand without quotation marks. Dynamic gates (`pand`, `por`, `seq`, `fdep`,
-//! `pdep`, `wsp`, `csp`, `hsp`, `mutex`), repair, imperfect coverage and other distributions are refused by name: their events
+//! `pdep`, `rdep`, `wsp`, `csp`, `hsp`, `mutex`, `inspect`), repair, imperfect coverage and other distributions are refused by name: their events
 //! are not independent of order or of each other, so no static value is theirs. Only a spare gate makes an event dormant, and
 //! there is none; so `dorm` has no effect, which is a warning.
 

@@ -73,6 +73,12 @@ impl FaultTree {
         self.top
     }
 
+    /// The same tree with this top event.
+    pub fn with_top(mut self, top: NodeId) -> Self {
+        self.top = Some(top);
+        self
+    }
+
     /// The node of a name.
     pub fn find(&self, name: &str) -> Option<NodeId> {
         self.by_name.get(name).copied()

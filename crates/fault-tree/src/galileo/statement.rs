@@ -14,13 +14,18 @@ use crate::reading::Settings;
 use crate::tree::Connective;
 
 /// Gates whose result depends on the order of failures, or that make events dependent, and why each is refused.
-const DYNAMIC: [(&str, &str); 12] = [
+const DYNAMIC: [(&str, &str); 14] = [
     ("pand", "it depends on the order of failures"),
     ("por", "it depends on the order of failures"),
     ("seq", "it forbids orders of failures"),
     ("mutex", "it makes events exclude each other"),
     ("fdep", "it makes one event cause others"),
     ("pdep", "it makes one event cause others"),
+    (
+        "rdep",
+        "it changes the rate of an event when another occurs",
+    ),
+    ("inspect", "it repairs events at certain times"),
     ("wsp", "a spare fails at another rate while it is not used"),
     ("csp", "a spare fails at another rate while it is not used"),
     (
@@ -179,7 +184,7 @@ impl Statements<'_, '_> {
         Some(connective)
     }
 
-    /// `2of3`.
+    /// `2of3`, and `vot2` in Storm's dialect.
     fn threshold(
         &mut self,
         gate: &str,
@@ -187,9 +192,12 @@ impl Statements<'_, '_> {
         place: &Range<usize>,
         count: usize,
     ) -> Option<Connective> {
-        let numbers = lower.split_once("of");
-        let numbers =
-            numbers.and_then(|(k, n)| Some((k.parse::<usize>().ok()?, n.parse::<usize>().ok()?)));
+        let of =
+            |it: (&str, &str)| Some((it.0.parse::<usize>().ok()?, it.1.parse::<usize>().ok()?));
+        let numbers = match lower.strip_prefix("vot") {
+            Some(least) => least.parse().ok().map(|least| (least, count)),
+            None => lower.split_once("of").and_then(of),
+        };
         let Some((k, n)) = numbers else {
             let message = format!("`{gate}` is not a gate or an attribute that is known");
             self.mistakes.add(
