@@ -56,7 +56,7 @@ impl Function {
     }
 
     /// The first node whose level is at most this: those before it do not depend on the variable or what is above it.
-    pub fn from_level(&self, level: u32) -> usize {
+    pub fn first_up_from(&self, level: u32) -> usize {
         2 + self.nodes[2..].partition_point(|it| it.level > level)
     }
 }

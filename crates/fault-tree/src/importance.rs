@@ -62,7 +62,7 @@ impl Analysis<'_> {
             let with = self.given(level, 1.0, &events, &mut scratch, cancel)?;
             let without = self.given(level, 0.0, &events, &mut scratch, cancel)?;
             // The next one starts from the values as they are without a condition.
-            let first = self.function.from_level(level as u32);
+            let first = self.function.first_up_from(level as u32);
             scratch[first..].copy_from_slice(&values[first..]);
             found.push(self.measures(level, events[level], top, with, without));
         }
@@ -80,7 +80,7 @@ impl Analysis<'_> {
     ) -> Result<Enclosure, Problem> {
         let mut events = events.to_vec();
         events[level] = Enclosure::point(probability);
-        let first = self.function.from_level(level as u32);
+        let first = self.function.first_up_from(level as u32);
         evaluate(&self.function, &events, first, values, cancel)?;
         Ok(values[self.function.root as usize])
     }

@@ -29,7 +29,7 @@ impl<'d> Reader<'_, 'd, '_> {
 
     /// What is known of a basic event. `None` is a mistake that was reported, `Some(None)` an event without data.
     pub(super) fn basic(&mut self, definition: Node<'d, 'd>) -> Option<Option<EventData>> {
-        if let Some(data) = self.from_attributes(definition) {
+        if let Some(data) = self.by_attributes(definition) {
             return data.map(Some);
         }
         let mut expressions = content(definition);
@@ -142,7 +142,7 @@ impl<'d> Reader<'_, 'd, '_> {
     }
 
     /// Counts or an interval from the attributes; `None` if there are no such attributes, `Some(None)` if they are wrong.
-    fn from_attributes(&mut self, definition: Node<'d, 'd>) -> Option<Option<EventData>> {
+    fn by_attributes(&mut self, definition: Node<'d, 'd>) -> Option<Option<EventData>> {
         let attributes = definition
             .children()
             .find(|it| it.has_tag_name("attributes"))?;

@@ -78,21 +78,15 @@ fn the_one_cut_set_of_a_deep_conjunction_has_all_events() {
 
 #[test]
 fn formulas_of_xml_nest_as_deep_as_they_like() {
-    let depth = 20_000;
+    let depth = MANY;
     let formula = "<not>".repeat(depth) + "<event name=\"a\"/>" + &"</not>".repeat(depth);
     let text = format!(
         "<opsa-mef><define-fault-tree name=\"t\"><define-gate name=\"T\">{formula}</define-gate></define-fault-tree><model-data>\
          <define-basic-event name=\"a\"><float value=\"0.1\"/></define-basic-event></model-data></opsa-mef>"
     );
-    match open_psa(&text) {
-        Ok(reading) => {
-            let found = analysis(&reading.tree)
-                .probability(&Cancel::default())
-                .expect("data");
-            assert_eq!(found.exact, decimal("0.1"));
-        }
-        Err(problem) => assert_eq!(problem.code, "bad-fault-tree", "{problem}"),
-    }
+    let tree = open_psa(&text).expect("a tree").tree;
+    let found = analysis(&tree).probability(&Cancel::default()).expect("data");
+    assert_eq!(found.exact, decimal("0.1"));
 }
 
 #[test]
