@@ -85,7 +85,9 @@ fn formulas_of_xml_nest_as_deep_as_they_like() {
          <define-basic-event name=\"a\"><float value=\"0.1\"/></define-basic-event></model-data></opsa-mef>"
     );
     let tree = open_psa(&text).expect("a tree").tree;
-    let found = analysis(&tree).probability(&Cancel::default()).expect("data");
+    let found = analysis(&tree)
+        .probability(&Cancel::default())
+        .expect("data");
     assert_eq!(found.exact, decimal("0.1"));
 }
 
