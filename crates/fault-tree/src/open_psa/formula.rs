@@ -84,6 +84,12 @@ impl<'d> Reader<'_, 'd, '_> {
             return Some(Argument::Formula(index));
         }
         let (name, span) = self.name(node)?;
+        if name.contains('.') {
+            let message = format!("`{name}` is a path into a container, and names are global here");
+            let remedy = "make the event public, and name it without its container";
+            self.mistakes.refuse(span, message, remedy);
+            return None;
+        }
         Some(Argument::Name(name.to_owned(), span))
     }
 

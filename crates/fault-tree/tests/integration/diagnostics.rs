@@ -177,6 +177,17 @@ fn all_mistakes_of_an_open_psa_text_are_placed() {
 }
 
 #[test]
+fn a_path_into_a_container_is_refused_as_such() {
+    let gates = "<define-gate name=\"T\"><event name=\"t.a\"/></define-gate>";
+    let problem = open_psa(&model(gates, "<define-basic-event name=\"a\"/>")).expect_err("a path");
+    assert_eq!(problem.code, "unsupported-fault-tree");
+    assert!(
+        problem.message().starts_with("`t.a` is a path"),
+        "{problem}"
+    );
+}
+
+#[test]
 fn the_format_s_own_ways_are_read() {
     let gates = "<define-component name=\"c\"><define-gate name=\"T\"><label>top</label><or><gate name=\"G\"/><house-event name=\"h\"/>\
                  <constant value=\"false\"/></or></define-gate></define-component>\n\
