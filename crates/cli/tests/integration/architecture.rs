@@ -11,7 +11,7 @@ use support::source::{
 use support::{files_below, metadata, read, root, shown};
 
 /// Every crate, its floor, and which of our crates it may use.
-const CRATES: [(&str, u8, &[&str]); 25] = [
+const CRATES: [(&str, u8, &[&str]); 26] = [
     ("diagnostic", 0, &[]),
     ("prism-lang", 0, &[]),
     ("temporal", 0, &[]),
@@ -21,6 +21,7 @@ const CRATES: [(&str, u8, &[&str]); 25] = [
     ("stimulus", 0, &[]),
     ("checker", 1, &["prism-lang", "temporal", "stats"]),
     ("certifier", 1, &["prism-lang"]),
+    ("fault-tree", 1, &["diagnostic", "stats"]),
     ("recording", 1, &["trace"]),
     ("requirement-lang", 1, &["temporal", "trace"]),
     (
