@@ -164,7 +164,7 @@ fn lost(chain: &StateSpace<f64>, right: Vec<bool>) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::explore::explore;
-    use crate::scheduler;
+    use crate::scheduler::scheduler;
     use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
 
     /// The actions and the probability of the worst path.
