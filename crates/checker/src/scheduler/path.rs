@@ -46,7 +46,8 @@ impl Scheduler {
     ///
     /// ```
     /// use checker::explore::explore;
-    /// use checker::{Options, scheduler};
+    /// use checker::Options;
+    /// use checker::scheduler::scheduler;
     /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
     /// // Hurrying may spill, and then the cup is never brought.
     /// let text = "mdp module m x : [0..2];
