@@ -1,8 +1,4 @@
-//! Which stimuli to run next, and what the outcomes so far say.
-//!
-//! A campaign knows nothing of robots: it gives stimuli and seeds, and is told numbers, labels and
-//! yes or no. So every algorithm works on every bench. All are deterministic from a seed; what has
-//! a state is plain data that can be written down and resumed.
+#![doc = include_str!("../README.md")]
 //!
 //! | you want | use |
 //! |---|---|
@@ -19,57 +15,6 @@
 //! Episodes that a search or a boundary design chose are witnesses. Rates counted over them are
 //! biased, and say nothing about use: only random and low-discrepancy designs follow the declared
 //! distributions.
-//!
-//! # From a space to the smallest violation
-//!
-//! ```
-//! use campaign::{Method, Search, Searcher, ShrinkOptions, shrink};
-//! use stimulus::{AbstractTest, Action, Point, Setting, Space, Stimulus};
-//!
-//! // A mobile robot brakes at 1.2 m/s^2 once it has seen a person, which takes it 0.3 s.
-//! let space = Space::from_toml(r#"
-//!     [[parameter]]
-//!     name = "speed"
-//!     sets = ["robot.speed_m_s"]
-//!     uniform = [0.2, 1.5]
-//!     nominal = 0.5
-//!
-//!     [[parameter]]
-//!     name = "distance"
-//!     sets = ["person.distance_m"]
-//!     uniform = [0.6, 4.0]
-//!     nominal = 2.0
-//!     "#)?;
-//! // Stands for a bench: the distance that is left, the robustness of "never touch a person".
-//! let distance_left = |point: &Point| {
-//!     let [speed, distance] = point.0[..] else { return f64::NAN };
-//!     distance - 0.3 * speed - speed * speed / (2.0 * 1.2)
-//! };
-//!
-//! let mut search = Searcher::new(Method::Bayesian, space.clone(), 1)?;
-//! while search.best().is_none_or(|best| best.value >= 0.0) {
-//!     let points = search.ask(1);
-//!     let told: Vec<_> = points.into_iter().map(|p| (p.clone(), distance_left(&p))).collect();
-//!     search.tell(&told);
-//! }
-//! let found = search.best().ok_or("nothing was told")?;
-//! assert!(found.index < 40);
-//!
-//! // The stimulus of that point, with a test that holds more than it takes.
-//! let test = AbstractTest::new("a person appears", vec![
-//!     Action::send("start"), Action::set("music", true), Action::send("person appears"),
-//! ]);
-//! let stimulus = space.stimulus(&test, &found.point)?;
-//! let options = ShrinkOptions::within(space.clone(), 200)?;
-//! let smallest = shrink(&stimulus, &options, &mut |s: &Stimulus| {
-//!     let point = space.point_of(&s.settings);
-//!     s.test.to_string().contains("person appears") && point.is_some_and(|p| distance_left(&p) < 0.0)
-//! })?;
-//! assert_eq!(smallest.stimulus.test.to_string(), "send person appears");
-//! let is_round = |value: &Setting| value.to_string().len() <= 3;
-//! assert!(smallest.stimulus.settings.values().all(is_round) && smallest.is_minimal);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 //!
 //! # Towards what is missing
 //!

@@ -1,34 +1,9 @@
-//! Checks bounds of a probability or an expected reward again, with code that shares nothing with the solver.
-//!
-//! A solver hands over what it found as a [`Certificate`]: a lower and an upper bound for every state. [`certify`]
-//! reads the model anew, by evaluating its commands state by state ([`Reading`]), and checks in exact arithmetic that
-//! the bounds are inductive ([`inequalities`]): then they are true bounds, however they were found. No method of
-//! solution, no graph algorithm and no matrix of the solver is used; a mistake there cannot be repeated here.
+#![doc = include_str!("../README.md")]
 //!
 //! Sources: Hartmanns and Kaminski 2020, "Optimistic Value Iteration" (inductive bounds); Baier, Klein, Leuschner, Parker
 //! and Wunderlich 2017, "Ensuring the Reliability of Your Model Checker: Interval Iteration for Markov Decision
 //! Processes"; Chatterjee, Quatmann, Schäffeler, Weininger, Winkler and Zilken 2025, "Fixed Point Certificates for
 //! Reachability and Expected Rewards in MDPs" (that progress towards the target must be shown for lower bounds).
-//!
-//! ```
-//! use certifier::{Certificate, certify};
-//! use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
-//!
-//! let text = "dtmc module coin s : [0..2]; [] s=0 -> 1/3:(s'=0) + 1/3:(s'=1) + 1/3:(s'=2); endmodule";
-//! let model = resolve(&parse_model(text).tree, &Constants::new()).unwrap();
-//! let asked = parse_properties("P=? [ F s=1 ]").tree;
-//! let asked = resolve_properties(&asked, &model, &Constants::new()).unwrap();
-//! let certificate = |lower: f64, upper: f64| Certificate {
-//!     states: vec![vec![0], vec![1], vec![2]],
-//!     lower: vec![lower, 1.0, 0.0],
-//!     upper: vec![upper, 1.0, 0.0],
-//!     scheduler: None,
-//! };
-//! let certified = certify(&model, &asked[0].property, &certificate(0.49, 0.51)).unwrap();
-//! assert_eq!((certified.low, certified.high), (0.49, 0.51));
-//! // Too small an upper bound does not pass.
-//! assert!(certify(&model, &asked[0].property, &certificate(0.4, 0.45)).is_err());
-//! ```
 
 mod average;
 mod conditional;

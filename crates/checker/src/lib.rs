@@ -1,10 +1,10 @@
-//! State space of a PRISM model, value of a property, and the guarantee of that value.
+#![doc = include_str!("../README.md")]
 //!
 //! * [`explore::explore`] builds the reachable states of a model ([`state_space::StateSpace`]);
 //! * [`symmetry`] finds symmetries of a model, up to which it is enough to explore;
 //! * [`formats`] writes and reads them as PRISM's explicit files and as Storm's, and draws them;
 //! * [`check()`] answers a property with a value and what is known of it ([`Guarantee`]);
-//! * [`scheduler()`] gives the scheduler that attains the value, with the memory it needs, and the chain it induces;
+//! * [`scheduler::scheduler`] gives the scheduler that attains the value, with the memory it needs, and the chain it induces;
 //! * [`distribution`] has the probabilities of all states of a chain, at times and in the long run;
 //! * [`Stop`] ends a check early with the bounds reached so far;
 //! * [`sample_path`] draws a random path, the same for the same seed;
@@ -15,31 +15,6 @@
 //! Methods by name ([`Method`]): sound (the default: floating point with bounds that hold, rounding included), exact
 //! rational arithmetic, an imitation of PRISM's default for reproducing published figures, and the classical ones, of
 //! which policy iteration and linear equations have bounds and the iterations none. Path formulas may be any linear temporal logic with step bounds, nested in probabilistic state formulas.
-//!
-//! ```
-//! use checker::explore::explore;
-//! use checker::{AnswerValue, Guarantee, Options, check};
-//! use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
-//!
-//! // A robot tries to grasp; it drops the object for good once in a hundred attempts.
-//! let text = "dtmc
-//! module robot
-//!   state : [0..2] init 0; // 0: trying, 1: grasped, 2: dropped
-//!   [] state=0 -> 0.9:(state'=1) + 0.01:(state'=2) + 0.09:(state'=0);
-//!   [] state>0 -> true;
-//! endmodule";
-//! let model = resolve(&parse_model(text).into_result()?, &Constants::new())?;
-//! let properties = parse_properties("P=? [ F state=1 ]").into_result()?;
-//! let properties = resolve_properties(&properties, &model, &Constants::new())?;
-//!
-//! let space = explore::<f64>(&model)?;
-//! let answer = check(&space, &model, &properties[0].property, &Options::default())?;
-//! let Guarantee::Bounded { low, high } = answer.guarantee else { unreachable!() };
-//! assert!(low <= 0.9 / 0.91 && 0.9 / 0.91 <= high && high - low < 1e-12);
-//! // The probability of the contrary is computed as such: it keeps its digits.
-//! assert!((answer.complement.unwrap() - 0.01 / 0.91).abs() < 1e-14);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod amount;
 mod answer;
@@ -100,6 +75,5 @@ pub use method::{Method, Termination};
 pub use not_yet::unsupported;
 pub use rounding::Bounds;
 pub use sample::{Visit, sample_path};
-pub use scheduler::{Scheduler, scheduler, scheduler_exact};
 pub use stop::Stop;
 pub use witness::{Witness, witness};

@@ -102,7 +102,8 @@ pub struct Move {
 ///
 /// ```
 /// use checker::explore::explore;
-/// use checker::{AnswerValue, Options, Scheduler, check_space, scheduler};
+/// use checker::{AnswerValue, Options, check_space};
+/// use checker::scheduler::{Scheduler, scheduler};
 /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
 /// // Wait for one step with the risk, and never when it is too late.
 /// let text = "mdp module m x : [0..2]; [risk] x=0 -> 0.4:(x'=1) + 0.6:(x'=2); [try] x=0 -> 0.3:(x'=1) + 0.7:(x'=0); endmodule";

@@ -9,6 +9,8 @@ mod format;
 mod peers;
 mod rare;
 mod recordings;
+#[cfg(test)]
+mod reference;
 mod refine;
 pub mod refused;
 mod replay;

@@ -8,6 +8,7 @@ mod args;
 mod command;
 mod explain;
 mod memory;
+mod physics_library;
 mod shown_calibration;
 mod shown_problem;
 mod terminal;
@@ -24,7 +25,7 @@ fn main() -> ExitCode {
     let host = host::Host {
         events: terminal::events(parsed.quiet),
         cancel: terminal::cancel_on_interrupt(),
-        physics_library: std::env::var_os("CORROBORATE_MUJOCO").map(Into::into),
+        physics_library: physics_library::find(),
         build: corroborate::build(),
         memory: Arc::new(host::Unlimited),
     };

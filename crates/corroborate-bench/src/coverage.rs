@@ -6,8 +6,8 @@
 //! tasks: where its constants are known, they are counted for this, on the same truth.
 //!
 //! A *gain* is that of a variant with one rate halved: on pairs of runs with the same seeds
-//! ([`stats::paired::Pairs`]), or at the same points of the constants' posteriors
-//! ([`stats::propagation::paired_difference`]), as `corroborate what-if` predicts it. *Robust bounds* and the *common
+//! ([`stats::Pairs`]), or at the same points of the constants' posteriors
+//! ([`stats::paired_difference`]), as `corroborate what-if` predicts it. *Robust bounds* and the *common
 //! statement* are one-sided or for the worst case: they hold the truth at least as often as declared, and mostly oftener.
 
 use crate::carried::Open;
@@ -18,7 +18,7 @@ use crate::study::{LEVEL, Synthetic, counted_model, ids, rate};
 use crate::task::{Run, Task};
 use evidence::{Direction, Finding, Interval, Measure, Subject};
 use stats::Confidence;
-use stats::paired::Pairs;
+use stats::Pairs;
 
 /// A kind of interval.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -268,7 +268,7 @@ fn of_counted_model(study: &Synthetic, random: &mut Random) -> Result<Vec<(Kind,
         .collect();
     let after = column(&at(&varied)?, place);
     if let (Some(after), Some(gain)) = (after, true_gain(study, stage, subject)) {
-        let gains = stats::propagation::paired_difference(&values, &after);
+        let gains = stats::paired_difference(&values, &after);
         let gains = gains.map_err(|error| error.to_string())?;
         if gains.variance() > 1e-18 {
             found.push((Kind::GainOfModel, covers(gains, gain)));

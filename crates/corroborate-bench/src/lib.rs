@@ -1,5 +1,4 @@
-//! Synthetic studies whose truth is known, each with one planted fault: how often the fault is found, how
-//! well it is located, how often nothing is taken for something, and whether intervals hold the truth.
+#![doc = include_str!("../README.md")]
 //!
 //! * [`family`]: how the truth of a study is drawn: toys, tasks of several stages with retries, and the
 //!   handover's own model;
@@ -17,20 +16,6 @@
 //! * [`grammar`]: studies drawn from a grammar, written as folders and judged by running the program itself;
 //! * [`theory`]: the power of the test that matches a fault, the bound to be measured against;
 //! * [`score`], [`coverage`], [`mod@bench`], [`table`], [`targets`]: the figures.
-//!
-//! ```
-//! use corroborate_bench::family::Family;
-//! use corroborate_bench::fault::{Fault, Site};
-//! use corroborate_bench::score::score;
-//! use corroborate_bench::study::Synthetic;
-//!
-//! // The monitor takes "finished" for "done".
-//! let study = Synthetic::new(Family::Toy, Fault::WrongMonitor, 5, 1)?;
-//! let score = score(&study);
-//! assert_eq!(study.planted.site, Some(Site::Monitor));
-//! assert!(score.found && score.rank == Some(1));
-//! # Ok::<(), String>(())
-//! ```
 
 pub mod bench;
 pub mod carried;

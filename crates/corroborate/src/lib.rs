@@ -1,28 +1,4 @@
-//! The engine: from a study's entries to evidence, comparison, conclusion, diagnosis and refinement, as functions of values
-//! and of a [`Host`]. Faces (a command line, a notebook, a server) translate and render, and nothing else.
-//!
-//! A study is a folder of text files: what is required of a system, in which words, and which evidence is to be produced.
-//!
-//! ```
-//! use corroborate::{Host, RunRequest, VerifyRequest};
-//!
-//! # let folder = tempfile::tempdir()?;
-//! # let folder = folder.path();
-//! corroborate::new_study(folder)?;
-//! let host = Host::silent(corroborate::build());
-//! let request = RunRequest::new(folder);
-//! assert!(!corroborate::plan(&request, &host)?.is_fresh());
-//!
-//! let result = corroborate::run(&request, &host)?.into_study()?;
-//! for conclusion in &result.conclusions {
-//!     println!("{}: {}", conclusion.requirement, conclusion.verdict.words());
-//! }
-//! assert!(corroborate::plan(&request, &host)?.is_fresh());
-//!
-//! let verified = corroborate::verify(&VerifyRequest::new(request.results()), &host, None)?;
-//! assert!(verified.faults.is_empty());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! | to | there is |
 //! |---|---|

@@ -17,6 +17,11 @@ pub fn all() -> Vec<(&'static str, Schema)> {
     all.extend([
         ("topics.toml", recording::TopicMap::schema()),
         ("scene.toml", scene()),
+        ("scenario.toml", schema_for!(testbench::scenario::Scenario)),
+        (
+            "scenario-parameters.toml",
+            schema_for!(testbench::scenario::Parameters),
+        ),
         ("exploration.toml", Plan::schema()),
         ("calibration.toml", schema_for!(CalibrationText)),
         ("rare.toml", schema_for!(RareText)),

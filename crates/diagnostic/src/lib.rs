@@ -1,18 +1,4 @@
-//! What the user can correct: one message with its place and a remedy.
-//!
-//! Every error that leaves the engine is a [`Problem`]: plain data, with a code that names its kind, the place and the lines
-//! that it speaks of, and what to do about it. Nothing here reads a file, prints, or knows an exit code; a face renders it.
-//!
-//! ```
-//! use diagnostic::{Problem, Source};
-//!
-//! let source = Source::new("study.toml", "title = 1\nseed = x\n");
-//! let problem = Problem::new("bad-study-file", "the seed is not a number")
-//!     .at(&source, 17..18)
-//!     .remedy("write a whole number");
-//! let place = problem.place().expect("a place");
-//! assert_eq!((place.line, place.column), (2, 8));
-//! ```
+#![doc = include_str!("../README.md")]
 
 mod cancel;
 mod excerpt;

@@ -1,5 +1,4 @@
-//! What was asked of which asset by which technique, what it showed, and
-//! whether the answers agree.
+#![doc = include_str!("../README.md")]
 //!
 //! The nouns follow *corroborative verification and validation* (Webster et
 //! al. 2020, section 2): a [`Requirement`] is checked by a [`Technique`] on
@@ -11,8 +10,6 @@
 //! interval that independent pieces support together; [`synthesise`] does all of these. A [`StudyResult`] holds all
 //! of it and is what a report shows; everything here serialises, and
 //! [`StudyResult::json_schema`] describes the form.
-//!
-//! Nothing in this crate runs a technique, reads a file or prints.
 
 mod asset;
 mod compare;
@@ -28,6 +25,7 @@ mod fit;
 mod interval;
 mod ledger;
 mod looks;
+mod making;
 mod measure;
 pub mod replay;
 mod requirement;

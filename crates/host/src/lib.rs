@@ -1,5 +1,4 @@
-//! What the engine is given by whoever runs it: where events go, when to stop, which build it is, where the physics
-//! library lies, how much memory may be taken; and how files are read and written whole, and results kept.
+#![doc = include_str!("../README.md")]
 //!
 //! No library reads the environment, catches a signal, ends the process or asks which executable runs: a face does, and
 //! hands the answers over in a [`Host`]. Several hosts may live side by side in one process.

@@ -1,4 +1,4 @@
-//! Judging traces with the study's monitors and formulas.
+#![doc = include_str!("../README.md")]
 //!
 //! Each monitor is given the samples of the signals that it reads, and nothing
 //! else, so that its verdict depends on them alone (`explain signals`); signals

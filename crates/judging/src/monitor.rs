@@ -1,25 +1,5 @@
 //! Recordings of any format, judged by a study's monitors or by formulas.
 //!
-//! ```
-//! use host::{BuildId, Host};
-//! use judging::{MonitorRequest, Monitored, monitor};
-//!
-//! let folder = tempfile::tempdir()?;
-//! let run = folder.path().join("run.csv");
-//! std::fs::write(&run, "time_secs,/robot.speed [m/s]\n0.0,0.1\n0.5,0.3\n1.0,0.2\n")?;
-//!
-//! let formula = Monitored::formula("always (/robot.speed < 250 mm/s)");
-//! let request = MonitorRequest::new(formula).recording(&run);
-//! let host = Host::silent(BuildId::new("example"));
-//! let report = monitor(&request, &host).expect("a formula and a recording without mistakes");
-//! assert!(report.is_violated());
-//! let verdict = &report.recordings[0].verdicts[0];
-//! assert_eq!(verdict.failed_at_secs, Some(0.5));
-//! let least = verdict.robustness.as_ref().and_then(|it| it.least);
-//! assert!((least.expect("a number") + 0.05).abs() < 1e-9, "by 50 mm/s too fast");
-//! # Ok::<(), std::io::Error>(())
-//! ```
-//!
 //! The request is plain data ([`MonitorRequest`]), the report serializes by `schemas/monitor.schema.json` ([`MonitorReport`]).
 
 mod asked;

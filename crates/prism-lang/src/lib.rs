@@ -1,38 +1,4 @@
-//! The PRISM language: text to typed models and properties, with spans.
-//!
-//! Reading takes two steps. *Parsing* ([`parse_model`], [`parse_properties`]) turns text into a syntax tree
-//! ([`ast`]) and never fails: it returns all mistakes, each with its place and a remedy. *Resolving*
-//! ([`resolve()`], [`resolve_properties`]) binds names, checks types, evaluates constants, and returns a
-//! [`resolved::Model`] or [`NamedProperty`]s, over which nothing is left to look up. Syntax trees print back
-//! to text; [`edit`] changes a text and leaves the rest of it as it is written.
-//!
-//! ```
-//! use prism_lang::{Constants, Property, parse_model, parse_properties, resolve, resolve_properties};
-//!
-//! let text = "
-//!     dtmc
-//!     const double p;
-//!     module coin
-//!       side : [0..2] init 0;
-//!       [] side=0 -> p:(side'=1) + 1-p:(side'=2);
-//!     endmodule
-//!     label \"heads\" = side=1;
-//! ";
-//! let given = Constants::parse("p=0.3")?;
-//! let model = resolve(&parse_model(text).into_result()?, &given)?;
-//! let update = &model.modules[0].commands[0].updates[1];
-//! assert_eq!(update.probability.eval_number::<f64>(&[0])?, 0.7);
-//!
-//! let file = parse_properties("P>=0.25 [ F<=1 \"heads\" ]").into_result()?;
-//! let properties = resolve_properties(&file, &model, &given)?;
-//! assert!(matches!(properties[0].property, Property::Probability { bound: Some(_), .. }));
-//!
-//! // Mistakes come with a place and a remedy.
-//! let mistake = &parse_model("dtmc modul m endmodule").diagnostics[0];
-//! assert_eq!(mistake.span.of("dtmc modul m endmodule"), "modul");
-//! assert_eq!(mistake.remedy.as_deref(), Some("Did you mean `module`?"));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! # What is supported
 //!

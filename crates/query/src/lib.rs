@@ -1,20 +1,4 @@
-//! One model, many properties: a model of the PRISM language is checked, its answers certified, its states and schedulers
-//! written, and the work ended early with what it has.
-//!
-//! ```
-//! use host::{BuildId, Host};
-//! use query::{CheckRequest, ModelInput, check};
-//!
-//! let model = "dtmc module m x : [0..2]; [] x=0 -> 0.75:(x'=1) + 0.25:(x'=2); endmodule";
-//! let request = CheckRequest::new(ModelInput::text("grip.prism", model))
-//!     .property("P=? [ F x=1 ]");
-//! let host = Host::silent(BuildId::new("example"));
-//! let report = check(&request, &host, &|_| Ok(()))
-//!     .and_then(query::Checked::into_report)
-//!     .expect("a model without mistakes");
-//! let answer = &report.properties[0];
-//! assert!(answer.low.unwrap() <= 0.75 && 0.75 <= answer.high.unwrap());
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! The request is plain data ([`CheckRequest`]), the report serializes by `schemas/check.schema.json` ([`CheckReport`]). An answer
 //! without its guarantee does not exist: each says whether it is exact, bounded, statistical or estimated.

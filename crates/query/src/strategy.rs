@@ -2,9 +2,9 @@
 
 use crate::export::{FORMS, Output, chain, files};
 use checker::formats::{Explicit, Written};
-use checker::scheduler::Meaning;
+use checker::scheduler::{Meaning, Scheduler, scheduler, scheduler_exact};
 use checker::state_space::StateSpace;
-use checker::{CheckError, Options, Scheduler};
+use checker::{CheckError, Options};
 use diagnostic::Problem;
 use host::Events;
 use prism_lang::{Arithmetic, Property, Rational, resolved};
@@ -116,10 +116,10 @@ fn found<N: 'static>(
 ) -> Result<Scheduler, CheckError> {
     let any = space as &dyn Any;
     if let Some(space) = any.downcast_ref::<StateSpace<Rational>>() {
-        return checker::scheduler_exact(space, property, options);
+        return scheduler_exact(space, property, options);
     }
     match any.downcast_ref::<StateSpace<f64>>() {
-        Some(space) => checker::scheduler(space, property, options),
+        Some(space) => scheduler(space, property, options),
         None => Err(CheckError::Unsupported(
             "there is no scheduler of a model with open constants".to_owned(),
         )),

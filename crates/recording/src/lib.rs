@@ -1,8 +1,4 @@
-//! Recordings of robots, read and written.
-//!
-//! A recording is a stream of messages of topics, in one of several formats. Messages are decoded
-//! by the schema that the recording itself holds, and only where it is asked for; nothing has to be
-//! generated or installed beforehand.
+#![doc = include_str!("../README.md")]
 //!
 //! | what | how |
 //! |---|---|
@@ -25,42 +21,6 @@
 //! |---|---|---|---|---|
 //! | MCAP | CDR, ROS 1, JSON, protobuf | of time | by its checksums | all but damaged chunks |
 //! | others | see [`Format`] | [`Reader::in_time_order`] | no | [`Reader::losses`] |
-//!
-//! # Example
-//! ```
-//! use recording::{Extractor, FieldPath, Format, OpenOptions, open_bytes};
-//!
-//! # let mut trace = trace::Trace::new();
-//! # let robot = trace.add_channel("/robot", vec![
-//! #     trace::Field::enumeration("state", ["carry", "release"]),
-//! #     trace::Field::number("hand.x", "m"),
-//! # ])?;
-//! # trace.channels[robot].push(0.0, &[0.0, 0.5])?;
-//! # trace.channels[robot].push(0.1, &[1.0, 0.25])?;
-//! # let bytes: Vec<u8> = recording::to_mcap(&trace)?;
-//! // The bytes of an MCAP file; `open` takes a path.
-//! let mut reader = open_bytes(bytes, Format::Mcap, &OpenOptions::default())?;
-//!
-//! // What is asked of a topic is worked out once.
-//! let robot = reader.topics().iter().find(|topic| topic.name == "/robot").ok_or("no topic")?.clone();
-//! let paths = [FieldPath::parse("hand.x")?, FieldPath::parse("state")?];
-//! let mut extractor = Extractor::new(&robot, &paths)?;
-//! extractor.set_names(1, vec!["carry".into(), "release".into()]);
-//!
-//! // Then each message gives its numbers, NaN for what is missing.
-//! reader.select(&|topic| topic.id == robot.id);
-//! let mut values = [0.0; 2];
-//! let mut rows = Vec::new();
-//! while let Some(message) = reader.next()? {
-//!     extractor.extract(message.data, &mut values)?;
-//!     rows.push((message.log_nanos, values));
-//! }
-//! assert_eq!(rows, [(0, [0.5, 0.0]), (100_000_000, [0.25, 1.0])]);
-//!
-//! // Nothing was lost, and every byte was guarded by a checksum.
-//! assert!(reader.complete() && reader.checked());
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 //!
 //! # Speed
 //! Two cores of a server, release build, `cargo bench -p recording --bench mcap`: joint states of

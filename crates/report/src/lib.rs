@@ -1,30 +1,8 @@
-//! Evidence as pages and text: a [`StudyResult`] as one self-contained HTML
-//! file, as a summary for the terminal, and as JSON.
-//!
-//! The report computes nothing. Every number in it is a field of the study's
-//! result; this crate chooses digits, words and places. What a page shows can
-//! therefore be checked against the JSON alone.
+#![doc = include_str!("../README.md")]
 //!
 //! The HTML needs no network and no script: plots are inline SVG, the style is
 //! inline, and a policy in its head forbids everything else. All text of the
 //! study is escaped.
-//!
-//! ```
-//! # let study = evidence::StudyResult {
-//! #     format: "1.0".into(), title: "A robot hands over".into(), summary: String::new(),
-//! #     confidence: 0.95, requirements: vec![], failure_modes: vec![], evidence: vec![],
-//! #     comparisons: vec![], conclusions: vec![], synthesis: Default::default(), suspects: vec![],
-//! #     diagnosis: None,
-//! #     disagreement: None, exploration: None, calibration: None, gaps: vec![],
-//! #     published: vec![], costs: vec![], produced_by: "example".into(),
-//! # };
-//! let page: String = report::html(&study);
-//! assert!(page.starts_with("<!DOCTYPE html>"));
-//! let summary: String = report::text(&study, 80, false);
-//! assert!(summary.contains("A robot hands over"));
-//! let data: String = report::json(&study)?;
-//! # Ok::<(), serde_json::Error>(())
-//! ```
 
 pub mod assurance;
 mod number;

@@ -1,4 +1,4 @@
-//! Requirements in structured English, each written once and compiled to every technique.
+#![doc = include_str!("../README.md")]
 //!
 //! A sentence in the manner of NASA's FRET (D. Giannakopoulou, T. Pressburger, A. Mavridou and J.
 //! Schumann, "Automated formalization of structured natural language requirements", Information and
@@ -30,35 +30,6 @@
 //!
 //! What a form cannot express is refused with the reason, never changed silently. [`library`] has
 //! ready sentences for collaborative robots.
-//!
-//! ```
-//! use requirement_lang::compile::property::{Model, label_of_name, property};
-//! use requirement_lang::compile::monitor::monitor;
-//! use requirement_lang::{Context, parse};
-//!
-//! // Parameters are declared once, with units, for sentences and predicates alike.
-//! let parameters = trace::Parameters::new([("release_time", "2 s")]).map_err(|errors| errors[0].clone())?;
-//! let context = Context { parameters: Some(&parameters), ..Context::default() };
-//!
-//! let text = "When release_decided, the robot shall with probability at least 0.95 \
-//!             within release_time satisfy hand_open.";
-//! let sentence = parse(text, &context).into_result().map_err(|mistakes| mistakes[0].clone())?;
-//!
-//! let for_traces = monitor(&sentence)?;
-//! assert_eq!(
-//!     for_traces.to_string(),
-//!     "always ((rise release_decided) => (eventually[0 s, 2 s] hand_open))"
-//! );
-//!
-//! // The model's steps are 100 ms long.
-//! let model = Model { step_secs: Some(0.1), proposition: &label_of_name };
-//! assert_eq!(
-//!     property(&sentence, &model)?.requirement(),
-//!     "P>=0.95 [ (\"release_decided\" => (F<=20 \"hand_open\")) & \
-//!      (G ((!\"release_decided\") => (X (\"release_decided\" => (F<=20 \"hand_open\"))))) ]"
-//! );
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 pub mod compile;
 mod diagnostic;

@@ -1,5 +1,4 @@
-//! Benches of simulation besides the handover world: scenes with any robot,
-//! whose controllers are processes or nodes of ROS 2.
+#![doc = include_str!("../README.md")]
 
 mod parameters;
 mod place;

@@ -1,47 +1,4 @@
-//! A robot's or scene's description in URDF, SDF or MJCF to one tree of links, joints and shapes, with what was not
-//! understood; and the tree to MJCF.
-//!
-//! The tree ([`Model`]) is typed, in SI units, and has frames that say what stands in what. Whatever a description holds
-//! and the tree does not is a [`Gap`] with its place and what follows from it; what is probably wrong (an inertia no
-//! body can have, a moving link without mass) is a warning; what cannot be loaded is refused with all [`Problems`].
-//!
-//! # Use
-//!
-//! ```
-//! use robot_model::{MjcfOptions, parse, to_mjcf};
-//!
-//! let text = r#"<robot name="arm">
-//!   <link name="base"/>
-//!   <link name="upper">
-//!     <inertial><origin xyz="0 0 0.2"/><mass value="2"/>
-//!       <inertia ixx="0.03" iyy="0.03" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial>
-//!     <collision><origin xyz="0 0 0.2"/>
-//!       <geometry><cylinder radius="0.03" length="0.4"/></geometry></collision>
-//!   </link>
-//!   <joint name="shoulder" type="revolute">
-//!     <origin xyz="0 0 0.1"/> <parent link="base"/> <child link="upper"/> <axis xyz="0 1 0"/>
-//!     <limit lower="-1.5" upper="1.5" effort="40" velocity="2"/>
-//!     <safety_controller k_velocity="10"/>
-//!   </joint>
-//! </robot>"#;
-//!
-//! // Files that a description names (meshes, includes) come from this function; there are none here.
-//! let mut resolve = |address: &str| Err(format!("{address} is not here"));
-//! let loaded = parse("arm.urdf", text, &mut resolve)?;
-//!
-//! assert_eq!(loaded.model.total_mass_kg(), 2.0);
-//! assert_eq!(loaded.gaps[0].element, "joint/safety_controller");
-//! assert_eq!(loaded.gaps[0].place.line, 12);
-//!
-//! // Forward kinematics: a quarter turn about y takes z to x.
-//! let poses = loaded.model.poses(&[std::f64::consts::FRAC_PI_2])?;
-//! let tip = poses[1].apply([0.0, 0.0, 0.4]);
-//! assert!((tip[0] - 0.4).abs() < 1e-12 && (tip[2] - 0.1).abs() < 1e-12);
-//!
-//! let written = to_mjcf(&loaded.model, &MjcfOptions::default())?;
-//! assert!(written.text.contains("<joint name=\"shoulder\" type=\"hinge\""));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! [`Assembly`] gathers several models into one world, with prefixes and poses. `examples/to_mjcf.rs` is a program that
 //! loads a file with its meshes and prints MJCF.

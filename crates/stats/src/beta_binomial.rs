@@ -60,7 +60,7 @@ impl BetaBinomial {
     /// below two clusters.
     ///
     /// ```
-    /// use stats::{Confidence, Sample, beta_binomial::BetaBinomial};
+    /// use stats::{Confidence, Sample, BetaBinomial};
     /// let subjects = [9, 10, 8, 7, 9, 10, 10, 6, 9, 10].map(|successes| Sample { successes, trials: 10 });
     /// let fit = BetaBinomial::fit(&subjects)?;
     /// assert!((fit.mean - 0.88).abs() < 1e-3 && fit.effective_size < 100.0);

@@ -205,7 +205,7 @@ pub fn p_of_stages(stages: &[Stage]) -> f64 {
 /// not of the same sequence of trials, and left out.
 ///
 /// ```
-/// use stats::{Sample, binomial_test_above, continuation::continued_above};
+/// use stats::{Sample, binomial_test_above, continued_above};
 /// let looks = [Sample::new(90, 100)?, Sample::new(188, 200)?];
 /// let once = continued_above(&looks[1..], 0.9);
 /// assert!((once - binomial_test_above(looks[1], 0.9) / 0.8).abs() < 1e-9);
@@ -285,16 +285,8 @@ fn outcome(own: Sample, threshold: f64) -> (f64, f64) {
 }
 
 /// The looks that are of one sequence of trials with the last, each with more trials than the one before.
-///
-/// ```
-/// use stats::{Sample, continuation::sequence};
-/// let look = |successes, trials| Sample { successes, trials };
-/// // The second look is repeated, and the first is of other trials: they had more failures.
-/// let looks = [look(3, 10), look(9, 10), look(9, 10), look(18, 20)];
-/// assert_eq!(sequence(&looks), [look(9, 10), look(18, 20)]);
-/// ```
 #[must_use]
-pub fn sequence(looks: &[Sample]) -> Vec<Sample> {
+fn sequence(looks: &[Sample]) -> Vec<Sample> {
     let mut kept: Vec<Sample> = Vec::new();
     for look in looks.iter().rev().filter(|look| look.is_informative()) {
         let Some(next) = kept.last() else {
@@ -317,7 +309,7 @@ pub fn sequence(looks: &[Sample]) -> Vec<Sample> {
 /// more information than the one before change nothing.
 ///
 /// ```
-/// use stats::continuation::{ScoredLook, continued_p};
+/// use stats::{ScoredLook, continued_p};
 /// let once = continued_p(&[ScoredLook { p: 0.03, information: 50.0 }]);
 /// assert!((once - 0.03 / 0.8).abs() < 1e-9);
 /// let again = [(0.2, 50.0), (0.01, 100.0)].map(|(p, information)| ScoredLook { p, information });
@@ -390,7 +382,7 @@ fn deviate(p: f64) -> f64 {
 /// rejected at half the level's error each.
 ///
 /// ```
-/// use stats::{Confidence, Sample, clopper_pearson, continuation::continued_interval};
+/// use stats::{Confidence, Sample, clopper_pearson, continued_interval};
 /// let now = Sample::new(88, 100)?;
 /// let (once, again) = (clopper_pearson(now, Confidence::P95), continued_interval(&[now], Confidence::P95));
 /// assert!(again.low < once.low && again.high > once.high && again.width() < 1.12 * once.width());

@@ -1,9 +1,4 @@
-//! From counts to intervals, tests and sample sizes.
-//!
-//! Everything here is a pure function of its arguments: nothing prints, reads a clock or draws a
-//! random number that is not determined by a seed. Everything holds from 0 of 5 to counts of
-//! 10^8, the ends (0 of n, n of n) included, and a count that carries no information never leads
-//! to a claim.
+#![doc = include_str!("../README.md")]
 //!
 //! | question | answered by |
 //! |---|---|
@@ -25,62 +20,45 @@
 //! | How many trials does it take? | [`trials_per_arm`], [`further_trials`], [`Predictive`] |
 //! | What do uncertain constants do to a result? | [`posterior_design`], [`Draws`], [`variance_shares`], [`SharesDesign`], [`credible_box`] |
 //!
-//! ```
-//! use stats::{Confidence, Sample, exact_equivalence, fisher_exact, wilson};
-//!
-//! let experiment = Sample::new(88, 100)?;
-//! let simulation = Sample::new(439, 500)?;
-//!
-//! let interval = wilson(experiment, Confidence::P95);
-//! assert_eq!(interval.to_string(), "[0.8019, 0.9300]");
-//!
-//! // No difference is shown, and neither is agreement within 5 points; within 10 points it is.
-//! assert!(fisher_exact(experiment, simulation) > 0.05);
-//! let p_value = |margin| exact_equivalence(experiment, simulation, margin);
-//! assert!(p_value(0.05) > Some(0.05));
-//! assert!(p_value(0.10) < Some(0.05));
-//! # Ok::<(), stats::StatsError>(())
-//! ```
-//!
-//! Each module opens with its definitions, their source, and the guarantee they come with.
+//! Each source file opens with its definitions, their source, and the guarantee they come with.
 
-pub mod alike_trials;
-pub mod beta_binomial;
-pub mod binomial;
-pub mod boschloo;
-pub mod cluster;
-pub mod cluster_robust;
-pub mod clustered;
-pub mod coincidence;
-pub mod combination;
-pub mod common_correlation;
-pub mod continuation;
-pub mod counts;
-pub mod design;
-pub mod draws;
-pub mod equivalence;
-pub mod exact_equivalence;
-pub mod fisher;
+mod alike_trials;
+mod beta_binomial;
+mod binomial;
+mod boschloo;
+mod cluster;
+mod cluster_robust;
+mod clustered;
+mod coincidence;
+mod combination;
+mod common_correlation;
+mod continuation;
+mod counts;
+mod design;
+mod draws;
+mod equivalence;
+mod exact_equivalence;
+mod fisher;
 mod gauss_grid;
-pub mod grouping;
-pub mod heterogeneity;
-pub mod interval;
-pub mod kruskal_wallis;
-pub mod multiple;
-pub mod outlier;
-pub mod paired;
-pub mod posterior;
-pub mod power;
-pub mod predictive;
-pub mod propagation;
+mod grouping;
+mod heterogeneity;
+mod interval;
+mod kruskal_wallis;
+mod multiple;
+mod outlier;
+mod paired;
+mod posterior;
+mod power;
+mod predictive;
+mod propagation;
 mod quadrature;
 mod ranks;
-pub mod renamed_rows;
-pub mod runs;
-pub mod score;
-pub mod sequential;
-pub mod shared_rows;
-pub mod spearman;
+mod renamed_rows;
+mod runs;
+mod score;
+mod sequential;
+mod shared_rows;
+mod spearman;
 pub mod special;
 
 pub use alike_trials::kish_design_effect;
@@ -118,6 +96,7 @@ pub use interval::{IntervalMethod, agresti_coull, clopper_pearson, jeffreys, wil
 pub use kruskal_wallis::{KruskalWallis, kruskal_wallis, kruskal_wallis_exact};
 pub use multiple::holm;
 pub use outlier::{Outlier, outlier};
+pub use paired::Pairs;
 pub use posterior::{
     BetaPosterior, PosteriorPlaces, probability_exceeds, probability_greater, probability_within,
 };
@@ -129,6 +108,8 @@ pub use propagation::{
 pub use renamed_rows::{RenamedRows, Unnamed, renamed_rows};
 pub use runs::{Runs, runs_test};
 pub use score::score_equivalence;
-pub use sequential::{Decision, RunningInterval, SequentialTest, confidence_sequence};
+pub use sequential::{
+    Decision, RunningInterval, SequentialTest, confidence_sequence, ln_evidence_against,
+};
 pub use shared_rows::{SharedRows, shared_rows};
 pub use spearman::{Spearman, spearman, spearman_exact};

@@ -40,7 +40,7 @@ impl Pairs {
     /// An interval of the difference, second minus first; all of `[-1, 1]` without pairs.
     ///
     /// ```
-    /// use stats::{Confidence, paired::Pairs};
+    /// use stats::{Confidence, Pairs};
     /// let pairs = Pairs { pairs: 100, only_first: 3, only_second: 13 };
     /// assert_eq!(pairs.interval(Confidence::P95).to_string(), "[0.0244, 0.1855]");
     /// ```

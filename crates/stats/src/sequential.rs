@@ -43,7 +43,7 @@ pub enum Decision {
 /// counts and counts of nothing are no evidence, 0.
 ///
 /// ```
-/// use stats::{Sample, sequential::ln_evidence_against};
+/// use stats::{Sample, ln_evidence_against};
 /// // 60 of 100 speaks against a rate of 1/4, beyond one chance in 10^6.
 /// assert!(ln_evidence_against(Sample::new(60, 100)?, 0.25) > 1e6_f64.ln());
 /// # Ok::<(), stats::StatsError>(())
@@ -86,7 +86,7 @@ fn divergence(sample: Sample, rate: f64) -> f64 {
 /// The interval of a fixed count alone; [`RunningInterval`] also keeps what earlier looks excluded.
 ///
 /// ```
-/// use stats::{Confidence, Sample, sequential::confidence_sequence};
+/// use stats::{Confidence, Sample, confidence_sequence};
 /// let interval = confidence_sequence(Sample::new(88, 100)?, Confidence::P95);
 /// assert!(interval.low > 0.74 && interval.high < 0.97);
 /// // Nothing seen, nothing said.
@@ -131,7 +131,7 @@ fn boundary(mut outside: f64, mut inside: f64, excluded: impl Fn(f64) -> bool) -
 /// A confidence sequence that is followed trial by trial: a rate once excluded stays excluded.
 ///
 /// ```
-/// use stats::{Confidence, sequential::RunningInterval};
+/// use stats::{Confidence, RunningInterval};
 /// let mut running = RunningInterval::new(Confidence::P99);
 /// for trial in 0..1000 {
 ///     running.observe(trial % 10 != 0);
@@ -194,7 +194,7 @@ impl RunningInterval {
 /// With probability at most `alpha` it ever takes a wrong decision, whatever the rate.
 ///
 /// ```
-/// use stats::{Confidence, Sample, sequential::{Decision, SequentialTest}};
+/// use stats::{Confidence, Sample, Decision, SequentialTest};
 /// let test = SequentialTest::new(0.95, Confidence::P99)?;
 /// assert_eq!(test.decide(Sample::new(40, 50)?), Decision::Below);
 /// assert_eq!(test.decide(Sample::new(96, 100)?), Decision::Open);

@@ -1,4 +1,4 @@
-//! What is done to a system under test: abstract tests, parameters with distributions, settings.
+#![doc = include_str!("../README.md")]
 //!
 //! Every thing under test is a bench: a stimulus and a seed give one trace. This crate is the
 //! stimulus, and knows nothing of any bench:
@@ -10,31 +10,6 @@
 //! | one value for each parameter | [`Point`] |
 //! | a test with its values, for one episode | [`Stimulus`], as TOML, JSON, and a hash |
 //! | a bench's data that a stimulus changes | [`apply()`] |
-//!
-//! ```
-//! use stimulus::{AbstractTest, Space, apply};
-//!
-//! let test: AbstractTest = toml::from_str(r#"
-//!     name = "typical use"
-//!     actions = [
-//!       { send_signal = "activate", after_secs = { uniform = [0.5, 6.0] } },
-//!       { receive_signal = "announcement" },
-//!     ]"#)?;
-//! let space = Space::from_toml(r#"
-//!     [[parameter]]
-//!     name = "friction"
-//!     sets = ["hand.friction"]
-//!     uniform = [0.4, 0.9]
-//!     "#)?.with_delays_of(&test);
-//!
-//! // The centre of the unit cube: friction 0.65, a delay of 3.25 s.
-//! let stimulus = space.stimulus(&test, &space.at(&[0.5, 0.5]))?;
-//! let mut data: toml::Table = toml::from_str("[hand]\nfriction = 0.9")?;
-//! apply(&mut data, &stimulus.settings)?;
-//! assert_eq!(data["hand"]["friction"].as_float(), Some(0.65));
-//! assert!(stimulus.to_toml().contains("after_secs = 3.25"));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 //!
 //! Nothing here prints, draws random numbers, or opens files.
 

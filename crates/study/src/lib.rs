@@ -1,5 +1,4 @@
-//! A study: a folder of plain files that says what is required of a system,
-//! what its words mean, and which evidence is to be produced.
+#![doc = include_str!("../README.md")]
 //!
 //! | file | holds |
 //! |---|---|

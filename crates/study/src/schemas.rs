@@ -14,5 +14,6 @@ pub fn all() -> Vec<(&'static str, Schema)> {
         ("requirements.toml", crate::requirements::schema()),
         ("ledger.toml", crate::ledger::schema()),
         ("finding.toml", crate::finding::schema()),
+        (crate::looks::LOOKS, schemars::schema_for!(evidence::Looks)),
     ]
 }

@@ -67,24 +67,7 @@
 //! formulas by [`ltl::from_ltl`], staged monitors by
 //! [`MonitorSpec::to_formula`](crate::monitor::MonitorSpec::to_formula).
 //!
-//! ```
-//! use temporal::formula::{Ending, FormulaMonitor, Settings, Verdict, parse};
-//! let parsed = parse("always (near => eventually[0, 1 s] slow)", &|_| None)?;
-//! let settings = Settings::dense(Ending::Inconclusive).with_robustness();
-//! let mut judge = FormulaMonitor::compile(&parsed.formula, &settings)?.start();
-//! // By how much each atom holds: near by 0.5 m, say, and slow by -0.25 m/s.
-//! let samples = [(0.0, [-0.5, -0.25]), (0.5, [0.5, -0.25]), (1.5, [0.5, -0.125]), (2.0, [0.5, 0.25])];
-//! for (time_secs, atoms) in samples {
-//!     judge.step(time_secs, &atoms)?;
-//! }
-//! let report = judge.finish(true);
-//! assert_eq!((report.verdict, report.triggered), (Verdict::Violated, 1));
-//! assert_eq!(report.decided_at_secs, Some(1.5));
-//! assert_eq!(report.robustness.map(|bounds| bounds.high), Some(-0.125));
-//! let explanation = report.explanation.ok_or("there is one")?;
-//! assert_eq!((explanation.from_secs, explanation.to_secs), (0.5, 1.5));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! The crate's first page shows it at work.
 
 mod ast;
 pub mod dense;

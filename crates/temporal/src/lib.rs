@@ -1,4 +1,4 @@
-//! Temporal logic: LTL to automata, and monitors that judge signals.
+#![doc = include_str!("../README.md")]
 //!
 //! * [`ltl`]: formulas of linear temporal logic over infinite words, and what they mean;
 //! * [`automaton`]: deterministic automata that accept the words on which a formula holds;

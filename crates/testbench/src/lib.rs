@@ -1,39 +1,10 @@
-//! One scenario and one seed give one trace, bit for bit.
-//!
-//! This crate simulates a robot that hands an object to a human: the robot's own code
-//! ([`robot::Controller`]) runs against a simulated body, its sensors and a simulated human, in the
-//! physics engine MuJoCo. What happens is recorded as a [`trace::Trace`], to be judged by monitors
-//! elsewhere. Grip failures, slips and pulls too weak to be felt come out of contact physics.
-//! Tracking glitches and unanswered motion plans are modelled faults with declared rates.
+#![doc = include_str!("../README.md")]
 //!
 //! # Use
 //!
 //! A [`Scenario`] says what is there, [`Parameters`] what tuning may change; both are TOML. The
 //! physics library is loaded at run time from a path the caller gives (`tools/mujoco` fetches the
 //! pinned release and prints it); everything else works without it.
-//!
-//! ```
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! use std::path::Path;
-//! use testbench::{Cancel, Engine, Parameters, Scenario, World, run_episode};
-//!
-//! let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-//! let folder = root.join("case-studies/handover/simulation");
-//! let scenario = Scenario::parse(&std::fs::read_to_string(folder.join("scenario.toml"))?)?;
-//! let tuned = Parameters::parse(&std::fs::read_to_string(folder.join("tuned.toml"))?)?;
-//!
-//! // With the physics library: run the episode with seed 7.
-//! let library = root.join(".tools/mujoco-3.17.0/libmujoco.so.3.17.0");
-//! if library.exists() {
-//!     let engine = Engine::load(&library)?;
-//!     let world = World::new(&engine, &scenario, &tuned)?;
-//!     let episode = run_episode(&world, 7, &Cancel::default())?;
-//!     assert_eq!(episode.trace.metadata["seed"], "7");
-//!     assert!(episode.trace.signal("/truth.human_ready").is_some());
-//! }
-//! # Ok(())
-//! # }
-//! ```
 //!
 //! `examples/campaign.rs` runs many episodes and prints rates, `examples/episode.rs` prints one
 //! topic of one episode as CSV, or its physical model.

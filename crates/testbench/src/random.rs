@@ -7,6 +7,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::scenario::ScenarioError;
@@ -87,7 +88,7 @@ impl Stream {
 
 /// How a quantity of the scenario varies between episodes; written in TOML as a plain number,
 /// `{ uniform = [low, high] }` or `{ normal = [mean, standard deviation] }`.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, Deserialize)]
 #[serde(untagged)]
 pub enum Distribution {
     /// Always this value.

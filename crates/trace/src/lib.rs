@@ -1,4 +1,4 @@
-//! Timed signals: hold, resample, evaluate predicates.
+#![doc = include_str!("../README.md")]
 //!
 //! A [`Trace`] is what a run of a system left behind: for each topic a [`Channel`] with named
 //! [`Field`]s (unit, frame, kind) and rows of values over time. It comes from a simulation, which
@@ -22,39 +22,6 @@
 //! (`None`) and never guessed. Nothing here reads a clock: time is what the trace says. This crate
 //! and the command line are the only ones that open files; [`write_file`] writes them so that they
 //! appear whole or not at all.
-//!
-//! # Example
-//! A robot is recorded, and afterwards asked whether it was slow near the human.
-//! ```
-//! use trace::{Field, Sampling, Trace, Valuations, Vocabulary};
-//!
-//! // A simulation records rows; a topic has its own rate.
-//! let mut trace = Trace::new();
-//! trace.metadata.insert("seed".into(), "42".into());
-//! let robot = trace.add_channel("/robot", vec![
-//!     Field::enumeration("state", ["carry", "release"]),
-//!     Field::number("hand_speed", "m/s").in_frame("world"),
-//! ])?;
-//! let human = trace.add_channel("/human", vec![Field::number("distance", "m")])?;
-//! for step in 0..=10 {
-//!     let time_secs = f64::from(step) / 10.0;
-//!     let state = if step < 6 { 0.0 } else { 1.0 };
-//!     trace.channels[robot].push(time_secs, &[state, 0.3 - 0.02 * f64::from(step)])?;
-//!     if step % 5 == 0 {
-//!         trace.channels[human].push(time_secs, &[0.25 - 0.2 * time_secs])?;
-//!     }
-//! }
-//!
-//! // Propositions are defined once, looked up in the trace once, and then evaluated at each tick.
-//! let vocabulary = Vocabulary::new([
-//!     ("near", "/human.distance < 10 cm"),
-//!     ("slow_when_near", "near => /robot.hand_speed < 250 mm/s"),
-//! ]).map_err(|mut errors| errors.remove(0))?;
-//! let slow_when_near = vocabulary.predicate("slow_when_near")?.bind(&trace)?;
-//! let valuations = Valuations::sample(&trace, &[slow_when_near], Sampling::PollHz(20.0))?;
-//! assert!((0..valuations.times_secs.len()).all(|tick| valuations.value(tick, 0) == Some(true)));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 //!
 //! # Speed
 //! On one core of a server, for a minute of two topics at 100 Hz and one at 10 Hz, 27 fields most

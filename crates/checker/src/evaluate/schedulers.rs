@@ -1,4 +1,4 @@
-//! The scheduler that attains the value of a question: which technique finds it ([`crate::scheduler()`]).
+//! The scheduler that attains the value of a question: which technique finds it ([`crate::scheduler::scheduler`]).
 
 use prism_lang::ast::Optimum;
 use prism_lang::property::{

@@ -46,7 +46,8 @@ impl Scheduler {
     ///
     /// ```
     /// use checker::explore::explore;
-    /// use checker::{Options, scheduler};
+    /// use checker::Options;
+    /// use checker::scheduler::scheduler;
     /// use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
     /// // Hurrying may spill, and then the cup is never brought.
     /// let text = "mdp module m x : [0..2];
@@ -164,7 +165,7 @@ fn lost(chain: &StateSpace<f64>, right: Vec<bool>) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::explore::explore;
-    use crate::scheduler;
+    use crate::scheduler::scheduler;
     use prism_lang::{Constants, parse_model, parse_properties, resolve, resolve_properties};
 
     /// The actions and the probability of the worst path.

@@ -2,12 +2,9 @@
 //! whose values are known and on random ones, in rational arithmetic.
 
 use checker::explore::explore;
-use checker::scheduler::Meaning;
+use checker::scheduler::{Meaning, Scheduler, scheduler, scheduler_exact};
 use checker::state_space::StateSpace;
-use checker::{
-    AnswerValue, CheckError, Options, Scheduler, check_exact, check_space, scheduler,
-    scheduler_exact,
-};
+use checker::{AnswerValue, CheckError, Options, check_exact, check_space};
 use prism_lang::{
     Constants, Property, Rational, parse_model, parse_properties, resolve, resolve_properties,
     resolved::Model,

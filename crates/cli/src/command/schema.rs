@@ -20,7 +20,7 @@ pub struct FileOfStudy {
 }
 
 /// What each kind of file says, in the order in which a study is written.
-const SAYS: [(&str, &str); 13] = [
+const SAYS: [(&str, &str); 16] = [
     (
         "study.toml",
         "title, levels of confidence, conditions, seed, costs and weights",
@@ -50,6 +50,14 @@ const SAYS: [(&str, &str); 13] = [
         "a simulated scene: robots, objects, people, sensors, controllers, tests",
     ),
     (
+        "scenario.toml",
+        "the handover's scenario: robot, object, person, sensors, tests (`scenario` of an entry of the ledger)",
+    ),
+    (
+        "scenario-parameters.toml",
+        "what tuning changes in the handover (`parameters` of an entry of the ledger)",
+    ),
+    (
         "ros2.toml",
         "which signals `simulate --as` writes into which messages of ROS 2",
     ),
@@ -66,6 +74,10 @@ const SAYS: [(&str, &str); 13] = [
     (
         "finding.toml",
         "an episode that shows something (in `regressions/`); `explore` and `shrink` write it",
+    ),
+    (
+        "looks.toml",
+        "the counts by which the study was judged so far; `run` writes it",
     ),
 ];
 
@@ -131,7 +143,7 @@ fn list(files: &[FileOfStudy], format: Format) -> Result<String, Problem> {
     }
     let mut output = String::new();
     for file in files {
-        let _ = writeln!(output, "{:<18} {}", file.name, file.says);
+        let _ = writeln!(output, "{:<24} {}", file.name, file.says);
     }
     output += "Next: corroborate schema scene.toml\n";
     Ok(output)

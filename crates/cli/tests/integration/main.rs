@@ -13,6 +13,7 @@ mod corridor;
 mod cut_recordings;
 mod decision;
 mod diagnose;
+mod documents;
 mod drift;
 mod ended_early;
 mod engines;

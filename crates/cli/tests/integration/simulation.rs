@@ -8,6 +8,7 @@ use crate::support;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+use support::program::command;
 use support::simulation::{handover, library, simulating};
 
 /// Two simulations of the handover, few episodes each.
@@ -265,4 +266,22 @@ fn an_episode_that_ends_once_all_is_determined_is_shorter_and_has_the_same_verdi
         whole.len(),
         "each of these robots decides before its end"
     );
+}
+
+#[test]
+fn the_built_program_finds_the_library_that_was_fetched() {
+    let is_in_project = Path::new(env!("CARGO_BIN_EXE_corroborate")).starts_with(support::root());
+    if library().is_none() || !is_in_project {
+        eprintln!("skipped: the program was built elsewhere, or there is nothing to find");
+        return;
+    }
+    let folder = tempfile::TempDir::new().expect("a temporary folder");
+    let study = handover().display().to_string();
+    let arguments = ["simulate", &study, "E2", "-n", "1", "--out", "out"];
+    let mut program = command(folder.path(), &arguments);
+    let output = program.env_remove("CORROBORATE_MUJOCO").output();
+    let output = output.expect("the program starts");
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert!(!talk.contains("no-physics-library"), "{talk}");
+    assert!(folder.path().join("out").is_dir(), "{talk}");
 }

@@ -116,7 +116,7 @@ impl<'a> Base<'a> {
         let column = |rows: &[Values]| -> Option<Vec<f64>> { rows.iter().map(&value).collect() };
         let interval = match (column(&self.at_points), column(varied)) {
             (Some(first), Some(second)) if !first.is_empty() => {
-                let draws = stats::propagation::paired_difference(&first, &second)
+                let draws = stats::paired_difference(&first, &second)
                     .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
                 let interval = draws.interval(level);
                 Some(Interval {

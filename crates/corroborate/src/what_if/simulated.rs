@@ -25,7 +25,7 @@ use host::store::is_stage_of;
 use host::{Host, Stage};
 use judging::Judges;
 use rayon::prelude::*;
-use stats::paired::Pairs;
+use stats::Pairs;
 use std::collections::BTreeMap;
 use stimulus::Stimulus;
 use study::{Entry, Study};

@@ -200,3 +200,10 @@ fn scores_are_near_to_exact_stages() {
     let (exact, near) = (continued_above(&looks, 0.925), continued_p(&scored));
     assert!((exact / near - 1.0).abs() < 0.15, "{exact} {near}");
 }
+
+#[test]
+fn a_sequence_leaves_out_repeated_looks_and_those_of_other_trials() {
+    // The second look is repeated, and the first had more failures.
+    let looks = [look(3, 10), look(9, 10), look(9, 10), look(18, 20)];
+    assert_eq!(sequence(&looks), [look(9, 10), look(18, 20)]);
+}

@@ -204,7 +204,7 @@ fn table_of_a_common_correlation() {
                     let others = [draw(0.12), draw(0.05), draw(0.03)];
                     let own = draw(mean);
                     let common = CommonCorrelation::of(&others).unwrap();
-                    let total = heterogeneity::pool(&own).unwrap();
+                    let total = pool(&own).unwrap();
                     let of_total = common.rate(total, &vec![trials; count], level).unwrap();
                     let alone = clustered_rate(&own, level).unwrap();
                     let intervals = [

@@ -150,7 +150,7 @@ fn everything_else_stays_in_its_range() {
                 sequence.width() >= 0.9 * wilson.width(),
                 "{what}: {sequence} {wilson}"
             );
-            let pairs = paired::Pairs {
+            let pairs = Pairs {
                 pairs: trials,
                 only_first: first.min(trials - second),
                 only_second: second.min(trials - first),

@@ -1,9 +1,7 @@
 //! Coverage at all times at once, at the ends, and to a million trials.
 
-use stats::sequential::{
-    Decision, RunningInterval, SequentialTest, confidence_sequence, ln_evidence_against,
-};
 use stats::{Confidence, Interval, Sample, clopper_pearson};
+use stats::{Decision, RunningInterval, SequentialTest, confidence_sequence, ln_evidence_against};
 
 fn sample(successes: u64, trials: u64) -> Sample {
     Sample::new(successes, trials).unwrap()

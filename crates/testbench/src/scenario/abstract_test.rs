@@ -5,6 +5,7 @@
 //! tiers follow D. Araiza-Illan et al., "Coverage-driven verification: an approach to verify code
 //! for robots that directly interact with humans" (2015).
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use stimulus::{Setting, Verb};
@@ -13,7 +14,7 @@ use super::ScenarioError;
 use crate::random::{Distribution, Stream};
 
 /// A named list of actions of the human.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AbstractTest {
     /// What the test is called.
@@ -23,7 +24,7 @@ pub struct AbstractTest {
 }
 
 /// One action of the human: exactly one of the three verbs.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Action {
     /// Sends a signal to the robot: `activate` or `ready`.
@@ -38,7 +39,7 @@ pub struct Action {
 }
 
 /// A signal the human can send.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HumanSignal {
     /// Start the handover.
@@ -48,7 +49,7 @@ pub enum HumanSignal {
 }
 
 /// A signal the robot can send.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RobotSignal {
     /// Ready to hand over.
@@ -56,7 +57,7 @@ pub enum RobotSignal {
 }
 
 /// What the human applies; what is not named stays as it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HumanParameters {
     /// Looks at the object (`false`: away from it).

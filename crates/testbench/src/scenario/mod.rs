@@ -11,6 +11,7 @@ mod parts;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use abstract_test::{AbstractTest, Action, HumanParameters, HumanSignal, RobotSignal};
@@ -86,7 +87,7 @@ impl fmt::Display for ScenarioError {
 impl std::error::Error for ScenarioError {}
 
 /// A scenario as its TOML file gives it. Units are in the names of the fields.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// What the scenario is called in reports.

@@ -1,12 +1,13 @@
 //! The parameter set: what tuning changes. Units are in the names of the fields.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::ScenarioError;
 use crate::random::Distribution;
 
 /// Where inertias come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InertiaSource {
     /// From shape and mass, by the formulas for solids.
@@ -16,7 +17,7 @@ pub enum InertiaSource {
 }
 
 /// A named set of physical and fault parameters.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
     /// What the set is called in reports and in the trace's metadata.
@@ -38,85 +39,84 @@ pub struct Parameters {
 }
 
 /// The object's mass and its place on the pedestal.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct ObjectParameters {
+    /// Mass.
     pub mass_kg: Distribution,
+    /// How far the object stands off its place along x.
     pub x_error_m: Distribution,
+    /// How far the object stands off its place along y.
     pub y_error_m: Distribution,
+    /// How far the object is turned about its axis.
     pub yaw_rad: Distribution,
 }
 
 /// The hand's drives and skin.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct HandParameters {
+    /// Coulomb friction between hand and object.
     pub friction: Distribution,
+    /// Time constant of a contact: the larger, the softer the skin.
     pub contact_time_constant_secs: f64,
+    /// Proportional gain of a finger's servo.
     pub stiffness_nm_rad: f64,
+    /// Derivative gain of a finger's servo.
     pub damping_nms_rad: f64,
+    /// Largest torque of a finger drive.
     pub torque_limit_nm: f64,
+    /// Torque by which dry friction holds a finger joint.
     pub friction_loss_nm: f64,
+    /// Time constant of a joint's stop: the larger, the softer the stop.
     pub stop_time_constant_secs: f64,
 }
 
 /// How fast the arm moves.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct ArmParameters {
+    /// Highest speed of a joint while the robot's code restricts it.
     pub restricted_speed_rad_s: f64,
+    /// Speed of a joint while it is not restricted, as in the reset.
     pub reset_speed_rad_s: f64,
+    /// Acceleration of the arm's joints.
     pub acceleration_rad_s2: f64,
 }
 
 /// Noise and glitches of tracking.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct TrackingParameters {
+    /// Probability that a reading is a glitch.
     pub glitch_rate_per_reading: f64,
+    /// Standard deviation of a position in each axis.
     pub noise_m: f64,
 }
 
 /// Answer time and failures of the motion planner.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct PlannerParameters {
+    /// Probability that one of the five requests of a run is never answered.
     pub failure_rate_per_run: f64,
+    /// How long an answer takes.
     pub answer_secs: Distribution,
 }
 
 /// What is drawn for the human in each episode.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the parameter file explains each"
-)]
 pub struct HumanDraws {
+    /// How far the head is above `head_position_m` of the scenario.
     pub head_height_offset_m: Distribution,
+    /// By which angle a gaze at the object misses it.
     pub yaw_error_rad: Distribution,
+    /// By which angle a gaze away from the object misses it.
     pub yaw_error_when_away_rad: Distribution,
+    /// Force of the pull, towards the human.
     pub pull_forward_newtons: Distribution,
+    /// Force of the pull, upwards.
     pub pull_up_newtons: Distribution,
 }
 

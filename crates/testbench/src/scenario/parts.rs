@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::ScenarioError;
@@ -27,20 +28,24 @@ fn not_negative(key: &str, value: f64) -> Result<(), ScenarioError> {
 }
 
 /// Time step, gravity and solver.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct SimulationSettings {
+    /// Length of a time step, at most 0.01.
     pub time_step_secs: f64,
+    /// Gravity, downwards.
     pub gravity_m_s2: f64,
+    /// How many iterations of Newton's method a step may take.
     pub solver_iterations: u32,
+    /// Improvement below which the solver stops.
     pub solver_tolerance: f64,
+    /// Iterations against slip after the solver; 0 for none.
     pub noslip_iterations: u32,
+    /// How much stiffer friction is than the normal force: the larger, the less creep.
     pub impedance_ratio: f64,
+    /// How long an episode goes on after the robot has ended or crashed.
     pub end_after_secs: f64,
+    /// Length after which an episode is ended as it stands.
     pub longest_secs: f64,
     /// Lets less than the full physics stand in where less will do (see the crate's "Fast physics").
     #[serde(default)]
@@ -65,17 +70,18 @@ impl SimulationSettings {
 }
 
 /// How often things happen, in Hz. Each must divide the number of time steps in a second.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Rates {
+    /// How often the robot's code acts.
     pub controller_hz: u32,
+    /// How often the tracking reads positions.
     pub tracking_hz: u32,
+    /// How often gaze, pressure and location are judged.
     pub sensing_hz: u32,
+    /// How often the truth is recorded.
     pub truth_record_hz: u32,
+    /// How many readings of the tracking are recorded.
     pub tracking_record_hz: u32,
 }
 
@@ -109,7 +115,7 @@ impl Rates {
 pub type JointAngles = BTreeMap<String, f64>;
 
 /// The robot's body, poses and hand positions.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
     /// The body whose frame counts as the hand.
@@ -129,14 +135,18 @@ pub struct Robot {
 }
 
 /// The arm's poses, in rad.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the names are the steps of the programme")]
 pub struct Poses {
+    /// The pose about which the reset goes.
     pub neutral: JointAngles,
+    /// Before the pick-up.
     pub prepare: JointAngles,
+    /// Above the object.
     pub above: JointAngles,
+    /// At the object.
     pub pickup: JointAngles,
+    /// Where the object is offered.
     pub serve: JointAngles,
 }
 
@@ -153,12 +163,14 @@ impl Poses {
 }
 
 /// The hand's positions, in rad; `pregrasp` comes shortly before `grasp`.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(missing_docs, reason = "the names are the steps of the programme")]
 pub struct HandPositions {
+    /// Open.
     pub open: JointAngles,
+    /// What closes first.
     pub pregrasp: JointAngles,
+    /// Closed.
     pub grasp: JointAngles,
 }
 
@@ -173,27 +185,38 @@ impl HandPositions {
 }
 
 /// What the robot's code does, and when.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Programme {
+    /// The joints that the reset moves off the neutral pose.
     pub reset_joints: Vec<String>,
+    /// How far from the neutral pose each of these joints goes in the reset.
     pub reset_spread_rad: Distribution,
+    /// Length of the reset.
     pub reset_secs: f64,
+    /// How near to its pose a joint has to be to have arrived.
     pub arrive_tolerance_rad: f64,
+    /// How long to wait for a pose.
     pub arrive_timeout_secs: f64,
+    /// How long the hand has for `pregrasp` before it closes.
     pub pregrasp_secs: f64,
+    /// How long the hand has for `grasp`.
     pub grasp_secs: f64,
+    /// How long the announcement takes.
     pub announce_secs: f64,
+    /// How long to wait after the human's signal before sensing begins.
     pub wait_before_sensing_secs: f64,
+    /// How long after sensing began the fingers are first read; less than `sensing_secs`.
     pub finger_baseline_secs: f64,
+    /// How long readings are taken at least before the robot decides.
     pub sensing_secs: f64,
+    /// How long sensing goes on at most for want of readings.
     pub sensing_timeout_secs: f64,
+    /// How long to wait for the human's signal.
     pub ready_timeout_secs: f64,
+    /// How long the hand has to open.
     pub release_secs: f64,
+    /// How long to wait for the planner's answer.
     pub planner_timeout_secs: f64,
     /// How often a call that the planner has not answered in time is made again.
     #[serde(default)]
@@ -235,7 +258,7 @@ impl Programme {
 }
 
 /// How one sensor's readings become its report at the decision.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SensorRule {
     /// Satisfied at some reading since sensing began.
@@ -245,62 +268,64 @@ pub enum SensorRule {
 }
 
 /// How the robot judges the human.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Sensors {
+    /// Counts of a finger encoder.
     pub finger_counts_per_rad: f64,
     /// More counts than the first and fewer than the second mean pressure.
     pub pressure_counts: [i64; 2],
+    /// Radius of the gaze cone at the head.
     pub gaze_head_radius_m: f64,
+    /// Half the angle of the gaze cone.
     pub gaze_half_angle_rad: f64,
+    /// From the object's centre to where a hand is expected.
     pub location_offset_m: Vector,
+    /// How far from there the hand may be, in each axis.
     pub location_tolerance_m: Vector,
+    /// Which readings of the gaze count.
     pub gaze_rule: SensorRule,
+    /// Which readings of the pressure count.
     pub pressure_rule: SensorRule,
+    /// Which readings of the location count.
     pub location_rule: SensorRule,
 }
 
 /// Where a tracking glitch reports the object: uniform in a box of the world.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct TrackingVolume {
+    /// The lowest corner of the box.
     pub glitch_low_m: Vector,
+    /// The highest corner of the box.
     pub glitch_high_m: Vector,
 }
 
 /// How the truth is judged, apart from the robot's sensors.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct TruthRules {
+    /// From the object's centre to where the hand holds it.
     pub in_hand_offset_m: Vector,
+    /// How far from there the hand may be, in each axis.
     pub in_hand_tolerance_m: Vector,
+    /// A pull of less is no pull.
     pub weakest_pull_newtons: f64,
 }
 
 /// The object: a cylinder that stands on the pedestal.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Object {
+    /// Length, more than 2.5 times the radius.
     pub length_m: f64,
+    /// Radius.
     pub radius_m: f64,
+    /// Where its centre stands on the pedestal, x and y.
     pub position_m: [f64; 2],
+    /// Published moments of inertia, used by parameter sets that ask for placeholders.
     pub placeholder_inertia_kg_m2: Vector,
+    /// Coulomb friction on the pedestal's top.
     pub pedestal_friction: f64,
 }
 
@@ -321,15 +346,14 @@ impl Object {
 }
 
 /// The cylinder the object stands on.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Pedestal {
+    /// Its centre.
     pub centre_m: Vector,
+    /// Its height.
     pub length_m: f64,
+    /// Its radius.
     pub radius_m: f64,
 }
 
@@ -342,28 +366,40 @@ impl Pedestal {
 }
 
 /// The human's body and reach.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(
-    missing_docs,
-    reason = "names carry quantity and unit; the scenario file explains each"
-)]
 pub struct Human {
+    /// Where the head is.
     pub head_position_m: Vector,
+    /// Where the hand rests.
     pub hand_rest_m: Vector,
+    /// From the object's centre to the hand's centre, when the hand is on it.
     pub hand_on_object_m: Vector,
+    /// Edge lengths of the hand.
     pub hand_box_m: Vector,
+    /// How long one movement of the hand takes (minimum jerk).
     pub reach_secs: f64,
+    /// The hand does not reach for an object lower than this, which has been dropped.
     pub reach_lowest_object_m: f64,
+    /// How long a pull lasts.
     pub pull_secs: f64,
+    /// How long a pull grows to its force.
     pub pull_onset_secs: f64,
+    /// An object that comes along further than this is held on to.
     pub pull_travel_m: f64,
+    /// Height above the object's centre at which the pull acts.
     pub pull_line_m: f64,
+    /// A signal that has not come by then is given up.
     pub patience_secs: f64,
+    /// Stiffness with which the hand carries the object once the robot has let go.
     pub hold_stiffness_n_m: f64,
+    /// Damping of the same.
     pub hold_damping_ns_m: f64,
+    /// Largest force of the same.
     pub hold_limit_newtons: f64,
+    /// Stiffness against turning of the same.
     pub hold_torque_nm_rad: f64,
+    /// Damping against turning of the same.
     pub hold_torque_damping_nms_rad: f64,
 }
 
@@ -379,22 +415,31 @@ impl Human {
 }
 
 /// A solid whose mass is spread evenly.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema, Deserialize)]
 #[serde(untagged, deny_unknown_fields)]
-#[allow(missing_docs, reason = "names carry quantity and unit")]
 pub enum Shape {
-    /// Full edge lengths.
-    Box { box_m: Vector },
-    /// Along z.
+    /// A box.
+    Box {
+        /// Full edge lengths.
+        box_m: Vector,
+    },
+    /// A cylinder along z.
     Cylinder {
+        /// Its length.
         cylinder_length_m: f64,
+        /// Its radius.
         cylinder_radius_m: f64,
     },
     /// A ball.
-    Sphere { sphere_radius_m: f64 },
-    /// Along y, as the finger segments are; the length counts the round ends.
+    Sphere {
+        /// Its radius.
+        sphere_radius_m: f64,
+    },
+    /// A capsule along y, as the finger segments are.
     Capsule {
+        /// Its length, with the round ends.
         capsule_length_m: f64,
+        /// Its radius.
         capsule_radius_m: f64,
     },
 }
@@ -442,7 +487,7 @@ impl Shape {
 }
 
 /// Which servos move a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Drive {
     /// A position servo of the arm, with gains of its own.
@@ -452,7 +497,7 @@ pub enum Drive {
 }
 
 /// A hinge between a body and its parent.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
     /// Axis in the body's frame.
@@ -474,7 +519,7 @@ pub struct Joint {
 }
 
 /// A link of the robot.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Unique name.

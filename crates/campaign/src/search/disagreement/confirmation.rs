@@ -25,9 +25,9 @@
 //! wrong with `p`; that all are decided is not guaranteed.
 
 use serde::{Deserialize, Serialize};
-use stats::sequential::{confidence_sequence, ln_evidence_against};
 use stats::special::beta_cdf;
 use stats::{Confidence, Interval, Sample};
+use stats::{confidence_sequence, ln_evidence_against};
 
 use super::region::Region;
 

@@ -75,9 +75,10 @@ fn words(schema: &Value) -> Option<String> {
     (!words.is_empty()).then(|| words.join(" "))
 }
 
-/// The words of a key; a form with this key alone may have them instead.
+/// The words of a key; a form with this key alone, or with it beside its tag, may have them instead.
 fn words_of_key(form: &Value, property: &Value) -> Option<String> {
-    let is_alone = || properties(form).count() == 1;
+    let keys = properties(form).filter(|(_, it)| it.get("const").is_none());
+    let is_alone = || keys.count() == 1;
     words(property).or_else(|| words(form).filter(|_| is_alone()))
 }
 

@@ -3,7 +3,7 @@
 //! # Definition
 //! Where a decision process misses a requirement's threshold under some scheduler, the worst scheduler (of the least
 //! probability where the requirement asks for at least something, of the greatest where for at most) has a most probable
-//! path on which the requirement fails (`checker::Scheduler::path`). Its steps are the actions that the scheduler
+//! path on which the requirement fails (`checker::scheduler::Scheduler::path`). Its steps are the actions that the scheduler
 //! chooses and what they change. Those that `exploration.toml` maps to actions of a bench (`[[step]]` tables) are an
 //! abstract test, in the form of a finding, which `replay` runs and judges.
 //!
@@ -153,7 +153,7 @@ impl Compiled<'_> {
         let texts = [question.texts().0, question.property];
         let mut scheduler = Err(CheckError::NoInitialState);
         for text in texts {
-            scheduler = checker::scheduler(space, &asked(text)?, &options);
+            scheduler = checker::scheduler::scheduler(space, &asked(text)?, &options);
             if scheduler.is_ok() {
                 break;
             }

@@ -41,40 +41,10 @@ pub fn exact(value: f64) -> Measure {
 
 /// A piece of evidence with measures of requirements.
 pub fn piece(id: &str, technique: Technique, findings: Vec<(usize, Measure)>) -> Evidence {
-    let finding = |(index, measure): (usize, Measure)| Finding {
-        subject: subject(index),
-        measure,
-        denominator: Denominator::default(),
-        trigger: None,
-        undecided: 0,
-        witnesses: vec![],
-        readings: vec![],
-    };
-    Evidence {
-        id: id.into(),
-        title: id.into(),
-        technique,
-        tool: Tool {
-            name: String::new(),
-            version: String::new(),
-            settings: String::new(),
-        },
-        assets: vec![],
-        conditions: "typical".into(),
-        changed: String::new(),
-        calibrated: vec![],
-        intermediate: false,
-        published: false,
-        reproduced_by: None,
-        findings: findings.into_iter().map(finding).collect(),
-        form_differences: vec![],
-        description_gaps: vec![],
-        failures: vec![],
-        clusters: None,
-        shared_rows: vec![],
-        lineage_questions: vec![],
-        inputs: String::new(),
-    }
+    let findings = findings.into_iter();
+    findings.fold(Evidence::new(id, technique), |piece, (index, measure)| {
+        piece.found(Finding::new(subject(index), measure))
+    })
 }
 
 /// A requirement with a margin of 10 points.
