@@ -1,4 +1,4 @@
-//! Static fault trees: read, with all mistakes of a text at once; analysed, each number with its guarantee.
+#![doc = include_str!("../README.md")]
 //!
 //! A fault tree says which combinations of basic events lead to a top event (W. E. Vesely et al., *Fault Tree Handbook*,
 //! NUREG-0492, 1981; E. Ruijters, M. Stoelinga, *Fault tree analysis: a survey*, Computer Science Review 15-16, 2015). Here it
@@ -14,36 +14,6 @@
 //!
 //! A basic event has a probability, a rate with a mission time, an interval, or counts ([`EventData`]); the last two come by
 //! a table of the caller ([`FaultTree::with_data`]) or by attributes of the Open-PSA format.
-//!
-//! ```
-//! use diagnostic::{Cancel, Source};
-//! use fault_tree::{Analysis, Options, Settings, read_galileo};
-//!
-//! let text = r#"
-//!     toplevel "no brake";
-//!     "no brake" or "valve" "pumps";
-//!     "pumps" and "pump 1" "pump 2";
-//!     "valve" prob=0.001;
-//!     "pump 1" prob=0.01;
-//!     "pump 2" prob=0.02;
-//! "#;
-//! let reading = read_galileo(&Source::new("brake.dft", text), &Settings::default())?;
-//! let tree = reading.tree;
-//!
-//! let cancel = Cancel::default();
-//! let top = tree.top().expect("the text names it");
-//! let analysis = Analysis::new(&tree, top, Options::default(), &cancel)?;
-//!
-//! // 1 - (1 - 0.001) (1 - 0.01 * 0.02), without rounding.
-//! let probability = analysis.probability(&cancel)?;
-//! assert_eq!(probability.exact, fault_tree::decimal("0.0011998"));
-//!
-//! let cut_sets = analysis.cut_sets(100, &cancel)?;
-//! let names = |set: &Vec<_>| set.iter().map(|id| tree.name(*id)).collect::<Vec<_>>();
-//! let sets: Vec<_> = cut_sets.sets.iter().map(names).collect();
-//! assert_eq!(sets, [vec!["valve"], vec!["pump 1", "pump 2"]]);
-//! # Ok::<(), diagnostic::Problem>(())
-//! ```
 //!
 //! The engine opens no file, prints nothing and reads no clock. Decision diagrams have a limit of nodes
 //! ([`Options::nodes`]): beyond it there is an error and no number. Whatever may take long ends when a
