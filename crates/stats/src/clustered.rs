@@ -159,7 +159,7 @@ pub enum ClusterMethod {
     /// By the profile likelihood of the beta-binomial model.
     Profile,
     /// Allowing for the correlation that all columns of the clusters have in common, because the count itself
-    /// cannot tell it ([`mod@crate::common_correlation`]).
+    /// cannot tell it ([`CommonCorrelation`]).
     Common,
     /// One trial for each cluster, because nothing tells how alike those of one are.
     OneEach,

@@ -52,7 +52,7 @@ impl fmt::Display for Sample {
 }
 
 /// A count whose size may be a fraction: what a clustered [`Sample`] is worth in independent
-/// trials (see [`crate::cluster`]). Every [`Sample`] converts into one of the same size.
+/// trials (see [`clustered_rate`](crate::clustered_rate)). Every [`Sample`] converts into one of the same size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffectiveSample {
     /// Successes, in independent trials.

@@ -302,7 +302,7 @@ pub const MOST_CORNERS_OF: usize = 20;
 /// their own, such as those of interval models.
 ///
 /// # Errors
-/// [`StatsError::OutOfRange`] beyond [`MOST_CORNERS_OF`] inputs, or for a value that is not finite.
+/// [`StatsError::OutOfRange`] beyond `MOST_CORNERS_OF` inputs, or for a value that is not finite.
 pub fn extremes_at_corners(
     within: &[Interval],
     function: impl Fn(&[f64]) -> f64,

@@ -6,7 +6,7 @@
 //! wait until all before them are known, so the decision is a function of the numbered outcomes
 //! alone, not of threads.
 //!
-//! Source: as [`stats::sequential`]. Deviation: none. Cost: constant for an episode, and memory for
+//! Source: as [`stats::confidence_sequence`]. Deviation: none. Cost: constant for an episode, and memory for
 //! those that wait. Guarantee: the decision is wrong with probability at most `1 - confidence`, and
 //! the interval holds the rate at every number at once with that confidence, so choosing when to
 //! stop by looking at them does no harm. Episodes without an outcome (the requirement did not come

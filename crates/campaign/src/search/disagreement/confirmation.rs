@@ -17,7 +17,7 @@
 //! that is decided gets no more.
 //!
 //! Source: E. Even-Dar, S. Mannor and Y. Mansour (2006) for elimination of what is decided; the
-//! confidence sequences are those of [`stats::sequential`]; K. Jamieson and A. Jain, "A bandit
+//! confidence sequences are those of [`stats::confidence_sequence`]; K. Jamieson and A. Jain, "A bandit
 //! approach to multiple testing with false discovery control" (2018) for looking where a
 //! difference may be shown. Level: shared equally (C. E. Bonferroni, 1936). Deviation: the index
 //! is ours. Cost: constant for an outcome, O(regions) for a choice. Guarantee: whatever the choices, with
