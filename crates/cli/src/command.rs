@@ -84,21 +84,26 @@ pub fn use_threads(threads: Option<u16>) -> Result<(), Problem> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     /// Fails if a schema in `schemas/` is not the one of the code; with
     /// `UPDATE_SCHEMAS=1` it is written instead.
     pub fn assert_schema_is_committed(name: &str, schema: &serde_json::Value) {
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../schemas")
-            .join(name);
         let text = serde_json::to_string_pretty(schema).expect("a schema") + "\n";
+        assert_is_committed(&format!("schemas/{name}"), &text);
+    }
+
+    /// The same of any text that is made of the code, at its path in the project.
+    pub fn assert_is_committed(name: &str, text: &str) {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../..")
+            .join(name);
         if std::env::var_os("UPDATE_SCHEMAS").is_some() {
-            std::fs::write(&path, &text).expect("written");
+            std::fs::write(&path, text).expect("written");
         }
         let committed = std::fs::read_to_string(&path).unwrap_or_default();
         assert!(
             committed == text,
-            "schemas/{name} is not the form of the code; run the tests with UPDATE_SCHEMAS=1"
+            "{name} is not the form of the code; run the tests with UPDATE_SCHEMAS=1"
         );
     }
 

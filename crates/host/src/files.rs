@@ -21,7 +21,14 @@ pub fn read_any_size(path: &Path) -> Result<Source, Problem> {
 /// Reads a text in the PRISM language. Many published models are written in Latin-1, mostly for an accent in a comment:
 /// what is not UTF-8 is read so, with a warning at the first byte that shows it.
 pub fn read_prism(path: &Path) -> Result<(Source, Option<Problem>), Problem> {
-    let bytes = read_file(path, MOST_BYTES)?;
+    prism_of_bytes(path, read_file(path, MOST_BYTES)?)
+}
+
+/// The same of the bytes that were read of a file.
+///
+/// # Errors
+/// `not-text`.
+pub fn prism_of_bytes(path: &Path, bytes: Vec<u8>) -> Result<(Source, Option<Problem>), Problem> {
     let Err(error) = std::str::from_utf8(&bytes) else {
         return Ok((of_bytes(path, bytes)?, None));
     };

@@ -172,17 +172,7 @@ fn cell(text: &str) -> String {
 
 #[test]
 fn the_committed_reference_of_the_commands_is_made_of_their_definitions() {
-    let reference = reference();
-    let path =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/commands.md");
-    if std::env::var_os("UPDATE_SCHEMAS").is_some() {
-        std::fs::write(&path, &reference).expect("written");
-    }
-    let committed = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        committed == reference,
-        "docs/reference/commands.md is not the form of the code; run the tests with UPDATE_SCHEMAS=1"
-    );
+    crate::command::tests::assert_is_committed("docs/reference/commands.md", &reference());
 }
 
 #[test]

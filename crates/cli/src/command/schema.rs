@@ -180,15 +180,6 @@ mod tests {
             reference += "\n";
             reference += &text::of_file(&file);
         }
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../../docs/reference/study-files.md");
-        if std::env::var_os("UPDATE_SCHEMAS").is_some() {
-            std::fs::write(&path, &reference).expect("written");
-        }
-        let committed = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(
-            committed == reference,
-            "docs/reference/study-files.md is not the form of the code; run the tests with UPDATE_SCHEMAS=1"
-        );
+        crate::command::tests::assert_is_committed("docs/reference/study-files.md", &reference);
     }
 }

@@ -61,8 +61,9 @@ impl<'s> Files<'s> {
         path: &Path,
     ) -> Result<(Source, Option<Problem>), Problem> {
         let full = self.folder.join(path);
-        self.add(role, path, &host::files::read_file(&full, MOST_BYTES)?);
-        host::files::read_prism(&full)
+        let bytes = host::files::read_file(&full, MOST_BYTES)?;
+        self.add(role, path, &bytes);
+        host::files::prism_of_bytes(&full, bytes)
     }
 
     /// A text if there is such a file. That there is none is remembered, too: evidence is stale once there is one.

@@ -11,7 +11,7 @@
 //!
 //! # Why
 //! One person more is far from a normal increment: where 9 of 10 succeed and attempts of one person are alike (0.3), a person
-//! who fails ten times comes along once in 120 and is five standard deviations away.
+//! who fails ten times comes along once in 480 and is five standard deviations away.
 //!
 //! # Source
 //! J. G. Skellam (1948) and D. A. Williams (1975) for the model, `crate::beta_binomial`; stages are those of
