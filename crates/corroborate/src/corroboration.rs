@@ -119,7 +119,7 @@ pub fn headline(study: &Study, produced: &Produced) -> String {
             };
             let given = match finding.denominator {
                 Denominator::Triggered => " given its trigger",
-                Denominator::EveryRun | Denominator::AllRuns { .. } => "",
+                Denominator::EveryRun | Denominator::NoTrigger | Denominator::AllRuns { .. } => "",
             };
             // The ends of a range with the constants as they are written say less than they seem to.
             let range = credible.as_ref().filter(|it| it.ends.is_some());

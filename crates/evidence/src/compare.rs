@@ -277,11 +277,7 @@ fn draft(
             let obstacle =
                 other_conditions(left, right).or_else(|| runs::other_runs(sides.0, sides.1));
             // Figures over different runs have no difference.
-            if findings
-                .0
-                .denominator
-                .is_comparable(&findings.1.denominator)
-            {
+            if findings.0.is_over_the_same_runs(findings.1) {
                 describe(&mut comparison, &pair, study.levels.confidence);
                 comparison.looking = looking(&pair, left, right);
             }

@@ -58,13 +58,17 @@ impl Finding {
     /// Whether its figure is over other runs than all, or leaves some out.
     #[must_use]
     pub fn is_conditional(&self) -> bool {
-        self.denominator != Denominator::EveryRun || self.undecided > 0
+        let over_all = matches!(
+            self.denominator,
+            Denominator::EveryRun | Denominator::NoTrigger
+        );
+        !over_all || self.undecided > 0
     }
 
     /// The condition in the words that stand behind a figure within a sentence; empty where every run counts.
     pub(crate) fn given(&self) -> &'static str {
         match (&self.denominator, &self.measure) {
-            (Denominator::EveryRun, _) => "",
+            (Denominator::EveryRun | Denominator::NoTrigger, _) => "",
             (Denominator::Triggered, Measure::Probability { .. }) => " given its trigger",
             (Denominator::Triggered, _) => " of the runs that trigger it",
             (Denominator::AllRuns { .. }, _) => " over all runs, triggered or not",
@@ -94,12 +98,12 @@ impl Finding {
             many => format!("; {many} more runs ended before a verdict"),
         };
         match &self.denominator {
-            Denominator::EveryRun => {
+            Denominator::EveryRun | Denominator::NoTrigger => {
                 let every = match self.trigger.is_some() {
-                    true => format!("; every run {}", words.one),
+                    true => format!(", each of which {}", words.one),
                     false => String::new(),
                 };
-                format!("{count} of {trials} runs{every}{ended}")
+                format!("{count} of all {trials} runs{every}{ended}")
             }
             Denominator::Triggered => {
                 let unknown = || "how many runs there were in all is not known".to_owned();
@@ -121,7 +125,7 @@ impl Finding {
             Denominator::EveryRun if self.trigger.is_some() => {
                 format!("over all runs: every run {}", words.one)
             }
-            Denominator::EveryRun => "over all runs".to_owned(),
+            Denominator::EveryRun | Denominator::NoTrigger => "over all runs".to_owned(),
             Denominator::Triggered => {
                 let share = match self.trigger.as_deref().and_then(probability) {
                     Some(share) => format!("the probability of that is {share}"),
@@ -274,7 +278,7 @@ mod tests {
         );
         assert_eq!(
             of(Denominator::EveryRun, None).condition(None).as_deref(),
-            Some("7 of 9 runs; 3 more runs ended before a verdict")
+            Some("7 of all 9 runs; 3 more runs ended before a verdict")
         );
     }
 

@@ -34,6 +34,9 @@ pub enum Denominator {
     /// runs and over those that trigger it.
     #[default]
     EveryRun,
+    /// All runs: the study does not say that the subject is triggered in some of them alone. It is the same number over
+    /// the runs that trigger it only if each does, which other evidence may show not to be so.
+    NoTrigger,
     /// The runs that trigger it.
     Triggered,
     /// All runs, also those that do not trigger it, as far as known.
@@ -41,16 +44,6 @@ pub enum Denominator {
         /// Why the number is not given that it is triggered.
         reason: String,
     },
-}
-
-impl Denominator {
-    /// Whether a number over these runs and one over those answer the same question.
-    pub fn is_comparable(&self, other: &Self) -> bool {
-        !matches!(
-            (self, other),
-            (Self::Triggered, Self::AllRuns { .. }) | (Self::AllRuns { .. }, Self::Triggered)
-        )
-    }
 }
 
 /// How far a computed number can be trusted.

@@ -21,6 +21,8 @@ const LEAST_WIDTH: usize = 40;
 const LONGEST_ID: usize = 12;
 /// Suspects listed; the rest are counted.
 const SUSPECTS_SHOWN: usize = 8;
+/// Pairs of two numbers that are not comparable that are listed; the rest are counted.
+const INCOMPARABLE_SHOWN: usize = 5;
 /// Undecided pairs listed with what would decide them; the rest are counted.
 const PLANS_SHOWN: usize = 6;
 
@@ -397,8 +399,38 @@ fn outcomes(page: &mut Page, view: View) {
         page.item("", "", &format!("{copies} {words}"));
     }
     agreement(page, &study.conclusions);
+    not_comparable(page, view);
     triggers(page, view);
     questions(page, study);
+}
+
+/// Why numbers are not comparable, for each pair that has two; how many have one or none.
+fn not_comparable(page: &mut Page, view: View) {
+    let pairs = view.study.comparisons.iter();
+    let pairs = pairs.filter(|pair| pair.outcome == Outcome::NotComparable);
+    let (two, fewer): (Vec<_>, Vec<_>) = pairs.partition(|pair| {
+        [&pair.left, &pair.right].iter().all(|id| {
+            let evidence = view.study.evidence.iter().find(|it| it.id == **id);
+            let finding = evidence.and_then(|it| it.finding(&pair.subject));
+            finding.is_some_and(|it| it.measure.estimate().is_some())
+        })
+    });
+    for pair in two.iter().take(INCOMPARABLE_SHOWN) {
+        let title = view.short_title(&pair.subject);
+        let words = format!(
+            "{} and {} on {title}: {}",
+            pair.left, pair.right, pair.reason
+        );
+        page.item("– ", "", &words);
+    }
+    let rest = two.len().saturating_sub(INCOMPARABLE_SHOWN);
+    if rest > 0 {
+        page.item("  ", "", &format!("and {rest} more in the report"));
+    }
+    if !fewer.is_empty() && !two.is_empty() {
+        let words = "not comparable because one side has no number; the matrix says why.";
+        page.item("", "", &format!("{} {words}", fewer.len()));
+    }
 }
 
 /// How often current evidence triggers a subject, where that is not shown to be alike.

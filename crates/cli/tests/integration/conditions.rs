@@ -144,6 +144,92 @@ fn where_the_trigger_is_unknown_to_the_model_numbers_over_different_runs_are_not
     assert_eq!(outcome, "conflicts", "{reason}");
 }
 
+/// Of an experiment with 300 trials; the study's one requirement was covered in `covered`.
+fn with_attempts(requirement: &str, covered: u64) -> Value {
+    let passed = covered * 65 / 100;
+    let table = format!(
+        "requirement,covered,passed,failed\n1,{covered},{passed},{}\n",
+        covered - passed
+    );
+    let folder = study(requirement, &table);
+    let ledger = LEDGER.replace(
+        "tables.requirements = \"r.csv\"",
+        "tables.requirements = \"r.csv\"\ntables.attempts = \"a.csv\"",
+    );
+    std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+    let people: String = (1..=30).map(|it| format!("p{it},10\n")).collect();
+    let attempts = format!("subject,attempts\n{people}");
+    std::fs::write(folder.path().join("a.csv"), attempts).expect("written");
+    result(&folder)
+}
+
+#[test]
+fn a_property_without_a_trigger_is_not_compared_with_trials_of_which_some_do_not_trigger_it() {
+    let unconditional = "property = 'P=? [ G \"slow\" ]'";
+    let result = with_attempts(unconditional, 60);
+    let model = finding(&result, "M");
+    assert_eq!(model["denominator"]["kind"], "no-trigger", "{model}");
+    let comparison = &result["comparisons"][0];
+    assert_eq!(comparison["outcome"], "not-comparable", "{comparison}");
+    let reason = comparison["reason"].as_str().expect("a reason");
+    assert!(
+        reason.contains("does not say which trigger it") && reason.contains("trigger ="),
+        "{reason}"
+    );
+    assert_eq!(comparison["difference"], Value::Null);
+    // Where all trials do, there is no other meaning of the number.
+    let result = with_attempts(unconditional, 300);
+    assert_eq!(result["comparisons"][0]["outcome"], "conflicts");
+}
+
+#[test]
+fn a_conditional_probability_that_is_written_by_hand_is_over_the_runs_that_it_names() {
+    for given in [
+        "property = 'P=? [ G \"slow\" || F \"near\" ]'",
+        "property = 'P=? [ G \"slow\" ]'\ntrigger = 'P=? [ F \"near\" ]'",
+    ] {
+        let result = with_attempts(given, 60);
+        let model = finding(&result, "M");
+        assert_eq!(model["denominator"]["kind"], "triggered", "{model}");
+        let value = model["measure"]["answer"]["value"].as_f64();
+        assert!((value.expect("a value") - 0.65).abs() < 1e-6, "{model}");
+        let trigger = model["trigger"]["answer"]["value"].as_f64();
+        assert!((trigger.expect("a value") - 0.15).abs() < 1e-6, "{model}");
+        let comparison = &result["comparisons"][0];
+        assert_ne!(comparison["outcome"], "not-comparable", "{comparison}");
+        assert_ne!(comparison["outcome"], "conflicts", "{comparison}");
+    }
+}
+
+#[test]
+fn a_condition_that_is_written_twice_is_refused_at_its_place() {
+    let forms = "property = 'P=? [ G \"slow\" || F \"near\" ]'\ntrigger = 'P=? [ F \"near\" ]'";
+    let folder = study(forms, "requirement,covered,passed,failed\n1,60,60,0\n");
+    let said = corroborate(folder.path(), &["run", "."]);
+    assert_eq!(said.code, 2, "{said:?}");
+    for words in [
+        "error[trigger-twice]",
+        "requirements.toml:6",
+        "`P=? [ X || C ]`",
+    ] {
+        assert!(said.talk.contains(words), "{words}: {}", said.talk);
+    }
+}
+
+#[test]
+fn a_property_that_no_model_can_violate_covers_nothing() {
+    let folder = study(
+        "property = 'P=? [ G !(s=0 & s=2) ]'\nthreshold = \"at least 0.9\"",
+        "requirement,covered,passed,failed\n1,0,0,0\n",
+    );
+    let result = result(&folder);
+    let measure = &finding(&result, "M")["measure"];
+    assert_eq!(measure["kind"], "not-covered", "{measure}");
+    let reason = measure["reason"].as_str().expect("a reason");
+    assert!(reason.contains("true of each run"), "{reason}");
+    assert_eq!(result["conclusions"][0]["verdict"], "not-covered");
+}
+
 #[test]
 fn a_constant_that_is_not_the_rate_it_is_said_to_be_set_to_is_refused_with_both_numbers() {
     let calibrated = |passed: u64| {

@@ -17,11 +17,12 @@ mod point_values;
 mod robust;
 mod schedulers;
 mod uncertainty;
+mod vacuity;
 mod worst_case;
 
 pub use worst_case::{in_lines as worst_cases_in_lines, tests as worst_case_tests};
 
-use given::{Asked, Given};
+use given::{Asked, Over};
 
 use super::Produced;
 use super::files::Files;
@@ -67,12 +68,40 @@ struct Question<'a> {
     subject: &'a Subject,
     property: &'a FormText,
     opportunity: Option<&'a FormText>,
-    /// What is asked given that the subject is triggered, if not always; or why its trigger is unknown.
-    given: Result<Option<Given>, String>,
+    /// Over which runs it is asked.
+    over: Over,
     /// Whether the model leaves choices open, so that the answer is a range over all schedulers.
     has_choices: bool,
-    /// Why this model cannot be asked, if so.
-    missing: Option<String>,
+    /// Why this model is not asked, if so.
+    missing: Option<Missing>,
+}
+
+/// Why a model is not asked a property.
+#[derive(Debug)]
+enum Missing {
+    /// It has no words for it, for this reason.
+    Words(String),
+    /// The property has this one truth value on each run, whatever the model's commands do.
+    Doubt(bool),
+}
+
+impl Missing {
+    fn reason(&self) -> String {
+        match self {
+            Missing::Words(reason) => reason.clone(),
+            Missing::Doubt(truth) => format!(
+                "Its property is {truth} of each run, whatever the model's commands do, so that the model says nothing of it."
+            ),
+        }
+    }
+
+    fn measure(&self) -> Measure {
+        let reason = self.reason();
+        match self {
+            Missing::Words(_) => Measure::NotExpressible { reason },
+            Missing::Doubt(_) => Measure::NotCovered { reason },
+        }
+    }
 }
 
 /// A constant of the model with the counts that it was set to.
@@ -165,31 +194,31 @@ impl<'a> Compiled<'a> {
                 continue;
             };
             let texts = [Some(property), form.opportunity.as_ref()];
-            let missing = texts
+            let mut missing = texts
                 .into_iter()
                 .flatten()
                 .flat_map(|text| quoted_names(&text.text))
                 .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
                 .map(|reason| {
-                    format!(
-                        "The model does not express it: {}.",
-                        reason.trim_end_matches('.')
-                    )
+                    let reason = reason.trim_end_matches('.');
+                    Missing::Words(format!("The model does not express it: {reason}."))
                 });
             if missing.is_none() {
                 for text in texts.into_iter().flatten() {
                     self.property(&self.model, text)?;
                 }
+                let asked = self.property(&self.model, property)?;
+                missing = vacuity::constant_truth(&asked, &self.model).map(Missing::Doubt);
             }
-            let given = match (&missing, &form.opportunity) {
-                (None, None) => self.given(&form.subject, property, &form.trigger)?,
-                _ => Ok(None),
+            let over = match (&missing, &form.opportunity) {
+                (None, None) => self.over(&form.subject, property, &form.trigger)?,
+                _ => Over::EveryRun,
             };
             questions.push(Question {
                 subject: &form.subject,
                 property,
                 opportunity: form.opportunity.as_ref(),
-                given,
+                over,
                 has_choices: self.model.model_type.has_choices(),
                 missing,
             });
@@ -281,10 +310,8 @@ impl<'a> Compiled<'a> {
         let mut findings = Vec::new();
         for question in &self.questions {
             let asked = match &question.missing {
-                Some(reason) => Asked {
-                    measure: Measure::NotExpressible {
-                        reason: reason.clone(),
-                    },
+                Some(missing) => Asked {
+                    measure: missing.measure(),
                     denominator: Denominator::default(),
                     trigger: None,
                 },
@@ -383,12 +410,14 @@ impl<'a> Compiled<'a> {
         inputs.add("model", self.source.text.as_bytes());
         for question in &self.questions {
             inputs.add("subject", question.subject.id().as_bytes());
-            let trigger = question.given.as_ref().ok().and_then(Option::as_ref);
-            inputs.add_json("given", &question.given.as_ref().err());
+            question.over.inputs(inputs);
+            if let Some(missing) = &question.missing {
+                inputs.add("missing", missing.reason().as_bytes());
+            }
             for text in [
                 Some(question.property),
                 question.opportunity,
-                trigger.map(|given| &given.trigger),
+                question.given().map(|given| &given.trigger),
             ]
             .into_iter()
             .flatten()

@@ -2,9 +2,11 @@
 //!
 //! # Definition
 //! A number over all runs (also those that do not trigger the requirement) and a rate over the runs that trigger it are
-//! not compared: they answer different questions ([`Denominator::is_comparable`]). The share of runs that trigger it is a
-//! quantity of its own. It is compared by the tests of a pair, at the requirement's margin, without correction, and
-//! decides nothing: trials are often arranged so that the trigger comes.
+//! not compared: they answer different questions ([`Finding::is_over_the_same_runs`]). A number over all runs of which
+//! the study says no trigger ([`Denominator::NoTrigger`]) is compared with a rate over those that trigger it as long as
+//! nothing shows that some do not. The share of runs that trigger it is a quantity of its own. It is compared by the tests
+//! of a pair, at the requirement's margin, without correction for other comparisons and for looks before, and decides
+//! nothing: trials are often arranged so that the trigger comes.
 //!
 //! # Guarantee
 //! That of the tests of a pair ([`super::pair`]), for each trigger on its own.
@@ -14,12 +16,34 @@ use super::{Belief, Levels, Pair, Relation};
 use crate::condition::share;
 use crate::{Denominator, Evidence, Finding, Interval, Subject, TriggerComparison};
 
+impl Finding {
+    /// Whether its number and another's are over the same runs, so that they answer the same question.
+    #[must_use]
+    pub fn is_over_the_same_runs(&self, other: &Self) -> bool {
+        use Denominator::{AllRuns, EveryRun, NoTrigger, Triggered};
+        match (&self.denominator, &other.denominator) {
+            (Triggered, AllRuns { .. }) | (AllRuns { .. }, Triggered) => false,
+            (NoTrigger, Triggered) => !other.knows_untriggered_runs(),
+            (Triggered, NoTrigger) => !self.knows_untriggered_runs(),
+            (EveryRun, _) | (_, EveryRun) => true,
+            (Triggered, Triggered) => true,
+            (NoTrigger | AllRuns { .. }, NoTrigger | AllRuns { .. }) => true,
+        }
+    }
+
+    /// Whether it shows that some runs do not trigger its subject: where counts of runs without a verdict leave their share
+    /// unknown, too.
+    fn knows_untriggered_runs(&self) -> bool {
+        self.trigger.is_some() || self.undecided > 0
+    }
+}
+
 /// Why the numbers of two findings are not over the same runs, if they are not.
 pub(super) fn other_runs(
     (left, first): (&Evidence, &Finding),
     (right, second): (&Evidence, &Finding),
 ) -> Option<String> {
-    if first.denominator.is_comparable(&second.denominator) {
+    if first.is_over_the_same_runs(second) {
         return None;
     }
     Some(format!(
@@ -38,6 +62,9 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
             reason.trim_end_matches('.')
         ),
         Denominator::EveryRun => format!("{id} over all runs, each of which triggers it"),
+        Denominator::NoTrigger => {
+            format!("{id} over all runs, of which the study does not say which trigger it")
+        }
         Denominator::Triggered => match finding.trigger.as_deref().and_then(share) {
             Some(share) => format!("{id} over the runs that trigger it ({share} of all)"),
             None => format!("{id} over the runs that trigger it"),
@@ -80,10 +107,16 @@ pub(super) fn triggers(
             format!("these shares agree within {}", points(margin))
         }
         Relation::Different | Relation::DifferenceWithinMargin => {
-            format!("these shares differ beyond chance (p {})", p_value(p))
+            format!(
+                "these shares differ beyond chance (p {}, taken by itself)",
+                p_value(p)
+            )
         }
         Relation::Indeterminate | Relation::IndeterminateOutside => {
-            format!("whether these shares differ is open (p {})", p_value(p))
+            format!(
+                "whether these shares differ is open (p {}, taken by itself)",
+                p_value(p)
+            )
         }
     };
     Some(TriggerComparison {
@@ -107,24 +140,65 @@ pub(super) fn triggers(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Measure;
 
-    /// Numbers over all runs and over those that trigger the requirement are never comparable; a number that is both is
-    /// comparable with either.
+    fn finding(denominator: Denominator, trigger: Option<Measure>) -> Finding {
+        Finding {
+            subject: Subject::Requirement("1".into()),
+            measure: Measure::NotCovered {
+                reason: String::new(),
+            },
+            denominator,
+            trigger: trigger.map(Box::new),
+            undecided: 0,
+            witnesses: vec![],
+            readings: vec![],
+        }
+    }
+
+    /// A number that is over every run by what is known is comparable with each other; one over all runs of which nothing
+    /// is known is not comparable with one that shows that some do not trigger the requirement.
     #[test]
     fn only_numbers_over_the_same_runs_are_comparable() {
-        let all = || Denominator::AllRuns {
+        let all = Denominator::AllRuns {
             reason: String::new(),
         };
-        let of = [Denominator::EveryRun, Denominator::Triggered, all()];
-        for (i, first) in of.iter().enumerate() {
-            for (j, second) in of.iter().enumerate() {
-                let expected = i == 0 || j == 0 || i == j;
-                assert_eq!(
-                    first.is_comparable(second),
-                    expected,
-                    "{first:?} {second:?}"
-                );
+        let sample = stats::Sample {
+            successes: 294,
+            trials: 300,
+        };
+        let share = Measure::of_counts(sample, None, stats::Confidence::P95).expect("counts");
+        let every = finding(Denominator::EveryRun, None);
+        let nothing_said = finding(Denominator::NoTrigger, None);
+        let all = finding(all, None);
+        let some = finding(Denominator::Triggered, Some(share));
+        let of_unknown_many = finding(Denominator::Triggered, None);
+        for (first, second, expected) in [
+            (&every, &some, true),
+            (&every, &nothing_said, true),
+            (&every, &all, true),
+            (&nothing_said, &nothing_said, true),
+            (&nothing_said, &all, true),
+            (&nothing_said, &of_unknown_many, true),
+            (&some, &of_unknown_many, true),
+            (&nothing_said, &some, false),
+            (&all, &some, false),
+            (&all, &of_unknown_many, false),
+        ] {
+            for (first, second) in [(first, second), (second, first)] {
+                let said = (&first.denominator, &second.denominator);
+                assert_eq!(first.is_over_the_same_runs(second), expected, "{said:?}");
             }
         }
+    }
+
+    #[test]
+    fn runs_without_a_verdict_leave_it_open_whether_all_were_triggered() {
+        let cut_short = Finding {
+            undecided: 3,
+            ..finding(Denominator::Triggered, None)
+        };
+        let nothing_said = finding(Denominator::NoTrigger, None);
+        assert!(!nothing_said.is_over_the_same_runs(&cut_short));
     }
 }

@@ -7,7 +7,7 @@ use super::ladder::{Judged, is_denial};
 use super::words;
 use crate::compare::Belief;
 use crate::compare::words::{list, points};
-use crate::{Direction, Excluded, Outcome, Standing, Step, Verdict};
+use crate::{Direction, Excluded, ExclusionReason, Outcome, Standing, Step, Verdict};
 
 /// What a statement is made from.
 pub(super) struct Statement<'s> {
@@ -24,6 +24,7 @@ impl Statement<'_> {
     pub fn words(&self) -> String {
         let mut sentences = vec![self.claim()];
         sentences.extend(self.figures());
+        sentences.extend(self.not_carried_over());
         sentences.extend(self.elsewhere());
         sentences.extend(self.conflicts());
         sentences.extend(self.contrary_models());
@@ -68,12 +69,36 @@ impl Statement<'_> {
                 let of_step = self
                     .judged
                     .iter()
-                    .filter(|it| it.standing.step == *step && !it.standing.elsewhere);
+                    .filter(|it| it.standing.step == *step && !it.standing.elsewhere)
+                    .filter(|it| !self.has_failed(it));
                 let figures: Vec<&str> = of_step.map(|it| it.standing.words.as_str()).collect();
                 let head = capital(step.words());
                 (!figures.is_empty()).then(|| format!("{head}: {}.", figures.join("; ")))
             })
             .collect()
+    }
+
+    /// Models that are declared to carry over and do not, unless what is left out says it.
+    fn not_carried_over(&self) -> Vec<String> {
+        let is_listed = |id: &str| {
+            let mut excluded = self.excluded.iter();
+            excluded.any(|it| {
+                it.evidence == id && matches!(it.reason, ExclusionReason::BelowNeededStep(_))
+            })
+        };
+        let failed = self.judged.iter().filter(|it| self.has_failed(it));
+        failed
+            .filter(|it| !is_listed(&it.standing.evidence))
+            .map(|it| format!("{}.", it.standing.words))
+            .collect()
+    }
+
+    /// Whether it is a model's declared carrying over, which was not shown.
+    fn has_failed(&self, judged: &Judged) -> bool {
+        let standing = &judged.standing;
+        let mut transfers = self.asked.transfers.iter();
+        standing.step == Step::Corroborated
+            && transfers.any(|it| it.piece.evidence.id == standing.evidence && it.anchor.is_err())
     }
 
     /// What refutes it under other conditions.

@@ -20,7 +20,10 @@ pub(super) fn piece(
     let leans_to_met = p_not_met <= p_met;
     match belief {
         Belief::Counts {
-            sample, effective, ..
+            sample,
+            effective,
+            before,
+            ..
         } => {
             let counts = counted((sample.successes, sample.trials), given, effective.trials);
             if is_certainty(threshold) {
@@ -39,8 +42,12 @@ pub(super) fn piece(
                 true => (p_not_met, levels.met),
                 false => (p_met, levels.missed),
             };
+            let at = match before {
+                Some(_) => " at every look",
+                None => "",
+            };
             format!(
-                "{id}: {counts}, {} (one-sided {} limit, p {} against {})",
+                "{id}: {counts}, {} (one-sided {} limit{at}, p {} against {})",
                 limit(limits, threshold, leans_to_met),
                 percent(1.0 - level),
                 p_value(p),

@@ -12,8 +12,11 @@
 //! # Deviation
 //! The complement is computed for requirements, since their probability is mostly near 1: where no run fails, the
 //! answer is exactly 1. Where `C` is certain, `X` alone is asked. Where the checker refuses the conjunction (some bounds
-//! in continuous time), or the trigger is unknown, `X` is asked over all runs, and the finding says so
+//! in continuous time), or the trigger is unknown or nowhere written, `X` is asked over all runs, and the finding says so
 //! (`evidence::Denominator`).
+//!
+//! A property that is written as a conditional probability, `P=? [ X || C ]`, has its own `C`, which goes before one that
+//! follows from a sentence or a monitor.
 //!
 //! Where the model has choices, the least and the greatest conditional probability have a scheduler each, so they are not
 //! quotients of optima: the checker finds them in the process with restarts (Baier, Klein, Klüppelholz and Märcker
@@ -25,7 +28,22 @@
 use super::{Compiled, Question};
 use diagnostic::Problem;
 use evidence::{Denominator, Interval, Measure, MethodAnswer, Subject};
+use host::store::Inputs;
+use prism_lang::ast::ExprKind;
 use study::{FormText, TriggerForm, quoted_names};
+
+/// Over which runs a subject is asked.
+#[derive(Clone, Debug)]
+pub(super) enum Over {
+    /// Each run triggers it.
+    EveryRun,
+    /// All runs: nothing says which of them trigger it.
+    NoTrigger,
+    /// Those that trigger it.
+    Given(Box<Given>),
+    /// All runs, since what triggers it is unknown to the model, for this reason.
+    Unknown(String),
+}
 
 /// The two properties whose probabilities' quotient is asked.
 #[derive(Clone, Debug)]
@@ -45,37 +63,110 @@ pub(super) struct Asked {
     pub trigger: Option<Box<Measure>>,
 }
 
+impl Over {
+    /// What an answer depends on besides the properties' texts.
+    pub(super) fn inputs(&self, inputs: &mut Inputs) {
+        let unknown = match self {
+            Over::Unknown(reason) => Some(reason),
+            Over::EveryRun | Over::NoTrigger | Over::Given(_) => None,
+        };
+        inputs.add_json("given", &unknown);
+        if matches!(self, Over::NoTrigger) {
+            inputs.add("runs", b"no trigger");
+        }
+    }
+
+    /// The denominator of the number.
+    fn denominator(&self) -> Denominator {
+        match self {
+            Over::EveryRun => Denominator::EveryRun,
+            Over::NoTrigger => Denominator::NoTrigger,
+            Over::Given(_) => Denominator::Triggered,
+            Over::Unknown(reason) => Denominator::AllRuns {
+                reason: reason.clone(),
+            },
+        }
+    }
+}
+
 impl<'a> Compiled<'a> {
-    /// The properties that are asked, nothing where every run triggers the subject, or why the trigger is unknown.
-    pub(super) fn given(
+    /// Over which runs a subject is asked.
+    ///
+    /// # Errors
+    /// A mistake in a trigger that was written by hand, and a trigger written twice.
+    pub(super) fn over(
         &self,
         subject: &Subject,
         property: &FormText,
         trigger: &TriggerForm,
-    ) -> Result<Result<Option<Given>, String>, Problem> {
+    ) -> Result<Over, Problem> {
+        if let Some((path, condition)) = conditional(&property.text) {
+            if let TriggerForm::Runs(written) = trigger
+                && !written.from_sentence
+            {
+                return Err(self.written_twice(property, written));
+            }
+            let own = FormText {
+                text: format!("P=? [ {condition} ]"),
+                ..property.clone()
+            };
+            return self.given(subject, property, path, &own);
+        }
         let trigger = match trigger {
-            TriggerForm::Always => return Ok(Ok(None)),
-            TriggerForm::Unknown(reason) => return Ok(Err(reason.clone())),
-            TriggerForm::Runs(text) if self.is_trivial(text) => return Ok(Ok(None)),
+            TriggerForm::Always => return Ok(Over::NoTrigger),
+            TriggerForm::Unknown(reason) => return Ok(Over::Unknown(reason.clone())),
+            TriggerForm::Runs(text) if self.is_trivial(text) => return Ok(Over::EveryRun),
             TriggerForm::Runs(text) => text,
         };
+        match path_of(&property.text) {
+            Some(path) => self.given(subject, property, path, trigger),
+            None => Ok(Over::Unknown(
+                "its property is not of the form `P=? [ … ]`".into(),
+            )),
+        }
+    }
+
+    /// A property with a condition of its own, and a trigger besides.
+    fn written_twice(&self, property: &FormText, trigger: &FormText) -> Problem {
+        let message = "the property says behind `||` which runs count, and `trigger` says it again";
+        Problem::new("trigger-twice", message)
+            .at_places(
+                &self.study.forms.source,
+                trigger.span.clone(),
+                vec![(property.span.clone(), "the property".into())],
+            )
+            .remedy(
+                "leave one of them out: `P=? [ X ]` with the trigger `P=? [ C ]` asks for what `P=? [ X || C ]` does",
+            )
+    }
+
+    /// What is asked of the path formula `path` given a trigger.
+    fn given(
+        &self,
+        subject: &Subject,
+        property: &FormText,
+        path: &str,
+        trigger: &FormText,
+    ) -> Result<Over, Problem> {
         let missing = quoted_names(&trigger.text)
             .into_iter()
             .find_map(|(name, _)| self.not_expressed.get(name.as_str()));
         if let Some(missing) = missing {
             let missing = missing.trim_end_matches('.');
-            return Ok(Err(format!(
+            return Ok(Over::Unknown(format!(
                 "the model does not express what triggers it: {missing}"
             )));
         }
         if let Err(problem) = self.property(&self.model, trigger) {
             return match trigger.from_sentence {
-                true => Ok(Err(problem.warning_line())),
+                true => Ok(Over::Unknown(problem.warning_line())),
                 false => Err(problem),
             };
         }
-        let Some((path, condition)) = path_of(&property.text).zip(path_of(&trigger.text)) else {
-            return Ok(Err("its property is not of the form `P=? [ … ]`".into()));
+        let Some(condition) = path_of(&trigger.text) else {
+            return Ok(Over::Unknown(
+                "its trigger is not of the form `P=? [ … ]`".into(),
+            ));
         };
         let not = match subject {
             Subject::Requirement(_) => "!",
@@ -92,15 +183,14 @@ impl<'a> Compiled<'a> {
         let bound = self
             .property(&self.model, &joint)
             .and_then(|_| self.property(&self.model, &conditional));
-        Ok(bound
-            .map(|_| {
-                Some(Given {
-                    joint,
-                    trigger: trigger.clone(),
-                    conditional,
-                })
-            })
-            .map_err(|problem| problem.warning_line()))
+        Ok(match bound {
+            Ok(_) => Over::Given(Box::new(Given {
+                joint,
+                trigger: trigger.clone(),
+                conditional,
+            })),
+            Err(problem) => Over::Unknown(problem.warning_line()),
+        })
     }
 
     /// Whether a trigger that was derived holds on every run of every model: all that it speaks of is bound to `true`.
@@ -121,10 +211,10 @@ impl<'a> Compiled<'a> {
 impl Question<'_> {
     /// The texts whose probabilities give the rate: a numerator, and what it is divided by.
     pub(super) fn texts(&self) -> (&FormText, Option<&FormText>) {
-        match (&self.opportunity, &self.given) {
-            (None, Ok(Some(given))) if self.has_choices => (&given.conditional, None),
+        match (&self.opportunity, &self.over) {
+            (None, Over::Given(given)) if self.has_choices => (&given.conditional, None),
             (Some(opportunity), _) => (self.property, Some(opportunity)),
-            (None, Ok(Some(given))) => (&given.joint, Some(&given.trigger)),
+            (None, Over::Given(given)) => (&given.joint, Some(&given.trigger)),
             (None, _) => (self.property, None),
         }
     }
@@ -154,14 +244,22 @@ impl Question<'_> {
 
     /// What asks for the probability of the trigger, where that is not certain.
     pub(super) fn trigger(&self) -> Option<&FormText> {
-        let given = self.given.as_ref().ok().and_then(Option::as_ref);
-        self.opportunity.or(given.map(|given| &given.trigger))
+        self.opportunity
+            .or(self.given().map(|given| &given.trigger))
+    }
+
+    /// The properties that are asked of the runs that trigger it, if these are asked.
+    pub(super) fn given(&self) -> Option<&Given> {
+        match &self.over {
+            Over::Given(given) => Some(given),
+            Over::EveryRun | Over::NoTrigger | Over::Unknown(_) => None,
+        }
     }
 
     fn is_complement(&self) -> bool {
         !self.has_choices
             && self.opportunity.is_none()
-            && matches!(self.given, Ok(Some(_)))
+            && self.given().is_some()
             && matches!(self.subject, Subject::Requirement(_))
     }
 
@@ -201,15 +299,7 @@ impl Question<'_> {
             })
         };
         let Some(trigger) = self.trigger() else {
-            return match &self.given {
-                Err(reason) => alone(
-                    Denominator::AllRuns {
-                        reason: reason.clone(),
-                    },
-                    None,
-                ),
-                Ok(_) => alone(Denominator::EveryRun, None),
-            };
+            return alone(self.over.denominator(), None);
         };
         let triggers = all(trigger)?;
         let shown = Some(Box::new(probability(triggers.clone())));
@@ -285,6 +375,22 @@ pub(super) fn is_refused(problem: &Problem) -> bool {
 fn path_of(text: &str) -> Option<&str> {
     let (open, close) = (text.find('[')?, text.rfind(']')?);
     text.get(open + 1..close).map(str::trim)
+}
+
+/// The path formula and the condition of a property that is written as `P=? [ X || C ]`.
+fn conditional(text: &str) -> Option<(&str, &str)> {
+    let parsed = prism_lang::parse_properties(text);
+    let property = parsed.tree.properties.first()?;
+    let ExprKind::Probability {
+        path,
+        condition: Some(condition),
+        ..
+    } = &property.formula.kind
+    else {
+        return None;
+    };
+    let of = |span: prism_lang::Span| text.get(span.start..span.end);
+    Some((of(path.span)?, of(condition.span)?))
 }
 
 #[cfg(test)]
