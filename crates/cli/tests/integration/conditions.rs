@@ -154,11 +154,11 @@ fn with_attempts(requirement: &str, covered: u64) -> Value {
     let folder = study(requirement, &table);
     let ledger = LEDGER.replace(
         "tables.requirements = \"r.csv\"",
-        "tables.requirements = \"r.csv\"\ntables.attempts = \"a.csv\"",
+        "tables.requirements = \"r.csv\"\ntables.cohort = \"a.csv\"",
     );
     std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
     let people: String = (1..=30).map(|it| format!("p{it},10\n")).collect();
-    let attempts = format!("subject,attempts\n{people}");
+    let attempts = format!("session,attempts\n{people}");
     std::fs::write(folder.path().join("a.csv"), attempts).expect("written");
     result(&folder)
 }

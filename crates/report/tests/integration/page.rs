@@ -170,7 +170,7 @@ fn extreme_and_exact_numbers_keep_their_meaning() {
         "0.8803785717422283",
         "79.6–92.4 %",
         "exact: 499/500",
-        "499 of 500 runs",
+        "499 of all 500 runs",
         "42,960",
         "236,643",
     ] {

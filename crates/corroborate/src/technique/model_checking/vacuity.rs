@@ -196,7 +196,7 @@ mod tests {
             ("P=? [ G !(s=0 & s=2) ]", Some(true)),
             ("P=? [ F \"never\" ]", Some(false)),
             ("P=? [ F<=7 (b | !b) ]", Some(true)),
-            ("P=? [ G (\"never\" => F s=5) ]", Some(true)),
+            ("P=? [ G (\"never\" => (F s=5)) ]", Some(true)),
             ("P=? [ b U \"never\" ]", Some(false)),
             ("P=? [ b U (b | !b) ]", Some(true)),
             ("P=? [ G !\"never\" || F s=3 ]", Some(true)),
@@ -216,7 +216,7 @@ mod tests {
             "P=? [ G !(s=0 & b) ]",
             "P=? [ F \"deadlock\" ]",
             "P=? [ b U>=2 (b | !b) ]",
-            "P=? [ G (s=1 => F s=2) ]",
+            "P=? [ G (s=1 => (F s=2)) ]",
         ] {
             assert_eq!(truth(property), None, "{property}");
         }
