@@ -76,6 +76,7 @@ pub fn piece(
             failures: produced.failures,
             clusters: produced.clusters,
             shared_rows: Vec::new(),
+            alike_trials: produced.alike_trials,
             lineage_questions: Vec::new(),
             inputs,
         },

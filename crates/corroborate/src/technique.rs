@@ -13,6 +13,7 @@ pub mod matrix;
 pub mod model_checking;
 pub mod operation;
 pub mod rows;
+mod sessions;
 pub mod simulation;
 
 pub use files::Files;
@@ -22,8 +23,8 @@ pub use model_checking::CountedConstant;
 
 use diagnostic::Problem;
 use evidence::{
-    Asset, AssetRole, ClusterTests, Cost, DescriptionGap, EpisodeFailures, Finding, FormDifference,
-    Measure, Tool,
+    AlikeTrials, Asset, AssetRole, ClusterTests, Cost, DescriptionGap, EpisodeFailures, Finding,
+    FormDifference, Measure, Tool,
 };
 use host::store::hash_of;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,9 @@ pub struct Produced {
     pub description_gaps: Vec<DescriptionGap>,
     /// Clustering, for trials by subject.
     pub clusters: Option<ClusterTests>,
+    /// How alike the trials are in groups that nothing declares, where each trial is seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alike_trials: Option<AlikeTrials>,
     /// What a formal model tells of failure modes and requirements.
     pub influences: Vec<Influence>,
     /// What it took.

@@ -142,11 +142,27 @@ pub struct Evidence {
     /// Rows of its tables that earlier evidence has, too, beyond chance.
     #[serde(default)]
     pub shared_rows: Vec<RepeatedRows>,
+    /// How alike its trials are in groups that nothing declares, where a technique that sees each trial looked for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alike_trials: Option<AlikeTrials>,
     /// What of its assets looks taken from other evidence though no lineage says so.
     #[serde(default)]
     pub lineage_questions: Vec<LineageQuestion>,
     /// Hash of everything that the findings depend on, in hexadecimal.
     pub inputs: String,
+}
+
+/// How alike the trials of a piece are in groups that nothing declares: the strongest of all tests.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AlikeTrials {
+    /// What was counted.
+    pub subject: Subject,
+    /// What forms the groups, in words: `recordings of one folder`.
+    pub groups: String,
+    /// The probability of being as alike by chance, by itself, 0 to 1 (`stats::alike_by_label`, `alike_in_order`).
+    pub p_value: f64,
+    /// How many tests there were: subjects times groupings that tell anything.
+    pub tests: u64,
 }
 
 /// Rows that the tables of two pieces of evidence have in common beyond chance: the same trials, or the same people's, told

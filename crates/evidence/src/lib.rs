@@ -74,8 +74,8 @@ pub use fit::{
 };
 pub use interval::Interval;
 pub use ledger::{
-    Calibration, ClusterTests, CopyKind, Cost, Evidence, LineageQuestion, PublishedFigure,
-    RepeatedRows, StudyResult, TakenCorrelation,
+    AlikeTrials, Calibration, ClusterTests, CopyKind, Cost, Evidence, LineageQuestion,
+    PublishedFigure, RepeatedRows, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};
 pub use measure::{Worst, adds_up};

@@ -134,6 +134,7 @@ impl Evidence {
             failures: vec![],
             clusters: None,
             shared_rows: vec![],
+            alike_trials: None,
             lineage_questions: vec![],
             inputs: String::new(),
         }

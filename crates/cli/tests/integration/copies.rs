@@ -316,3 +316,52 @@ fn a_number_that_is_a_product_of_two_rates_is_asked_about() {
         );
     }
 }
+
+/// Ten recordings of each of four days in a folder of its own; those of `failing` are not docked.
+fn recorded(study: &Study, failing: impl Fn(usize, usize) -> bool) {
+    for (day, folder) in ["mon", "tue", "wed", "thu"].iter().enumerate() {
+        std::fs::create_dir_all(study.path(&format!("runs/{folder}"))).expect("a folder");
+        for run in 0..10 {
+            let begins = 1_700_000_000 + 86_400 * day + 300 * run;
+            let rows: String = (0..13)
+                .map(|at| {
+                    let charging = at >= 3 && !failing(day, run);
+                    format!("{},approach,{charging},5,0.2\n", begins + 10 * at)
+                })
+                .collect();
+            let head = "time_secs,/robot.state,/battery.charging,/scanner.person_distance [m],/odometry.speed [m/s]";
+            let text = format!("{head}\n{rows}");
+            study.write(&format!("runs/{folder}/{run}.csv"), text);
+        }
+    }
+}
+
+#[test]
+fn recordings_of_a_session_that_fail_together_are_asked_about_until_settled() {
+    let by_day = |day: usize, run: usize| day == 1 && run != 4;
+    let scattered = |day: usize, run: usize| [(0, 3), (1, 7), (2, 1), (3, 8)].contains(&(day, run));
+    let settled = "independent = { R = \"another robot each time, in an order that was drawn\" }";
+    let asked = |failing: &dyn Fn(usize, usize) -> bool, settled: &str| {
+        let study = Study::new();
+        recorded(&study, failing);
+        let ledger = support::read(&study.path("ledger.toml"));
+        let entry = format!(
+            "\n[[evidence]]\nid = \"R\"\ntitle = \"R\"\ntechnique = \"operation\"\nconditions = \"typical\"\n\
+             recordings = \"runs\"\nchanged = \"Recorded.\"\n{settled}\n"
+        );
+        study.write("ledger.toml", ledger + &entry);
+        let said = study.run(&["run", "study", "--quiet"]);
+        assert!([0, 1, 3].contains(&said.code), "{said:?}");
+        let verified = study.run(&["verify", "study/results"]);
+        assert_eq!(verified.code, 0, "{verified:?}");
+        let result = support::read(&study.path("results/study.json"));
+        questions(&serde_json::from_str(&result).expect("JSON"), "R")
+    };
+    let questions = asked(&by_day, "");
+    let finding = questions[0]["finding"].as_str().expect("a finding");
+    assert_eq!(questions[0]["kind"], "trials");
+    assert!(finding.contains("recordings of one folder"), "{finding}");
+    assert!(questions[0]["settled"].is_null());
+    assert!(!asked(&by_day, settled)[0]["settled"].is_null());
+    assert!(asked(&scattered, "").is_empty());
+}

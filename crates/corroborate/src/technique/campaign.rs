@@ -139,6 +139,7 @@ impl Campaigning<'_> {
             description_gaps: self.source.gaps().to_vec(),
             failures: finished.tally.failures(self.study, finished.intervals)?,
             clusters: None,
+            alike_trials: None,
             influences: Vec::new(),
             cost: finished.cost,
         })

@@ -140,6 +140,7 @@ impl Tables {
             description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters,
+            alike_trials: None,
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),

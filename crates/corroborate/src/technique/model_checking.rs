@@ -348,6 +348,7 @@ impl<'a> Compiled<'a> {
             description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: None,
+            alike_trials: None,
             influences,
             cost,
         })

@@ -6,9 +6,10 @@
 //! was kept, since what is missing may have broken it: such a trial counts if
 //! it is violated, and is undecided otherwise.
 
+use super::sessions::{self, Recorded};
 use super::{Produced, simulation};
 use diagnostic::Problem;
-use evidence::{Asset, AssetRole, Cost, Tool};
+use evidence::{Asset, AssetRole, Cost, Subject, Tool};
 use host::store::Inputs;
 use host::{Cancel, Stage};
 use judging::forms::differences::{forms_of, judges};
@@ -74,6 +75,8 @@ impl Recordings {
         for asset in &self.assets {
             inputs.add(&asset.path, asset.hash.as_bytes());
         }
+        // What earlier builds kept says nothing of trials that are alike.
+        inputs.add("alike", b"folders, sessions, order");
         let map = study.folder.join("topics.toml");
         if map.exists() {
             let text = std::fs::read(&map).map_err(|error| Problem::cannot_read(&map, &error))?;
@@ -150,12 +153,13 @@ impl Recordings {
         let judges = Judges::new(study, |_| true)?;
         let judged = self.on_all(interrupt, |trial, go_on| {
             let judged = self.rules.judge(&judges, &trial.path, go_on)?;
-            let said = said_of_itself(&trial.path, &self.rules)?;
+            let (said, begins) = said_of_itself(&trial.path, &self.rules)?;
             stage.advance();
-            Ok((judged.complete, mixture_of(&said), counted(judged)))
+            Ok((judged.complete, mixture_of(&said), begins, counted(judged)))
         })?;
-        let (mut all, mut mixtures) = (Vec::new(), BTreeMap::new());
-        for (trial, (complete, mixture, judgements)) in self.trials.iter().zip(judged) {
+        let (mut all, mut mixtures, mut all_begin) = (Vec::new(), BTreeMap::new(), Vec::new());
+        for (trial, (complete, mixture, begins, judgements)) in self.trials.iter().zip(judged) {
+            all_begin.push(begins);
             if let Some(mixture) = mixture {
                 *mixtures.entry(mixture).or_insert(0_u64) += 1;
             }
@@ -167,6 +171,18 @@ impl Recordings {
             }
             all.push(judgements);
         }
+        let recorded: Vec<Recorded<'_>> = self
+            .trials
+            .iter()
+            .zip(all_begin)
+            .zip(&all)
+            .map(|((trial, begins), judgements)| Recorded {
+                name: &trial.name,
+                begins,
+                verdicts: main_verdicts(judgements),
+            })
+            .collect();
+        let alike_trials = sessions::alike(&recorded);
         let names: Vec<String> = self.trials.iter().map(|trial| trial.name.clone()).collect();
         let produced = Produced {
             tool: Tool {
@@ -179,6 +195,7 @@ impl Recordings {
             description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: None,
+            alike_trials,
             influences: Vec::new(),
             cost: Cost {
                 evidence: id.to_owned(),
@@ -203,16 +220,28 @@ fn counted(judged: JudgedRecording<'_>) -> Vec<Judgement<'_>> {
     }
 }
 
+/// The verdicts without those of other readings, which are judged on the same runs.
+fn main_verdicts<'j>(judgements: &'j [Judgement<'_>]) -> Vec<(&'j Subject, Verdict)> {
+    let main = judgements.iter().filter(|it| it.reading.is_none());
+    main.map(|it| (it.subject, it.findings.verdict)).collect()
+}
+
 fn verdicts_of(judgements: &[Judgement<'_>]) -> Vec<Verdict> {
     let findings = judgements.iter().map(|judgement| &judgement.findings);
     findings.map(|findings| findings.verdict).collect()
 }
 
-/// What a recording says of itself.
-fn said_of_itself(path: &Path, rules: &ReadingRules) -> Result<BTreeMap<String, String>, Problem> {
-    let reader = recording::open(path, &rules.options)
-        .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-    Ok(reader.metadata().clone())
+/// What a recording says of itself, and when its first message was logged, in seconds of the recorder's clock.
+fn said_of_itself(
+    path: &Path,
+    rules: &ReadingRules,
+) -> Result<(BTreeMap<String, String>, Option<f64>), Problem> {
+    let unreadable =
+        |error: &dyn std::fmt::Display| Problem::new("bad-recording", error.to_string());
+    let mut reader = recording::open(path, &rules.options).map_err(|error| unreadable(&error))?;
+    let first = reader.next().map_err(|error| unreadable(&error))?;
+    let begins = first.map(|message| message.log_nanos as f64 / 1e9);
+    Ok((reader.metadata().clone(), begins))
 }
 
 /// Which part of a run was simulated and which was not; `None` if no part was.

@@ -85,6 +85,7 @@ impl<'a> Tosses<'a> {
             failures: Vec::new(),
             description_gaps: Vec::new(),
             clusters: None,
+            alike_trials: None,
             influences: Vec::new(),
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),

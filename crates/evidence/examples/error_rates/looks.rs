@@ -9,6 +9,7 @@
 //! says: `conclude` also works out two intervals at each look, which takes a hundred times as long.
 //! `tests/integration/error_rates.rs` holds both against each other.
 
+use super::laws::Law;
 use super::several::concluded;
 use super::support::{Uniform, at_least, counts, piece, requirement};
 use super::table::{Job, Row, all};
@@ -80,6 +81,8 @@ pub enum Trials {
     Independent,
     /// People with ten attempts each, at this intraclass correlation.
     People(f64),
+    /// People who differ by a law that is held out.
+    HeldOut(Law),
 }
 
 impl Trials {
@@ -91,6 +94,10 @@ impl Trials {
                 let people = trials.div_ceil(10) as usize;
                 seen.extend(uniform.people(people, 10, rate, correlation));
             }
+            Trials::HeldOut(law) => {
+                let people = trials.div_ceil(10);
+                seen.extend((0..people).map(|_| law.person(uniform, rate)));
+            }
         }
     }
 
@@ -98,7 +105,9 @@ impl Trials {
         let total = stats::pool(seen).expect("counts");
         match self {
             Trials::Independent => counts(total.successes, total.trials),
-            Trials::People(_) => Measure::of_clusters(seen, Confidence::P95).expect("counts"),
+            Trials::People(_) | Trials::HeldOut(_) => {
+                Measure::of_clusters(seen, Confidence::P95).expect("counts")
+            }
         }
     }
 
@@ -106,6 +115,7 @@ impl Trials {
         match self {
             Trials::Independent => "independent trials".into(),
             Trials::People(correlation) => format!("people x 10, correlation {correlation}"),
+            Trials::HeldOut(law) => format!("held out: {}", law.name()),
         }
     }
 }
@@ -307,17 +317,21 @@ pub fn rows(studies: u64) -> Vec<Row> {
     all(&jobs)
 }
 
-/// The same of people, at the one correlation that a cohort has.
+/// The same of people, at the one correlation that a cohort has, and by the laws that are held out.
 pub fn rows_of_people(studies: u64) -> Vec<Row> {
-    let jobs = [Going::Double, Going::Often].into_iter().flat_map(|going| {
-        let case = Case {
+    let held_out = Law::ALL.map(Trials::HeldOut);
+    let of = [Trials::People(0.3)].into_iter().chain(held_out);
+    let cases = of.flat_map(|trials| {
+        [Going::Double, Going::Often].map(|going| Case {
             going,
-            trials: Trials::People(0.3),
+            trials,
             requirements: 1,
             rate: 0.9,
             threshold: 0.9,
             first: 100,
-        };
+        })
+    });
+    let jobs = cases.flat_map(|case| {
         let verdicts = [Verdict::Satisfied, Verdict::Violated];
         verdicts.map(|wanted| -> Job<'_> { Box::new(move || vec![row(&case, wanted, studies)]) })
     });

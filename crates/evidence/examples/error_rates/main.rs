@@ -6,6 +6,7 @@
 
 pub(crate) mod carried;
 pub(crate) mod cells;
+pub(crate) mod laws;
 pub(crate) mod looks;
 pub(crate) mod pairs;
 pub(crate) mod people;

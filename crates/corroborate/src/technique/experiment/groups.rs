@@ -6,7 +6,7 @@
 //! the same text are a group; of times, rows without a pause between them (of more than `PAUSE` times the median) are a
 //! session, or rows of one day where there is no such pause. For each column by which something is counted, each grouping
 //! and the order of the rows are tested by permutation (`stats::grouping`). Of the tests of a table the strongest is
-//! reported, its p-value times the number of all tests of the study (Bonferroni).
+//! reported; a question counts all tests of the study (Bonferroni, `copies::trials`).
 //!
 //! # Guarantee
 //! If the rows of all tables are exchangeable, anything at all is below [`super::super::copies::LIMIT`] in at most that
@@ -51,12 +51,10 @@ pub struct AlikeRows {
     pub groups: String,
     /// The p-value by itself.
     pub p_value: f64,
-    /// The probability of any as small in the whole study, if all rows are exchangeable.
-    pub chance: f64,
 }
 
-/// The strongest of each table, if anything can be tested.
-pub fn alike_rows(study: &Study) -> Result<Vec<AlikeRows>, Problem> {
+/// The strongest of each table, if anything can be tested, and how many tests there were.
+pub fn alike_rows(study: &Study) -> Result<(Vec<AlikeRows>, u64), Problem> {
     let headers = counted_columns(study);
     let mut found: Vec<AlikeRows> = Vec::new();
     let mut tests = 0;
@@ -78,17 +76,13 @@ pub fn alike_rows(study: &Study) -> Result<Vec<AlikeRows>, Problem> {
                         counted: binding.to_owned(),
                         groups,
                         p_value,
-                        chance: 1.0,
                     });
                 }
             }
         }
         found.extend(strongest);
     }
-    for one in &mut found {
-        one.chance = (one.p_value * f64::from(tests)).min(1.0);
-    }
-    Ok(found)
+    Ok((found, tests))
 }
 
 /// Each binding once, with the first subject that is counted by it.
@@ -155,7 +149,7 @@ fn groupings(table: &Table, counted: &BTreeSet<&str>) -> Vec<(String, Vec<usize>
 }
 
 /// A number for each text, in the order in which they are met.
-fn labels<'c, T: AsRef<str>>(cells: &'c [T]) -> Vec<usize> {
+pub(in crate::technique) fn labels<'c, T: AsRef<str>>(cells: &'c [T]) -> Vec<usize> {
     let mut known: BTreeMap<&str, usize> = BTreeMap::new();
     let label = |cell: &'c T| {
         let next = known.len();
@@ -164,8 +158,8 @@ fn labels<'c, T: AsRef<str>>(cells: &'c [T]) -> Vec<usize> {
     cells.iter().map(label).collect()
 }
 
-/// The sessions that pauses part; `None` where there is no pause, or nothing but pauses.
-fn sessions(times: &[f64]) -> Option<Vec<usize>> {
+/// The sessions that pauses part, of times in any unit; `None` where there is no pause, or nothing but pauses.
+pub(in crate::technique) fn sessions(times: &[f64]) -> Option<Vec<usize>> {
     let mut order: Vec<usize> = (0..times.len()).collect();
     order.sort_by(|a, b| times[*a].total_cmp(&times[*b]));
     let gaps: Vec<f64> = order
