@@ -456,6 +456,7 @@ fn worth(measure: &Measure, set_to: &SetTo) -> Option<EffectiveSample> {
 fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
     let (role, path) = match technique {
         Technique::ModelChecking => (AssetRole::SystemModel, "model.prism"),
+        Technique::FaultTree => (AssetRole::SystemModel, "tree.dft"),
         Technique::Simulation => (AssetRole::SystemModel, "scenario.toml"),
         Technique::Experiment => (AssetRole::Data, "cohort.csv"),
         Technique::Operation => (AssetRole::Data, "recordings"),

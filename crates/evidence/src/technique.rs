@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub enum Technique {
     /// Exhaustive analysis of a formal model.
     ModelChecking,
+    /// Exact analysis of a fault tree: how probable its events are, given its basic events.
+    FaultTree,
     /// Seeded episodes of a physics simulation, judged by monitors.
     Simulation,
     /// Trials with the real robot.
@@ -38,6 +40,8 @@ pub enum WitnessOf {
 pub enum AskedBy {
     /// The property, evaluated on a model.
     Property,
+    /// The event that the ledger names, of a tree.
+    Event,
     /// The monitor, over runs.
     Monitor,
 }
@@ -47,6 +51,8 @@ pub enum AskedBy {
 pub enum Rerun {
     /// A path of its model is shown.
     Path,
+    /// It has none: its model has events instead of runs.
+    None,
     /// The episode is run again, from its seed; what others published cannot be.
     Episode,
     /// The recording is judged again.
@@ -60,6 +66,8 @@ pub enum Rerun {
 pub enum Mark {
     /// A square on its corner.
     Diamond,
+    /// A triangle on its point.
+    Wedge,
     /// A disc.
     Circle,
     /// A square on its side.
@@ -94,8 +102,9 @@ pub struct Traits {
 
 impl Technique {
     /// All techniques, from the most abstract to the most real.
-    pub const ALL: [Technique; 4] = [
+    pub const ALL: [Technique; 5] = [
         Technique::ModelChecking,
+        Technique::FaultTree,
         Technique::Simulation,
         Technique::Experiment,
         Technique::Operation,
@@ -115,6 +124,17 @@ impl Technique {
                 rerun: Rerun::Path,
                 is_counted_by_people: false,
                 is_expected: true,
+            },
+            Technique::FaultTree => Traits {
+                key: "fault-tree",
+                name: "fault trees",
+                heading: "Fault trees",
+                mark: Mark::Wedge,
+                witness_of: WitnessOf::Model,
+                asked_by: AskedBy::Event,
+                rerun: Rerun::None,
+                is_counted_by_people: false,
+                is_expected: false,
             },
             Technique::Simulation => Traits {
                 key: "simulation",

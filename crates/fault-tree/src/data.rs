@@ -1,7 +1,7 @@
 //! What is known of a basic event.
 
 use num_rational::BigRational;
-use num_traits::{One, Zero};
+use num_traits::{One, ToPrimitive, Zero};
 use stats::{Confidence, IntervalMethod, Sample};
 
 use crate::decimal::decimal;
@@ -90,6 +90,14 @@ impl EventData {
                 Some("counts need at least one trial, and no more occurrences than trials")
             }
             _ => None,
+        }
+    }
+
+    /// The double that is nearest to a probability that is written as such; `None` of rates, intervals and counts.
+    pub fn value(&self) -> Option<f64> {
+        match self {
+            Self::Probability(value) => value.to_f64(),
+            Self::Rate { .. } | Self::Interval { .. } | Self::Counts { .. } => None,
         }
     }
 

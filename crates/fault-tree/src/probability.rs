@@ -21,7 +21,7 @@ use crate::bdd::{BOTTOM, FALSE, TRUE};
 use crate::data::EventData;
 use crate::enclosure::Enclosure;
 use crate::function::{Direction, Function};
-use crate::tree::NodeKind;
+use crate::tree::{NodeId, NodeKind};
 
 /// Basic events with ranges in which an event neither only rises nor only falls, of which all ends are tried.
 const MOST_TRIED: usize = 10;
@@ -87,6 +87,25 @@ impl Analysis<'_> {
             exact: None,
             guarantee,
         })
+    }
+
+    /// Bounds of the probability of the event if basic events had these probabilities instead of their data, for example at
+    /// each point of a distribution.
+    ///
+    /// # Errors
+    /// Basic events without data (`missing-event-data`), and interruption.
+    pub fn probability_at(
+        &self,
+        instead: &[(NodeId, f64)],
+        cancel: &Cancel,
+    ) -> Result<Enclosure, Problem> {
+        let mut events = self.enclosures(&self.data()?);
+        for (event, known) in self.events.iter().zip(&mut events) {
+            if let Some((_, probability)) = instead.iter().find(|(id, _)| id == event) {
+                *known = Enclosure::point(*probability);
+            }
+        }
+        Ok(self.values(&events, cancel)?[self.function.root as usize])
     }
 
     fn one_probability(

@@ -258,6 +258,7 @@ fn shape(technique: Technique, hollow: bool) -> Markup {
     html! {
         @match technique.traits().mark {
             Mark::Diamond => path class=(class) d="M0-6L6 0L0 6L-6 0Z" {},
+            Mark::Wedge => path class=(class) d="M0 5.6L5.6-4.4L-5.6-4.4Z" {},
             Mark::Circle => circle class=(class) r="4.5" {},
             Mark::Square => rect class=(class) x="-4.2" y="-4.2" width="8.4" height="8.4" {},
             Mark::Triangle => path class=(class) d="M0-5.6L5.6 4.4L-5.6 4.4Z" {},

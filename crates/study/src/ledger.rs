@@ -30,6 +30,17 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
+/// An event of a fault tree, and of what it is the failure.
+#[derive(Clone, Debug)]
+pub struct TreeEvent {
+    /// The requirement that it violates, or the failure mode that it is.
+    pub subject: evidence::Subject,
+    /// Its name in the tree.
+    pub event: String,
+    /// Where the ledger names it.
+    pub span: Range<usize>,
+}
+
 /// One entry of the ledger.
 #[derive(Clone, Debug)]
 pub struct Entry {
@@ -191,6 +202,17 @@ pub enum Work {
         model: PathBuf,
         /// Methods; the first gives the answer that counts.
         methods: Vec<Method>,
+    },
+    /// Analyse events of a fault tree.
+    FaultTree {
+        /// The tree's file, relative to the study.
+        tree: PathBuf,
+        /// The time under way without repair, in the unit of its rates.
+        mission_time: Option<f64>,
+        /// Which of its events say something of what.
+        events: Vec<TreeEvent>,
+        /// Whether it speaks of the runs that trigger a subject alone; of all runs otherwise.
+        is_triggered: bool,
     },
     /// Run seeded episodes of a simulation and judge them with the monitors.
     Simulate {

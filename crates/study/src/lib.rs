@@ -30,7 +30,7 @@ pub use finding::{BenchFiles, Finding, Shows, UnknownStep};
 pub use judging_form::{FormulaRule, JudgingForm, Rule, START_WITHIN_SECS, is_name};
 pub use ledger::{
     Calibrated, Choice, CommandText, Entry, Keep, Method, OnFailure, Parts, Simulated, TableFiles,
-    UntilText, Work,
+    TreeEvent, UntilText, Work,
 };
 pub use parameters::StudyParameters;
 pub use requirements::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names};

@@ -20,6 +20,7 @@ mod engines;
 mod explore;
 mod explore_corridor;
 mod failing_programs;
+mod fault_trees;
 mod fuzz_inputs;
 mod language;
 mod licences;

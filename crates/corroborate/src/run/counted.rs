@@ -100,8 +100,9 @@ fn other_value(
 ) -> Problem {
     let calibration = &calibrated.calibration;
     let rate = measure.estimate().unwrap_or(f64::NAN);
-    let file = match entry.work.model() {
-        Some(model) => model.to_string_lossy().replace('\\', "/"),
+    let file = entry.work.model().or(entry.work.tree());
+    let file = match file {
+        Some(file) => file.to_string_lossy().replace('\\', "/"),
         None => entry.id.clone(),
     };
     let (counted, written) = match *measure {
@@ -133,11 +134,18 @@ fn other_value(
         ),
     )
     .at(&study.ledger_source, calibrated.span.clone())
-    .remedy(format!(
-        "write `const double {} = {written};` in {file}, or remove this line of the ledger if the constant has another \
-         source",
-        calibration.parameter
-    ))
+    .remedy(match entry.work.tree() {
+        Some(_) => format!(
+            "give `{}` the probability {} in {file}, or remove this line of the ledger if it has another source",
+            calibration.parameter,
+            calibrated.value_of(rate)
+        ),
+        None => format!(
+            "write `const double {} = {written};` in {file}, or remove this line of the ledger if the constant has another \
+             source",
+            calibration.parameter
+        ),
+    })
 }
 
 /// A constant that is the complement of what it is said to be: its uncertainty would be that of another number.

@@ -1,7 +1,6 @@
 //! What each entry of a ledger needs, read, compiled and checked before anything runs.
 
 use crate::technique::campaign::Until;
-use crate::technique::model_checking::Compiled;
 use crate::technique::{self, Asked, Files, Prepared, Propositions, Techniques, technique_of};
 use diagnostic::{Problem, did_you_mean};
 use host::Host;
@@ -60,24 +59,25 @@ pub(super) fn untils(study: &Study) -> Result<BTreeMap<&str, Until>, Problem> {
 pub(crate) fn check_constants(
     study: &Study,
     entry: &Entry,
-    compiled: &Compiled,
+    (what, names): (&str, &[&str]),
+    value_of: &dyn Fn(&str) -> Option<f64>,
 ) -> Result<(), Problem> {
     for calibrated in &entry.calibrated {
         let Some(name) = &calibrated.constant else {
             continue;
         };
-        if compiled.constant(name).is_none() {
+        if value_of(name).is_none() {
             let problem = Problem::new(
                 "unknown-constant",
                 format!(
-                    "the model of {} has no number `{name}` among its constants",
+                    "the model of {} has no number `{name}` among its {what}",
                     entry.id
                 ),
             )
             .at(&study.ledger_source, calibrated.span.clone());
-            return Err(match did_you_mean(name, compiled.constants()) {
+            return Err(match did_you_mean(name, names.iter().copied()) {
                 Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
-                None => problem.remedy("name a constant that the model defines"),
+                None => problem.remedy(format!("name one of the model's {what}")),
             });
         }
     }

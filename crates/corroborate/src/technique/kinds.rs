@@ -16,6 +16,7 @@
 //! ```
 
 mod episodes;
+mod fault_tree;
 mod model_checking;
 mod recordings;
 mod tables;
@@ -187,6 +188,17 @@ pub(crate) fn technique_of<'t>(
         Work::Check { model, methods } => {
             Box::new(model_checking::ModelChecking { model, methods })
         }
+        Work::FaultTree {
+            tree,
+            mission_time,
+            events,
+            is_triggered,
+        } => Box::new(fault_tree::FaultTrees {
+            tree,
+            mission_time: *mission_time,
+            events,
+            is_triggered: *is_triggered,
+        }),
         Work::Simulate {
             scenario,
             parameters,

@@ -14,7 +14,9 @@
 use super::words::{p_value, points};
 use super::{Belief, Levels, Pair, Relation};
 use crate::condition::share;
-use crate::{Denominator, Evidence, Finding, Interval, Subject, TriggerComparison};
+use crate::{
+    AskedBy, Denominator, Evidence, Finding, Interval, Subject, Technique, TriggerComparison,
+};
 
 impl Finding {
     /// Whether its number and another's are over the same runs, so that they answer the same question.
@@ -46,11 +48,15 @@ pub(super) fn other_runs(
     if first.is_over_the_same_runs(second) {
         return None;
     }
+    let of_all = match first.denominator == Denominator::Triggered {
+        true => right,
+        false => left,
+    };
     Some(format!(
         "They are taken over different runs: {}; {}.{}",
         over(left, first),
         over(right, second),
-        remedy(&first.subject)
+        remedy(&first.subject, of_all.technique)
     ))
 }
 
@@ -72,8 +78,11 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
     }
 }
 
-/// What makes them comparable.
-fn remedy(subject: &Subject) -> &'static str {
+/// What makes them comparable, where the number over all runs is of this technique.
+fn remedy(subject: &Subject, of_all: Technique) -> &'static str {
+    if of_all.traits().asked_by == AskedBy::Event {
+        return " If the tree speaks of the runs that trigger it, say so: `triggered = true` in its entry of ledger.toml.";
+    }
     match subject {
         Subject::Requirement(_) => {
             " Say which runs of the model trigger it: `trigger = 'P=? [ F \"...\" ]'` in requirements.toml."

@@ -217,6 +217,7 @@ impl<'a> Matter<'a> {
             Rerun::Path => {
                 format!("corroborate diagnose {study} --show {}:{number}", piece.id)
             }
+            Rerun::None => format!("corroborate run {study} --only {}", piece.id),
             Rerun::Episode => format!("corroborate replay {study} {}:{number}", piece.id),
             Rerun::Recording | Rerun::RecordingIfKept => {
                 format!("corroborate monitor {study} {run}")
@@ -234,7 +235,7 @@ impl<'a> Matter<'a> {
         let replayable = match piece.technique.traits().rerun {
             Rerun::Path | Rerun::Recording => true,
             Rerun::Episode => !piece.published,
-            Rerun::RecordingIfKept => false,
+            Rerun::None | Rerun::RecordingIfKept => false,
         };
         let runs = runs.iter().filter(|_| replayable);
         runs.map(of).collect()

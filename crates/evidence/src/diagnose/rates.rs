@@ -568,6 +568,7 @@ pub(super) fn rate_or_never(piece: &Evidence, subject: &Subject) -> Option<Rate>
 pub(super) fn own_form(piece: &Evidence) -> &'static str {
     match piece.technique.traits().asked_by {
         AskedBy::Property => "property",
+        AskedBy::Event => "event",
         AskedBy::Monitor => "monitor",
     }
 }
@@ -575,7 +576,7 @@ pub(super) fn own_form(piece: &Evidence) -> &'static str {
 /// A form for people.
 fn named(form: &str) -> String {
     match form {
-        "property" | "monitor" | SENTENCE => form.to_owned(),
+        "property" | "event" | "monitor" | SENTENCE => form.to_owned(),
         reading => format!("reading `{reading}`"),
     }
 }

@@ -14,6 +14,8 @@ pub struct Parts<'w> {
     pub technique: Technique,
     /// The formal model that it solves, relative to the study.
     pub model: Option<&'w Path>,
+    /// The fault tree that it analyses, relative to the study.
+    pub tree: Option<&'w Path>,
     /// What gives its episodes.
     pub simulated: Option<Simulated<'w>>,
     /// How many episodes it asks for; 0 of what has none.
@@ -115,6 +117,23 @@ impl Work {
             Work::Check { model, methods: _ } => Parts {
                 technique: Technique::ModelChecking,
                 model: Some(model),
+                tree: None,
+                simulated: None,
+                episodes: 0,
+                tables: None,
+                recordings: None,
+                uses_topics: false,
+                told: None,
+            },
+            Work::FaultTree {
+                tree,
+                mission_time: _,
+                events: _,
+                is_triggered: _,
+            } => Parts {
+                technique: Technique::FaultTree,
+                model: None,
+                tree: Some(tree),
                 simulated: None,
                 episodes: 0,
                 tables: None,
@@ -129,6 +148,7 @@ impl Work {
             } => Parts {
                 technique: Technique::Simulation,
                 model: None,
+                tree: None,
                 simulated: Some(Simulated::Handover {
                     scenario,
                     parameters,
@@ -146,6 +166,7 @@ impl Work {
             } => Parts {
                 technique: Technique::Simulation,
                 model: None,
+                tree: None,
                 simulated: Some(Simulated::Scene {
                     scene,
                     test: test.as_deref(),
@@ -163,6 +184,7 @@ impl Work {
             } => Parts {
                 technique: *technique,
                 model: None,
+                tree: None,
                 simulated: Some(Simulated::Command(command)),
                 episodes: *episodes,
                 tables: None,
@@ -178,6 +200,7 @@ impl Work {
             } => Parts {
                 technique: *technique,
                 model: None,
+                tree: None,
                 simulated: None,
                 episodes: 0,
                 tables: Some(TableFiles {
@@ -195,6 +218,7 @@ impl Work {
             } => Parts {
                 technique: *technique,
                 model: None,
+                tree: None,
                 simulated: None,
                 episodes: 0,
                 tables: None,
@@ -210,6 +234,7 @@ impl Work {
             } => Parts {
                 technique: *technique,
                 model: None,
+                tree: None,
                 simulated: None,
                 episodes: 0,
                 tables: None,
@@ -228,6 +253,11 @@ impl Work {
     /// The formal model that it solves, relative to the study.
     pub fn model(&self) -> Option<&Path> {
         self.parts().model
+    }
+
+    /// The fault tree that it analyses, relative to the study.
+    pub fn tree(&self) -> Option<&Path> {
+        self.parts().tree
     }
 
     /// What gives its episodes.

@@ -56,6 +56,19 @@ pub(super) struct EntryText {
     /// By which methods it is solved; the first gives the value. Model checking.
     #[schemars(with = "Option<Vec<Method>>")]
     pub(super) methods: Option<Spanned<Vec<Method>>>,
+    /// The fault tree: a file in the Open-PSA format where it ends in `.xml`, else in Galileo's. Fault trees.
+    #[schemars(with = "Option<PathBuf>")]
+    pub(super) tree: Option<Spanned<PathBuf>>,
+    /// Which event of the tree is the violation of which requirement, or the occurrence of which failure mode. Fault trees.
+    #[schemars(with = "Option<BTreeMap<String, String>>")]
+    pub(super) events: Option<Spanned<BTreeMap<String, Spanned<String>>>>,
+    /// Whether the tree's probabilities are given that the requirement is triggered, or that the failure mode has its
+    /// opportunity; otherwise they are over all runs. Fault trees.
+    #[schemars(with = "Option<bool>")]
+    pub(super) triggered: Option<Spanned<bool>>,
+    /// The time under way without repair, in the unit of the tree's rates. Fault trees that have rates.
+    #[schemars(with = "Option<f64>")]
+    pub(super) mission_time: Option<Spanned<f64>>,
     /// The handover's scenario. Simulation, with `parameters`.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) scenario: Option<Spanned<PathBuf>>,
@@ -290,10 +303,11 @@ impl Reader<'_> {
         })
     }
 
-    /// Only model checking has a model whose constants can be set; whether the model has them is seen when it is read.
+    /// Only a formal model has constants, and only a fault tree basic events, that can be set; whether it has these is seen
+    /// when it is read.
     fn constants_have_a_model(&self, text: &EntryText, work: &Work) -> Result<(), Problem> {
         let constant = text.calibrated.iter().find_map(|c| c.constant.as_ref());
-        match (work.model(), constant) {
+        match (work.model().or(work.tree()), constant) {
             (Some(_), _) | (None, None) => Ok(()),
             (None, Some(constant)) => Err(self.problem(
                 "bad-calibration",
@@ -422,6 +436,28 @@ impl Reader<'_> {
             constant: text.constant.as_ref().map(|c| c.get_ref().clone()),
             held: text.held,
             is_complement: text.complement,
+        })
+    }
+
+    /// The requirement or failure mode of this identifier, which stands beside an event.
+    pub(super) fn subject(&self, id: &str, beside: &Spanned<String>) -> Result<Subject, Problem> {
+        let either = [
+            Subject::Requirement(id.to_owned()),
+            Subject::FailureMode(id.to_owned()),
+        ];
+        let known = either.into_iter().find(|it| self.forms.of(it).is_some());
+        known.ok_or_else(|| {
+            let ids = self.forms.subjects.iter().map(|form| form.subject.id());
+            let remedy = match diagnostic::did_you_mean(id, ids) {
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => "name a requirement or a failure mode".to_owned(),
+            };
+            self.problem(
+                "unknown-subject",
+                format!("requirements.toml has no requirement and no failure mode `{id}`"),
+                beside.span(),
+                &remedy,
+            )
         })
     }
 

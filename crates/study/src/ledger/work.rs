@@ -1,7 +1,7 @@
 //! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
 
 use super::read::{EntryText, Reader};
-use super::{CommandText, Method, Sampling, Work};
+use super::{CommandText, Method, Sampling, TreeEvent, Work};
 use diagnostic::Problem;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -11,6 +11,10 @@ use toml::Spanned;
 fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
     match work {
         Work::Check { .. } => ("model checking", &["model", "methods"]),
+        Work::FaultTree { .. } => (
+            "a fault tree",
+            &["tree", "events", "mission_time", "triggered"],
+        ),
         Work::Simulate { .. } => (
             "a simulation of a scenario",
             &[
@@ -58,7 +62,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
 }
 
 /// The keys of an entry that say how its work is done, with the place of each that is given.
-fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 20] {
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 24] {
     fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
         value.as_ref().map(Spanned::span)
     }
@@ -66,6 +70,10 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 20] {
     [
         ("model", at(&text.model)),
         ("methods", at(&text.methods)),
+        ("tree", at(&text.tree)),
+        ("events", at(&text.events)),
+        ("mission_time", at(&text.mission_time)),
+        ("triggered", at(&text.triggered)),
         ("scenario", at(&text.scenario)),
         ("parameters", at(&text.parameters)),
         ("scene", at(&text.scene)),
@@ -89,13 +97,14 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 20] {
 
 impl Reader<'_> {
     pub(super) fn work(&self, text: &EntryText) -> Result<Work, Problem> {
-        use evidence::Technique::{Experiment, ModelChecking, Operation, Simulation};
+        use evidence::Technique::{Experiment, FaultTree, ModelChecking, Operation, Simulation};
         if let Some(producer) = &text.producer {
             let work = other(text, producer, *text.technique.get_ref());
             return self.no_other_keys(text, &work).map(|()| work);
         }
         let work = match text.technique.get_ref() {
             ModelChecking => self.check(text),
+            FaultTree => self.fault_tree(text),
             technique @ (Simulation | Experiment) if text.command.is_some() => {
                 self.command(text, *technique)
             }
@@ -143,6 +152,48 @@ impl Reader<'_> {
             Some(methods) => methods.get_ref().clone(),
         };
         Ok(Work::Check { model, methods })
+    }
+
+    fn fault_tree(&self, text: &EntryText) -> Result<Work, Problem> {
+        let tree = self.file(text, "tree", text.tree.as_ref())?;
+        let Some(events) = text.events.as_ref().filter(|it| !it.get_ref().is_empty()) else {
+            return Err(self.problem(
+                "missing-entry",
+                format!(
+                    "the fault tree `{}` does not say of which requirement or failure mode it speaks",
+                    text.id.get_ref()
+                ),
+                text.id.span(),
+                "add for example `events = { \"1\" = \"top\" }`: by requirement the event that violates it, by failure mode \
+                 the event that it is",
+            ));
+        };
+        let events = events.get_ref().iter();
+        let events = events.map(|(id, event)| {
+            Ok(TreeEvent {
+                subject: self.subject(id, event)?,
+                event: event.get_ref().clone(),
+                span: event.span(),
+            })
+        });
+        let is_time = |it: &f64| it.is_finite() && *it >= 0.0;
+        let mission_time = match &text.mission_time {
+            Some(time) if !is_time(time.get_ref()) => {
+                return Err(self.problem(
+                    "bad-ledger",
+                    format!("{} is not a time", time.get_ref()),
+                    time.span(),
+                    "write a number of at least 0, in the unit of the tree's rates",
+                ));
+            }
+            time => time.as_ref().map(|it| *it.get_ref()),
+        };
+        Ok(Work::FaultTree {
+            tree,
+            mission_time,
+            events: events.collect::<Result<_, Problem>>()?,
+            is_triggered: text.triggered.as_ref().is_some_and(|it| *it.get_ref()),
+        })
     }
 
     /// How many episodes are asked for.

@@ -31,7 +31,10 @@ impl Technique for ModelChecking<'_> {
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
         let compiled = Compiled::read(asked.study, self.model, files)?;
-        check_constants(asked.study, asked.entry, &compiled)?;
+        let constants: Vec<&str> = compiled.constants().collect();
+        let value_of = |name: &str| compiled.constant(name);
+        let all = ("constants", constants.as_slice());
+        check_constants(asked.study, asked.entry, all, &value_of)?;
         compiled.warn(&|line| asked.host.events.say(line));
         Ok(Box::new(Ready {
             asked,

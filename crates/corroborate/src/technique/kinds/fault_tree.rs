@@ -1,0 +1,468 @@
+//! Fault trees as a technique: how probable events of a tree are is found exactly, and found again.
+//!
+//! # Definition
+//! An event of the tree is the violation of a requirement, whose rate is then `1 - P(event)`, or the occurrence of a failure
+//! mode, whose rate is `P(event)`. Nothing is said of what has no event.
+//!
+//! A basic event that the ledger says to be set to counts has the Jeffreys posterior of these, independent of the others; so
+//! has one that the tree itself gives counts (the Open-PSA format's `occurrences` and `trials`). The posterior of the rate is
+//! found at the points of a low-discrepancy design, with each basic event's share in its variance (`stats::SharesDesign`), as
+//! of a formal model (`super::super::model_checking`).
+//!
+//! # Guarantee
+//! Of the value that of `fault_tree`: exact, or between bounds; of the distribution none but convergence, and that basic
+//! events are independent, which the tree assumes. Ranges of basic events and counts are not carried on together: no
+//! distribution belongs to the former.
+
+use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
+use crate::run::{check_constants, counted_constants};
+use crate::technique::files::Files;
+use crate::technique::model_checking::CountedConstant;
+use crate::technique::{Influence, Produced};
+use crate::verify::Audit;
+use diagnostic::{Cancel, Problem, did_you_mean};
+use evidence::{
+    AssetRole, Cost, CredibleInterval, Denominator, Finding, Guarantee, Measure, MethodAnswer,
+    Subject, Tool,
+};
+use fault_tree::{Analysis, EventData, FaultTree, NodeId, NodeKind, Options, Settings};
+use host::store::Inputs;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::Instant;
+use study::{Study, TreeEvent};
+
+/// Points of the design for each counted basic event and two more, and how many nodes of diagrams are visited at most for
+/// all of them; then there are fewer, and no fewer than [`FEWEST_POINTS`].
+const POINTS: usize = 8192;
+const MOST_VISITS: usize = 400_000_000;
+const FEWEST_POINTS: usize = 250;
+
+/// A longer rational number is not shown.
+const LONGEST_RATIONAL: usize = 60;
+
+/// Minimal cut sets and basic events that are named.
+const NAMED: usize = 3;
+
+/// A fault tree, and what of it is asked.
+pub(super) struct FaultTrees<'t> {
+    pub(super) tree: &'t Path,
+    pub(super) mission_time: Option<f64>,
+    pub(super) events: &'t [TreeEvent],
+    pub(super) is_triggered: bool,
+}
+
+/// A tree that was read.
+struct Ready<'a> {
+    asked: Asked<'a>,
+    /// With counts replaced by their rates.
+    tree: FaultTree,
+    /// What the tree itself counts, by basic event.
+    own_counts: Vec<CountedConstant>,
+    /// By subject.
+    events: Vec<(Subject, NodeId)>,
+    mission_time: Option<f64>,
+    is_triggered: bool,
+}
+
+impl Technique for FaultTrees<'_> {
+    fn prepare<'a>(
+        &self,
+        asked: Asked<'a>,
+        files: &Files<'_>,
+    ) -> Result<Box<dyn Prepared + 'a>, Problem> {
+        Ok(Box::new(self.read(asked, files)?))
+    }
+
+    fn is_computed_again_when_deep(&self) -> bool {
+        true
+    }
+
+    fn verify(&self, asked: Asked<'_>, kept: &Kept<'_>, audit: &mut Audit) -> Result<(), Problem> {
+        let ready = self.read(asked, &Files::of(&asked.study.folder))?;
+        let value_of = |name: &str| ready.constant(name);
+        let counted = counted_constants(asked.study, asked.entry, kept.before, &value_of)?;
+        let again = ready.analysed(&counted)?;
+        let what = "values of evidence follow from analysing its fault tree again";
+        kept.is(again, what, audit)
+    }
+}
+
+impl FaultTrees<'_> {
+    fn read<'a>(&self, asked: Asked<'a>, files: &Files<'_>) -> Result<Ready<'a>, Problem> {
+        let source = files.text(AssetRole::SystemModel, self.tree)?;
+        let settings = Settings {
+            mission_time: self
+                .mission_time
+                .and_then(|time| fault_tree::decimal(&time.to_string())),
+        };
+        let is_xml = self.tree.extension().is_some_and(|it| it == "xml");
+        let reading = match is_xml {
+            true => fault_tree::read_open_psa(&source, &settings)?,
+            false => fault_tree::read_galileo(&source, &settings)?,
+        };
+        for warning in &reading.warnings {
+            asked.host.events.say(&warning.warning_line());
+        }
+        let events = self.events.iter().map(|event| {
+            let found = named(asked.study, &reading.tree, event)?;
+            Ok((event.subject.clone(), found))
+        });
+        let events = events.collect::<Result<_, Problem>>()?;
+        let own_counts = counts_of(&reading.tree);
+        let ready = Ready {
+            asked,
+            tree: with_rates(reading.tree)?,
+            own_counts,
+            events,
+            mission_time: self.mission_time,
+            is_triggered: self.is_triggered,
+        };
+        let names: Vec<&str> = ready.basic_events().map(|id| ready.tree.name(id)).collect();
+        let value_of = |name: &str| ready.constant(name);
+        let all = ("basic events with a probability", names.as_slice());
+        check_constants(asked.study, asked.entry, all, &value_of)?;
+        Ok(ready)
+    }
+}
+
+/// The node of an event that the ledger names.
+fn named(study: &Study, tree: &FaultTree, event: &TreeEvent) -> Result<NodeId, Problem> {
+    tree.find(&event.event).ok_or_else(|| {
+        let message = format!("the fault tree has no event `{}`", event.event);
+        let problem = Problem::new("unknown-event", message);
+        let problem = problem.at(&study.ledger_source, event.span.clone());
+        let names = tree.nodes().map(|(id, _)| tree.name(id));
+        match did_you_mean(&event.event, names) {
+            Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
+            None => problem.remedy("name a gate or a basic event of the tree"),
+        }
+    })
+}
+
+/// What a tree counts itself.
+fn counts_of(tree: &FaultTree) -> Vec<CountedConstant> {
+    let of = |(id, node): (NodeId, &fault_tree::Node)| match &node.kind {
+        NodeKind::Basic(Some(EventData::Counts {
+            occurrences,
+            trials,
+        })) => Some(CountedConstant {
+            name: tree.name(id).to_owned(),
+            sample: stats::Sample::new(*occurrences, *trials).ok()?.into(),
+            subject: Subject::FailureMode(tree.name(id).to_owned()),
+            held: false,
+        }),
+        NodeKind::Basic(_) | NodeKind::House(_) | NodeKind::Gate(..) => None,
+    };
+    tree.nodes().filter_map(of).collect()
+}
+
+/// The tree with counts replaced by their rates.
+fn with_rates(tree: FaultTree) -> Result<FaultTree, Problem> {
+    let rate = |(id, node): (NodeId, &fault_tree::Node)| match &node.kind {
+        NodeKind::Basic(Some(EventData::Counts {
+            occurrences,
+            trials,
+        })) => {
+            let rate = fault_tree::BigRational::new((*occurrences).into(), (*trials).into());
+            Some((tree.name(id).to_owned(), EventData::Probability(rate)))
+        }
+        NodeKind::Basic(_) | NodeKind::House(_) | NodeKind::Gate(..) => None,
+    };
+    let rates: BTreeMap<String, EventData> = tree.nodes().filter_map(rate).collect();
+    tree.with_data(&rates)
+}
+
+impl Ready<'_> {
+    fn basic_events(&self) -> impl Iterator<Item = NodeId> {
+        self.tree.basic_events().into_iter()
+    }
+
+    fn data(&self, name: &str) -> Option<&EventData> {
+        match &self.tree.node(self.tree.find(name)?).kind {
+            NodeKind::Basic(data) => data.as_ref(),
+            NodeKind::House(_) | NodeKind::Gate(..) => None,
+        }
+    }
+
+    /// All findings. Of basic events that are both set to counts and counted by the tree, the ledger's counts are taken.
+    fn analysed(&self, counted: &[CountedConstant]) -> Result<Produced, Problem> {
+        let began = Instant::now();
+        let cancel = &self.asked.host.cancel;
+        let own = self.own_counts.iter();
+        let own = own.filter(|it| counted.iter().all(|other| other.name != it.name));
+        let all: Vec<CountedConstant> = counted.iter().chain(own).cloned().collect();
+        let (held, varied): (Vec<_>, Vec<_>) = all.into_iter().partition(|it| it.held);
+        let mut findings = Vec::new();
+        let mut told = Vec::new();
+        let mut influences = Vec::new();
+        for (subject, event) in &self.events {
+            let analysis = Analysis::new(&self.tree, *event, Options::default(), cancel)?;
+            let answer = self.answer(subject, &analysis)?;
+            let credible = self.credible(subject, &analysis, &varied)?;
+            findings.push(Finding {
+                subject: subject.clone(),
+                measure: Measure::Probability {
+                    credible: credible.map(|it| it.beside(answer.value)),
+                    answer,
+                    others: Vec::new(),
+                },
+                denominator: match self.is_triggered {
+                    true => Denominator::Triggered,
+                    false => Denominator::NoTrigger,
+                },
+                trigger: None,
+                undecided: 0,
+                witnesses: Vec::new(),
+                readings: Vec::new(),
+            });
+            told.push(self.in_words(*event, &analysis)?);
+            influences.extend(self.influences(subject, &analysis, &held));
+        }
+        Ok(Produced {
+            tool: Tool {
+                name: "corroborate fault trees".into(),
+                version: env!("CARGO_PKG_VERSION").into(),
+                settings: format!("decision diagrams, exact; {}", told.join("; ")),
+            },
+            findings,
+            form_differences: Vec::new(),
+            description_gaps: Vec::new(),
+            failures: Vec::new(),
+            clusters: None,
+            influences,
+            cost: Cost {
+                evidence: self.asked.entry.id.clone(),
+                wall_secs: began.elapsed().as_secs_f64(),
+                ..Cost::default()
+            },
+        })
+    }
+
+    /// The rate of a subject, with the basic events as they are written.
+    fn answer(&self, subject: &Subject, analysis: &Analysis<'_>) -> Result<MethodAnswer, Problem> {
+        let found = analysis.probability(&self.asked.host.cancel)?;
+        let bounds = found.bounds;
+        let exact = found.exact.as_ref();
+        let (low, high) = match subject {
+            Subject::FailureMode(_) => (bounds.lower, bounds.upper),
+            Subject::Requirement(_) => (1.0 - bounds.upper, 1.0 - bounds.lower),
+        };
+        // Of one number any within the bounds is as good; of a range its middle stands for it.
+        let (value, contrary) = (
+            f64::midpoint(low, high),
+            f64::midpoint(bounds.lower, bounds.upper),
+        );
+        let one = fault_tree::BigRational::from_integer(1.into());
+        let guarantee = match (found.guarantee, exact) {
+            (fault_tree::Guarantee::Exact, Some(exact)) => {
+                let rate = match subject {
+                    Subject::FailureMode(_) => exact.clone(),
+                    Subject::Requirement(_) => one - exact,
+                };
+                let text = rate.to_string();
+                Guarantee::Exact {
+                    rational: (text.len() <= LONGEST_RATIONAL).then_some(text),
+                }
+            }
+            (
+                fault_tree::Guarantee::Exact
+                | fault_tree::Guarantee::Rounded
+                | fault_tree::Guarantee::Range { .. }
+                | fault_tree::Guarantee::Statistical { .. },
+                _,
+            ) => Guarantee::Bounded {
+                low: low.next_down().max(0.0),
+                high: high.next_up().min(1.0),
+            },
+        };
+        Ok(MethodAnswer {
+            method: "exact".into(),
+            value,
+            complement: match subject {
+                Subject::FailureMode(_) => None,
+                Subject::Requirement(_) => Some(contrary),
+            },
+            guarantee,
+            iterations: None,
+        })
+    }
+
+    /// The posterior of a rate, where counted basic events bear on it.
+    fn credible(
+        &self,
+        subject: &Subject,
+        analysis: &Analysis<'_>,
+        varied: &[CountedConstant],
+    ) -> Result<Option<CredibleInterval>, Problem> {
+        let support = analysis.support();
+        let counted: Vec<(&CountedConstant, NodeId)> = varied
+            .iter()
+            .filter_map(|it| Some((it, self.tree.find(&it.name)?)))
+            .filter(|(_, id)| support.contains(id))
+            .collect();
+        if counted.is_empty() {
+            return Ok(None);
+        }
+        self.has_no_ranges(&support)?;
+        let study = self.asked.study;
+        let level = crate::technique::confidence(study.about.confidence)?;
+        let posteriors: Vec<_> = counted
+            .iter()
+            .map(|(it, _)| stats::BetaPosterior::jeffreys(it.sample))
+            .collect();
+        let wanted = POINTS * (counted.len() + 2);
+        let affordable = (MOST_VISITS / analysis.nodes().max(1)).max(FEWEST_POINTS);
+        let design =
+            stats::SharesDesign::new(&posteriors, wanted.min(affordable), study.about.seed);
+        let cancel = &self.asked.host.cancel;
+        let rate = |point: &Vec<f64>| {
+            let ids = counted.iter().map(|(_, id)| *id);
+            let instead: Vec<(NodeId, f64)> = ids.zip(point.iter().copied()).collect();
+            let found = analysis.probability_at(&instead, cancel)?;
+            let probability = f64::midpoint(found.lower, found.upper);
+            Ok(match subject {
+                Subject::FailureMode(_) => probability,
+                Subject::Requirement(_) => 1.0 - probability,
+            })
+        };
+        let values: Vec<f64> = design
+            .rows()
+            .par_iter()
+            .map(rate)
+            .collect::<Result<_, Problem>>()?;
+        let names: Vec<&str> = counted.iter().map(|(it, _)| it.name.as_str()).collect();
+        let found = CredibleInterval::of_design(&names, &design, &values, level)
+            .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
+        Ok(Some(CredibleInterval {
+            by_function: true,
+            ..found
+        }))
+    }
+
+    /// Refuses basic events with ranges beside counted ones.
+    fn has_no_ranges(&self, support: &[NodeId]) -> Result<(), Problem> {
+        let is_range = |id: &&NodeId| {
+            let data = self.data(self.tree.name(**id));
+            matches!(data, Some(EventData::Interval { lower, upper }) if lower < upper)
+        };
+        let Some(range) = support.iter().find(is_range) else {
+            return Ok(());
+        };
+        let message = format!(
+            "the fault tree of {} has counts, and a range for `{}`: no distribution belongs to a range, so the uncertainty of \
+             both cannot be carried on together",
+            self.asked.entry.id,
+            self.tree.name(*range)
+        );
+        Err(Problem::new("cannot-carry-uncertainty", message)
+            .about(&self.asked.entry.id)
+            .remedy(
+                "give the event a probability or counts, or leave the counts out (`held = true`)",
+            ))
+    }
+
+    /// Which failure modes, through basic events that are held, bear on a requirement.
+    fn influences(
+        &self,
+        subject: &Subject,
+        analysis: &Analysis<'_>,
+        held: &[CountedConstant],
+    ) -> Vec<Influence> {
+        let support = analysis.support();
+        let of = |constant: &CountedConstant| match (subject, &constant.subject) {
+            (Subject::Requirement(requirement), Subject::FailureMode(mode)) => Some(Influence {
+                requirement: requirement.clone(),
+                failure_mode: mode.clone(),
+                bears: self
+                    .tree
+                    .find(&constant.name)
+                    .is_some_and(|id| support.contains(&id)),
+            }),
+            (Subject::Requirement(_) | Subject::FailureMode(_), _) => None,
+        };
+        held.iter().filter_map(of).collect()
+    }
+
+    /// The smallest cut sets of an event, and which basic events matter most.
+    fn in_words(&self, event: NodeId, analysis: &Analysis<'_>) -> Result<String, Problem> {
+        let cancel: &Cancel = &self.asked.host.cancel;
+        let name = |id: &NodeId| self.tree.name(*id).to_owned();
+        let sets = analysis.cut_sets(NAMED, cancel)?;
+        let shown: Vec<String> = sets
+            .sets
+            .iter()
+            .map(|set| set.iter().map(name).collect::<Vec<_>>().join(" and "))
+            .collect();
+        let kind = match sets.kind {
+            fault_tree::CutSetKind::MinimalCutSets => "minimal cut sets",
+            fault_tree::CutSetKind::MinimalSolutions => "minimal solutions",
+        };
+        let mut parts: Vec<(String, f64)> = analysis
+            .importance(cancel)?
+            .iter()
+            .filter_map(|it| {
+                let part = it.criticality?;
+                Some((name(&it.event), f64::midpoint(part.lower, part.upper)))
+            })
+            .collect();
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+        let parts: Vec<String> = parts
+            .iter()
+            .take(NAMED)
+            .map(|(name, part)| format!("{name} {:.1} %", 100.0 * part))
+            .collect();
+        Ok(format!(
+            "{}: {} {kind}, the smallest {}; without them less by {}",
+            self.tree.name(event),
+            sets.count,
+            shown.join(", "),
+            parts.join(", ")
+        ))
+    }
+}
+
+impl Prepared for Ready<'_> {
+    fn settings(&self, counted: &[CountedConstant], inputs: &mut Inputs) -> Result<(), Problem> {
+        let events = self.events.iter();
+        let events: Vec<(&Subject, &str)> = events
+            .map(|(subject, event)| (subject, self.tree.name(*event)))
+            .collect();
+        inputs
+            .add_json("events", &events)
+            .add_json("mission time", &self.mission_time)
+            .add_json("triggered", &self.is_triggered)
+            .add_json("confidence", &self.asked.study.about.confidence)
+            .add("seed", &self.asked.study.about.seed.to_le_bytes());
+        for constant in counted {
+            let sample = (
+                constant.sample.successes,
+                constant.sample.trials,
+                constant.held,
+            );
+            inputs.add_json(&constant.name, &sample);
+        }
+        Ok(())
+    }
+
+    fn constant(&self, name: &str) -> Option<f64> {
+        self.data(name)?.value()
+    }
+
+    fn propositions(&self) -> Option<Propositions<'_>> {
+        None
+    }
+
+    fn obstacle(&self) -> Option<&Problem> {
+        None
+    }
+
+    fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {
+        self.analysed(working.counted)
+    }
+
+    fn kept_episodes(&self, _: &Path) -> Result<Option<u64>, Problem> {
+        Ok(None)
+    }
+}
