@@ -231,6 +231,7 @@ impl Ready<'_> {
             description_gaps: Vec::new(),
             failures: Vec::new(),
             clusters: None,
+            alike_trials: None,
             influences,
             cost: Cost {
                 evidence: self.asked.entry.id.clone(),
