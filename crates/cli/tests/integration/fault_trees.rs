@@ -258,7 +258,7 @@ fn what_is_wrong_with_a_tree_is_said_at_its_place_before_anything_runs() {
     };
     let place = "ledger.toml:1";
     with("\"no stop\"", "\"no stopp\"").is_refused_with(&[
-        "error[unknown-event]",
+        "error[unknown-fault-tree-event]",
         place,
         "did you mean `no stop`?",
     ]);
