@@ -46,6 +46,9 @@ pub struct PlannedEvidence {
     /// Of a simulation that is stale: episodes that were run and judged before an interruption, and are not run again
     /// if their recordings are there.
     pub kept_episodes: Option<u64>,
+    /// Of evidence that is not fresh: how long it took when it was last produced, in seconds, which is an estimate of what it
+    /// costs now; `None` if it was not produced here before, or what was kept is damaged.
+    pub last_took_secs: Option<f64>,
 }
 
 /// Whether something has to be produced.
@@ -83,6 +86,23 @@ impl RunPlan {
         let evidence = self.evidence.iter().map(|planned| &planned.freshness);
         let mut all = evidence.chain(&self.comparison);
         all.all(|it| *it == Freshness::Fresh)
+    }
+
+    /// How long all that a run would produce took when it was last produced, in seconds, and of how many pieces that is not
+    /// known.
+    pub fn last_took_secs(&self) -> (f64, usize) {
+        let is_produced = |it: &&PlannedEvidence| match it.freshness {
+            Freshness::Fresh | Freshness::CannotProduce { .. } => false,
+            Freshness::NotProduced
+            | Freshness::Damaged
+            | Freshness::FilesChanged { .. }
+            | Freshness::OtherInputs
+            | Freshness::Awaits { .. } => true,
+        };
+        let produced: Vec<&PlannedEvidence> = self.evidence.iter().filter(is_produced).collect();
+        let known = produced.iter().filter_map(|it| it.last_took_secs);
+        let unknown = produced.len() - known.clone().count();
+        (known.sum(), unknown)
     }
 }
 
@@ -126,6 +146,12 @@ impl Planning<'_> {
                 kept_episodes: match freshness {
                     Freshness::Fresh => None,
                     _ => prepared.work.kept_episodes(self.folder)?,
+                },
+                last_took_secs: match freshness {
+                    Freshness::Fresh => None,
+                    _ => kept::<Produced>(&self.folder.join(evidence_file(&entry.id)))
+                        .ok()
+                        .map(|stored| stored.content.cost.wall_secs),
                 },
                 freshness,
             });

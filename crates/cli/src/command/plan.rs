@@ -66,8 +66,27 @@ fn sum(plan: &RunPlan) -> String {
     if impossible > 0 {
         sum.push_str(&format!("; {impossible} cannot be produced here"));
     }
+    match plan.last_took_secs() {
+        (secs, 0) => sum.push_str(&format!(", which took {} last time", time(secs))),
+        (secs, _) if secs > 0.0 => sum.push_str(&format!(
+            ", of which those that were produced before took {} last time",
+            time(secs)
+        )),
+        _ => {}
+    }
     sum.push_str(".\n");
     sum
+}
+
+/// A time to two digits, which is more than is known of it.
+fn time(secs: f64) -> String {
+    match secs {
+        secs if secs < 0.1 => "less than 0.1 s".to_owned(),
+        secs if secs < 9.95 => format!("{secs:.1} s"),
+        secs if secs < 120.0 => format!("{secs:.0} s"),
+        secs if secs < 7200.0 => format!("{:.0} min", secs / 60.0),
+        secs => format!("{:.0} h", secs / 3600.0),
+    }
 }
 
 /// What is to be done for one piece of evidence.
@@ -77,7 +96,10 @@ fn evidence(planned: &PlannedEvidence) -> String {
         Some(1) => "; 1 episode of an interrupted run is kept".to_owned(),
         Some(kept) => format!("; {kept} episodes of an interrupted run are kept"),
     };
-    format!("{}{kept}", freshness(&planned.freshness))
+    let took = planned.last_took_secs.map_or(String::new(), |secs| {
+        format!("; took {} last time", time(secs))
+    });
+    format!("{}{kept}{took}", freshness(&planned.freshness))
 }
 
 fn freshness(of: &Freshness) -> String {

@@ -128,6 +128,7 @@ const CRATES: [(&str, u8, &[&str]); 26] = [
             "requirement-lang",
             "testbench",
             "campaign",
+            "fault-tree",
             "evidence",
             "refinement",
         ],

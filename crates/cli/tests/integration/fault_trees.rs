@@ -95,14 +95,12 @@ fn a_tree_is_evidence_for_the_model_and_agrees_with_the_trials() {
         settings.contains("2 minimal cut sets, the smallest valve, left and right"),
         "{settings}"
     );
-    for id in ["1", "slip"] {
-        assert_eq!(
-            pair(&result, id)["outcome"],
-            "corroborates",
-            "{}",
-            pair(&result, id)
-        );
-    }
+    let stops = pair(&result, "1");
+    assert_eq!(stops["outcome"], "corroborates", "{stops}");
+    // 20 of 100 trials beside 0.2 show neither a difference nor agreement within 5 points.
+    let slips = pair(&result, "slip");
+    assert_eq!(slips["outcome"], "inconclusive", "{slips}");
+    assert_eq!(slips["difference"], 0.0);
     let conclusion = &result["conclusions"][0];
     assert_eq!(conclusion["verdict"], "satisfied");
     assert_eq!(conclusion["step"], "system");
@@ -258,7 +256,7 @@ fn what_is_wrong_with_a_tree_is_said_at_its_place_before_anything_runs() {
     };
     let place = "ledger.toml:1";
     with("\"no stop\"", "\"no stopp\"").is_refused_with(&[
-        "error[unknown-event]",
+        "error[unknown-fault-tree-event]",
         place,
         "did you mean `no stop`?",
     ]);

@@ -412,9 +412,6 @@ impl<'a> Compiled<'a> {
         for question in &self.questions {
             inputs.add("subject", question.subject.id().as_bytes());
             question.over.inputs(inputs);
-            if let Some(missing) = &question.missing {
-                inputs.add("missing", missing.reason().as_bytes());
-            }
             for text in [
                 Some(question.property),
                 question.opportunity,

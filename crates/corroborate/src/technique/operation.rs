@@ -75,8 +75,6 @@ impl Recordings {
         for asset in &self.assets {
             inputs.add(&asset.path, asset.hash.as_bytes());
         }
-        // What earlier builds kept says nothing of trials that are alike.
-        inputs.add("alike", b"folders, sessions, order");
         let map = study.folder.join("topics.toml");
         if map.exists() {
             let text = std::fs::read(&map).map_err(|error| Problem::cannot_read(&map, &error))?;

@@ -131,7 +131,7 @@ impl FaultTrees<'_> {
 fn named(study: &Study, tree: &FaultTree, event: &TreeEvent) -> Result<NodeId, Problem> {
     tree.find(&event.event).ok_or_else(|| {
         let message = format!("the fault tree has no event `{}`", event.event);
-        let problem = Problem::new("unknown-event", message);
+        let problem = Problem::new("unknown-fault-tree-event", message);
         let problem = problem.at(&study.ledger_source, event.span.clone());
         let names = tree.nodes().map(|(id, _)| tree.name(id));
         match did_you_mean(&event.event, names) {

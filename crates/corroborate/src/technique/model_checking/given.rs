@@ -66,14 +66,7 @@ pub(super) struct Asked {
 impl Over {
     /// What an answer depends on besides the properties' texts.
     pub(super) fn inputs(&self, inputs: &mut Inputs) {
-        let unknown = match self {
-            Over::Unknown(reason) => Some(reason),
-            Over::EveryRun | Over::NoTrigger | Over::Given(_) => None,
-        };
-        inputs.add_json("given", &unknown);
-        if matches!(self, Over::NoTrigger) {
-            inputs.add("runs", b"no trigger");
-        }
+        inputs.add_json("over", &self.denominator());
     }
 
     /// The denominator of the number.
