@@ -230,13 +230,17 @@ fn summary(study: &Study) -> String {
 /// step below the one that the requirement needs.
 pub fn outcome(result: &StudyResult) -> Outcome {
     let verdict = |wanted: Verdict| result.conclusions.iter().any(|c| c.verdict == wanted);
+    // Of a failure mode all evidence is current on which some conclusion rests.
+    let is_current = |id: &String, subject: &Subject| {
+        result.conclusions.iter().any(|c| match subject {
+            Subject::Requirement(own) => c.requirement == *own && c.rests_on.contains(id),
+            Subject::FailureMode(_) => c.rests_on.contains(id),
+        })
+    };
     let current_conflict = result.comparisons.iter().any(|comparison| {
+        let sides = [&comparison.left, &comparison.right];
         comparison.outcome == evidence::Outcome::Conflicts
-            && result.conclusions.iter().any(|c| {
-                c.requirement == comparison.subject.id()
-                    && c.rests_on.contains(&comparison.left)
-                    && c.rests_on.contains(&comparison.right)
-            })
+            && sides.iter().all(|id| is_current(id, &comparison.subject))
     });
     if verdict(Verdict::Violated) || verdict(Verdict::Conflicting) || current_conflict {
         Outcome::Violated

@@ -357,7 +357,16 @@ fn is_trial(piece: &Evidence) -> bool {
 
 /// Positions of the pieces that rest on none of those accepted before, roots first.
 fn independent(pieces: &[Piece<'_>], lineage: &Lineage<'_>, quantity: &Subject) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    independent_among(pieces, (0..pieces.len()).collect(), lineage, quantity)
+}
+
+/// The same of these places alone, so that no piece is left out for one that takes no part.
+fn independent_among(
+    pieces: &[Piece<'_>],
+    mut order: Vec<usize>,
+    lineage: &Lineage<'_>,
+    quantity: &Subject,
+) -> Vec<usize> {
     order.sort_by_key(|&index| {
         (
             !lineage.is_root(&pieces[index].evidence.id, quantity),

@@ -5,8 +5,8 @@
 //! or if all are one person's. With groups of `m` trials and the intraclass correlation `rho` they count as
 //! `N / (1 + (m - 1) rho)` independent ones; `m` is all trials of one person, and else assumed: [`ASSUMED_GROUP`] trials.
 //! All comparisons and conclusions are drawn again at each of [`CORRELATIONS`], with the same correlation for all such
-//! evidence. A decision (a pair that agrees or conflicts, a requirement that is satisfied or violated) *holds up to* the
-//! largest of these below the first at which it is another.
+//! evidence. A decision (a pair that agrees or conflicts, a requirement that is satisfied or violated, with the step on which
+//! it is) *holds up to* the largest of these below the first at which it is another.
 //!
 //! # Source
 //! L. Kish, "Survey sampling" (1965), for the design effect. That the least deviation is given at which a conclusion
@@ -61,7 +61,8 @@ pub fn bear_clustering(
             }
         }
         for ((found, was), is) in verdicts.iter_mut().zip(&*conclusions).zip(&concluded) {
-            if was.verdict != is.verdict {
+            // Also where another piece says the same on a lower step.
+            if (was.verdict, was.step) != (is.verdict, is.step) {
                 found.get_or_insert(below);
             }
         }

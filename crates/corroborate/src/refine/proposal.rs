@@ -40,7 +40,7 @@ pub struct Proposal {
     pub tried: Trial,
     /// What has to be known before it is accepted.
     pub notes: Vec<String>,
-    /// Whether `--all` leaves it open: it decides what a text means, or it makes other evidence conflict.
+    /// Whether `--all` leaves it open: it decides what a text means, makes other evidence conflict, or mends nothing.
     pub needs_decision: bool,
     /// What is done.
     #[serde(skip)]
@@ -233,6 +233,15 @@ pub fn model_proposal(
     notes.extend(changed.notes.iter().cloned());
     notes.extend(hides(result, &change, before, changed.at_last()));
     let is_harmful = tried.is_harmful();
+    // What is right within the margin, or as far as chance tells, is not to be changed without being looked at.
+    let repairs_nothing = tried.repairs.is_empty() && tried.sides.is_empty();
+    if repairs_nothing {
+        notes.push(
+            "It mends no disagreement that is strong: the counts may differ from the model by chance, or for a reason that \
+             lies elsewhere."
+                .to_owned(),
+        );
+    }
     Proposal {
         number: 0,
         suspect,
@@ -244,7 +253,7 @@ pub fn model_proposal(
         effects: effects(result, before, &changed.values, &mode, counts),
         tried,
         notes,
-        needs_decision: is_harmful,
+        needs_decision: is_harmful || repairs_nothing,
         change: Change::Model {
             entry: entry.clone(),
             change,

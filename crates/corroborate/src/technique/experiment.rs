@@ -213,10 +213,14 @@ impl Tables {
         }
     }
 
-    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were.
+    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were: fewer than there
+    /// were attempts or, where these are not told, than another requirement was covered in (failure mode had opportunities).
     fn denominator(&self, subject: &Subject) -> Denominator {
+        let covered = self.requirements.iter().map(|row| row.covered).max();
+        let opportunities = self.failure_modes.iter().map(|row| row.opportunities).max();
+        let all = self.attempts().or(covered).or(opportunities);
         match self.covered(subject) {
-            Some(covered) if Some(covered) != self.attempts() => Denominator::Triggered,
+            Some(covered) if Some(covered) != all => Denominator::Triggered,
             _ => Denominator::EveryRun,
         }
     }

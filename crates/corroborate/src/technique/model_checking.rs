@@ -38,7 +38,7 @@ use query::explore;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
-use study::{FormText, Method, Study, quoted_names};
+use study::{FormText, Method, Study, TriggerForm, quoted_names};
 
 /// The most states that a model of a study may have: about 2 GB of memory.
 const MAX_STATES: usize = 20_000_000;
@@ -67,7 +67,6 @@ pub struct Compiled<'a> {
 struct Question<'a> {
     subject: &'a Subject,
     property: &'a FormText,
-    opportunity: Option<&'a FormText>,
     /// Over which runs it is asked.
     over: Over,
     /// Whether the model leaves choices open, so that the answer is a range over all schedulers.
@@ -90,7 +89,8 @@ impl Missing {
         match self {
             Missing::Words(reason) => reason.clone(),
             Missing::Doubt(truth) => format!(
-                "Its property is {truth} of each run, whatever the model's commands do, so that the model says nothing of it."
+                "Its property is {truth} of each run that counts, whatever the model's commands do, so that the model says nothing \
+                 of it."
             ),
         }
     }
@@ -207,23 +207,44 @@ impl<'a> Compiled<'a> {
                 for text in texts.into_iter().flatten() {
                     self.property(&self.model, text)?;
                 }
-                let asked = self.property(&self.model, property)?;
-                missing = vacuity::constant_truth(&asked, &self.model).map(Missing::Doubt);
             }
             let over = match (&missing, &form.opportunity) {
                 (None, None) => self.over(&form.subject, property, &form.trigger)?,
-                _ => Over::EveryRun,
+                // A failure mode's opportunity is what triggers it.
+                (None, Some(opportunity)) => {
+                    let trigger = TriggerForm::Runs(opportunity.clone());
+                    self.over(&form.subject, property, &trigger)?
+                }
+                (Some(_), _) => Over::EveryRun,
             };
+            if missing.is_none() {
+                missing = self.constant_truth(property, &over)?.map(Missing::Doubt);
+            }
             questions.push(Question {
                 subject: &form.subject,
                 property,
-                opportunity: form.opportunity.as_ref(),
                 over,
                 has_choices: self.model.model_type.has_choices(),
                 missing,
             });
         }
         Ok(questions)
+    }
+
+    /// The one truth value that a property has on all runs that count, whatever the model's commands do, if it has one.
+    fn constant_truth(&self, property: &FormText, over: &Over) -> Result<Option<bool>, Problem> {
+        let bound = |text: &FormText| self.property(&self.model, text);
+        let condition = match over {
+            // A conditional property has its condition within.
+            Over::Given(given) => Some(bound(&given.trigger)?),
+            Over::EveryRun | Over::NoTrigger | Over::Unknown(_) => None,
+        };
+        let asked = bound(property)?;
+        Ok(vacuity::constant_truth(
+            &asked,
+            condition.as_ref(),
+            &self.model,
+        ))
     }
 
     /// A property with the vocabulary's propositions as labels, bound to a
@@ -414,7 +435,6 @@ impl<'a> Compiled<'a> {
             question.over.inputs(inputs);
             for text in [
                 Some(question.property),
-                question.opportunity,
                 question.given().map(|given| &given.trigger),
             ]
             .into_iter()

@@ -50,7 +50,7 @@ fn a_plan_says_what_is_stale_and_why_and_writes_nothing() {
     let stale = by_another.evidence.iter().map(|it| &it.freshness);
     assert!(stale.eq([&OtherInputs; 2]), "{by_another:?}");
     let took = by_another.evidence.iter().map(|it| it.last_took_secs);
-    assert!(took.clone().all(|secs| secs.is_some_and(|secs| secs > 0.0)));
+    assert!(took.clone().all(|secs| secs.is_some()));
     assert_eq!(by_another.last_took_secs(), (took.flatten().sum(), 0));
 
     // Comments count: what is hashed is the file.

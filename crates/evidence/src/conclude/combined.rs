@@ -29,7 +29,7 @@
 //! nothing of dependence that is not declared.
 
 use super::common::{common_bound, common_statement};
-use super::{Piece, among_current, current, independent, quantity, superseded, threshold_of};
+use super::{Piece, among_current, current, independent_among, quantity, superseded, threshold_of};
 use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
 use crate::{Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject};
@@ -265,14 +265,18 @@ fn chosen<'a>(
     weights: &Weights,
     result: &mut Combined,
 ) -> Vec<Chosen<'a>> {
-    let free = independent(pieces, lineage, quantity);
+    let is_combined = |piece: &Piece<'_>| {
+        weights.of(&piece.evidence.id) > 0.0 && piece.belief.worth_in_counts().is_some()
+    };
+    let places = (0..pieces.len()).filter(|at| is_combined(&pieces[*at]));
+    let free = independent_among(pieces, places.collect(), lineage, quantity);
     let mut chosen = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {
         let id = piece.evidence.id.clone();
         let weight = weights.of(&id);
         let reason = match piece.belief.worth_in_counts() {
-            _ if !free.contains(&index) => "rests on the counts of a piece that is combined",
             _ if weight <= 0.0 => "has a declared weight of 0",
+            Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",
             None if matches!(piece.belief, Belief::Known { .. } | Belief::Range { .. }) => {
                 "is computed, not counted"
             }

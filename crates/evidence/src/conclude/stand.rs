@@ -73,14 +73,13 @@ pub(super) fn stand(
     }
 }
 
-/// What p-values against "not met" and "met" show.
+/// What p-values against "not met" and "met" show. Looks that show both contradict each other, and decide nothing: what an
+/// early one showed is not taken back by later ones, and what all trials show is not hidden by it.
 pub(super) fn standing(p_not_met: f64, p_met: f64, levels: ClaimLevels) -> Standing {
-    if p_met <= levels.missed {
-        Standing::Denies
-    } else if p_not_met <= levels.met {
-        Standing::Supports
-    } else {
-        Standing::Neither
+    match (p_not_met <= levels.met, p_met <= levels.missed) {
+        (true, false) => Standing::Supports,
+        (false, true) => Standing::Denies,
+        (true, true) | (false, false) => Standing::Neither,
     }
 }
 

@@ -25,7 +25,7 @@
 //! too, and may want more.
 
 use super::words::is_certainty;
-use super::{Piece, current, independent, looked_at, quantity, threshold_of};
+use super::{Piece, current, independent_among, looked_at, quantity, threshold_of};
 use crate::compare::{Belief, Study, TrialCosts};
 use crate::conclude::stand::shown_below_and_above;
 use crate::looks::{is_open, over_looks};
@@ -163,7 +163,10 @@ fn plans(
     let mut pieces = current(study.evidence, requirement, &quantity);
     pieces.retain(enough);
     let pieces = looked_at(study, pieces, (requirement, &quantity));
-    let free = independent(&pieces, &study.lineage(), &quantity);
+    // A model that takes no part stands in no count's way.
+    let is_counted = |at: &usize| matches!(pieces[*at].belief, Belief::Counts { .. });
+    let places = (0..pieces.len()).filter(is_counted).collect();
+    let free = independent_among(&pieces, places, &study.lineage(), &quantity);
     let plan = |piece: &Piece<'_>| {
         let level = level_of(conclusion, &piece.evidence.id)?;
         let Belief::Counts { effective, .. } = &piece.belief else {

@@ -46,8 +46,18 @@ pub(super) fn piece(
                 Some(_) => " at every look",
                 None => "",
             };
+            let contrary = p_not_met.max(p_met);
+            let contradicted = match p_not_met <= levels.met && p_met <= levels.missed {
+                true => format!(
+                    "; an earlier look showed the contrary (p {} against {}), and looks that contradict each other \
+                     decide nothing",
+                    p_value(contrary),
+                    hypothesis(threshold, leans_to_met)
+                ),
+                false => String::new(),
+            };
             format!(
-                "{id}: {counts}, {} (one-sided {} limit{at}, p {} against {})",
+                "{id}: {counts}, {} (one-sided {} limit{at}, p {} against {}){contradicted}",
                 limit(limits, threshold, leans_to_met),
                 percent(1.0 - level),
                 p_value(p),

@@ -14,7 +14,7 @@ use evidence::{
 };
 use judging::Judges;
 use rayon::prelude::*;
-use stats::Confidence;
+
 use temporal::monitor::Verdict;
 
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.
@@ -153,14 +153,24 @@ impl Diagnosing<'_> {
                     (Some(why), _) => place.empty(why.clone()),
                     (None, None) => {
                         let own = verdicts.iter().map(|v| v[first + at]);
-                        place.filled(counts(own), level)
+                        let sum = match (form.judged_by, form.subject) {
+                            (JudgedBy::Property, Subject::FailureMode(_)) => {
+                                counts(own.map(occurrence))
+                            }
+                            (JudgedBy::Property, Subject::Requirement(_))
+                            | (JudgedBy::Monitor, _) => counts(own),
+                        };
+                        place.filled(sum, level)
                     }
                     (None, Some(other)) => {
                         let pairs = verdicts.iter().map(|v| (v[first + at], v[first + other]));
                         match form.subject {
-                            Subject::FailureMode(_) => given_opportunity(&place, pairs, level),
+                            // Paths without the trigger do not count, as in the computed answer.
+                            Subject::FailureMode(_) => {
+                                let sum = counts(pairs.map(given_trigger).map(occurrence));
+                                place.counted((sum.violated, sum.kept + sum.violated), sum, level)
+                            }
                             Subject::Requirement(_) => {
-                                // Paths without the trigger do not count, as in the computed answer.
                                 let sum = counts(pairs.map(given_trigger));
                                 place.counted((sum.kept, sum.kept + sum.violated), sum, level)
                             }
@@ -290,7 +300,7 @@ pub fn path_seeds(study: u64, id: &str) -> Seeds {
     Seeds::new(study, &format!("paths of {id}"))
 }
 
-/// A requirement's verdict on a path, which counts if the path triggers it.
+/// A property's verdict on a path, which counts if the path triggers its subject.
 fn given_trigger((kept, triggered): (Verdict, Verdict)) -> Verdict {
     match (holds(kept), holds(triggered)) {
         (_, Some(false)) => Verdict::NotCovered,
@@ -300,29 +310,13 @@ fn given_trigger((kept, triggered): (Verdict, Verdict)) -> Verdict {
     }
 }
 
-/// A failure mode's occurrences among its opportunities.
-fn given_opportunity(
-    place: &Place<'_>,
-    pairs: impl Iterator<Item = (Verdict, Verdict)>,
-    level: Confidence,
-) -> Cell {
-    let (mut verdicts, mut without) = (Vec::new(), 0_u64);
-    for (occurs, opportunity) in pairs {
-        match (holds(occurs), holds(opportunity)) {
-            (Some(true), Some(true)) => verdicts.push(Verdict::Violated),
-            (Some(false), Some(true)) => verdicts.push(Verdict::Satisfied),
-            (Some(true), Some(false)) => without += 1,
-            (Some(false), Some(false)) => verdicts.push(Verdict::NotCovered),
-            _ => verdicts.push(Verdict::Inconclusive),
-        }
+/// A failure mode's verdict by the property that says that it occurs: violated where it does.
+fn occurrence(says: Verdict) -> Verdict {
+    match says {
+        Verdict::Satisfied => Verdict::Violated,
+        Verdict::Violated => Verdict::Satisfied,
+        Verdict::NotCovered | Verdict::Inconclusive => says,
     }
-    if without > 0 {
-        return place.empty(format!(
-            "it occurs without its opportunity on {without} paths"
-        ));
-    }
-    let sum = counts(verdicts);
-    place.counted((sum.violated, sum.violated + sum.kept), sum, level)
 }
 
 /// Whether a formula holds; one that does not come up does.
@@ -436,7 +430,7 @@ mod tests {
             undecided,
             ..Default::default()
         };
-        place.counted((count, trials), verdicts, Confidence::P95)
+        place.counted((count, trials), verdicts, stats::Confidence::P95)
     }
 
     /// Against every completion: the p-value that is kept is the greatest of the one-sided ones on that side.

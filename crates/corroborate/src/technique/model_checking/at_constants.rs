@@ -17,7 +17,7 @@ impl Compiled<'_> {
     ) -> Result<Option<f64>, Problem> {
         let mut questions = self.questions.iter();
         let question = questions.find(|q| q.subject.id() == id && q.missing.is_none());
-        let Some(question) = question.filter(|q| q.opportunity.is_none()) else {
+        let Some(question) = question else {
             return Ok(None);
         };
         let model = self.model_at(constants)?;

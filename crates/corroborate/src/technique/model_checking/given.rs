@@ -2,7 +2,8 @@
 //! triggers it.
 //!
 //! # Definition
-//! With the path formulas `X` of the property and `C` of the trigger (`study::TriggerForm`):
+//! With the path formulas `X` of the property and `C` of the trigger (`study::TriggerForm`), which of a failure mode is its
+//! opportunity where one is written:
 //!
 //! ```text
 //! P(X | C) = 1 - P(!X & C) / P(C)      of a requirement
@@ -121,7 +122,7 @@ impl<'a> Compiled<'a> {
 
     /// A property with a condition of its own, and a trigger besides.
     fn written_twice(&self, property: &FormText, trigger: &FormText) -> Problem {
-        let message = "the property says behind `||` which runs count, and `trigger` says it again";
+        let message = "the property says behind `||` which runs count, and a trigger or an opportunity says it again";
         Problem::new("trigger-twice", message)
             .at_places(
                 &self.study.forms.source,
@@ -204,11 +205,10 @@ impl<'a> Compiled<'a> {
 impl Question<'_> {
     /// The texts whose probabilities give the rate: a numerator, and what it is divided by.
     pub(super) fn texts(&self) -> (&FormText, Option<&FormText>) {
-        match (&self.opportunity, &self.over) {
-            (None, Over::Given(given)) if self.has_choices => (&given.conditional, None),
-            (Some(opportunity), _) => (self.property, Some(opportunity)),
-            (None, Over::Given(given)) => (&given.joint, Some(&given.trigger)),
-            (None, _) => (self.property, None),
+        match &self.over {
+            Over::Given(given) if self.has_choices => (&given.conditional, None),
+            Over::Given(given) => (&given.joint, Some(&given.trigger)),
+            Over::EveryRun | Over::NoTrigger | Over::Unknown(_) => (self.property, None),
         }
     }
 
@@ -237,8 +237,7 @@ impl Question<'_> {
 
     /// What asks for the probability of the trigger, where that is not certain.
     pub(super) fn trigger(&self) -> Option<&FormText> {
-        self.opportunity
-            .or(self.given().map(|given| &given.trigger))
+        self.given().map(|given| &given.trigger)
     }
 
     /// The properties that are asked of the runs that trigger it, if these are asked.
@@ -251,7 +250,6 @@ impl Question<'_> {
 
     fn is_complement(&self) -> bool {
         !self.has_choices
-            && self.opportunity.is_none()
             && self.given().is_some()
             && matches!(self.subject, Subject::Requirement(_))
     }
@@ -266,9 +264,7 @@ impl Question<'_> {
         let divisor = divisor.map(&mut *value).transpose()?;
         match value(numerator) {
             Ok(numerator) => Ok((self.rate(numerator, divisor), divisor)),
-            Err(problem) if self.opportunity.is_none() && is_refused(&problem) => {
-                Ok((Some(value(self.property)?), divisor))
-            }
+            Err(problem) if is_refused(&problem) => Ok((Some(value(self.property)?), divisor)),
             Err(problem) => Err(problem),
         }
     }
@@ -326,7 +322,7 @@ impl Question<'_> {
                 denominator: Denominator::Triggered,
                 trigger: shown,
             }),
-            Err(problem) if self.opportunity.is_none() && is_refused(&problem) => {
+            Err(problem) if is_refused(&problem) => {
                 let reason = format!(
                     "the checker does not compute it given the trigger: {}",
                     problem.message()

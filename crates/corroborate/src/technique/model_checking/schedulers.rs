@@ -76,9 +76,6 @@ pub(super) fn worst(subject: &Subject) -> Worst {
 
 impl Question<'_> {
     /// Both ends of the rate and of its trigger's probability at one point of the constants.
-    ///
-    /// A rate given an opportunity lies between the quotients of the ends, as in the answer itself; where the
-    /// opportunity may have probability 0, it is not known.
     pub(super) fn ends_at(&self, value: &mut ValueOf<'_>) -> Result<Rate, Problem> {
         if !self.has_choices {
             let (rate, trigger) = self.rate_at(&mut |text| value(text, Optimum::Min))?;
@@ -94,27 +91,15 @@ impl Question<'_> {
             })
         };
         let trigger = self.trigger().map(&mut ends).transpose()?;
-        let (numerator, divisor) = self.texts();
-        let rate = match ends(numerator) {
-            Err(problem) if self.opportunity.is_none() && super::given::is_refused(&problem) => {
-                Some(ends(self.property)?)
-            }
-            Err(problem) => return Err(problem),
-            Ok(numerator) => match (divisor, trigger) {
-                (Some(_), Some(divisor)) => quotient(numerator, divisor),
-                _ => Some(numerator),
-            },
+        // Of a model with choices no quotient is asked, but the conditional probability itself.
+        let (asked, _) = self.texts();
+        let value = match ends(asked) {
+            Err(problem) if super::given::is_refused(&problem) => ends(self.property)?,
+            found => found?,
         };
         Ok(Rate {
-            value: rate,
+            value: Some(value),
             trigger,
         })
     }
-}
-
-fn quotient(of: Ends, by: Ends) -> Option<Ends> {
-    (by.least > 0.0).then(|| Ends {
-        least: (of.least / by.greatest).min(1.0),
-        greatest: (of.greatest / by.least).min(1.0),
-    })
 }
