@@ -119,7 +119,7 @@ pub fn headline(study: &Study, produced: &Produced) -> String {
                 (None, _) => answer.value.to_string(),
             };
             let given = match finding.denominator {
-                Denominator::Triggered => " given its trigger",
+                Denominator::Triggered | Denominator::Covered => " given its trigger",
                 Denominator::EveryRun | Denominator::NoTrigger | Denominator::AllRuns { .. } => "",
             };
             // The ends of a range with the constants as they are written say less than they seem to.

@@ -190,6 +190,7 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
         verdict,
         step,
         excluded: &excluded,
+        is_looked_at_again: study.looks.is_some(),
     };
     Conclusion {
         requirement: asked.requirement.id.clone(),

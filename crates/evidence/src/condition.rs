@@ -69,8 +69,10 @@ impl Finding {
     pub(crate) fn given(&self) -> &'static str {
         match (&self.denominator, &self.measure) {
             (Denominator::EveryRun | Denominator::NoTrigger, _) => "",
-            (Denominator::Triggered, Measure::Probability { .. }) => " given its trigger",
-            (Denominator::Triggered, _) => " of the runs that trigger it",
+            (Denominator::Triggered | Denominator::Covered, Measure::Probability { .. }) => {
+                " given its trigger"
+            }
+            (Denominator::Triggered | Denominator::Covered, _) => " of the runs that trigger it",
             (Denominator::AllRuns { .. }, _) => " over all runs, triggered or not",
         }
     }
@@ -105,7 +107,7 @@ impl Finding {
                 };
                 format!("{count} of all {trials} runs{every}{ended}")
             }
-            Denominator::Triggered => {
+            Denominator::Triggered | Denominator::Covered => {
                 let unknown = || "how many runs there were in all is not known".to_owned();
                 let share = self.how_often(words).unwrap_or_else(unknown);
                 format!("{count} of the {trials} {}{ended}; {share}", words.runs)
@@ -126,7 +128,7 @@ impl Finding {
                 format!("over all runs: every run {}", words.one)
             }
             Denominator::EveryRun | Denominator::NoTrigger => "over all runs".to_owned(),
-            Denominator::Triggered => {
+            Denominator::Triggered | Denominator::Covered => {
                 let share = match self.trigger.as_deref().and_then(probability) {
                     Some(share) => format!("the probability of that is {share}"),
                     None => "the probability of that is not known".to_owned(),

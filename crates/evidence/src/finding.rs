@@ -37,8 +37,10 @@ pub enum Denominator {
     /// All runs: the study does not say that the subject is triggered in some of them alone. It is the same number over
     /// the runs that trigger it only if each does, which other evidence may show not to be so.
     NoTrigger,
-    /// The runs that trigger it.
+    /// The runs that trigger it, where others are known not to.
     Triggered,
+    /// The runs that trigger it; nothing says whether there were others.
+    Covered,
     /// All runs, also those that do not trigger it, as far as known.
     AllRuns {
         /// Why the number is not given that it is triggered.

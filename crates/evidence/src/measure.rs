@@ -386,7 +386,7 @@ impl MethodAnswer {
             (Some(this), Some(other)) if other.low > 0.0 => Guarantee::Bounded {
                 // One step outwards each: the divisions round.
                 low: match this.low > 0.0 {
-                    true => (this.low / other.high).next_down().max(0.0),
+                    true => (this.low / other.high).next_down().clamp(0.0, 1.0),
                     false => 0.0,
                 },
                 high: match this.high > 0.0 {

@@ -78,9 +78,9 @@ pub use coincidence::{
 pub use combination::{BETWEEN, MOST_BETWEEN, ScatteredRate, power_prior, scattered_rate};
 pub use common_correlation::CommonCorrelation;
 pub use continuation::{
-    ClusteredLook, ScoredLook, continued_above, continued_below, continued_clusters_above,
-    continued_clusters_below, continued_interval, continued_lower_limit, continued_p,
-    continued_rejects, continued_upper_limit,
+    ClusteredLook, SHARE_OF_A_LOOK, ScoredLook, continued_above, continued_below,
+    continued_clusters_above, continued_clusters_below, continued_interval, continued_lower_limit,
+    continued_p, continued_rejects, continued_upper_limit,
 };
 pub use counts::{Confidence, EffectiveSample, Interval, Sample, StatsError, whole_counts};
 pub use design::{design, design_from, posterior_design};

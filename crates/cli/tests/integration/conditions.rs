@@ -230,6 +230,163 @@ fn a_property_that_no_model_can_violate_covers_nothing() {
     assert_eq!(result["conclusions"][0]["verdict"], "not-covered");
 }
 
+/// A failure mode of the model, and what a table counts of it.
+fn with_failure_mode(forms: &str, occurrences: u64, opportunities: u64) -> TempDir {
+    let requirement = format!(
+        "property = 'P=? [ G \"slow\" ]'\n[[failure_mode]]\nid = \"f\"\nname = \"f\"\nmeaning = \"f\"\nmargin = 0.1\n{forms}"
+    );
+    let folder = study(
+        &requirement,
+        "requirement,covered,passed,failed\n1,1000,948,52\n",
+    );
+    let table = format!("mode,occurrences,opportunities\nf,{occurrences},{opportunities}\n");
+    std::fs::write(folder.path().join("f.csv"), table).expect("written");
+    let ledger = LEDGER.replace(
+        "tables.requirements = \"r.csv\"",
+        "tables.requirements = \"r.csv\"\ntables.failure_modes = \"f.csv\"",
+    );
+    std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+    folder
+}
+
+fn of_mode(result: &Value) -> &Value {
+    let all = result["evidence"][0]["findings"]
+        .as_array()
+        .expect("findings");
+    let found = all.iter().find(|it| it["subject"]["id"] == "f");
+    found.expect("the failure mode")
+}
+
+/// It occurs in 5.25 % of the runs after its opportunity, which 15 % have, and in 85 % without it.
+#[test]
+fn a_failure_mode_that_also_occurs_without_its_opportunity_is_counted_with_it_alone() {
+    let forms = "occurs = 'P=? [ F (s=1 | s=3) ]'\nopportunity = 'P=? [ F \"near\" ]'";
+    let folder = with_failure_mode(forms, 35, 100);
+    let result = result(&folder);
+    let mode = of_mode(&result);
+    let answer = &mode["measure"]["answer"];
+    let value = answer["value"].as_f64().expect("a value");
+    assert!((value - 0.35).abs() < 1e-6, "{mode}");
+    let end = |name: &str| answer["guarantee"][name].as_f64().expect("an end");
+    assert!(end("low") <= value && value <= end("high"), "{mode}");
+    assert_eq!(mode["denominator"]["kind"], "triggered");
+    let comparisons = result["comparisons"].as_array().expect("pairs");
+    let pair = comparisons
+        .iter()
+        .find(|it| it["subject"]["id"] == "f")
+        .expect("a pair");
+    assert_eq!(
+        pair["difference"]
+            .as_f64()
+            .map(f64::abs)
+            .filter(|it| *it < 1e-6)
+            .is_some(),
+        true,
+        "{pair}"
+    );
+
+    // Choices give it a range, as they give a requirement one.
+    let model = "mdp\nmodule m\n  s : [0..3] init 0;\n  [a] s=0 -> 0.05:(s'=1) + 0.1:(s'=2) + 0.85:(s'=3);\n  \
+                 [b] s=0 -> 0.5:(s'=1) + 0.5:(s'=2);\n  [] s>0 -> true;\nendmodule\n";
+    std::fs::write(folder.path().join("m.prism"), model).expect("written");
+    let said = corroborate(folder.path(), &["run", ".", "--format", "json"]);
+    let again: Value = serde_json::from_str(&said.out).expect("JSON");
+    let guarantee = &of_mode(&again)["measure"]["answer"]["guarantee"];
+    assert_eq!(guarantee["kind"], "schedulers", "{guarantee}");
+    let end = |name: &str| guarantee[name].as_f64().expect("an end");
+    assert!(
+        (end("low") - 1.0 / 3.0).abs() < 1e-5 && (end("high") - 0.5).abs() < 1e-5,
+        "{guarantee}"
+    );
+}
+
+/// All is as the model computes it, so neither the model nor its solver is a suspect.
+#[test]
+fn paths_that_show_a_failure_without_an_opportunity_count_for_it() {
+    let folder = with_failure_mode("occurs = 'P=? [ F (s=1) ]'", 52, 1000);
+    let run = corroborate(folder.path(), &["run", ".", "--quiet"]);
+    assert!([0, 3].contains(&run.code), "{run:?}");
+    let said = corroborate(folder.path(), &["diagnose", ".", "--format", "json"]);
+    let diagnosis: Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|it| panic!("{it}: {said:?}"));
+    assert_eq!(
+        diagnosis["suspects"],
+        Value::Array(vec![]),
+        "{}",
+        diagnosis["suspects"]
+    );
+    let cells = diagnosis["cells"].as_array().expect("cells");
+    let of_paths =
+        |it: &&Value| it["subject"]["id"] == "f" && it["traces"] == "model" && it["trials"] != 0;
+    let cell = cells.iter().find(of_paths).expect("its cell");
+    let share = cell["count"].as_f64().expect("a count") / cell["trials"].as_f64().expect("paths");
+    assert!((0.02..0.1).contains(&share), "{cell}");
+}
+
+#[test]
+fn looks_that_show_the_contrary_of_each_other_decide_nothing() {
+    let folder = study(
+        "threshold = \"at least 0.8\"",
+        "requirement,covered,passed,failed\n1,20,11,9\n",
+    );
+    let first = &result(&folder)["conclusions"][0];
+    assert_eq!(first["verdict"], "violated", "{first}");
+    let table = "requirement,covered,passed,failed\n1,1020,990,30\n";
+    std::fs::write(folder.path().join("r.csv"), table).expect("written");
+    let then = &result(&folder)["conclusions"][0];
+    assert_eq!(then["verdict"], "undecided", "{then}");
+    let statement = then["statement"].as_str().expect("a statement");
+    assert!(
+        statement.contains("an earlier look showed the contrary"),
+        "{statement}"
+    );
+    assert_eq!(corroborate(folder.path(), &["run", "."]).code, 3);
+}
+
+/// The model meets the threshold, too, so that the word "satisfied" stays when the trials no longer show it.
+#[test]
+fn a_verdict_holds_up_to_a_clustering_although_a_model_says_the_same() {
+    let folder = study(
+        "property = 'P=? [ G \"slow\" ]'\nthreshold = \"at least 0.8\"",
+        "requirement,covered,passed,failed\n1,1960,1639,321\n",
+    );
+    let conclusion = &result(&folder)["conclusions"][0];
+    assert_eq!(
+        (&conclusion["verdict"], &conclusion["step"]),
+        (&"satisfied".into(), &"system".into())
+    );
+    let clustering = &conclusion["clustering"][0];
+    assert!(
+        clustering["holds_up_to"]
+            .as_f64()
+            .is_some_and(|it| it < 1.0),
+        "{clustering}"
+    );
+}
+
+#[test]
+fn so_many_trials_without_a_violation_show_what_is_said() {
+    let forms = "property = 'P=? [ G \"slow\" ]'\nthreshold = \"at least 0.85\"";
+    let folder = study(forms, "requirement,covered,passed,failed\n1,0,0,0\n");
+    let statement = result(&folder)["conclusions"][0]["statement"].to_string();
+    let told = statement
+        .split(" without a violation")
+        .next()
+        .expect("a text");
+    let trials: u64 = told
+        .rsplit(' ')
+        .next()
+        .expect("a word")
+        .parse()
+        .expect("a number");
+    for (passed, verdict) in [(trials - 1, "model"), (trials, "system")] {
+        let table = format!("requirement,covered,passed,failed\n1,{passed},{passed},0\n");
+        let folder = study(forms, &table);
+        let conclusion = &result(&folder)["conclusions"][0];
+        assert_eq!(conclusion["step"], verdict, "{passed}: {conclusion}");
+    }
+}
+
 #[test]
 fn a_constant_that_is_not_the_rate_it_is_said_to_be_set_to_is_refused_with_both_numbers() {
     let calibrated = |passed: u64| {

@@ -147,7 +147,7 @@ fn a_decision_is_made_alone_and_in_a_copy() {
     let proposals = all["proposals"].as_array().expect("proposals");
     let limit = proposals
         .iter()
-        .find(|it| it["needs_decision"] == true)
+        .find(|it| it["needs_decision"] == true && it["file"] == "requirements.toml")
         .expect("a time limit that is not the declared one");
     let number = limit["number"].to_string();
     let arguments = ["refine", ".", "--accept", &number, "--to", "copy"];

@@ -213,15 +213,17 @@ impl Tables {
         }
     }
 
-    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were: fewer than there
-    /// were attempts or, where these are not told, than another requirement was covered in (failure mode had opportunities).
+    /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were. Where attempts are
+    /// not told, other rows of the table tell of more than a row was covered in.
     fn denominator(&self, subject: &Subject) -> Denominator {
         let covered = self.requirements.iter().map(|row| row.covered).max();
         let opportunities = self.failure_modes.iter().map(|row| row.opportunities).max();
-        let all = self.attempts().or(covered).or(opportunities);
-        match self.covered(subject) {
-            Some(covered) if Some(covered) != all => Denominator::Triggered,
-            _ => Denominator::EveryRun,
+        let most = covered.or(opportunities);
+        match (self.covered(subject), self.attempts()) {
+            (None, _) => Denominator::EveryRun,
+            (Some(covered), Some(attempts)) if covered == attempts => Denominator::EveryRun,
+            (Some(covered), None) if Some(covered) == most => Denominator::Covered,
+            (Some(_), _) => Denominator::Triggered,
         }
     }
 

@@ -22,12 +22,14 @@ impl Finding {
     /// Whether its number and another's are over the same runs, so that they answer the same question.
     #[must_use]
     pub fn is_over_the_same_runs(&self, other: &Self) -> bool {
-        use Denominator::{AllRuns, EveryRun, NoTrigger, Triggered};
+        use Denominator::{AllRuns, Covered, EveryRun, NoTrigger, Triggered};
         match (&self.denominator, &other.denominator) {
-            (Triggered, AllRuns { .. }) | (AllRuns { .. }, Triggered) => false,
+            (Triggered | Covered, AllRuns { .. }) | (AllRuns { .. }, Triggered | Covered) => false,
             (NoTrigger, Triggered) | (Triggered, NoTrigger) => false,
+            // Nothing says of either that some runs do not trigger it.
+            (NoTrigger, Covered) | (Covered, NoTrigger) => true,
             (EveryRun, _) | (_, EveryRun) => true,
-            (Triggered, Triggered) => true,
+            (Triggered | Covered, Triggered | Covered) => true,
             (NoTrigger | AllRuns { .. }, NoTrigger | AllRuns { .. }) => true,
         }
     }
@@ -41,7 +43,13 @@ pub(super) fn other_runs(
     if first.is_over_the_same_runs(second) {
         return None;
     }
-    let of_all = match first.denominator == Denominator::Triggered {
+    let is_over_some = |finding: &Finding| {
+        matches!(
+            finding.denominator,
+            Denominator::Triggered | Denominator::Covered
+        )
+    };
+    let of_all = match is_over_some(first) {
         true => right,
         false => left,
     };
@@ -64,10 +72,12 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
         Denominator::NoTrigger => {
             format!("{id} over all runs, of which the study does not say which trigger it")
         }
-        Denominator::Triggered => match finding.trigger.as_deref().and_then(share) {
-            Some(share) => format!("{id} over the runs that trigger it ({share} of all)"),
-            None => format!("{id} over the runs that trigger it"),
-        },
+        Denominator::Triggered | Denominator::Covered => {
+            match finding.trigger.as_deref().and_then(share) {
+                Some(share) => format!("{id} over the runs that trigger it ({share} of all)"),
+                None => format!("{id} over the runs that trigger it"),
+            }
+        }
     }
 }
 
@@ -174,14 +184,14 @@ mod tests {
         let nothing_said = finding(Denominator::NoTrigger, None);
         let all = finding(all, None);
         let some = finding(Denominator::Triggered, Some(share));
-        let of_unknown_many = finding(Denominator::Triggered, None);
+        let of_unknown_many = finding(Denominator::Covered, None);
         for (first, second, expected) in [
             (&every, &some, true),
             (&every, &nothing_said, true),
             (&every, &all, true),
             (&nothing_said, &nothing_said, true),
             (&nothing_said, &all, true),
-            (&nothing_said, &of_unknown_many, false),
+            (&nothing_said, &of_unknown_many, true),
             (&some, &of_unknown_many, true),
             (&nothing_said, &some, false),
             (&all, &some, false),

@@ -265,10 +265,9 @@ fn chosen<'a>(
     weights: &Weights,
     result: &mut Combined,
 ) -> Vec<Chosen<'a>> {
-    let is_combined = |piece: &Piece<'_>| {
-        weights.of(&piece.evidence.id) > 0.0 && piece.belief.worth_in_counts().is_some()
-    };
-    let places = (0..pieces.len()).filter(|at| is_combined(&pieces[*at]));
+    // What is computed takes no part, so that no count is left out for it.
+    let is_counted = |at: &usize| pieces[*at].belief.worth_in_counts().is_some();
+    let places = (0..pieces.len()).filter(is_counted);
     let free = independent_among(pieces, places.collect(), lineage, quantity);
     let mut chosen = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {

@@ -17,6 +17,8 @@ pub(super) struct Statement<'s> {
     pub verdict: Verdict,
     pub step: Option<Step>,
     pub excluded: &'s [Excluded],
+    /// Whether trials may be added and judged again.
+    pub is_looked_at_again: bool,
 }
 
 impl Statement<'_> {
@@ -206,7 +208,12 @@ impl Statement<'_> {
             Direction::AtLeast => threshold.value,
             Direction::AtMost => 1.0 - threshold.value,
         };
-        let level = self.level.of_trials().met;
+        // A first look after which more may come has its share of the level.
+        let level = self.level.of_trials().met
+            * match self.is_looked_at_again {
+                true => stats::SHARE_OF_A_LOOK,
+                false => 1.0,
+            };
         let trials = (level.ln() / share.ln()).ceil().max(1.0);
         format!("No trials of the system cover it; {trials:.0} without a violation would show it.")
     }

@@ -129,7 +129,7 @@ pub(super) struct EntryText {
 #[derive(JsonSchema, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TablesText {
-    /// Attempts by subject: one row for each attempt or for each subject.
+    /// Attempts by subject: one row for each person or session.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) cohort: Option<Spanned<PathBuf>>,
     /// Counts by requirement.

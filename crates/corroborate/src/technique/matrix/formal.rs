@@ -183,8 +183,13 @@ impl Diagnosing<'_> {
             && forms[property].judging.is_ok()
             && forms[monitor].judging.is_ok()
         {
+            // Runs that do not trigger the subject count for neither.
+            let is_triggered = |v: &&Vec<Verdict>| {
+                opportunity.is_none_or(|at| holds(v[first + at]) != Some(false))
+            };
             let pairs = verdicts
                 .iter()
+                .filter(is_triggered)
                 .map(|v| (v[first + property], v[first + monitor]));
             gathered.same.push(same_traces(id, forms[0].subject, pairs));
         }

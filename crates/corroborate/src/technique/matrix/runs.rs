@@ -113,7 +113,8 @@ impl Diagnosing<'_> {
         let same = again.filter(|again| (again.count, again.trials) == (own.count, own.trials));
         let cell = match (episodes, form) {
             (Some(episodes), Some(form)) if same.is_some() => {
-                let pair = main.map(|main| differing(property, episodes, (form, main)));
+                let places = |main| ((form, main), is_triggered);
+                let pair = main.map(|main| differing(property, episodes, places(main)));
                 gathered.same.extend(pair);
                 match main.filter(|_| is_triggered) {
                     Some(main) => {
@@ -217,18 +218,19 @@ fn no_property(study: &Study, subject: &Subject) -> String {
     }
 }
 
-/// On how many runs property and monitor differ, each way.
+/// On how many runs property and monitor differ, each way; where the property counts only runs that trigger it, of these.
 fn differing(
     place: &Place<'_>,
     episodes: &RunVerdicts,
-    (form, main): (usize, usize),
+    ((form, main), is_triggered): ((usize, usize), bool),
 ) -> SameTraces {
     let mut differing = [0; 2];
     for (of_main, of_forms) in episodes.main.iter().zip(&episodes.forms) {
         let (Some(monitor), Some(property)) = (of_main.get(main), of_forms.get(form)) else {
             continue;
         };
-        if [monitor, property].contains(&&Verdict::Inconclusive) {
+        let is_left_out = is_triggered && *monitor == Verdict::NotCovered;
+        if is_left_out || [monitor, property].contains(&&Verdict::Inconclusive) {
             continue;
         }
         match (

@@ -397,7 +397,7 @@ mod tests {
             "P=? [ F \"end\" ]",
             "P=? [ G !(s=0 & b) ]",
             "P=? [ F \"deadlock\" ]",
-            "P=? [ b U>=2 (b | !b) ]",
+            "P=? [ !b U>=2 (b | !b) ]",
             "P=? [ G (s=1 => (F s=2)) ]",
         ] {
             assert_eq!(truth(property), None, "{property}");
