@@ -47,7 +47,10 @@ pub(super) fn constant_truth(
     };
     let mut free = Free::default();
     let asked = free.text(path)?;
-    let given = condition.map(|it| free.text(it)).transpose_some()?;
+    let given = match condition {
+        Some(condition) => Some(free.text(condition)?),
+        None => None,
+    };
     let free = free.built(model)?;
     let holds = |path: &str| free.is_certain(path);
     let (always, never) = match &given {
@@ -75,21 +78,6 @@ fn parts(property: &Property) -> Option<(&Path, Option<&Path>)> {
         }) => Some((path, Some(condition))),
         Property::Number(_) | Property::State(_) | Property::Range(_) | Property::Objectives(_) => {
             None
-        }
-    }
-}
-
-/// `Some(None)` of nothing, `Some(Some(_))` of what there is, `None` of what cannot be.
-trait TransposeSome<T> {
-    fn transpose_some(self) -> Option<Option<T>>;
-}
-
-impl<T> TransposeSome<T> for Option<Option<T>> {
-    fn transpose_some(self) -> Option<Option<T>> {
-        match self {
-            None => Some(None),
-            Some(None) => None,
-            Some(found) => Some(found),
         }
     }
 }
