@@ -296,9 +296,9 @@ fn a_failure_mode_that_also_occurs_without_its_opportunity_is_counted_with_it_al
 /// All is as the model computes it, so neither the model nor its solver is a suspect.
 #[test]
 fn paths_that_show_a_failure_without_an_opportunity_count_for_it() {
-    let folder = with_failure_mode("occurs = 'P=? [ F (s=1) ]'", 52, 1000);
+    let folder = with_failure_mode("occurs = 'P=? [ F !\"slow\" ]'", 52, 1000);
     let run = corroborate(folder.path(), &["run", ".", "--quiet"]);
-    assert!([0, 3].contains(&run.code), "{run:?}");
+    assert!([0, 1, 3].contains(&run.code), "{run:?}");
     let said = corroborate(folder.path(), &["diagnose", ".", "--format", "json"]);
     let diagnosis: Value =
         serde_json::from_str(&said.out).unwrap_or_else(|it| panic!("{it}: {said:?}"));
