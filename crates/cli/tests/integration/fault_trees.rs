@@ -197,6 +197,18 @@ fn counts_behind_a_basic_event_are_carried_on_and_make_the_agreement_a_fit() {
         pair(&result, "slip")
     );
 
+    // Both linings of one kind have one unknown rate: 0.99 (1 - p^2).
+    let second = calibrated.replace("left", "right");
+    let twins = Lift::new(380).write(
+        "ledger.toml",
+        &format!("{TABLES}{ENTRY}{calibrated}{second}"),
+    );
+    let result = twins.result();
+    let low = tree_of(&result)["findings"][0]["measure"]["credible"]["interval"]["low"].clone();
+    let expected = 0.99 * (1.0 - posterior.quantile(0.975).powi(2));
+    let low = low.as_f64().expect("an end");
+    assert!((low - expected).abs() < 1e-3, "{low} {expected}");
+
     let other = Lift::new(380)
         .write("ledger.toml", &format!("{TABLES}{ENTRY}{calibrated}"))
         .write(

@@ -5,7 +5,8 @@
 //! mode, whose rate is `P(event)`. Nothing is said of what has no event.
 //!
 //! A basic event that the ledger says to be set to counts has the Jeffreys posterior of these, independent of the others; so
-//! has one that the tree itself gives counts (the Open-PSA format's `occurrences` and `trials`). The posterior of the rate is
+//! has one that the tree itself gives counts (the Open-PSA format's `occurrences` and `trials`). Basic events that were set
+//! to the same counts, as identical parts are, have one unknown rate between them. The posterior of the rate is
 //! found at the points of a low-discrepancy design, with each basic event's share in its variance (`stats::SharesDesign`), as
 //! of a formal model (`super::super::model_checking`).
 //!
@@ -139,6 +140,12 @@ fn named(study: &Study, tree: &FaultTree, event: &TreeEvent) -> Result<NodeId, P
             None => problem.remedy("name a gate or a basic event of the tree"),
         }
     })
+}
+
+/// Whether two basic events were set to the same counts. Equal counts of one subject are taken for the same ones; if two
+/// sources happen to have them, the distribution is wider than it would have to be in a coherent tree.
+fn is_same_count(one: &CountedConstant, other: &CountedConstant) -> bool {
+    one.subject == other.subject && one.sample == other.sample
 }
 
 /// What a tree counts itself.
@@ -309,18 +316,30 @@ impl Ready<'_> {
         self.has_no_ranges(&support)?;
         let study = self.asked.study;
         let level = crate::technique::confidence(study.about.confidence)?;
-        let posteriors: Vec<_> = counted
+        // One for each source of counts, with the place of its source for each basic event.
+        let mut sources: Vec<&CountedConstant> = Vec::new();
+        let mut source_of = Vec::new();
+        for (constant, _) in &counted {
+            let is_same = |other: &&CountedConstant| is_same_count(other, constant);
+            let known = sources.iter().position(is_same);
+            source_of.push(known.unwrap_or(sources.len()));
+            if known.is_none() {
+                sources.push(constant);
+            }
+        }
+        let posteriors: Vec<_> = sources
             .iter()
-            .map(|(it, _)| stats::BetaPosterior::jeffreys(it.sample))
+            .map(|it| stats::BetaPosterior::jeffreys(it.sample))
             .collect();
-        let wanted = POINTS * (counted.len() + 2);
+        let wanted = POINTS * (sources.len() + 2);
         let affordable = (MOST_VISITS / analysis.nodes().max(1)).max(FEWEST_POINTS);
         let design =
             stats::SharesDesign::new(&posteriors, wanted.min(affordable), study.about.seed);
         let cancel = &self.asked.host.cancel;
         let rate = |point: &Vec<f64>| {
             let ids = counted.iter().map(|(_, id)| *id);
-            let instead: Vec<(NodeId, f64)> = ids.zip(point.iter().copied()).collect();
+            let rates = source_of.iter().filter_map(|at| point.get(*at).copied());
+            let instead: Vec<(NodeId, f64)> = ids.zip(rates).collect();
             let found = analysis.probability_at(&instead, cancel)?;
             let probability = f64::midpoint(found.lower, found.upper);
             Ok(match subject {
@@ -333,7 +352,7 @@ impl Ready<'_> {
             .par_iter()
             .map(rate)
             .collect::<Result<_, Problem>>()?;
-        let names: Vec<&str> = counted.iter().map(|(it, _)| it.name.as_str()).collect();
+        let names: Vec<&str> = sources.iter().map(|it| it.name.as_str()).collect();
         let found = CredibleInterval::of_design(&names, &design, &values, level)
             .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
         Ok(Some(CredibleInterval {
