@@ -138,7 +138,9 @@ impl Planning<'_> {
             if !only.is_empty() && !only.contains(&entry.id) {
                 continue;
             }
-            let freshness = self.freshness(entry, prepared, &evidence, &mut fresh)?;
+            let stored = kept::<Produced>(&self.folder.join(evidence_file(&entry.id)));
+            let took = stored.as_ref().ok().map(|it| it.content.cost.wall_secs);
+            let freshness = self.freshness((entry, prepared), stored, &evidence, &mut fresh)?;
             evidence.push(PlannedEvidence {
                 id: entry.id.clone(),
                 title: entry.title.clone(),
@@ -149,9 +151,7 @@ impl Planning<'_> {
                 },
                 last_took_secs: match freshness {
                     Freshness::Fresh => None,
-                    _ => kept::<Produced>(&self.folder.join(evidence_file(&entry.id)))
-                        .ok()
-                        .map(|stored| stored.content.cost.wall_secs),
+                    _ => took,
                 },
                 freshness,
             });
@@ -163,11 +163,11 @@ impl Planning<'_> {
         })
     }
 
-    /// Whether an entry's evidence is fresh; if it is, it is added to the `fresh` ones.
+    /// Whether an entry's evidence is fresh, by what was stored; if it is, it is added to the `fresh` ones.
     fn freshness(
         &self,
-        entry: &Entry,
-        prepared: &Opened<'_>,
+        (entry, prepared): (&Entry, &Opened<'_>),
+        stored: Result<Stored<Produced>, Freshness>,
         before: &[PlannedEvidence],
         fresh: &mut Vec<Piece>,
     ) -> Result<Freshness, Problem> {
@@ -176,7 +176,7 @@ impl Planning<'_> {
                 reason: problem.message().to_owned(),
             });
         }
-        let stored = match kept::<Produced>(&self.folder.join(evidence_file(&entry.id))) {
+        let stored = match stored {
             Ok(stored) => stored,
             Err(stale) => return Ok(stale),
         };

@@ -71,36 +71,22 @@ struct Question<'a> {
     over: Over,
     /// Whether the model leaves choices open, so that the answer is a range over all schedulers.
     has_choices: bool,
-    /// Why this model is not asked, if so.
-    missing: Option<Missing>,
+    /// Why this model cannot be asked, if so.
+    missing: Option<String>,
 }
 
-/// Why a model is not asked a property.
-#[derive(Debug)]
-enum Missing {
-    /// It has no words for it, for this reason.
-    Words(String),
-    /// The property has this one truth value on each run, whatever the model's commands do.
-    Doubt(bool),
-}
+/// A computed rate that is nearer to 0 or 1 may be that of a property which has one truth value on all runs.
+const NEARLY_CERTAIN: f64 = 1e-6;
 
-impl Missing {
-    fn reason(&self) -> String {
-        match self {
-            Missing::Words(reason) => reason.clone(),
-            Missing::Doubt(truth) => format!(
-                "Its property is {truth} of each run that counts, whatever the model's commands do, so that the model says nothing \
-                 of it."
-            ),
-        }
-    }
-
-    fn measure(&self) -> Measure {
-        let reason = self.reason();
-        match self {
-            Missing::Words(_) => Measure::NotExpressible { reason },
-            Missing::Doubt(_) => Measure::NotCovered { reason },
-        }
+/// What results depend on by the counts of constants.
+pub(crate) fn counts_as_inputs(counted: &[CountedConstant], inputs: &mut Inputs) {
+    for constant in counted {
+        let sample = (
+            constant.sample.successes,
+            constant.sample.trials,
+            constant.held,
+        );
+        inputs.add_json(&constant.name, &sample);
     }
 }
 
@@ -194,14 +180,14 @@ impl<'a> Compiled<'a> {
                 continue;
             };
             let texts = [Some(property), form.opportunity.as_ref()];
-            let mut missing = texts
+            let missing = texts
                 .into_iter()
                 .flatten()
                 .flat_map(|text| quoted_names(&text.text))
                 .find_map(|(name, _)| self.not_expressed.get(name.as_str()))
                 .map(|reason| {
                     let reason = reason.trim_end_matches('.');
-                    Missing::Words(format!("The model does not express it: {reason}."))
+                    format!("The model does not express it: {reason}.")
                 });
             if missing.is_none() {
                 for text in texts.into_iter().flatten() {
@@ -217,9 +203,6 @@ impl<'a> Compiled<'a> {
                 }
                 (Some(_), _) => Over::EveryRun,
             };
-            if missing.is_none() {
-                missing = self.constant_truth(property, &over)?.map(Missing::Doubt);
-            }
             questions.push(Question {
                 subject: &form.subject,
                 property,
@@ -231,20 +214,32 @@ impl<'a> Compiled<'a> {
         Ok(questions)
     }
 
-    /// The one truth value that a property has on all runs that count, whatever the model's commands do, if it has one.
-    fn constant_truth(&self, property: &FormText, over: &Over) -> Result<Option<bool>, Problem> {
+    /// What was found, or that it is no more than what the property says of all runs that count, whatever the model's
+    /// commands do.
+    fn unless_it_says_nothing(
+        &self,
+        question: &Question<'_>,
+        asked: Asked,
+    ) -> Result<Asked, Problem> {
+        let may_be_constant = |rate: f64| rate.min(1.0 - rate) < NEARLY_CERTAIN;
+        if !asked.measure.estimate().is_some_and(may_be_constant) {
+            return Ok(asked);
+        }
         let bound = |text: &FormText| self.property(&self.model, text);
-        let condition = match over {
-            // A conditional property has its condition within.
-            Over::Given(given) => Some(bound(&given.trigger)?),
-            Over::EveryRun | Over::NoTrigger | Over::Unknown(_) => None,
-        };
-        let asked = bound(property)?;
-        Ok(vacuity::constant_truth(
-            &asked,
-            condition.as_ref(),
-            &self.model,
-        ))
+        let condition = question.given().map(|given| bound(&given.trigger));
+        let property = bound(question.property)?;
+        let condition = condition.transpose()?;
+        let truth = vacuity::constant_truth(&property, condition.as_ref(), &self.model);
+        Ok(truth.map_or(asked, |truth| Asked {
+            measure: Measure::NotCovered {
+                reason: format!(
+                    "Its property is {truth} of each run that counts, whatever the model's commands do, so that the model \
+                     says nothing of it."
+                ),
+            },
+            denominator: Denominator::default(),
+            trigger: None,
+        }))
     }
 
     /// A property with the vocabulary's propositions as labels, bound to a
@@ -331,12 +326,18 @@ impl<'a> Compiled<'a> {
         let mut findings = Vec::new();
         for question in &self.questions {
             let asked = match &question.missing {
-                Some(missing) => Asked {
-                    measure: missing.measure(),
+                Some(reason) => Asked {
+                    measure: Measure::NotExpressible {
+                        reason: reason.clone(),
+                    },
                     denominator: Denominator::default(),
                     trigger: None,
                 },
-                None => self.ask(question, methods, &space, exact_space.as_ref(), &cancel)?,
+                None => {
+                    let asked =
+                        self.ask(question, methods, &space, exact_space.as_ref(), &cancel)?;
+                    self.unless_it_says_nothing(question, asked)?
+                }
             };
             findings.push(Finding {
                 subject: question.subject.clone(),

@@ -83,14 +83,14 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
 
 /// What makes them comparable, where the number over all runs is of this technique.
 fn remedy(subject: &Subject, of_all: Technique) -> &'static str {
-    if of_all.traits().asked_by == AskedBy::Event {
-        return " If the tree speaks of the runs that trigger it, say so: `triggered = true` in its entry of ledger.toml.";
-    }
-    match subject {
-        Subject::Requirement(_) => {
+    match (of_all.traits().asked_by, subject) {
+        (AskedBy::Event, _) => {
+            " If the tree speaks of the runs that trigger it, say so: `triggered = true` in its entry of ledger.toml."
+        }
+        (AskedBy::Property | AskedBy::Monitor, Subject::Requirement(_)) => {
             " Say which runs of the model trigger it: `trigger = 'P=? [ F \"...\" ]'` in requirements.toml."
         }
-        Subject::FailureMode(_) => {
+        (AskedBy::Property | AskedBy::Monitor, Subject::FailureMode(_)) => {
             " Say which runs of the model give it an opportunity: `opportunity = 'P=? [ F \"...\" ]'` in \
              requirements.toml."
         }

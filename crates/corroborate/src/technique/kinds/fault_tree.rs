@@ -18,10 +18,10 @@
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::run::{check_constants, counted_constants};
 use crate::technique::files::Files;
-use crate::technique::model_checking::CountedConstant;
+use crate::technique::model_checking::{CountedConstant, counts_as_inputs};
 use crate::technique::{Influence, Produced};
 use crate::verify::Audit;
-use diagnostic::{Cancel, Problem, did_you_mean};
+use diagnostic::{Cancel, Problem};
 use evidence::{
     AssetRole, Cost, CredibleInterval, Denominator, Finding, Guarantee, Measure, MethodAnswer,
     Subject, Tool,
@@ -29,10 +29,9 @@ use evidence::{
 use fault_tree::{Analysis, EventData, FaultTree, NodeId, NodeKind, Options, Settings};
 use host::store::Inputs;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
-use study::{Study, TreeEvent};
+use study::TreeEvent;
 
 /// Points of the design for each counted basic event and two more, and how many nodes of diagrams are visited at most for
 /// all of them; then there are fewer, and no fewer than [`FEWEST_POINTS`].
@@ -107,15 +106,17 @@ impl FaultTrees<'_> {
             asked.host.events.say(&warning.warning_line());
         }
         let events = self.events.iter().map(|event| {
-            let found = named(asked.study, &reading.tree, event)?;
-            Ok((event.subject.clone(), found))
+            let found = reading.tree.event(&event.event);
+            let place = |it: Problem| it.at(&asked.study.ledger_source, event.span.clone());
+            Ok((event.subject.clone(), found.map_err(place)?))
         });
         let events = events.collect::<Result<_, Problem>>()?;
         let own_counts = counts_of(&reading.tree);
+        let rates = own_counts.iter().map(own_rate).collect();
         let ready = Ready {
             asked,
-            tree: with_rates(reading.tree)?,
-            own_counts,
+            tree: reading.tree.with_data(&rates)?,
+            own_counts: own_counts.iter().map(own_constant).collect(),
             events,
             mission_time: self.mission_time,
             is_triggered: self.is_triggered,
@@ -128,57 +129,41 @@ impl FaultTrees<'_> {
     }
 }
 
-/// The node of an event that the ledger names.
-fn named(study: &Study, tree: &FaultTree, event: &TreeEvent) -> Result<NodeId, Problem> {
-    tree.find(&event.event).ok_or_else(|| {
-        let message = format!("the fault tree has no event `{}`", event.event);
-        let problem = Problem::new("unknown-fault-tree-event", message);
-        let problem = problem.at(&study.ledger_source, event.span.clone());
-        let names = tree.nodes().map(|(id, _)| tree.name(id));
-        match did_you_mean(&event.event, names) {
-            Some(similar) => problem.remedy(format!("did you mean `{similar}`?")),
-            None => problem.remedy("name a gate or a basic event of the tree"),
-        }
-    })
-}
-
 /// Whether two basic events were set to the same counts. Equal counts of one subject are taken for the same ones; if two
 /// sources happen to have them, the distribution is wider than it would have to be in a coherent tree.
 fn is_same_count(one: &CountedConstant, other: &CountedConstant) -> bool {
     one.subject == other.subject && one.sample == other.sample
 }
 
-/// What a tree counts itself.
-fn counts_of(tree: &FaultTree) -> Vec<CountedConstant> {
+/// What a tree counts itself, by basic event.
+fn counts_of(tree: &FaultTree) -> Vec<(String, stats::Sample)> {
     let of = |(id, node): (NodeId, &fault_tree::Node)| match &node.kind {
         NodeKind::Basic(Some(EventData::Counts {
-            occurrences,
+            occurrences: successes,
             trials,
-        })) => Some(CountedConstant {
-            name: tree.name(id).to_owned(),
-            sample: stats::Sample::new(*occurrences, *trials).ok()?.into(),
-            subject: Subject::FailureMode(tree.name(id).to_owned()),
-            held: false,
-        }),
+        })) => {
+            let sample = stats::Sample::new(*successes, *trials).ok()?;
+            Some((tree.name(id).to_owned(), sample))
+        }
         NodeKind::Basic(_) | NodeKind::House(_) | NodeKind::Gate(..) => None,
     };
     tree.nodes().filter_map(of).collect()
 }
 
-/// The tree with counts replaced by their rates.
-fn with_rates(tree: FaultTree) -> Result<FaultTree, Problem> {
-    let rate = |(id, node): (NodeId, &fault_tree::Node)| match &node.kind {
-        NodeKind::Basic(Some(EventData::Counts {
-            occurrences,
-            trials,
-        })) => {
-            let rate = fault_tree::BigRational::new((*occurrences).into(), (*trials).into());
-            Some((tree.name(id).to_owned(), EventData::Probability(rate)))
-        }
-        NodeKind::Basic(_) | NodeKind::House(_) | NodeKind::Gate(..) => None,
-    };
-    let rates: BTreeMap<String, EventData> = tree.nodes().filter_map(rate).collect();
-    tree.with_data(&rates)
+/// A basic event that the tree counts itself.
+fn own_constant((name, sample): &(String, stats::Sample)) -> CountedConstant {
+    CountedConstant {
+        name: name.clone(),
+        sample: (*sample).into(),
+        subject: Subject::FailureMode(name.clone()),
+        held: false,
+    }
+}
+
+/// The rate that stands for counts where one number is asked.
+fn own_rate((name, sample): &(String, stats::Sample)) -> (String, EventData) {
+    let rate = fault_tree::BigRational::new(sample.successes.into(), sample.trials.into());
+    (name.clone(), EventData::Probability(rate))
 }
 
 impl Ready<'_> {
@@ -455,14 +440,7 @@ impl Prepared for Ready<'_> {
             .add_json("triggered", &self.is_triggered)
             .add_json("confidence", &self.asked.study.about.confidence)
             .add("seed", &self.asked.study.about.seed.to_le_bytes());
-        for constant in counted {
-            let sample = (
-                constant.sample.successes,
-                constant.sample.trials,
-                constant.held,
-            );
-            inputs.add_json(&constant.name, &sample);
-        }
+        counts_as_inputs(counted, inputs);
         Ok(())
     }
 

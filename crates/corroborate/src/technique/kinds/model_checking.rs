@@ -4,7 +4,7 @@ use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::run::{check_constants, counted_constants};
 use crate::technique::Produced;
 use crate::technique::files::Files;
-use crate::technique::model_checking::{Compiled, CountedConstant};
+use crate::technique::model_checking::{Compiled, CountedConstant, counts_as_inputs};
 use crate::verify::Audit;
 use diagnostic::Problem;
 use host::store::Inputs;
@@ -72,14 +72,7 @@ impl Prepared for Ready<'_> {
         inputs
             .add_json("methods", &self.methods)
             .add("seed", &self.asked.study.about.seed.to_le_bytes());
-        for constant in counted {
-            let sample = (
-                constant.sample.successes,
-                constant.sample.trials,
-                constant.held,
-            );
-            inputs.add_json(&constant.name, &sample);
-        }
+        counts_as_inputs(counted, inputs);
         Ok(())
     }
 

@@ -14,7 +14,6 @@ use evidence::{
 };
 use judging::Judges;
 use rayon::prelude::*;
-
 use temporal::monitor::Verdict;
 
 /// How much of a difference a sampled answer forgives: the width of the solver's own bounds.

@@ -53,8 +53,8 @@ impl Compiled<'_> {
         let mut found = Vec::new();
         for question in &self.questions {
             found.push(match &question.missing {
-                Some(missing) => RobustBounds {
-                    reason: Some(missing.reason()),
+                Some(reason) => RobustBounds {
+                    reason: Some(reason.clone()),
                     ..blank.clone()
                 },
                 None => {

@@ -19,6 +19,7 @@
 //! What is said to be constant is: all joint values are tried, and probabilities of 0 and 1 are found on the graph.
 
 use super::answer::answer;
+use checker::state_space::StateSpace;
 use diagnostic::Source;
 use prism_lang::property::{Path, Quantity, StateFormula};
 use prism_lang::resolved::{Init, Model, VariableKind};
@@ -90,8 +91,8 @@ struct Free<'p> {
 
 /// The free model of some atoms.
 struct Built {
-    source: Source,
     model: Model,
+    space: StateSpace<f64>,
     labels: String,
 }
 
@@ -168,10 +169,12 @@ impl<'p> Free<'p> {
             format!("label \"atom{atom}\" = false{states};\n")
         });
         let parsed = prism_lang::parse_model(&text);
+        let model = prism_lang::resolve(&parsed.tree, &Constants::new()).ok()?;
+        let source = Source::new("free model", text);
         Some(Built {
             labels: labels.collect(),
-            model: prism_lang::resolve(&parsed.tree, &Constants::new()).ok()?,
-            source: Source::new("free model", text),
+            space: explore::<f64>(&source, &model, MAX_VALUES, &|| false).ok()?,
+            model,
         })
     }
 
@@ -216,14 +219,12 @@ impl<'p> Free<'p> {
 impl Built {
     /// Whether all paths satisfy a path formula; `None` if that cannot be found out.
     fn is_certain(&self, path: &str) -> Option<bool> {
-        let never = || false;
-        let space = explore::<f64>(&self.source, &self.model, MAX_VALUES, &never).ok()?;
         let text = format!("{}Pmin=? [ {path} ]", self.labels);
         let tree = prism_lang::parse_properties(&text).into_result().ok()?;
         let mut properties =
             prism_lang::resolve_properties(&tree, &self.model, &Constants::new()).ok()?;
         let property = properties.pop()?.property;
-        let answer = answer(&property, Method::Sound, &space, None, &never).ok()?;
+        let answer = answer(&property, Method::Sound, &self.space, None, &|| false).ok()?;
         Some(answer.value >= 1.0)
     }
 }

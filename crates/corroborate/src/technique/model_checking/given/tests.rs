@@ -152,10 +152,6 @@ fn held_against_paths(seed: u64, paths: u64) -> usize {
     let options = checker::Options::default();
     let mut conditional = 0;
     for (question, [kept, violated, untriggered]) in compiled.questions.iter().zip(counts) {
-        // Of a property that no run could violate nothing is asked.
-        if question.missing.is_some() {
-            continue;
-        }
         let (rate, trigger) = question
             .rate_at(&mut |text| {
                 let property: Property = compiled.property(&compiled.model, text)?;
@@ -203,6 +199,6 @@ fn close(count: u64, trials: u64, probability: f64, said: &str) {
 #[test]
 fn rates_over_the_triggering_paths_of_random_chains_are_those_that_are_computed() {
     let conditional: usize = (1..=4).map(|seed| held_against_paths(seed, 250)).sum();
-    // Many triggers are neither certain nor impossible, of the properties that some run violates and some does not.
-    assert!(conditional > 100, "{conditional}");
+    // Many triggers are neither certain nor impossible.
+    assert!(conditional > 150, "{conditional}");
 }
