@@ -487,6 +487,7 @@ fn piece(id: &str, technique: Technique, findings: Vec<Finding>) -> Evidence {
         failures: Vec::new(),
         clusters: None,
         shared_rows: Vec::new(),
+        common_texts: Vec::new(),
         alike_trials: None,
         lineage_questions: Vec::new(),
         inputs: String::new(),

@@ -76,6 +76,7 @@ pub fn piece(
             failures: produced.failures,
             clusters: produced.clusters,
             shared_rows: Vec::new(),
+            common_texts: Vec::new(),
             alike_trials: produced.alike_trials,
             lineage_questions: Vec::new(),
             inputs,
@@ -120,6 +121,7 @@ pub fn headline(study: &Study, produced: &Produced) -> String {
             };
             let given = match finding.denominator {
                 Denominator::Triggered | Denominator::Covered => " given its trigger",
+                Denominator::OtherTrigger { .. } => " given the model's trigger",
                 Denominator::EveryRun | Denominator::NoTrigger | Denominator::AllRuns { .. } => "",
             };
             // The ends of a range with the constants as they are written say less than they seem to.

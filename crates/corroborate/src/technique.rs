@@ -5,6 +5,7 @@
 
 pub mod campaign;
 pub mod copies;
+mod counted;
 pub mod experiment;
 pub mod exploration;
 mod files;
@@ -16,10 +17,10 @@ pub mod rows;
 mod sessions;
 pub mod simulation;
 
+pub use counted::CountedConstant;
 pub use files::Files;
 pub(crate) use kinds::technique_of;
 pub use kinds::{Asked, Kept, Prepared, Propositions, Technique, Techniques, Working};
-pub use model_checking::CountedConstant;
 
 use diagnostic::Problem;
 use evidence::{

@@ -133,6 +133,7 @@ fn piece(
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        common_texts: Vec::new(),
         alike_trials: None,
         lineage_questions: Vec::new(),
         inputs: String::new(),

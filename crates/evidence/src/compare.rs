@@ -192,6 +192,7 @@ impl<'a> Study<'a> {
 ///     failures: vec![],
 ///     clusters: None,
 ///     shared_rows: Vec::new(),
+///     common_texts: Vec::new(),
 ///     alike_trials: None,
 ///     lineage_questions: Vec::new(),
 ///     inputs: String::new(),

@@ -73,6 +73,7 @@ impl Finding {
                 " given its trigger"
             }
             (Denominator::Triggered | Denominator::Covered, _) => " of the runs that trigger it",
+            (Denominator::OtherTrigger { .. }, _) => " given the model's trigger",
             (Denominator::AllRuns { .. }, _) => " over all runs, triggered or not",
         }
     }
@@ -112,6 +113,9 @@ impl Finding {
                 let share = self.how_often(words).unwrap_or_else(unknown);
                 format!("{count} of the {trials} {}{ended}; {share}", words.runs)
             }
+            Denominator::OtherTrigger { trigger, .. } => {
+                format!("{count} of the {trials} runs with {trigger}{ended}")
+            }
             Denominator::AllRuns { reason } => {
                 format!(
                     "{count} of all {trials} runs, whether or not they {}{}{ended}",
@@ -134,6 +138,15 @@ impl Finding {
                     None => "the probability of that is not known".to_owned(),
                 };
                 format!("given that a run {}; {share}", words.one)
+            }
+            Denominator::OtherTrigger { trigger, monitor } => {
+                let share = match self.trigger.as_deref().and_then(probability) {
+                    Some(share) => format!("; the probability of that is {share}"),
+                    None => String::new(),
+                };
+                format!(
+                    "given {trigger}{share}; its monitor is triggered by {monitor}, which are other runs"
+                )
             }
             Denominator::AllRuns { reason } => {
                 let share = self.how_often(words);

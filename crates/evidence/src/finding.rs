@@ -41,6 +41,13 @@ pub enum Denominator {
     Triggered,
     /// The runs that trigger it; nothing says whether there were others.
     Covered,
+    /// The runs of a model that satisfy the study's trigger, which are not those in which the subject's monitor is triggered.
+    OtherTrigger {
+        /// The study's trigger, in the words of the study.
+        trigger: String,
+        /// What triggers the monitor.
+        monitor: String,
+    },
     /// All runs, also those that do not trigger it, as far as known.
     AllRuns {
         /// Why the number is not given that it is triggered.

@@ -142,6 +142,9 @@ pub struct Evidence {
     /// Rows of its tables that earlier evidence has, too, beyond chance.
     #[serde(default)]
     pub shared_rows: Vec<RepeatedRows>,
+    /// What of its models stands in models of earlier evidence, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub common_texts: Vec<CommonText>,
     /// How alike its trials are in groups that nothing declares, where a technique that sees each trial looked for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alike_trials: Option<AlikeTrials>,
@@ -179,6 +182,19 @@ pub struct RepeatedRows {
     pub common: u64,
     /// The probability of as many by chance, at most (`stats::shared_rows`).
     pub chance: f64,
+}
+
+/// Models of two pieces of evidence of which most was written once: a copy, or a revision.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct CommonText {
+    /// The earlier evidence.
+    pub with: String,
+    /// Its model, and the model of the piece itself, relative to the study's folder.
+    pub files: [String; 2],
+    /// Statements that stand in both.
+    pub same: u64,
+    /// Statements of the shorter of the two.
+    pub statements: u64,
 }
 
 /// What looks taken from other evidence though no lineage says so, or looks dependent within one piece: a question that a

@@ -74,7 +74,7 @@ pub use fit::{
 };
 pub use interval::Interval;
 pub use ledger::{
-    AlikeTrials, Calibration, ClusterTests, CopyKind, Cost, Evidence, LineageQuestion,
+    AlikeTrials, Calibration, ClusterTests, CommonText, CopyKind, Cost, Evidence, LineageQuestion,
     PublishedFigure, RepeatedRows, StudyResult, TakenCorrelation,
 };
 pub use looks::{Look, LookedAt, Looking, Looks};

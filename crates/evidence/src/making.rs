@@ -134,6 +134,7 @@ impl Evidence {
             failures: vec![],
             clusters: None,
             shared_rows: vec![],
+            common_texts: Vec::new(),
             alike_trials: None,
             lineage_questions: vec![],
             inputs: String::new(),

@@ -33,7 +33,9 @@ pub use ledger::{
     TreeEvent, UntilText, Work,
 };
 pub use parameters::StudyParameters;
-pub use requirements::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names};
+pub use requirements::{
+    FormText, Forms, ReadingForm, SubjectForm, TriggerForm, quoted_names, text_in_words,
+};
 pub use sentence_form::SentenceForm;
 pub use toml_text::place_of_unknown;
 pub use vocabulary::{Binding, Vocabulary};

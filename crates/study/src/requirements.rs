@@ -14,7 +14,7 @@ use std::ops::Range;
 
 pub(crate) use read::schema;
 pub use read::{load, quoted_names};
-pub use trigger::TriggerForm;
+pub use trigger::{TriggerForm, text_in_words};
 
 /// How every subject is judged.
 #[derive(Debug)]
@@ -92,6 +92,8 @@ pub struct SubjectForm {
     pub opportunity: Option<FormText>,
     /// What triggers it in a model, so that the property's probability is given that.
     pub trigger: TriggerForm,
+    /// What triggers its monitor, as the same question to a model: what [`SubjectForm::trigger`] is where nobody wrote one.
+    pub monitored: TriggerForm,
     /// For traces, as written or else from the sentence.
     pub monitor: Option<JudgingForm>,
     /// Why there is no monitor, if the sentence cannot be made into one.

@@ -201,6 +201,47 @@ fn a_conditional_probability_that_is_written_by_hand_is_over_the_runs_that_it_na
     }
 }
 
+/// What was written by hand is asked of the model; whether it names the monitor's runs, the model itself says.
+#[test]
+fn a_trigger_that_is_not_what_the_monitor_waits_for_names_other_runs() {
+    let compared = |trigger: &str, when: &str| {
+        let forms = format!(
+            "property = 'P=? [ G (\"near\" => \"slow\") ]'\ntrigger = 'P=? [ {trigger} ]'\nmonitor.when = \"{when}\"\n\
+             monitor.then = [{{ assert = \"slow\" }}]"
+        );
+        let folder = study(&forms, "requirement,covered,passed,failed\n1,60,60,0\n");
+        let late = "late = { meaning = \"late\", model = \"s=3\", trace = \"/r.late\" }\n";
+        std::fs::write(
+            folder.path().join("vocabulary.toml"),
+            format!("{VOCABULARY}{late}"),
+        )
+        .expect("written");
+        let result = result(&folder);
+        let model = finding(&result, "M")["denominator"].clone();
+        (model, result["comparisons"][0].clone())
+    };
+    for (trigger, when) in [
+        (r#"F "near""#, "near"),
+        (r#"F ("near" & !"late")"#, "near"),
+        (r#"F !"late" & F "near""#, "near"),
+    ] {
+        let (denominator, comparison) = compared(trigger, when);
+        assert_eq!(denominator["kind"], "triggered", "{trigger} {when}");
+        assert_eq!(comparison["outcome"], "conflicts", "{comparison}");
+    }
+    for (trigger, when) in [
+        (r#"F "near""#, "late"),
+        (r#"X (!"late" & !"near") | F "near""#, "late"),
+    ] {
+        let (denominator, comparison) = compared(trigger, when);
+        assert_eq!(denominator["kind"], "other-trigger", "{trigger} {when}");
+        assert_eq!(denominator["monitor"], when);
+        assert_eq!(comparison["outcome"], "not-comparable", "{comparison}");
+        let reason = comparison["reason"].as_str().expect("a reason");
+        assert!(reason.contains("triggered by late"), "{reason}");
+    }
+}
+
 #[test]
 fn a_condition_that_is_written_twice_is_refused_at_its_place() {
     let forms = "property = 'P=? [ G \"slow\" || F \"near\" ]'\ntrigger = 'P=? [ F \"near\" ]'";

@@ -78,6 +78,43 @@ fn number(value: &Value) -> f64 {
         .unwrap_or_else(|| panic!("{value} is a number"))
 }
 
+/// Two constants that were set to one count, the second as its complement: the cup is brought with (1 - p)^2, and p is drawn
+/// once. As independent draws the middle 95 % would reach about 0.7 times as far.
+#[test]
+fn constants_of_one_count_have_one_unknown_value() {
+    let chain = "dtmc\nconst double pSpill = 0.1;\nconst double pCarry = 0.9;\nmodule m\n  s : [0..3] init 0;\n\
+                 [] s=0 -> 1-pSpill:(s'=1) + pSpill:(s'=3);\n  [] s=1 -> pCarry:(s'=2) + 1-pCarry:(s'=3);\n\
+                 [] s>1 -> true;\nendmodule\n";
+    let second = "calibrated = [{ constant = \"pSpill\", from = \"X\", failure_mode = \"spill\" }, \
+                  { constant = \"pCarry\", from = \"X\", failure_mode = \"spill\", complement = true }]\n";
+    let first =
+        "calibrated = [{ constant = \"pSpill\", from = \"X\", failure_mode = \"spill\" }]\n";
+    let posterior = BetaPosterior::jeffreys(Sample {
+        successes: 20,
+        trials: 200,
+    });
+    // Of a chain functions are evaluated; of a decision process each point is solved.
+    for model in [chain.to_owned(), chain.replace("dtmc", "mdp")] {
+        let folder = errand(172);
+        std::fs::write(folder.path().join("m.prism"), model).expect("written");
+        let ledger = LEDGER.replace(first, second);
+        assert_ne!(ledger, LEDGER);
+        std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+        let result = result(folder.path(), "2");
+        let credible = &finding(&result, "M", "brought")["measure"]["credible"];
+        for (limit, probability) in [("low", 0.975), ("high", 0.025)] {
+            let expected = (1.0 - posterior.quantile(probability)).powi(2);
+            let found = number(&credible["interval"][limit]);
+            assert!(
+                (found - expected).abs() < 1e-3,
+                "{limit}: {found} {expected}"
+            );
+        }
+        let spread = credible["spread"].as_array().map_or(0, Vec::len);
+        assert!(spread <= 1, "one source of uncertainty: {credible}");
+    }
+}
+
 /// The ends are `(1 - p)^2` and `1 - p`: exact functions of the constant, so that their quantiles are those of the
 /// constant's posterior.
 #[test]

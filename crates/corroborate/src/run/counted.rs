@@ -1,7 +1,7 @@
 //! Constants of models that were set to counts: held against these, and carried on with their uncertainty.
 
 use crate::corroboration::{Piece, is_rounding};
-use crate::technique::model_checking::CountedConstant;
+use crate::technique::CountedConstant;
 use diagnostic::Problem;
 use evidence::Measure;
 use study::{Calibrated, Entry, Study};
@@ -54,7 +54,9 @@ pub(crate) fn counted_constants(
         counted.push(CountedConstant {
             name: constant.clone(),
             sample,
+            from: calibration.from.clone(),
             subject: calibration.subject.clone(),
+            is_complement: calibrated.is_complement,
             held: calibrated.held,
         });
     }

@@ -6,7 +6,8 @@
 //! (`experiment::repeated` by name; `experiment::renamed` by place and by content). Each possible coincidence has a
 //! probability if the sources are independent (`stats::coincidence`); one that was met is a *question* to the user if any
 //! as improbable would be met in at most [`LIMIT`] of studies of independent evidence. Beside them stand trials of one
-//! table that are alike where it does not say that they belong together (`trials`), and equal seeds (`seeds`).
+//! table that are alike where it does not say that they belong together (`trials`), equal seeds (`seeds`), and models of which
+//! most was written once (`statements`), which is no question.
 //!
 //! What is improbable for its own numbers but not for all that were looked at is *noted*: it changes no outcome.
 //!
@@ -19,6 +20,7 @@ mod counts;
 mod products;
 mod rows;
 mod seeds;
+mod statements;
 mod trials;
 
 use diagnostic::Problem;
@@ -59,6 +61,7 @@ pub fn find(study: &Study, evidence: &mut [Evidence]) -> Result<(), Problem> {
     found.extend(judged(&rows::candidates(study, evidence)?, evidence));
     found.extend(seeds::questions(study, evidence)?);
     found.extend(trials::questions(study, evidence)?);
+    statements::fill(study, evidence)?;
     for (piece, mut question) in found {
         let reason = |of: &str, with: &str| {
             let entry = study.ledger.iter().find(|entry| entry.id == of)?;

@@ -22,8 +22,8 @@ mod recordings;
 mod tables;
 
 use super::Produced;
+use super::counted::CountedConstant;
 use super::files::Files;
-use super::model_checking::CountedConstant;
 use crate::corroboration::Piece;
 use crate::technique::campaign::Until;
 use crate::verify::{Audit, same_values};

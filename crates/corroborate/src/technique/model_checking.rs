@@ -25,6 +25,7 @@ pub use worst_case::{in_lines as worst_cases_in_lines, tests as worst_case_tests
 use given::{Asked, Over};
 
 use super::Produced;
+use super::counted::CountedConstant;
 use super::files::Files;
 use checker::state_space::StateSpace;
 use diagnostic::{Problem, Source};
@@ -77,31 +78,6 @@ struct Question<'a> {
 
 /// A computed rate that is nearer to 0 or 1 may be that of a property which has one truth value on all runs.
 const NEARLY_CERTAIN: f64 = 1e-6;
-
-/// What results depend on by the counts of constants.
-pub(crate) fn counts_as_inputs(counted: &[CountedConstant], inputs: &mut Inputs) {
-    for constant in counted {
-        let sample = (
-            constant.sample.successes,
-            constant.sample.trials,
-            constant.held,
-        );
-        inputs.add_json(&constant.name, &sample);
-    }
-}
-
-/// A constant of the model with the counts that it was set to.
-#[derive(Clone, Debug)]
-pub struct CountedConstant {
-    /// Its name.
-    pub name: String,
-    /// The counts, at what they are worth in independent trials.
-    pub sample: stats::EffectiveSample,
-    /// Whose rate the counts are.
-    pub subject: Subject,
-    /// Whether it keeps its value; then only its bearing is found out.
-    pub held: bool,
-}
 
 impl<'a> Compiled<'a> {
     /// Reads a model and binds the study's questions to it.
@@ -195,11 +171,13 @@ impl<'a> Compiled<'a> {
                 }
             }
             let over = match (&missing, &form.opportunity) {
-                (None, None) => self.over(&form.subject, property, &form.trigger)?,
+                (None, None) => {
+                    self.over(&form.subject, property, &form.trigger, &form.monitored)?
+                }
                 // A failure mode's opportunity is what triggers it.
                 (None, Some(opportunity)) => {
                     let trigger = TriggerForm::Runs(opportunity.clone());
-                    self.over(&form.subject, property, &trigger)?
+                    self.over(&form.subject, property, &trigger, &form.monitored)?
                 }
                 (Some(_), _) => Over::EveryRun,
             };
@@ -437,6 +415,7 @@ impl<'a> Compiled<'a> {
             for text in [
                 Some(question.property),
                 question.given().map(|given| &given.trigger),
+                question.monitored(),
             ]
             .into_iter()
             .flatten()

@@ -347,6 +347,7 @@ mod tests {
             failures: vec![],
             clusters: None,
             shared_rows: Vec::new(),
+            common_texts: Vec::new(),
             alike_trials: None,
             lineage_questions: Vec::new(),
             inputs: String::new(),

@@ -4,7 +4,8 @@
 //! A number over all runs (also those that do not trigger the requirement) and a rate over the runs that trigger it are
 //! not compared: they answer different questions ([`Finding::is_over_the_same_runs`]). Nor is a number over
 //! all runs of which the study says no trigger ([`Denominator::NoTrigger`]): that some runs do not trigger it is what
-//! [`Denominator::Triggered`] says. The share of runs that trigger it is a quantity of its own. It is compared by the tests
+//! [`Denominator::Triggered`] says. Nor is a model's number given a trigger that was written by hand with anything that is
+//! counted by a monitor which is triggered in other runs ([`Denominator::OtherTrigger`]). The share of runs that trigger it is a quantity of its own. It is compared by the tests
 //! of a pair, at the requirement's margin, without correction for other comparisons and for looks before, and decides
 //! nothing: trials are often arranged so that the trigger comes.
 //!
@@ -22,8 +23,10 @@ impl Finding {
     /// Whether its number and another's are over the same runs, so that they answer the same question.
     #[must_use]
     pub fn is_over_the_same_runs(&self, other: &Self) -> bool {
-        use Denominator::{AllRuns, Covered, EveryRun, NoTrigger, Triggered};
+        use Denominator::{AllRuns, Covered, EveryRun, NoTrigger, OtherTrigger, Triggered};
         match (&self.denominator, &other.denominator) {
+            (OtherTrigger { trigger, .. }, OtherTrigger { trigger: other, .. }) => trigger == other,
+            (OtherTrigger { .. }, _) | (_, OtherTrigger { .. }) => false,
             (Triggered | Covered, AllRuns { .. }) | (AllRuns { .. }, Triggered | Covered) => false,
             (NoTrigger, Triggered) | (Triggered, NoTrigger) => false,
             // Nothing says of either that some runs do not trigger it.
@@ -42,6 +45,24 @@ pub(super) fn other_runs(
 ) -> Option<String> {
     if first.is_over_the_same_runs(second) {
         return None;
+    }
+    let other_trigger = |finding: &Finding| match &finding.denominator {
+        Denominator::OtherTrigger { trigger, monitor } => Some(format!(
+            " Its monitor is triggered by {monitor}, and the study's trigger for the model is {trigger}: write the same in \
+             both in requirements.toml."
+        )),
+        Denominator::EveryRun
+        | Denominator::NoTrigger
+        | Denominator::Triggered
+        | Denominator::Covered
+        | Denominator::AllRuns { .. } => None,
+    };
+    if let Some(remedy) = other_trigger(first).or_else(|| other_trigger(second)) {
+        return Some(format!(
+            "They are taken over different runs: {}; {}.{remedy}",
+            over(left, first),
+            over(right, second)
+        ));
     }
     let is_over_some = |finding: &Finding| {
         matches!(
@@ -68,6 +89,7 @@ fn over(evidence: &Evidence, finding: &Finding) -> String {
             "{id} over all runs, whether or not they trigger it ({})",
             reason.trim_end_matches('.')
         ),
+        Denominator::OtherTrigger { trigger, .. } => format!("{id} over the runs with {trigger}"),
         Denominator::EveryRun => format!("{id} over all runs, each of which triggers it"),
         Denominator::NoTrigger => {
             format!("{id} over all runs, of which the study does not say which trigger it")

@@ -2,7 +2,8 @@
 //!
 //! # Definition
 //! Two pieces share data if both rest on a table or recording of the same content (the same hash), under whatever name, or
-//! if a table of the one repeats rows of a table of the other beyond chance ([`crate::Evidence::shared_rows`]).
+//! if a table of the one repeats rows of a table of the other beyond chance ([`crate::Evidence::shared_rows`]), or most of
+//! their models was written once ([`crate::Evidence::common_texts`]).
 //! Then some trials are the trials of both, so that they agree whatever the truth is.
 //!
 //! # Guarantee
@@ -10,7 +11,7 @@
 //! not say who did what are compared as whole files, and a recording that was written anew is not found. Episodes of two
 //! entries of a ledger never have the same seeds, which follow from the entries' identifiers.
 
-use crate::{AssetRole, Evidence, RepeatedRows};
+use crate::{AssetRole, CommonText, Evidence, RepeatedRows};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What pairs of evidence share, in words, by their identifiers in order.
@@ -49,8 +50,12 @@ impl SharedData {
             let pair = (first.to_owned(), second.to_owned());
             (pair, words(&files))
         });
+        let texts = evidence.iter().flat_map(|piece| {
+            let texts = piece.common_texts.iter();
+            texts.map(|text| (ordered(&piece.id, &text.with), text_in_words(text)))
+        });
         // Of a pair that shares a whole file, too, that is said.
-        Self(repeated.chain(whole).collect())
+        Self(texts.chain(repeated).chain(whole).collect())
     }
 
     /// What two pieces share; `None` if nothing that is known.
@@ -70,6 +75,17 @@ fn rows_in_words(rows: &RepeatedRows) -> String {
          the same trials or the same people",
         rows.same, rows.common, rows.chance
     )
+}
+
+fn text_in_words(text: &CommonText) -> String {
+    let [one, other] = &text.files;
+    match one == other {
+        true => format!("both are computed from `{one}`"),
+        false => format!(
+            "{} of the {} statements of the shorter of the models `{one}` and `{other}` stand in both: a copy or a revision",
+            text.same, text.statements
+        ),
+    }
 }
 
 fn words(files: &BTreeSet<(&str, &str)>) -> String {

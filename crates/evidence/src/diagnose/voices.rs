@@ -6,7 +6,7 @@
 //!   content);
 //! * one was calibrated on the other on the subject, or both on the same counts of the subject;
 //! * something of the one looks copied from the other ([`crate::LineageQuestion`]) and the ledger has not settled it;
-//! * rows of their tables repeat each other beyond chance.
+//! * rows of their tables repeat each other beyond chance, or most statements of their models ([`crate::CommonText`]).
 //!
 //! The *voice* of a piece is the set of pieces that are reached from it by such pairs.
 //!
@@ -55,7 +55,10 @@ fn is_taken(copy: &Evidence, source: &Evidence, subject: &Subject) -> bool {
         let bears = question.subjects.is_empty() || question.subjects.contains(subject);
         question.with == source.id && bears && question.is_open()
     });
-    calibrated || asked || copy.shared_rows.iter().any(|rows| rows.with == source.id)
+    calibrated
+        || asked
+        || copy.shared_rows.iter().any(|rows| rows.with == source.id)
+        || copy.common_texts.iter().any(|text| text.with == source.id)
 }
 
 /// The voices of these pieces on a subject: each piece in one of them, in the order of the first.

@@ -262,6 +262,7 @@ impl Reader<'_> {
             no_property: None,
             opportunity: None,
             trigger: TriggerForm::Always,
+            monitored: TriggerForm::Always,
             monitor: written,
             no_monitor: None,
             parameters: self.declared(text.parameters, sentence.as_ref())?,
@@ -271,6 +272,7 @@ impl Reader<'_> {
             sentence,
         };
         form.complete_from_sentence();
+        form.monitored = self.monitored(&form);
         form.trigger = self.trigger(&form, text.trigger)?;
         if let Some((_, other)) = &same {
             form = SubjectForm {
@@ -367,6 +369,7 @@ impl Reader<'_> {
             no_property: None,
             opportunity: text.opportunity.map(form_text),
             trigger: TriggerForm::Always,
+            monitored: TriggerForm::Always,
             monitor: judging.compile(self.source, self.vocabulary)?,
             no_monitor: None,
             parameters: Vec::new(),
@@ -375,6 +378,7 @@ impl Reader<'_> {
             carried_at: Vec::new(),
         };
         self.check_property(&form)?;
+        form.monitored = self.monitored(&form);
         if form.opportunity.is_none() {
             form.trigger = self.trigger(&form, None)?;
         }

@@ -12,10 +12,11 @@
 //! propositions, as far as a proposition means the same to both.
 
 use super::read::Reader;
-use super::{FormText, SubjectForm};
+use super::{FormText, SubjectForm, quoted_names};
 use crate::Vocabulary;
 use crate::judging_form::{JudgingForm, Rule};
 use diagnostic::Problem;
+use std::collections::BTreeSet;
 use temporal::formula::{AtomText, Formula};
 use toml::Spanned;
 
@@ -37,11 +38,16 @@ impl Reader<'_> {
         form: &SubjectForm,
         written: Option<Spanned<String>>,
     ) -> Result<TriggerForm, Problem> {
-        if let Some(written) = written {
-            let text = super::read::form_text(written);
-            self.check_property_text(&text)?;
-            return Ok(TriggerForm::Runs(text));
-        }
+        let Some(written) = written else {
+            return Ok(form.monitored.clone());
+        };
+        let text = super::read::form_text(written);
+        self.check_property_text(&text)?;
+        Ok(TriggerForm::Runs(text))
+    }
+
+    /// What triggers a subject's monitor, or else its sentence.
+    pub(super) fn monitored(&self, form: &SubjectForm) -> TriggerForm {
         let place = |text: String| {
             TriggerForm::Runs(FormText {
                 text,
@@ -55,7 +61,7 @@ impl Reader<'_> {
             Some(_) => None,
             None => sentence,
         };
-        Ok(match (of_sentence, &form.monitor) {
+        match (of_sentence, &form.monitor) {
             (Some(Ok(text)), _) => place(text.clone()),
             (Some(Err(reason)), _) => TriggerForm::Unknown(reason.clone()),
             (None, Some(monitor)) => match of_monitor(monitor, self.vocabulary) {
@@ -64,26 +70,44 @@ impl Reader<'_> {
                 Err(reason) => TriggerForm::Unknown(reason),
             },
             (None, None) => TriggerForm::Always,
-        })
+        }
     }
 }
 
 /// What triggers a subject, in the words of the study: the proposition that has to become true, or the formula that a run has
 /// to satisfy.
+///
+/// Where a trigger was written and the monitor waits for other propositions, the monitor's is said: it is what traces count.
 pub(super) fn in_words(form: &SubjectForm) -> Option<String> {
-    match &form.trigger {
-        TriggerForm::Always => None,
-        TriggerForm::Runs(text) => {
-            let path = text.text.trim();
-            let (open, close) = (path.find('[')?, path.rfind(']')?);
-            let path = path.get(open + 1..close)?.trim();
-            Some(proposition(path).unwrap_or(path).to_owned())
+    let said = match (&form.trigger, &form.monitored) {
+        (TriggerForm::Runs(written), TriggerForm::Runs(monitored))
+            if names(written) != names(monitored) =>
+        {
+            &form.monitored
         }
+        (trigger, _) => trigger,
+    };
+    match said {
+        TriggerForm::Always => None,
+        TriggerForm::Runs(text) => text_in_words(&text.text).map(str::to_owned),
         TriggerForm::Unknown(_) => match &form.monitor.as_ref()?.rule {
             Rule::Staged(spec) => Some(spec.when.clone()),
             Rule::Formula(rule) => rule.trigger_text.clone(),
         },
     }
+}
+
+/// What stands in the brackets of `P=? [ ... ]`, or the proposition that is all that it asks for.
+#[must_use]
+pub fn text_in_words(property: &str) -> Option<&str> {
+    let (open, close) = (property.find('[')?, property.rfind(']')?);
+    let path = property.get(open + 1..close)?.trim();
+    Some(proposition(path).unwrap_or(path))
+}
+
+fn names(text: &FormText) -> BTreeSet<String> {
+    let named = quoted_names(&text.text).into_iter();
+    named.map(|(name, _)| name).collect()
 }
 
 /// The proposition of a path formula that asks for nothing but that it becomes true, such as `F ("near")`.

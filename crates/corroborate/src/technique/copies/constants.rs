@@ -89,7 +89,7 @@ fn is_read(piece: &Evidence, path: &str) -> bool {
 }
 
 /// The text of an asset; empty for what is no text that somebody wrote.
-fn text(study: &Study, path: &str) -> Result<String, Problem> {
+pub(super) fn text(study: &Study, path: &str) -> Result<String, Problem> {
     let full = study.folder.join(path);
     let is_small = std::fs::metadata(&full).is_ok_and(|it| it.is_file() && it.len() <= MOST_BYTES);
     if !is_small {

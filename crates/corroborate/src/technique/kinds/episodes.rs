@@ -3,8 +3,8 @@
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::technique::Produced;
 use crate::technique::campaign::{self, Intervals, OutsideCommand, Source, recount};
+use crate::technique::counted::CountedConstant;
 use crate::technique::files::Files;
-use crate::technique::model_checking::CountedConstant;
 use crate::technique::simulation::{Campaign, Seeds};
 use crate::verify::{Audit, check_intervals, same_values};
 use diagnostic::Problem;

@@ -17,8 +17,8 @@
 
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::run::{check_constants, counted_constants};
+use crate::technique::counted::{CountedConstant, Sources, counts_as_inputs};
 use crate::technique::files::Files;
-use crate::technique::model_checking::{CountedConstant, counts_as_inputs};
 use crate::technique::{Influence, Produced};
 use crate::verify::Audit;
 use diagnostic::{Cancel, Problem};
@@ -129,12 +129,6 @@ impl FaultTrees<'_> {
     }
 }
 
-/// Whether two basic events were set to the same counts. Equal counts of one subject are taken for the same ones; if two
-/// sources happen to have them, the distribution is wider than it would have to be in a coherent tree.
-fn is_same_count(one: &CountedConstant, other: &CountedConstant) -> bool {
-    one.subject == other.subject && one.sample == other.sample
-}
-
 /// What a tree counts itself, by basic event.
 fn counts_of(tree: &FaultTree) -> Vec<(String, stats::Sample)> {
     let of = |(id, node): (NodeId, &fault_tree::Node)| match &node.kind {
@@ -155,7 +149,9 @@ fn own_constant((name, sample): &(String, stats::Sample)) -> CountedConstant {
     CountedConstant {
         name: name.clone(),
         sample: (*sample).into(),
+        from: String::new(),
         subject: Subject::FailureMode(name.clone()),
+        is_complement: false,
         held: false,
     }
 }
@@ -290,41 +286,29 @@ impl Ready<'_> {
         varied: &[CountedConstant],
     ) -> Result<Option<CredibleInterval>, Problem> {
         let support = analysis.support();
-        let counted: Vec<(&CountedConstant, NodeId)> = varied
+        let (constants, ids): (Vec<CountedConstant>, Vec<NodeId>) = varied
             .iter()
-            .filter_map(|it| Some((it, self.tree.find(&it.name)?)))
+            .filter_map(|it| Some((it.clone(), self.tree.find(&it.name)?)))
             .filter(|(_, id)| support.contains(id))
-            .collect();
-        if counted.is_empty() {
+            .unzip();
+        if constants.is_empty() {
             return Ok(None);
         }
         self.has_no_ranges(&support)?;
         let study = self.asked.study;
         let level = crate::technique::confidence(study.about.confidence)?;
-        // One for each source of counts, with the place of its source for each basic event.
-        let mut sources: Vec<&CountedConstant> = Vec::new();
-        let mut source_of = Vec::new();
-        for (constant, _) in &counted {
-            let is_same = |other: &&CountedConstant| is_same_count(other, constant);
-            let known = sources.iter().position(is_same);
-            source_of.push(known.unwrap_or(sources.len()));
-            if known.is_none() {
-                sources.push(constant);
-            }
-        }
-        let posteriors: Vec<_> = sources
-            .iter()
-            .map(|it| stats::BetaPosterior::jeffreys(it.sample))
-            .collect();
-        let wanted = POINTS * (sources.len() + 2);
+        let sources = Sources::of(&constants);
+        let wanted = POINTS * (sources.posteriors.len() + 2);
         let affordable = (MOST_VISITS / analysis.nodes().max(1)).max(FEWEST_POINTS);
-        let design =
-            stats::SharesDesign::new(&posteriors, wanted.min(affordable), study.about.seed);
+        let design = stats::SharesDesign::new(
+            &sources.posteriors,
+            wanted.min(affordable),
+            study.about.seed,
+        );
         let cancel = &self.asked.host.cancel;
         let rate = |point: &Vec<f64>| {
-            let ids = counted.iter().map(|(_, id)| *id);
-            let rates = source_of.iter().filter_map(|at| point.get(*at).copied());
-            let instead: Vec<(NodeId, f64)> = ids.zip(rates).collect();
+            let rates = sources.constants_at(point);
+            let instead: Vec<(NodeId, f64)> = ids.iter().copied().zip(rates).collect();
             let found = analysis.probability_at(&instead, cancel)?;
             let probability = f64::midpoint(found.lower, found.upper);
             Ok(match subject {
@@ -337,7 +321,7 @@ impl Ready<'_> {
             .par_iter()
             .map(rate)
             .collect::<Result<_, Problem>>()?;
-        let names: Vec<&str> = sources.iter().map(|it| it.name.as_str()).collect();
+        let names: Vec<&str> = sources.names.iter().map(String::as_str).collect();
         let found = CredibleInterval::of_design(&names, &design, &values, level)
             .map_err(|error| Problem::new("cannot-carry-uncertainty", error.to_string()))?;
         Ok(Some(CredibleInterval {

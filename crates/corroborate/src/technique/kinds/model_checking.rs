@@ -3,8 +3,9 @@
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::run::{check_constants, counted_constants};
 use crate::technique::Produced;
+use crate::technique::counted::{CountedConstant, counts_as_inputs};
 use crate::technique::files::Files;
-use crate::technique::model_checking::{Compiled, CountedConstant, counts_as_inputs};
+use crate::technique::model_checking::Compiled;
 use crate::verify::Audit;
 use diagnostic::Problem;
 use host::store::Inputs;

@@ -2,8 +2,8 @@
 
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::technique::Produced;
+use crate::technique::counted::CountedConstant;
 use crate::technique::files::Files;
-use crate::technique::model_checking::CountedConstant;
 use crate::technique::operation::{Recordings, verdicts_name};
 use crate::verify::{Audit, check_intervals};
 use diagnostic::Problem;

@@ -2,9 +2,9 @@
 
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
 use crate::technique::Produced;
+use crate::technique::counted::CountedConstant;
 use crate::technique::experiment::Tables;
 use crate::technique::files::Files;
-use crate::technique::model_checking::CountedConstant;
 use crate::verify::Audit;
 use diagnostic::Problem;
 use host::store::Inputs;

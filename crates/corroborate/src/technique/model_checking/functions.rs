@@ -1,6 +1,7 @@
 //! The answers to all questions as functions of the constants that were set to counts.
 
-use super::{Compiled, CountedConstant, MAX_STATES};
+use super::{Compiled, MAX_STATES};
+use crate::technique::counted::CountedConstant;
 use checker::parametric::RationalFunction;
 use checker::{CheckError, Options};
 use diagnostic::Problem;

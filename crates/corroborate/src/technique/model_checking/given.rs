@@ -55,6 +55,17 @@ pub(super) struct Given {
     pub trigger: FormText,
     /// `X` given `C`, for models whose schedulers may make the quotient another's.
     pub conditional: FormText,
+    /// Where `C` was written by hand and something else may trigger the monitor.
+    pub beside: Option<Beside>,
+}
+
+/// What may trigger the monitor in other runs than those of the trigger that was written by hand.
+#[derive(Clone, Debug)]
+pub(super) struct Beside {
+    /// What triggers the monitor, as a property.
+    monitored: FormText,
+    /// That only the one of both comes: either way.
+    only_one: [FormText; 2],
 }
 
 /// What one question gave.
@@ -89,6 +100,46 @@ impl<'a> Compiled<'a> {
     /// # Errors
     /// A mistake in a trigger that was written by hand, and a trigger written twice.
     pub(super) fn over(
+        &self,
+        subject: &Subject,
+        property: &FormText,
+        trigger: &TriggerForm,
+        monitored: &TriggerForm,
+    ) -> Result<Over, Problem> {
+        let over = self.over_as_written(subject, property, trigger)?;
+        let Over::Given(given) = over else {
+            return Ok(over);
+        };
+        let beside = self.beside(&given.trigger, monitored);
+        Ok(Over::Given(Box::new(Given { beside, ..*given })))
+    }
+
+    /// What tells whether the monitor is triggered in other runs, where the model can be asked.
+    fn beside(&self, written: &FormText, monitored: &TriggerForm) -> Option<Beside> {
+        let TriggerForm::Runs(monitored) = monitored else {
+            return None;
+        };
+        let (ours, theirs) = (path_of(&written.text)?, path_of(&monitored.text)?);
+        if written.from_sentence || ours == theirs {
+            return None;
+        }
+        let only = |one: &str, other: &str| FormText {
+            text: format!("P=? [ ({one}) & !({other}) ]"),
+            ..written.clone()
+        };
+        let only_one = [only(ours, theirs), only(theirs, ours)];
+        let is_expressed = |text: &FormText| {
+            let mut names = quoted_names(&text.text).into_iter();
+            names.all(|(name, _)| !self.not_expressed.contains_key(name.as_str()))
+                && self.property(&self.model, text).is_ok()
+        };
+        only_one.iter().all(is_expressed).then(|| Beside {
+            monitored: monitored.clone(),
+            only_one,
+        })
+    }
+
+    fn over_as_written(
         &self,
         subject: &Subject,
         property: &FormText,
@@ -182,6 +233,7 @@ impl<'a> Compiled<'a> {
                 joint,
                 trigger: trigger.clone(),
                 conditional,
+                beside: None,
             })),
             Err(problem) => Over::Unknown(problem.warning_line()),
         })
@@ -248,6 +300,11 @@ impl Question<'_> {
         }
     }
 
+    /// What triggers the monitor, where that may be in other runs.
+    pub(super) fn monitored(&self) -> Option<&FormText> {
+        Some(&self.given()?.beside.as_ref()?.monitored)
+    }
+
     fn is_complement(&self) -> bool {
         !self.has_choices
             && self.given().is_some()
@@ -291,6 +348,10 @@ impl Question<'_> {
             return alone(self.over.denominator(), None);
         };
         let triggers = all(trigger)?;
+        let over_its_runs = match self.other_trigger(&|text| answer(0, text))? {
+            Some(other) => other,
+            None => Denominator::Triggered,
+        };
         let shown = Some(Box::new(probability(triggers.clone())));
         let bounds = triggers[0].bounds();
         if triggers[0].value <= 0.0 && bounds.is_none_or(|bounds| bounds.high <= 0.0) {
@@ -311,7 +372,11 @@ impl Question<'_> {
             });
         }
         if bounds.is_some_and(|bounds| bounds.low >= 1.0) {
-            return alone(Denominator::EveryRun, shown);
+            let denominator = match over_its_runs {
+                Denominator::OtherTrigger { .. } => over_its_runs,
+                _ => Denominator::EveryRun,
+            };
+            return alone(denominator, shown);
         }
         match all(self.texts().0) {
             Ok(joint) => Ok(Asked {
@@ -319,7 +384,7 @@ impl Question<'_> {
                     Some(_) => self.quotients(&joint, &triggers),
                     None => joint,
                 }),
-                denominator: Denominator::Triggered,
+                denominator: over_its_runs,
                 trigger: shown,
             }),
             Err(problem) if is_refused(&problem) => {
@@ -333,6 +398,37 @@ impl Question<'_> {
         }
     }
 
+    /// The denominator of a trigger that was written by hand, where the model has runs that satisfy it and do not trigger the
+    /// monitor, or the other way round.
+    fn other_trigger(
+        &self,
+        answer: &dyn Fn(&FormText) -> Result<MethodAnswer, Problem>,
+    ) -> Result<Option<Denominator>, Problem> {
+        let Some((given, beside)) = self.given().and_then(|it| Some((it, it.beside.as_ref()?)))
+        else {
+            return Ok(None);
+        };
+        for text in &beside.only_one {
+            let chance = match answer(text) {
+                Ok(found) => found.bounds().map_or(found.value, |bounds| bounds.high),
+                Err(problem) if is_refused(&problem) => return Ok(None),
+                Err(problem) => return Err(problem),
+            };
+            if chance > SOME_RUNS {
+                let in_words = |text: &FormText| {
+                    study::text_in_words(&text.text)
+                        .unwrap_or(&text.text)
+                        .to_owned()
+                };
+                return Ok(Some(Denominator::OtherTrigger {
+                    trigger: in_words(&given.trigger),
+                    monitor: in_words(&beside.monitored),
+                }));
+            }
+        }
+        Ok(None)
+    }
+
     fn quotients(&self, joint: &[MethodAnswer], triggers: &[MethodAnswer]) -> Vec<MethodAnswer> {
         let quotient = |(joint, trigger): (&MethodAnswer, &MethodAnswer)| {
             let quotient = joint.quotient(trigger);
@@ -344,6 +440,9 @@ impl Question<'_> {
         joint.iter().zip(triggers).map(quotient).collect()
     }
 }
+
+/// Runs of a smaller probability may be rounding.
+const SOME_RUNS: f64 = 1e-6;
 
 /// The first answer counts, the others stand beside it.
 fn probability(mut answers: Vec<MethodAnswer>) -> Measure {

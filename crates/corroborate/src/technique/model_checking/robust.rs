@@ -1,7 +1,8 @@
 //! Robust bounds of a model's answers: over all constants within the intervals that their counts leave
 //! them, at once at the study's level, by an interval model (`checker::interval_model`).
 
-use super::{Compiled, CountedConstant, MAX_STATES};
+use super::{Compiled, MAX_STATES};
+use crate::technique::counted::CountedConstant;
 use checker::interval_model::{ConstantRange, IntervalModel, IntervalModelError};
 use diagnostic::Problem;
 use evidence::{ConstantInterval, Interval, RobustBounds};
@@ -12,11 +13,13 @@ impl Compiled<'_> {
     pub(super) fn robust_bounds(
         &self,
         counted: &[CountedConstant],
-        posteriors: &[stats::BetaPosterior],
         level: stats::Confidence,
         cancel: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<RobustBounds>, Problem> {
-        let within = stats::credible_box(posteriors, level);
+        // One range for each constant: the box holds the ties between those of one source, too.
+        let posterior = |it: &CountedConstant| stats::BetaPosterior::jeffreys(it.sample);
+        let posteriors: Vec<_> = counted.iter().map(posterior).collect();
+        let within = stats::credible_box(&posteriors, level);
         let constants: Vec<ConstantInterval> = counted
             .iter()
             .zip(within)

@@ -2,8 +2,8 @@
 //! model.
 //!
 //! # Definition
-//! Each counted constant has the Jeffreys posterior of its counts, independent
-//! of the others. The posterior of a probability is that of the model's answer
+//! Each source of counts (`technique::counted`) has the Jeffreys posterior of its counts, independent of the others; the
+//! constants that were set to it have one value. The posterior of a probability is that of the model's answer
 //! when the constants are drawn from theirs. It is found from the answers
 //! at the points of a low-discrepancy design, all questions on the same points
 //! (common random numbers), and at the nodes of quadrature rules from which each constant's share in the variance
@@ -22,8 +22,9 @@
 
 use super::answer::answer;
 use super::functions::{Ends, Rate};
-use super::{Compiled, CountedConstant, MAX_STATES, schedulers};
+use super::{Compiled, MAX_STATES, schedulers};
 use crate::technique::Influence;
+use crate::technique::counted::{CountedConstant, Sources};
 use diagnostic::Problem;
 use evidence::{CredibleInterval, Finding, Measure, RobustBounds, Subject};
 use host::{Cancel, Stage};
@@ -90,22 +91,21 @@ impl Compiled<'_> {
         begin: &dyn Fn(&str, u64) -> Stage,
     ) -> Result<(), Problem> {
         let level = crate::technique::confidence(self.study.about.confidence)?;
-        let posteriors: Vec<_> = counted
-            .iter()
-            .map(|constant| stats::BetaPosterior::jeffreys(constant.sample))
-            .collect();
+        let sources = Sources::of(counted);
         let functions = self.functions(counted, &|| interrupt.is_cancelled())?;
-        let means: Vec<f64> = posteriors
+        let means: Vec<f64> = sources
+            .posteriors
             .iter()
             .map(|posterior| posterior.mean())
             .collect();
         let evaluations = match &functions {
-            Some(functions) if functions.is_quick_at(&means) => {
-                POINTS_OF_FUNCTIONS * (posteriors.len() + 2)
+            Some(functions) if functions.is_quick_at(&sources.constants_at(&means)) => {
+                POINTS_OF_FUNCTIONS * (means.len() + 2)
             }
-            _ => solves(posteriors.len()),
+            _ => solves(means.len()),
         };
-        let design = stats::SharesDesign::new(&posteriors, evaluations, self.study.about.seed);
+        let design =
+            stats::SharesDesign::new(&sources.posteriors, evaluations, self.study.about.seed);
         let stage = begin(
             &format!("{id}: uncertainty of its constants"),
             design.rows().len() as u64,
@@ -117,18 +117,20 @@ impl Compiled<'_> {
                 if interrupt.is_cancelled() {
                     return Err(Problem::interrupted());
                 }
-                let by_function = functions.as_ref().and_then(|functions| functions.at(point));
+                let point = sources.constants_at(point);
+                let by_function = functions
+                    .as_ref()
+                    .and_then(|functions| functions.at(&point));
                 let row = match by_function {
                     Some(row) => Ok(row),
-                    None => self.solve_at(counted, point, &|| interrupt.is_cancelled()),
+                    None => self.solve_at(counted, &point, &|| interrupt.is_cancelled()),
                 };
                 stage.advance();
                 row
             })
             .collect::<Result<_, _>>()?;
-        let robust =
-            self.robust_bounds(counted, &posteriors, level, &|| interrupt.is_cancelled())?;
-        let names: Vec<&str> = counted.iter().map(|one| one.name.as_str()).collect();
+        let robust = self.robust_bounds(counted, level, &|| interrupt.is_cancelled())?;
+        let names: Vec<&str> = sources.names.iter().map(String::as_str).collect();
         for (place, question) in self.questions.iter().enumerate() {
             let Some(finding) = findings.iter_mut().find(|f| &f.subject == question.subject) else {
                 continue;

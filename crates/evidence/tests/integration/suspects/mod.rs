@@ -105,6 +105,7 @@ fn piece(id: &str, technique: Technique, file: &str, findings: Vec<Finding>) -> 
         failures: vec![],
         clusters: None,
         shared_rows: Vec::new(),
+        common_texts: Vec::new(),
         alike_trials: None,
         lineage_questions: Vec::new(),
         inputs: text(),
