@@ -312,7 +312,8 @@ fn stands_for_itself(piece: &Evidence) -> bool {
 }
 
 /// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
-/// reproduced by another, under the conditions that most techniques share.
+/// reproduced by another, under the conditions that most techniques share; of several such, those under which the system was
+/// tried.
 pub(crate) fn latest_of_each_technique(
     evidence: &[Evidence],
     counts: impl Fn(&Evidence) -> bool,
@@ -324,10 +325,18 @@ pub(crate) fn latest_of_each_technique(
             latest.insert(piece.technique, index);
         }
     }
+    let is_tried = |conditions: &str| {
+        let mut trials = evidence.iter().filter(|piece| is_trial(piece));
+        trials.any(|piece| piece.conditions == conditions)
+    };
     let most = by_conditions
-        .into_values()
-        .max_by_key(|latest| (latest.len(), latest.values().max().copied()));
-    let mut indices: Vec<usize> = most.unwrap_or_default().into_values().collect();
+        .into_iter()
+        .max_by_key(|(conditions, latest)| {
+            let last = latest.values().max().copied();
+            (latest.len(), is_tried(conditions), last)
+        });
+    let latest = most.map(|(_, latest)| latest).unwrap_or_default();
+    let mut indices: Vec<usize> = latest.into_values().collect();
     indices.sort_unstable();
     indices
 }

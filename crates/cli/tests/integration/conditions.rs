@@ -447,3 +447,51 @@ fn a_constant_that_is_not_the_rate_it_is_said_to_be_set_to_is_refused_with_both_
     let taken = calibrated(70);
     assert_ne!(taken.code, 2, "{taken:?}");
 }
+
+/// A comment, or one number revised, makes no second witness of a model: against the trials both have one voice.
+#[test]
+fn a_revision_of_a_model_agrees_with_it_and_is_no_independent_witness() {
+    let revised = |text: &str, settled: &str| {
+        let folder = study(SENTENCE, "requirement,covered,passed,failed\n1,60,60,0\n");
+        let second = LEDGER
+            .split_once("[[evidence]]\nid = \"X\"")
+            .expect("two entries")
+            .0;
+        let second = second
+            .replace("\"M\"", "\"N\"")
+            .replace("m.prism", "n.prism");
+        let ledger = format!("{LEDGER}\n{second}{settled}\n");
+        std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+        std::fs::write(folder.path().join("n.prism"), text).expect("written");
+        let all = result(&folder)["comparisons"]
+            .as_array()
+            .expect("pairs")
+            .clone();
+        let models = |c: &&Value| c["left"] == "M" && c["right"] == "N";
+        let pair = all.iter().find(models).expect("the pair of models").clone();
+        let said = corroborate(folder.path(), &["diagnose", ".", "--format", "json"]);
+        let diagnosis: Value = serde_json::from_str(&said.out).expect("JSON");
+        (
+            pair,
+            diagnosis["suspects"][0]["assets"].to_string() + &diagnosis["suspects"][0].to_string(),
+        )
+    };
+    let commented = format!("// A person comes.\n{MODEL}");
+    let other_number = MODEL.replace("0.85:(s'=3)", "0.850:(s'=3)");
+    for text in [&commented, &other_number] {
+        let (pair, first) = revised(text, "");
+        assert_eq!(pair["independent"], false, "{pair}");
+        let reason = pair["reason"].as_str().expect("a reason");
+        assert!(reason.contains("stand in both"), "{reason}");
+        assert!(
+            first.contains(".prism") && !first.contains("r.csv"),
+            "{first}"
+        );
+    }
+    let settled = "independent = { M = \"written by another team\" }";
+    assert_eq!(revised(&commented, settled).0["independent"], true);
+    let other = "dtmc\nmodule other\n  p : [0..2] init 0;\n  [] p=0 -> 0.0525:(p'=1) + 0.9475:(p'=2);\n\
+                 [] p>0 -> true;\nendmodule\nmodule s_\n  s : [0..3] init 0;\n  [] s=0 & p=1 -> (s'=1);\n\
+                 [] s=0 & p=2 -> 0.1:(s'=2) + 0.9:(s'=3);\n  [] s>0 -> true;\nendmodule\n";
+    assert_eq!(revised(other, "").0["independent"], true);
+}

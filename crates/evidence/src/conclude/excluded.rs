@@ -39,8 +39,9 @@ pub(super) fn excluded(
             };
             let hidden = reason == ExclusionReason::Intermediate && is_trial(piece);
             let with_it = hidden.then(|| verdict_with(study, asked, level, index));
+            let words = words(&piece.id, &reason) + unused_declaration(asked, piece, &reason);
             Some(Excluded {
-                words: words(&piece.id, &reason),
+                words,
                 evidence: piece.id.clone(),
                 reason,
                 verdict_with_it: with_it.filter(|other| *other != decided),
@@ -150,6 +151,22 @@ fn dependence(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> String 
     let found =
         others.find_map(|(it, _)| lineage.dependence(&it.evidence.id, &piece.id, &asked.quantity));
     found.unwrap_or_else(|| "it rests on other trials".to_owned())
+}
+
+/// That what is declared to carry over does not, as the piece does not hold under the conditions of the verdict.
+fn unused_declaration(
+    asked: &Asked<'_>,
+    piece: &Evidence,
+    reason: &ExclusionReason,
+) -> &'static str {
+    let mut declared = asked.requirement.carries_over.iter();
+    let is_declared = declared.any(|it| it.evidence == piece.id);
+    match reason {
+        ExclusionReason::OtherConditions(_) if is_declared => {
+            " It is declared to carry over, which counts only under the conditions of the verdict: it is not used."
+        }
+        _ => "",
+    }
 }
 
 /// The verdict if an intermediate piece took part, at the same share of the level.

@@ -425,6 +425,44 @@ fn a_model_carries_over_only_where_it_is_declared_and_agrees() {
     assert_eq!(of(140, 0.99, true), (satisfied, Some(Step::Model)));
 }
 
+/// A model under other conditions that stands later in the ledger takes nothing from one that holds where the system was
+/// tried; where it is the declared one, that it is not used is said.
+#[test]
+fn conditions_under_which_the_system_was_tried_go_before_others() {
+    let mut asked = [
+        requirement(0, at_least(0.5)),
+        requirement(1, at_least(0.85)),
+    ];
+    let carries = |id: &str| {
+        vec![CarryOver {
+            evidence: id.into(),
+            shown_by: "M".into(),
+            on: subject(0),
+            because: "the same mechanism".into(),
+        }]
+    };
+    let both = vec![(0, exact(0.9)), (1, exact(0.99))];
+    let mut wet = piece("W", Technique::ModelChecking, both.clone());
+    wet.conditions = "wet".into();
+    let ledger = [
+        piece("M", Technique::ModelChecking, both),
+        wet,
+        piece("E", Technique::Experiment, vec![(0, counts(180, 200))]),
+    ];
+    asked[1].carries_over = carries("M");
+    let found = concluded(&ledger, &asked, ErrorFamily::Study).conclusions[1].clone();
+    assert_eq!(found.step, Some(Step::Corroborated), "{found:?}");
+    asked[1].carries_over = carries("W");
+    let found = concluded(&ledger, &asked, ErrorFamily::Study).conclusions[1].clone();
+    assert_eq!(found.step, Some(Step::Model), "{found:?}");
+    let said = "W holds under other conditions (wet) and does not refute it there. It is declared to carry over";
+    assert!(
+        found.excluded.iter().any(|it| it.words.starts_with(said)),
+        "{:?}",
+        found.excluded
+    );
+}
+
 #[test]
 fn trials_that_are_marked_as_intermediate_are_named_in_the_statement() {
     let mut hidden = piece("E", Technique::Experiment, vec![(0, counts(60, 100))]);

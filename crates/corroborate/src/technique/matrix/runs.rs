@@ -176,13 +176,9 @@ impl Diagnosing<'_> {
     }
 }
 
-/// Whether the computed value is given a requirement's trigger or a failure mode's opportunity, so that other runs do not
-/// count for it.
+/// Whether the computed value is given a trigger, or a failure mode's opportunity, so that other runs do not count for it.
 fn is_triggered(form: &SubjectForm) -> bool {
-    match form.subject {
-        Subject::Requirement(_) => matches!(form.trigger, TriggerForm::Runs(_)),
-        Subject::FailureMode(_) => form.opportunity.is_some(),
-    }
+    form.opportunity.is_some() || matches!(form.trigger, TriggerForm::Runs(_))
 }
 
 /// What the property says of the runs on which the monitor is triggered.
