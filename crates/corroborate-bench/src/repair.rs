@@ -154,7 +154,7 @@ fn touches_fault(study: &Synthetic, offer: &Offer) -> bool {
             TextChange::Step { .. } => site == Site::TimeStep,
         },
         (Offer::Exchange { modes, .. }, Some(Site::Data)) => {
-            modes.iter().all(|mode| is_subject(mode))
+            modes.iter().all(|mode| is_subject(mode.id()))
         }
         _ => false,
     }
@@ -200,10 +200,11 @@ fn applied(study: &Synthetic, offer: &Offer) -> Result<Applied, String> {
         },
         // The table here has names and no counts, so that either kind of exchange is one of names.
         Offer::Exchange { modes, .. } => {
-            let modes = modes.clone();
+            let modes = modes.each_ref().map(|mode| mode.id().to_owned());
             let text = Exchange::Names { modes }.make(&texts::table(&assets))?;
             assets.columns = texts::read_table(&text, &assets.modes)?;
         }
+        Offer::Columns { .. } => return Err("the table here has names and no counts".into()),
         Offer::Parameters { counts, .. } => fitted = fit(study, &mut assets, counts)?,
     }
     Ok(Applied { assets, fitted })
@@ -325,6 +326,7 @@ fn is_the_truth(study: &Synthetic, offer: &Offer, fitted: &[(String, Interval)])
             TextChange::Methods { .. } => study.assets.methods.first() == Some(&Method::Sound),
         },
         Offer::Exchange { .. } => study.assets.columns.is_sorted(),
+        Offer::Columns { .. } => false,
         Offer::Form(change) => {
             let (requirement, _) = change.touches();
             let mut forms = study.assets.forms.iter();

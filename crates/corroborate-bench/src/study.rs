@@ -109,6 +109,7 @@ impl Synthetic {
             evidence: &evidence,
             comparisons: &comparisons,
             cells: &cells,
+            tables: &[],
             study: "synthetic",
         };
         let suspects = rank(&matter, more.unwrap_or_default());

@@ -7,7 +7,7 @@ use crate::technique::{Influence, Produced, copies};
 use diagnostic::Problem;
 use evidence::{
     Asset, Clue, Conclusion, Cost, Denominator, Evidence, Inaccuracy, Matter, Measure, StudyResult,
-    Subject, SuspectAsset, SuspectKind, Symptom, Verdict,
+    Subject, SuspectAsset, SuspectKind, Symptom, TableOf, Verdict,
 };
 use study::{Entry, Study};
 
@@ -185,12 +185,14 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         &study.weights,
     );
     published.extend(published::reproductions(study, &evidence));
+    let tables = tables_of(study);
     let matter = Matter {
         requirements: &study.requirements,
         failure_modes: &study.failure_modes,
         evidence: &evidence,
         comparisons: &comparisons,
         cells: &[],
+        tables: &tables,
         study: ANY_STUDY,
     };
     let suspects = evidence::rank(&matter, drifted);
@@ -370,4 +372,29 @@ mod tests {
             assert!(!is_rounding(value, rate), "{value} {rate}");
         }
     }
+}
+
+/// Which table of each entry counts what: with a table of its own, or else in a cohort.
+pub(crate) fn tables_of(study: &Study) -> Vec<TableOf> {
+    let of = |entry: &Entry| {
+        let tables = entry.work.tables();
+        let file = |is_of_failure_modes: bool| {
+            let tables = tables?;
+            let own = match is_of_failure_modes {
+                true => tables.failure_modes,
+                false => tables.requirements,
+            };
+            let file = own.or(tables.cohort)?;
+            Some(TableOf {
+                evidence: entry.id.clone(),
+                is_of_failure_modes,
+                file: file.to_string_lossy().replace('\\', "/"),
+            })
+        };
+        [true, false]
+            .into_iter()
+            .filter_map(file)
+            .collect::<Vec<_>>()
+    };
+    study.ledger.iter().flat_map(of).collect()
 }

@@ -213,6 +213,7 @@ fn compare_conclude_and_diagnose(bencher: Bencher) {
             evidence: &full.evidence,
             comparisons: &comparisons,
             cells: &[],
+            tables: &[],
             study: "full",
         };
         let suspects = rank(&matter, Vec::new());

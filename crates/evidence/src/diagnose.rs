@@ -26,6 +26,7 @@
 
 mod alone;
 mod cells;
+mod columns;
 mod contrast;
 mod forms;
 mod hidden;
@@ -41,8 +42,9 @@ mod tool;
 mod voices;
 
 pub use cells::{CellPlace, VerdictCounts};
+pub use columns::has_columns_exchanged;
 pub use contrast::{SameTraces, contrasts};
-pub use matter::{Clue, Matter, requirement_form, system_model};
+pub use matter::{Clue, Matter, TableOf, requirement_form, system_model};
 pub use names::{MixedUp, mixed_up};
 pub use ranking::rank;
 pub use strength::{CERTAIN, Rate, STRONG, signed_strength, strength};

@@ -12,7 +12,8 @@
 //! | simulation | its parameters fitted to the counts of the failure modes that it is named for, if it is likelier than not the odd one out |
 //! | data | two failure modes change places, in all texts that count them, if that explains what the table differs in |
 //!
-//! *Two failure modes* of a table were mixed up as [`evidence::mixed_up`] defines it.
+//! *Two failure modes* or *two requirements* of a table were mixed up as [`evidence::mixed_up`] defines it, its *columns* as
+//! [`evidence::has_columns_exchanged`] does.
 //!
 //! A simulation that nothing is held against is offered the same fit if a failure mode's counts differ from those it may be
 //! set to with a p-value below the study's level, as a model's rate is ([`Ground::of_model`]).
@@ -28,7 +29,9 @@ use crate::model_change::{Changed, ModelChange};
 use crate::model_offers::{Ground, Model};
 use crate::text_change::{TextChange, steps};
 use crate::trial::Trial;
-use evidence::{Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, mixed_up};
+use evidence::{
+    Evidence, Measure, Subject, Suspect, SuspectKind, Symptom, has_columns_exchanged, mixed_up,
+};
 
 /// The part of the margin that may be left of a step's error.
 const LEFT_OF_MARGIN: f64 = 0.1;
@@ -57,12 +60,17 @@ pub enum Offer {
         /// How.
         change: TextChange,
     },
-    /// Two failure modes of a table change places, in all texts that count them.
+    /// The columns "passed" and "failed" of a table of requirements change places.
+    Columns {
+        /// The evidence that rests on the table.
+        evidence: String,
+    },
+    /// Two failure modes, or two requirements, of a table change places, in all texts that count them.
     Exchange {
         /// The evidence that rests on the table.
         evidence: String,
-        /// The failure modes.
-        modes: [String; 2],
+        /// The failure modes, or the requirements.
+        modes: [Subject; 2],
         /// Whether their opportunities change places, too.
         is_whole: bool,
     },
@@ -498,11 +506,16 @@ impl<'g> Ground<'g> {
 
     fn of_data(&self, suspect: &Suspect) -> Vec<Offer> {
         let pieces = self.pieces(suspect);
+        let margin = |subject: &Subject| self.margin(subject);
         let offers = pieces.filter_map(|piece| {
-            let found = mixed_up(self.evidence, piece, &|subject| self.margin(subject))?;
+            let evidence = piece.id.clone();
+            if has_columns_exchanged(self.evidence, piece, &margin) {
+                return Some(Offer::Columns { evidence });
+            }
+            let found = mixed_up(self.evidence, piece, &margin)?;
             Some(Offer::Exchange {
-                evidence: piece.id.clone(),
-                modes: found.modes.map(|mode| mode.id().to_owned()),
+                evidence,
+                modes: found.modes.map(Subject::clone),
                 is_whole: found.is_whole,
             })
         });

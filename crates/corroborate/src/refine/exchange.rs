@@ -1,7 +1,8 @@
-//! Two failure modes that were written down as each other: one proposal for all texts that count them.
+//! Two failure modes, or two requirements, that were written down as each other, or a table's columns: one proposal for all
+//! texts that count them.
 //!
 //! # Definition
-//! A table of failure modes has a row for each of the two; a cohort counts each in a column, or by a code, that the
+//! A table of failure modes, or of requirements, has a row for each of the two; a cohort counts each in a column, or by a code, that the
 //! vocabulary binds. Tables of one piece of evidence must not contradict each other, so that all that count the two change
 //! together. Whether the cohort's columns were exchanged or the vocabulary's bindings of them, no count can tell: each
 //! gives the same numbers. The vocabulary is changed where the columns are called after the other mode each and nothing
@@ -25,8 +26,8 @@ const VOCABULARY: &str = "vocabulary.toml";
 pub(super) struct Mixed<'a> {
     /// The evidence that rests on the tables.
     pub evidence: &'a str,
-    /// The two failure modes.
-    pub modes: &'a [String; 2],
+    /// The two failure modes, or requirements.
+    pub modes: &'a [Subject; 2],
     /// Whether their opportunities were exchanged, too.
     pub is_whole: bool,
 }
@@ -38,12 +39,36 @@ pub(super) fn of_exchange(
     mixed: &Mixed<'_>,
     offered: &mut Offered,
 ) -> Result<(), Problem> {
-    let texts = texts(study, mixed)?;
+    let [one, other] = mixed.modes.each_ref().map(Subject::id);
+    let title = format!("{}: `{one}` and `{other}` exchanged", mixed.evidence);
+    offer(suspect, title, texts(study, mixed)?, study, offered)
+}
+
+/// The proposal with which the columns of a piece's table of requirements change places.
+pub(super) fn of_columns(
+    study: &Study,
+    suspect: &Suspect,
+    evidence: &str,
+    offered: &mut Offered,
+) -> Result<(), Problem> {
+    let tables = study.entry(evidence)?.work.tables();
+    let headers = ["passed", "failed"].map(str::to_owned);
+    let exchange = |file| (shown(file), Exchange::Headers { headers });
+    let texts = tables.and_then(|tables| tables.requirements).map(exchange);
+    let title = format!("{evidence}: `passed` and `failed` exchanged");
+    offer(suspect, title, texts.into_iter().collect(), study, offered)
+}
+
+fn offer(
+    suspect: &Suspect,
+    title: String,
+    texts: Vec<(String, Exchange)>,
+    study: &Study,
+    offered: &mut Offered,
+) -> Result<(), Problem> {
     let Some((first, _)) = texts.first() else {
         return Ok(());
     };
-    let [one, other] = mixed.modes;
-    let title = format!("{}: `{one}` and `{other}` exchanged", mixed.evidence);
     let mut diff = String::new();
     for (file, exchange) in &texts {
         let text = host::files::read_source(&study.folder.join(file))?.text;
@@ -83,7 +108,11 @@ fn texts(study: &Study, mixed: &Mixed<'_>) -> Result<Vec<(String, Exchange)>, Pr
     let Some(tables) = study.entry(mixed.evidence)?.work.tables() else {
         return Ok(texts);
     };
-    let modes = mixed.modes.clone();
+    let modes = mixed.modes.each_ref().map(|mode| mode.id().to_owned());
+    if let [Subject::Requirement(_), _] = mixed.modes {
+        let exchange = |file| (shown(file), Exchange::Names { modes });
+        return Ok(tables.requirements.map(exchange).into_iter().collect());
+    }
     if let Some(file) = tables.failure_modes {
         let exchange = match mixed.is_whole {
             true => Exchange::Names { modes },
@@ -103,8 +132,8 @@ fn shown(file: &Path) -> String {
 }
 
 /// The proposition that experiments count for a failure mode, and its column.
-fn counted_by<'s>(study: &'s Study, mode: &str) -> Option<(&'s String, &'s str)> {
-    let form = study.forms.of(&Subject::FailureMode(mode.to_owned()))?;
+fn counted_by<'s>(study: &'s Study, mode: &Subject) -> Option<(&'s String, &'s str)> {
+    let form = study.forms.of(mode)?;
     let name = form.experiment.as_ref()?;
     let column = study.vocabulary.propositions.get(name)?.column.as_ref()?;
     Some((name, column.text.as_str()))
@@ -121,7 +150,7 @@ fn of_cohort(
     let cohorts = study.ledger.iter().filter_map(|entry| entry.work.cohort());
     let others = cohorts.filter(|file| *file != cohort);
     let is_alone = others.count() == 0;
-    let [one, other] = mixed.modes;
+    let [one, other] = mixed.modes.each_ref().map(Subject::id);
     let is_crossed = called_after(&columns[0], other) && called_after(&columns[1], one);
     let is_right = called_after(&columns[0], one) || called_after(&columns[1], other);
     let codes = columns.each_ref().map(|column| column.split_once(':'));

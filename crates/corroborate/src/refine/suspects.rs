@@ -4,7 +4,7 @@
 //! itself shows. Only current evidence is changed: what later evidence of the technique replaced stays as it is.
 
 use super::command::of_command;
-use super::exchange::{Mixed, of_exchange};
+use super::exchange::{Mixed, of_columns, of_exchange};
 use super::forms::of_forms;
 use super::one_value::OneValue;
 use super::proposal::{
@@ -153,7 +153,16 @@ impl Offering<'_> {
                 };
                 of_exchange(self.study, of, &mixed, &mut self.offered)?;
             }
-            (Offer::Form(_) | Offer::Text { .. } | Offer::Exchange { .. }, None) => {}
+            (Offer::Columns { evidence }, Some(of)) => {
+                of_columns(self.study, of, &evidence, &mut self.offered)?;
+            }
+            (
+                Offer::Form(_)
+                | Offer::Text { .. }
+                | Offer::Exchange { .. }
+                | Offer::Columns { .. },
+                None,
+            ) => {}
         }
         Ok(())
     }

@@ -137,7 +137,7 @@ impl Matter<'_> {
             later.find(|e| rate_or_never(e, subject).is_some_and(|rate| rate != Rate::Never));
         Some(Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: system_model(piece),
+            asset: self.asset_of(piece, subject),
             subject: subject.clone(),
             score,
             title: format!("{} excludes {}", piece.id, name_of(subject)),

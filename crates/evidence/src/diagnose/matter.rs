@@ -23,8 +23,21 @@ pub struct Matter<'a> {
     pub comparisons: &'a [Comparison],
     /// Requirement models on traces, as far as they were judged.
     pub cells: &'a [Cell],
+    /// Which table counts what, where a piece rests on several.
+    pub tables: &'a [TableOf],
     /// How a command names the study.
     pub study: &'a str,
+}
+
+/// A table of a piece of evidence, with what it counts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableOf {
+    /// The evidence.
+    pub evidence: String,
+    /// Whether it counts failure modes; requirements if not.
+    pub is_of_failure_modes: bool,
+    /// The file, relative to the study's folder, with `/`.
+    pub file: String,
 }
 
 /// One thing that speaks against an asset.
@@ -222,6 +235,29 @@ impl<'a> Matter<'a> {
             Rerun::Recording | Rerun::RecordingIfKept => {
                 format!("corroborate monitor {study} {run}")
             }
+        }
+    }
+
+    /// The asset in which a piece's figure on a subject stands: the table that counts it, or else its system model.
+    pub(super) fn asset_of(&self, piece: &Evidence, subject: &Subject) -> SuspectAsset {
+        let whole = system_model(piece);
+        let is_of_failure_modes = matches!(subject, Subject::FailureMode(_));
+        let counts_it = |table: &&TableOf| {
+            table.evidence == piece.id && table.is_of_failure_modes == is_of_failure_modes
+        };
+        let table = self.tables.iter().find(counts_it);
+        match table.filter(|_| whole.kind == SuspectKind::Data) {
+            None => whole,
+            Some(table) => SuspectAsset {
+                file: Some(table.file.clone()),
+                together: whole
+                    .file
+                    .into_iter()
+                    .chain(whole.together)
+                    .filter(|file| file != &table.file)
+                    .collect(),
+                ..whole
+            },
         }
     }
 

@@ -1,11 +1,11 @@
-//! Two ways to fail whose names were mixed up in a table.
+//! Two ways to fail, or two requirements, whose names were mixed up in a table.
 //!
 //! # Definition
 //! Two names `a`, `b` of a piece of evidence were mixed up if the strengths (see [`mod@super::strength`]) with which its two
 //! rates differ from those of all other evidence under the same conditions sum to at least [`MIXED_UP`] more as they are
 //! than exchanged, and exchanged differ strongly (at least [`STRONG`]) from nobody; of several pairs the one that explains
 //! most. What was exchanged is the whole entry, or the occurrences alone (who counted opportunities by another list kept
-//! them right): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
+//! them right; of failure modes alone): whichever explains more, of equal ones the whole. The exchange takes `T - T'` of a conflict on one of the two, `T'` being what is left with the other's rate.
 //!
 //! # Source and guarantee
 //! One exchange in place of two wrong rates: the fewer things have to be wrong, the likelier (the method of difference, as
@@ -21,30 +21,27 @@ use crate::{Evidence, Finding, Inaccuracy, Measure, Subject};
 /// From how many decades on an exchange of names explains something.
 const MIXED_UP: f64 = 2.0;
 
-/// Two failure modes of a piece that were written down as each other.
+/// Two failure modes, or two requirements, of a piece that were written down as each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MixedUp<'p> {
-    /// The failure modes.
+    /// The failure modes, or the requirements.
     pub modes: [&'p Subject; 2],
     /// Whether their opportunities were exchanged, too.
     pub is_whole: bool,
 }
 
-/// The two failure modes of a piece that were mixed up, if the other evidence says so.
+/// The two failure modes, or requirements, of a piece that were mixed up, if the other evidence says so.
 pub fn mixed_up<'p>(
     evidence: &[Evidence],
     piece: &'p Evidence,
     margin: &dyn Fn(&Subject) -> f64,
 ) -> Option<MixedUp<'p>> {
-    let modes: Vec<&Finding> = piece
-        .findings
-        .iter()
-        .filter(|finding| matches!(finding.subject, Subject::FailureMode(_)))
-        .collect();
+    let is_mode = |it: &Finding| matches!(it.subject, Subject::FailureMode(_));
     let against = |rates| against_others(evidence, piece, rates, margin);
     let mut best: Option<(f64, MixedUp<'_>)> = None;
-    for (place, one) in modes.iter().enumerate() {
-        for other in &modes[place + 1..] {
+    for (place, one) in piece.findings.iter().enumerate() {
+        let alike = piece.findings[place + 1..].iter();
+        for other in alike.filter(|other| is_mode(other) == is_mode(one)) {
             let (a, b) = (&one.subject, &other.subject);
             let (Some(of_a), Some(of_b)) = (Rate::of(&one.measure), Rate::of(&other.measure))
             else {
@@ -52,6 +49,9 @@ pub fn mixed_up<'p>(
             };
             let (now, _) = against([(a, of_a), (b, of_b)]);
             for is_whole in [true, false] {
+                if !is_whole && !is_mode(one) {
+                    continue;
+                }
                 let [Some(new_a), Some(new_b)] = exchanged(one, other, is_whole) else {
                     continue;
                 };
@@ -149,7 +149,7 @@ impl Matter<'_> {
         let value = piece.finding(subject)?.measure.estimate()?;
         let clue = Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: system_model(piece),
+            asset: self.asset_of(piece, subject),
             subject: subject.clone(),
             score: whole - rest,
             title: format!(

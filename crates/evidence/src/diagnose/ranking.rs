@@ -29,7 +29,7 @@ const WITNESSES: usize = 5;
 ///
 /// ```
 /// let matter = evidence::Matter {
-///     requirements: &[], failure_modes: &[], evidence: &[], comparisons: &[], cells: &[], study: "my-study",
+///     requirements: &[], failure_modes: &[], evidence: &[], comparisons: &[], cells: &[], tables: &[], study: "my-study",
 /// };
 /// assert!(evidence::rank(&matter, Vec::new()).is_empty());
 /// ```

@@ -154,7 +154,10 @@ impl<'a> Matter<'a> {
             }
         }
         for (piece, against) in [(one, other), (other, one)] {
-            if let Some((clue, rest)) = self.of_names(piece, against, subject, left) {
+            let exchanged = self
+                .of_columns(piece, against, subject, left)
+                .or_else(|| self.of_names(piece, against, subject, left));
+            if let Some((clue, rest)) = exchanged {
                 left = rest;
                 clues.push(clue);
             }
@@ -411,7 +414,7 @@ impl<'a> Matter<'a> {
         let runs = finding.map_or_else(Vec::new, |f| f.witnesses.clone());
         Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: system_model(piece),
+            asset: self.asset_of(piece, subject),
             subject: subject.clone(),
             score: left * share,
             title: format!("{} differs in {}", piece.id, name_of(subject)),

@@ -25,7 +25,7 @@ pub use formal::path_seeds;
 pub use paths::ModelPaths;
 pub use text::as_text;
 
-use crate::corroboration::{self, ANY_STUDY};
+use crate::corroboration::{self, ANY_STUDY, tables_of};
 use crate::technique::model_checking::Compiled;
 use diagnostic::Problem;
 use evidence::{
@@ -82,12 +82,14 @@ pub fn diagnose(
     diagnosing.outliers(&mut gathered)?;
     gathered.clues.extend(drifts(study));
     diagnosing.drifted_constants(&mut gathered)?;
+    let tables = tables_of(study);
     let matter = Matter {
         requirements: &result.requirements,
         failure_modes: &result.failure_modes,
         evidence: &result.evidence,
         comparisons: &result.comparisons,
         cells: &gathered.cells,
+        tables: &tables,
         study: ANY_STUDY,
     };
     let contrasts = contrasts(&gathered.cells, &gathered.same, |subject| {

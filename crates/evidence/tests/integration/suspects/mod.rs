@@ -173,6 +173,7 @@ fn ranked(evidence: &[Evidence], comparisons: &[Comparison], cells: &[Cell]) -> 
         evidence,
         comparisons,
         cells,
+        tables: &[],
         study: "handover",
     };
     rank(&matter, vec![])

@@ -11,6 +11,7 @@ fn suspects(ledger: &[Evidence], conflicts: &[Comparison], more: Vec<Clue>) -> V
         evidence: ledger,
         comparisons: conflicts,
         cells: &[],
+        tables: &[],
         study: "handover",
     };
     rank(&matter, more)
@@ -62,6 +63,81 @@ fn one_exchange_of_names_is_likelier_than_two_wrong_rates() {
             found.iter().all(|s| !s.title.contains("wrong way")),
             "{found:?}"
         );
+    }
+}
+
+/// A model with two requirements, and a table of these counts of 800 each.
+fn with_requirements(model: [f64; 2], passed: [u64; 2]) -> Vec<Evidence> {
+    let of = |counts: [u64; 2], trials| {
+        let ids = ["1a", "3"].into_iter().zip(counts);
+        ids.map(|(id, count)| counted(requirement(id), count, trials))
+            .collect::<Vec<_>>()
+    };
+    let computed = [
+        computed(requirement("1a"), model[0]),
+        computed(requirement("3"), model[1]),
+    ];
+    vec![
+        piece("M", Technique::ModelChecking, "m.prism", computed.into()),
+        piece("X", Technique::Experiment, "f.csv", of(passed, 800)),
+    ]
+}
+
+/// Columns, or rows, the wrong way round are looked for in the table of the requirements, not in the one beside it.
+#[test]
+fn columns_and_rows_of_requirements_that_were_exchanged_are_located_in_their_table() {
+    let both = [
+        conflict(requirement("1a"), "M", "X"),
+        conflict(requirement("3"), "M", "X"),
+    ];
+    let tables = [TableOf {
+        evidence: "X".into(),
+        is_of_failure_modes: false,
+        file: "r.csv".into(),
+    }];
+    let (requirements, failure_modes) = (requirements(), modes());
+    let first = |ledger: &[Evidence]| {
+        let matter = Matter {
+            requirements: &requirements,
+            failure_modes: &failure_modes,
+            evidence: ledger,
+            comparisons: &both,
+            cells: &[],
+            tables: &tables,
+            study: "laundry",
+        };
+        rank(&matter, vec![]).swap_remove(0)
+    };
+    let margin = |_: &Subject| 0.05;
+    let columns = with_requirements([0.868, 0.6], [106, 320]);
+    assert!(has_columns_exchanged(&columns, &columns[1], &margin));
+    let found = first(&columns);
+    assert_eq!(found.asset.file.as_deref(), Some("r.csv"), "{found:?}");
+    assert_eq!(found.asset.together, ["f.csv"]);
+    assert!(
+        found
+            .title
+            .contains("passed and failed the wrong way round"),
+        "{found:?}"
+    );
+
+    let rows = with_requirements([0.868, 0.6], [480, 694]);
+    assert!(!has_columns_exchanged(&rows, &rows[1], &margin));
+    let found = first(&rows);
+    assert_eq!(found.asset.file.as_deref(), Some("r.csv"), "{found:?}");
+    assert!(
+        found
+            .title
+            .contains("requirement 1a and requirement 3 the wrong way round"),
+        "{found:?}"
+    );
+
+    // Both wrong, and no exchange mends it; and one alone, which a wrong model explains as well.
+    for (model, passed) in [([0.868, 0.6], [106, 200]), ([0.868, 0.6], [106, 480])] {
+        let ledger = with_requirements(model, passed);
+        assert!(!has_columns_exchanged(&ledger, &ledger[1], &margin));
+        let found = first(&ledger);
+        assert!(!found.title.contains("wrong way"), "{found:?}");
     }
 }
 

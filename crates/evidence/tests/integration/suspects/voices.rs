@@ -10,6 +10,7 @@ fn ranked(ledger: &[Evidence], conflicts: &[Comparison], more: Vec<Clue>) -> Vec
         evidence: ledger,
         comparisons: conflicts,
         cells: &[],
+        tables: &[],
         study: "handover",
     };
     rank(&matter, more)
