@@ -101,36 +101,59 @@ struct Spending {
 
 impl Spending {
     fn new(budget: f64, growth: f64) -> Self {
-        let share = 1.0 - (1.0 - SHARE_OF_A_LOOK).powf(growth);
-        let steepness = STEEPNESS * growth.sqrt();
-        let (rejected, kept) = (share * budget, (1.0 - share) * budget);
-        let scale = kept / power_integral(rejected, 1.0, steepness);
-        if scale <= rejected.powf(steepness) {
-            return Self {
-                rejected,
-                certain: rejected,
-                scale,
-                steepness,
-            };
+        let uncapped = Self::uncapped(budget, growth);
+        if !uncapped.is_too_much() {
+            return uncapped;
         }
         // Capped at 1 up to a point at which the integral is as wanted.
-        let integral =
-            |end: f64| end - rejected + end.powf(steepness) * power_integral(end, 1.0, steepness);
-        let (mut low, mut high) = (rejected, 1.0);
+        let kept = budget - uncapped.rejected;
+        let (mut low, mut high) = (uncapped.rejected, 1.0);
         for _ in 0..60 {
             let middle = f64::midpoint(low, high);
-            if integral(middle) <= kept {
+            if uncapped.capped_integral(middle) <= kept {
                 low = middle;
             } else {
                 high = middle;
             }
         }
         Self {
-            rejected,
             certain: low,
-            scale: low.powf(steepness),
+            scale: low.powf(uncapped.steepness),
+            ..uncapped
+        }
+    }
+
+    /// With `k u^-s` as it is, though it may be above 1.
+    fn uncapped(budget: f64, growth: f64) -> Self {
+        let share = 1.0 - (1.0 - SHARE_OF_A_LOOK).powf(growth);
+        let steepness = STEEPNESS * growth.sqrt();
+        let rejected = share * budget;
+        Self {
+            rejected,
+            certain: rejected,
+            scale: (budget - rejected) / power_integral(rejected, 1.0, steepness),
             steepness,
         }
+    }
+
+    /// Whether `k u^-s` is above 1 somewhere.
+    fn is_too_much(&self) -> bool {
+        self.scale > self.rejected.powf(self.steepness)
+    }
+
+    /// The integral of `min(1, k u^-s)` behind what is rejected, if it is 1 up to `end`.
+    fn capped_integral(&self, end: f64) -> f64 {
+        let rest = end.powf(self.steepness) * power_integral(end, 1.0, self.steepness);
+        end - self.rejected + rest
+    }
+
+    /// Whether a look with this budget rejects at p-values up to `high`: as `new(budget, growth).mean(low, high) >= 1`,
+    /// without the search for the point up to which it does.
+    fn is_certain(budget: f64, growth: f64, high: f64) -> bool {
+        let uncapped = Self::uncapped(budget, growth);
+        high <= uncapped.rejected
+            || uncapped.is_too_much()
+                && uncapped.capped_integral(high) <= budget - uncapped.rejected
     }
 
     /// The mean of `b'` over p-values from `low` to `high`.
@@ -165,18 +188,22 @@ fn power_integral(low: f64, high: f64, s: f64) -> f64 {
 
 /// Whether a test at this level has rejected by the last stage.
 fn rejects(stages: &[Stage], level: f64) -> bool {
+    let Some((last, before)) = stages.split_last() else {
+        return level >= 1.0;
+    };
     let mut budget = level;
-    for stage in stages {
-        if budget >= 1.0 {
-            return true;
-        }
-        if budget < LEAST_BUDGET {
-            return false;
+    let is_open = |budget: f64| (LEAST_BUDGET..1.0).contains(&budget);
+    for stage in before {
+        if !is_open(budget) {
+            return budget >= 1.0;
         }
         let (low, high) = stage.outcome;
         budget = Spending::new(budget, stage.growth).mean(low, high);
     }
-    budget >= 1.0
+    match is_open(budget) {
+        true => Spending::is_certain(budget, last.growth, last.outcome.1),
+        false => budget >= 1.0,
+    }
 }
 
 /// The p-value under continuation of these stages: 1 without any.
@@ -221,20 +248,28 @@ pub fn continued_above(looks: &[Sample], threshold: f64) -> f64 {
     p_of_stages(&stages_of_counts(looks, threshold))
 }
 
+/// Whether "the rate is at most the threshold" is rejected at this level by the last look: as `continued_above(looks,
+/// threshold) <= level`, quicker.
+fn is_shown_above(looks: &[Sample], threshold: f64, level: f64) -> bool {
+    threshold < 1.0 && rejects(&stages_of_counts(looks, threshold), level)
+}
+
 /// The same of "the rate is at least the threshold".
 #[must_use]
 pub fn continued_below(looks: &[Sample], threshold: f64) -> f64 {
     if threshold <= 0.0 {
         return 1.0;
     }
-    let failures: Vec<Sample> = looks
-        .iter()
-        .map(|look| Sample {
-            successes: look.failures(),
-            trials: look.trials,
-        })
-        .collect();
-    p_of_stages(&stages_of_counts(&failures, 1.0 - threshold))
+    p_of_stages(&stages_of_counts(&failures(looks), 1.0 - threshold))
+}
+
+/// The looks with failures for successes.
+fn failures(looks: &[Sample]) -> Vec<Sample> {
+    let failures = looks.iter().map(|look| Sample {
+        successes: look.failures(),
+        trials: look.trials,
+    });
+    failures.collect()
 }
 
 /// The stages between looks, against "the rate is at most the threshold".
@@ -403,7 +438,7 @@ pub fn continued_lower_limit(looks: &[Sample], error: f64) -> f64 {
     if looks.last().is_none_or(|look| look.successes == 0) {
         return 0.0;
     }
-    boundary(|rate| continued_above(looks, rate) <= error)
+    boundary(|rate| is_shown_above(looks, rate, error))
 }
 
 /// The least rate from which on all are excluded as too high, at this one-sided error.
@@ -412,7 +447,8 @@ pub fn continued_upper_limit(looks: &[Sample], error: f64) -> f64 {
     if looks.last().is_none_or(|look| look.failures() == 0) {
         return 1.0;
     }
-    1.0 - boundary(|rate| continued_below(looks, 1.0 - rate) <= error)
+    let failures = failures(looks);
+    1.0 - boundary(|rate| is_shown_above(&failures, rate, error))
 }
 
 /// By halving: the end of the rates from 0 on for which it holds, from below.

@@ -47,6 +47,28 @@ fn the_conditional_error_is_monotone() {
     }
 }
 
+/// The last look is decided without the search for the point up to which it rejects: the same decision.
+#[test]
+fn the_last_look_is_decided_as_by_what_it_would_keep() {
+    for budget in [1e-60, 1e-6, 0.01, 0.05, 0.3, 0.7, 0.95, 0.999] {
+        for growth in [1.0, 0.5, 0.1, 0.3086, 0.001] {
+            let spending = Spending::new(budget, growth);
+            let end = spending.certain;
+            let near = [0.5, 0.999, 1.0 - 1e-9, 1.0 + 1e-9, 1.001, 2.0].map(|share| end * share);
+            let others = [0.0, 1e-300, 0.2, 0.9, 1.0];
+            for high in near.into_iter().chain(others).filter(|high| *high <= 1.0) {
+                let kept = spending.mean(0.5 * high, high) >= 1.0;
+                let decided = Spending::is_certain(budget, growth, high);
+                assert_eq!(
+                    decided,
+                    kept || high <= 0.0,
+                    "{budget} {growth} {high} {end}"
+                );
+            }
+        }
+    }
+}
+
 /// The greatest probability of ever rejecting, over all rules that choose the size of the next stage from what was
 /// seen, by going through all paths.
 fn worst(
