@@ -223,7 +223,7 @@ fn a_trigger_that_is_not_what_the_monitor_waits_for_names_other_runs() {
     for (trigger, when) in [
         (r#"F "near""#, "near"),
         (r#"F ("near" & !"late")"#, "near"),
-        (r#"F !"late" & F "near""#, "near"),
+        (r#"(F !"late") & (F "near")"#, "near"),
     ] {
         let (denominator, comparison) = compared(trigger, when);
         assert_eq!(denominator["kind"], "triggered", "{trigger} {when}");
@@ -231,7 +231,7 @@ fn a_trigger_that_is_not_what_the_monitor_waits_for_names_other_runs() {
     }
     for (trigger, when) in [
         (r#"F "near""#, "late"),
-        (r#"X (!"late" & !"near") | F "near""#, "late"),
+        (r#"(X (!"late" & !"near")) | (F "near")"#, "late"),
     ] {
         let (denominator, comparison) = compared(trigger, when);
         assert_eq!(denominator["kind"], "other-trigger", "{trigger} {when}");
