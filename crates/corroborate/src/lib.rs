@@ -16,9 +16,11 @@
 //! | map where formal model and simulation differ | [`map_disagreement`](explore::map_disagreement) |
 //! | make a finding small, and keep it as a regression | [`shrink()`] |
 //! | run an episode again, and look at it; run all regressions again | [`replay()`], [`check_regressions`](replay::check_regressions) |
+//! | simulate episodes, and record and judge them | [`simulate::simulate()`] |
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | judge a running system, over DDS (ROS 2) or Foxglove | [`watch::watch()`] |
 //!
 //! Nothing is global: studies run side by side in one process, each with a host of its own, with the same results as one
 //! after another. Every function takes a request as plain data, which its `new` fills with defaults, and gives a report that
@@ -39,13 +41,16 @@ pub mod rare;
 pub mod refine;
 pub mod replay;
 pub mod results;
+pub mod ros2_table;
 mod run;
 pub mod schemas;
 pub mod shrink;
+pub mod simulate;
 pub mod technique;
 mod template;
 mod test_bench;
 mod verify;
+pub mod watch;
 pub mod what_if;
 
 pub use diagnostic;

@@ -84,7 +84,7 @@ const SAYS: [(&str, &str); 16] = [
 /// All kinds of file.
 pub fn files() -> Vec<FileOfStudy> {
     let mut schemas = corroborate::schemas::all();
-    schemas.push(("ros2.toml", simulate::ros2_table::schema()));
+    schemas.push(("ros2.toml", corroborate::ros2_table::schema()));
     let with_words = SAYS.iter().filter_map(|(name, says)| {
         let place = schemas.iter().position(|(file, _)| file == name)?;
         let (_, schema) = schemas.swap_remove(place);

@@ -1,354 +1,114 @@
-//! `corroborate simulate`: episodes of a study's simulation, recorded, judged
-//! and counted.
-
-mod report;
-pub mod ros2_table;
+//! `corroborate simulate`: episodes of a study's simulation, recorded, judged and counted.
 
 use super::{Done, Host, json, use_threads};
-use crate::args::{EngineChoice, Format, RecordingForm, Simulate};
-use corroborate::outcome::Outcome;
-use corroborate::technique;
-use corroborate::technique::campaign::{
-    Campaigning, Finished, Simulator, Source, Until, judged_by, parse_until, words_of,
-};
-use corroborate::technique::simulation::{Campaign, Seeds, record_with};
+use crate::args::{self, EngineChoice, Format, Simulate};
+use corroborate::simulate::{RecordingForm, SimulateReport, SimulateRequest};
 use diagnostic::Problem;
-use evidence::{Alone, Step, Verdict};
-use host::files::write_whole;
-use host::store::Inputs;
-use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
-use ros2_table::Ros2Table;
-use std::path::{Path, PathBuf};
-use study::{Entry, Simulated, Study};
-
-/// The simulator of an entry, in the engine that is asked for.
-fn simulator_of(
-    study: &Study,
-    entry: &Entry,
-    engine: EngineChoice,
-    library: Option<&Path>,
-) -> Result<Simulator, Problem> {
-    if engine != EngineChoice::Rapier {
-        return Simulator::of_entry(study, entry, library);
-    }
-    let Some(Simulated::Scene { scene, test }) = entry.work.simulated() else {
-        return Err(corroborate::engines::one_engine(entry));
-    };
-    let campaign = Campaign::of_scene_in_rapier(study, scene, test)?;
-    Ok(Simulator::Bench(Box::new(campaign)))
-}
+use evidence::{Cost, Verdict};
 
 /// Simulates and records.
 pub fn simulate(arguments: &Simulate, setting: &Host) -> Result<Done, Problem> {
     use_threads(arguments.threads)?;
-    let study = Study::load(&arguments.study)?;
-    let entry = study.entry(&arguments.evidence)?;
-    let library = setting.physics_library.as_deref();
-    let simulator = simulator_of(&study, entry, arguments.engine, library)?;
-    let called = Called {
-        study: &study,
-        entry,
-        arguments,
-        setting,
-        seeds: Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id),
-        count: arguments.episodes.unwrap_or_else(|| entry.work.episodes()),
+    let found = corroborate::simulate::simulate(&request(arguments), setting)?;
+    let output = match (arguments.format, &found.cost) {
+        (Format::Json, _) => json(&found.report)?,
+        (Format::Text, None) => next(arguments, &found.report),
+        (Format::Text, Some(cost)) => {
+            let next = match found.report.recordings.is_empty() {
+                true => String::new(),
+                false => next(arguments, &found.report),
+            };
+            text(&found.report, cost) + &next
+        }
     };
-    match arguments.form {
-        RecordingForm::Corroborate => called.campaign(simulator.source()),
-        RecordingForm::Ros2 => called.ros2(&simulator),
+    Ok(Done {
+        output,
+        outcome: found.outcome,
+    })
+}
+
+fn request(arguments: &Simulate) -> SimulateRequest {
+    SimulateRequest {
+        episodes: arguments.episodes,
+        until: arguments.until.clone(),
+        keep: arguments.keep,
+        on_failure: arguments.on_failure,
+        first: arguments.first,
+        seed: arguments.seed,
+        in_second_engine: arguments.engine == EngineChoice::Rapier,
+        form: match arguments.form {
+            args::RecordingForm::Corroborate => RecordingForm::Signals,
+            args::RecordingForm::Ros2 => RecordingForm::Ros2,
+        },
+        ..SimulateRequest::new(&arguments.study, &arguments.evidence, &arguments.out)
     }
 }
 
-/// A call, with what it names.
-struct Called<'a> {
-    study: &'a Study,
-    entry: &'a Entry,
-    arguments: &'a Simulate,
-    setting: &'a Host,
-    seeds: Seeds,
-    count: u64,
+fn next(arguments: &Simulate, report: &SimulateReport) -> String {
+    let (study, out) = (arguments.study.display(), arguments.out.display());
+    format!(
+        "{} episodes of {} in {out}\nNext: corroborate monitor {study} {out}\n",
+        report.episodes, report.evidence
+    )
 }
 
-impl Called<'_> {
-    /// Runs, records and judges episodes.
-    fn campaign(&self, source: Source<'_>) -> Result<Done, Problem> {
-        let (arguments, sampling) = (self.arguments, &self.entry.sampling);
-        let rule = match &arguments.until {
-            Some(text) => Some(parse_until(text)?),
-            None => sampling.until.clone(),
-        };
-        let until = rule
-            .as_ref()
-            .map(|rule| Until::new(self.study, rule))
-            .transpose()?;
-        let program = self.setting.build.as_str();
-        let mut inputs = self.inputs(source, program);
-        if sampling.early_end {
-            inputs.add_json("early_end", &true);
-        }
-        claim(&arguments.out, &inputs.hash())?;
-        let stage = self.stage();
-        let plan = Campaigning {
-            study: self.study,
-            id: &self.entry.id,
-            source,
-            seeds: self.seeds.clone(),
-            numbers: arguments.first..arguments.first + self.count,
-            keep: arguments.keep.unwrap_or(sampling.keep),
-            early_end: sampling.early_end,
-            on_failure: arguments.on_failure.unwrap_or(sampling.on_failure),
-            until: until.as_ref(),
-            folder: &arguments.out,
-            judged_by: judged_by(self.study, source, program),
-            interrupt: &self.setting.cancel,
-            stage: &stage,
-        };
-        let finished = plan.run()?;
-        drop(stage);
-        let met = until
-            .as_ref()
-            .map(|it| it.is_met(finished.tally.sample(it.subject())));
-        let verdicts = self.verdicts(&finished)?;
-        // The stopping rule's own test stands in place of the other where both ask the same.
-        let is_of_rule = |it: &Alone| {
-            rule.as_ref().is_some_and(|rule| {
-                let same = rule
-                    .threshold
-                    .is_none_or(|value| value == it.threshold.value);
-                same && rule.requirement == it.requirement
-            })
-        };
-        let own = verdicts.iter().filter(|it| !is_of_rule(it));
-        let outcomes = own.map(|it| match it.verdict {
-            Verdict::Satisfied => Outcome::Holds,
-            Verdict::Violated | Verdict::Conflicting => Outcome::Violated,
-            Verdict::Undecided | Verdict::NotCovered => Outcome::Inconclusive,
-        });
-        let outcome = outcomes.chain([match met {
-            None | Some(Some(true)) => Outcome::Holds,
-            Some(Some(false)) => Outcome::Violated,
-            Some(None) => Outcome::Inconclusive,
-        }]);
-        let outcome = outcome.max().unwrap_or(Outcome::Holds);
-        let report = SimulateReport {
-            verdicts,
-            until: finished.stopped.clone(),
-            table: Some(finished.table.display().to_string()),
-            estimates: self.estimates(&finished)?,
-            failures: self.failures(&finished)?,
-            ..self.report(source, finished.tally.runs(), &|number| {
-                arguments.out.join(source.recording_name(number))
-            })
-        };
-        let output = match arguments.format {
-            Format::Json => json(&report)?,
-            Format::Text => report.text(&finished) + &self.next_of(&report),
-        };
-        Ok(Done { output, outcome })
+/// For people.
+fn text(report: &SimulateReport, cost: &Cost) -> String {
+    let mut text = String::new();
+    for estimate in &report.estimates {
+        let share = 100.0 * estimate.count as f64 / estimate.trials as f64;
+        text.push_str(&format!(
+            "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1})\n",
+            estimate.subject.id(),
+            estimate.count,
+            estimate.trials,
+            100.0 * estimate.low,
+            100.0 * estimate.high
+        ));
     }
-
-    /// Records episodes as ROS 2 bags, which are not judged.
-    fn ros2(&self, simulator: &Simulator) -> Result<Done, Problem> {
-        let (Simulator::Bench(campaign), Some(scenario)) = (simulator, self.scenario()) else {
-            return Err(Problem::new(
-                "not-a-simulation",
-                format!("`{}` leaves recordings of its own", self.entry.id),
-            )
-            .remedy("leave out `--as ros2`"));
+    for judged in &report.verdicts {
+        let verdict = match judged.verdict {
+            Verdict::Satisfied => "satisfied",
+            Verdict::Violated | Verdict::Conflicting => "VIOLATED",
+            Verdict::Undecided => "undecided",
+            Verdict::NotCovered => "not covered",
         };
-        if self.arguments.until.is_some() || self.arguments.keep.is_some() {
-            return Err(Problem::new(
-                "ros2-not-judged",
-                "recordings as ROS 2 bags are all kept and not judged",
-            )
-            .remedy("leave out `--until` and `--keep`, or `--as ros2`"));
-        }
-        let table = Ros2Table::beside(&self.study.folder.join(scenario))?;
-        let source = simulator.source();
-        let mut inputs = self.inputs(source, self.setting.build.as_str());
-        inputs.add("ros2", table.text.as_bytes());
-        let folder = &self.arguments.out;
-        claim(folder, &inputs.hash())?;
-        let numbers = self.arguments.first..self.arguments.first + self.count;
-        let stage = self.stage();
-        let interrupt = &self.setting.cancel;
-        let write = |trace: &trace::Trace, path: &Path| table.write(trace, path);
-        let written = record_with(
-            campaign,
-            &self.seeds,
-            numbers,
-            folder,
-            interrupt,
-            &stage,
-            write,
-        )?;
-        drop(stage);
-        let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
-        if left_out > 0 {
-            self.setting.events.say(&format!(
-                "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
+        let (id, statement) = (&judged.requirement, &judged.statement);
+        text.push_str(&format!("{id:<28} {verdict}: {statement}\n"));
+    }
+    for failure in &report.failures {
+        let share = 100.0 * failure.count as f64 / failure.trials as f64;
+        text.push_str(&format!(
+                "{:<28} {:>6} of {:<6} {share:5.1} % ({:.1} to {:.1}): {}, first in episode {}; what it said: {}\n",
+                failure.kind.name(),
+                failure.count,
+                failure.trials,
+                100.0 * failure.low,
+                100.0 * failure.high,
+                failure.kind,
+                failure.first_episode,
+                failure.said
             ));
-        }
-        let report = self.report(source, self.count, &|number| {
-            folder.join(source.recording_name(number))
-        });
-        Ok(Done {
-            output: match self.arguments.format {
-                Format::Json => json(&report)?,
-                Format::Text => self.next(self.count),
-            },
-            outcome: Outcome::Holds,
-        })
     }
-
-    fn scenario(&self) -> Option<&Path> {
-        self.entry.work.simulated_file()
+    if !report.description_gaps.is_empty() {
+        text.push_str("Not simulated as it is described:\n");
     }
-
-    fn stage(&self) -> host::Stage {
-        let title = format!("{}: episodes", self.entry.id);
-        self.setting.events.begin(&title, self.count)
+    for gap in &report.description_gaps {
+        text.push_str(&format!("  {gap}\n"));
     }
-
-    /// What the recordings depend on.
-    fn inputs(&self, source: Source<'_>, program: &str) -> Inputs {
-        let mut inputs = Inputs::default();
-        source.inputs(&mut inputs);
-        if matches!(source, Source::Bench(_)) {
-            inputs.add("program", program.as_bytes());
-        }
-        inputs.add_json("seed", &self.seeds.of(0));
-        inputs
+    if let Some(until) = &report.until {
+        text.push_str(&format!("{until}\n"));
     }
-
-    fn report(
-        &self,
-        source: Source<'_>,
-        episodes: u64,
-        place: &dyn Fn(u64) -> PathBuf,
-    ) -> SimulateReport {
-        let tool = source.tool();
-        let numbers = self.arguments.first..self.arguments.first + episodes;
-        let kept = numbers.map(|number| (number, place(number)));
-        let kept = kept.filter(|(_, path)| path.exists());
-        SimulateReport {
-            format: "1.4".into(),
-            evidence: self.entry.id.clone(),
-            engine: format!("{} {}", tool.name, tool.version)
-                .trim_end()
-                .to_owned(),
-            episodes,
-            recordings: kept
-                .map(|(number, path)| RecordingReport {
-                    file: path.display().to_string(),
-                    seed: self.seeds.of(number),
-                })
-                .collect(),
-            estimates: Vec::new(),
-            verdicts: Vec::new(),
-            failures: Vec::new(),
-            description_gaps: source.gaps().to_vec(),
-            until: None,
-            table: None,
-        }
-    }
-
-    fn estimates(&self, finished: &Finished) -> Result<Vec<EstimateReport>, Problem> {
-        let level = technique::confidence(self.study.about.confidence)?;
-        let subjects = self.study.forms.subjects.iter().map(|form| &form.subject);
-        let decided = subjects.map(|subject| (subject, finished.tally.sample(subject)));
-        Ok(decided
-            .filter(|(_, sample)| sample.trials > 0)
-            .map(|(subject, sample)| {
-                let interval = stats::confidence_sequence(sample, level);
-                EstimateReport {
-                    subject: subject.clone(),
-                    count: sample.successes,
-                    trials: sample.trials,
-                    low: interval.low,
-                    high: interval.high,
-                }
-            })
-            .collect())
-    }
-
-    /// What the episodes show of requirements with a threshold.
-    fn verdicts(&self, finished: &Finished) -> Result<Vec<Alone>, Problem> {
-        let level = technique::confidence(self.study.about.confidence)?;
-        let findings = finished.tally.findings(self.study, finished.intervals)?;
-        let requirements = &self.study.requirements;
-        Ok(evidence::alone(
-            (&self.entry.id, Step::of(self.entry.work.technique())),
-            requirements,
-            &findings,
-            level,
-        ))
-    }
-
-    fn failures(&self, finished: &Finished) -> Result<Vec<FailureReport>, Problem> {
-        let level = technique::confidence(self.study.about.confidence)?;
-        let failed = finished.tally.failed();
-        Ok(failed
-            .map(|(kind, sample)| {
-                let interval = stats::confidence_sequence(sample, level);
-                let first = finished.first_failed.get(&kind).copied();
-                let first = first.unwrap_or(self.arguments.first);
-                FailureReport {
-                    kind,
-                    count: sample.successes,
-                    trials: sample.trials,
-                    low: interval.low,
-                    high: interval.high,
-                    first_episode: first,
-                    seed: self.seeds.of(first).to_string(),
-                    said: words_of(&self.arguments.out, first).display().to_string(),
-                }
-            })
-            .collect())
-    }
-
-    /// What to do next, where recordings are kept.
-    fn next_of(&self, report: &SimulateReport) -> String {
-        match report.recordings.is_empty() {
-            true => String::new(),
-            false => self.next(report.episodes),
-        }
-    }
-
-    fn next(&self, count: u64) -> String {
-        let (study, out) = (self.arguments.study.display(), self.arguments.out.display());
-        format!(
-            "{count} episodes of {} in {out}\nNext: corroborate monitor {study} {out}\n",
-            self.entry.id
-        )
-    }
-}
-
-/// The file that says which campaign a folder's recordings are of.
-const MARK: &str = "campaign";
-
-/// Recordings that are already there are gone on with if they are of the same
-/// campaign; others are neither taken for ours nor overwritten.
-fn claim(folder: &Path, campaign: &str) -> Result<(), Problem> {
-    std::fs::create_dir_all(folder).map_err(|error| Problem::cannot_write(folder, &error))?;
-    let mark = folder.join(MARK);
-    let entries =
-        std::fs::read_dir(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
-    let occupied = entries
-        .flatten()
-        .any(|e| e.file_name().to_string_lossy().starts_with("episode-"));
-    let same = std::fs::read_to_string(&mark).is_ok_and(|text| text.trim() == campaign);
-    if occupied && !same {
-        return Err(Problem::new(
-            "folder-not-empty",
-            format!(
-                "{} already holds recordings of something else",
-                folder.display()
-            ),
-        )
-        .remedy("name a new folder with --out"));
-    }
-    write_whole(&mark, format!("{campaign}\n").as_bytes())
+    let speed = cost
+        .real_time_factor
+        .map(|factor| format!(", {factor:.0} times real time on a core"));
+    text.push_str(&format!(
+        "Table: {} ({:.1} s{})\n",
+        report.table.as_deref().unwrap_or_default(),
+        cost.wall_secs,
+        speed.unwrap_or_default()
+    ));
+    text
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! Telling what happens: JSON lines, plain lines, or a view in place on a
 //! terminal with the events above it.
 
-use super::event::{LiveVerdict, WatchEvent};
 use crate::args::Format;
-use live::Topic;
+use corroborate::watch::{Audience, LiveVerdict, WatchEvent};
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 
@@ -13,13 +12,14 @@ const DRAW_EVERY_NANOS: i64 = 250_000_000;
 /// Tells on standard output.
 pub struct Teller {
     form: Form,
-    began_nanos: i64,
+    /// When the first event was told.
+    began_nanos: Option<i64>,
     drawn_nanos: i64,
     /// The lengths of the view's lines that stand on the terminal.
     lines: Vec<usize>,
     verdicts: Vec<LiveVerdict>,
     /// The messages of each topic: all, and since the last drawing.
-    counts: BTreeMap<u32, (String, u64, u64)>,
+    counts: BTreeMap<String, (u64, u64)>,
     /// Whether standard output can no longer be written.
     deaf: bool,
 }
@@ -32,8 +32,8 @@ enum Form {
 }
 
 impl Teller {
-    /// Tells as `format` says, from `began_nanos` on.
-    pub fn new(format: Format, began_nanos: i64) -> Self {
+    /// Tells as `format` says.
+    pub fn new(format: Format) -> Self {
         let form = match format {
             Format::Json => Form::Json,
             Format::Text if std::io::stdout().is_terminal() => Form::View,
@@ -41,8 +41,8 @@ impl Teller {
         };
         Self {
             form,
-            began_nanos,
-            drawn_nanos: began_nanos,
+            began_nanos: None,
+            drawn_nanos: i64::MIN,
             lines: Vec::new(),
             verdicts: Vec::new(),
             counts: BTreeMap::new(),
@@ -50,62 +50,17 @@ impl Teller {
         }
     }
 
-    /// Whether nobody can be told any more.
-    pub fn is_deaf(&self) -> bool {
-        self.deaf
-    }
-
-    /// Counts a message.
-    pub fn count(&mut self, topic: &Topic) {
-        let entry = self.counts.entry(topic.id);
-        let counts = entry.or_insert_with(|| (topic.name.clone(), 0, 0));
-        counts.1 += 1;
-        counts.2 += 1;
-    }
-
-    /// Tells an event, at once.
-    pub fn tell(&mut self, at_nanos: i64, event: &WatchEvent, json: &str) {
-        let text = match self.form {
-            Form::Json => format!("{json}\n"),
-            Form::Lines | Form::View => {
-                let at_secs = (at_nanos - self.began_nanos) as f64 / 1e9;
-                format!("{at_secs:>10.3} s  {}\n", event.text())
-            }
-        };
-        let shown = match self.form {
-            Form::View => format!("{}{text}{}", self.erased(), self.view(None)),
-            _ => text,
-        };
-        self.write(&shown);
-    }
-
-    /// Whether the view is to be drawn, and so wants to know the verdicts.
-    pub fn is_due(&self, now_nanos: i64) -> bool {
-        self.form == Form::View && now_nanos - self.drawn_nanos >= DRAW_EVERY_NANOS
-    }
-
-    /// The verdicts so far.
-    pub fn know(&mut self, verdicts: Vec<LiveVerdict>) {
-        self.verdicts = verdicts;
-    }
-
     /// Draws the view anew, if it is time.
-    pub fn draw_when_due(&mut self, now_nanos: i64) {
-        if self.is_due(now_nanos) {
-            let past_secs = (now_nanos - self.drawn_nanos) as f64 / 1e9;
+    fn draw_when_due(&mut self, now_nanos: i64) {
+        if self.wants_verdicts(now_nanos) {
+            let past_secs = now_nanos.saturating_sub(self.drawn_nanos) as f64 / 1e9;
             self.drawn_nanos = now_nanos;
             let shown = format!("{}{}", self.erased(), self.view(Some(past_secs)));
             for counts in self.counts.values_mut() {
-                counts.2 = 0;
+                counts.1 = 0;
             }
             self.write(&shown);
         }
-    }
-
-    /// Takes the view away, for what comes after it.
-    pub fn finish(&mut self) {
-        let erased = self.erased();
-        self.write(&erased);
     }
 
     /// What takes the view off the terminal.
@@ -128,7 +83,7 @@ impl Teller {
         for verdict in &self.verdicts {
             view.push_str(&row(verdict));
         }
-        for (name, all, new) in self.counts.values() {
+        for (name, (all, new)) in &self.counts {
             let rate = past_secs.map(|secs| format!(", {:.0} a second", *new as f64 / secs));
             view.push_str(&format!("{name}: {all}{}\n", rate.unwrap_or_default()));
         }
@@ -141,6 +96,60 @@ impl Teller {
         let mut out = std::io::stdout().lock();
         let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
         self.deaf |= written.is_err();
+    }
+}
+
+impl Audience for Teller {
+    fn told(&mut self, at_nanos: i64, event: &WatchEvent, json: &str) {
+        let began_nanos = *self.began_nanos.get_or_insert_with(|| {
+            self.drawn_nanos = at_nanos;
+            at_nanos
+        });
+        let text = match self.form {
+            Form::Json => format!("{json}\n"),
+            Form::Lines | Form::View => {
+                let at_secs = (at_nanos - began_nanos) as f64 / 1e9;
+                format!("{at_secs:>10.3} s  {}\n", event.text())
+            }
+        };
+        let shown = match self.form {
+            Form::View => format!("{}{text}{}", self.erased(), self.view(None)),
+            _ => text,
+        };
+        self.write(&shown);
+    }
+
+    fn message(&mut self, topic: &str) {
+        if !self.counts.contains_key(topic) {
+            self.counts.insert(topic.to_owned(), (0, 0));
+        }
+        if let Some((all, new)) = self.counts.get_mut(topic) {
+            *all += 1;
+            *new += 1;
+        }
+    }
+
+    fn wants_verdicts(&self, now_nanos: i64) -> bool {
+        self.form == Form::View && now_nanos.saturating_sub(self.drawn_nanos) >= DRAW_EVERY_NANOS
+    }
+
+    fn verdicts(&mut self, now_nanos: i64, verdicts: Vec<LiveVerdict>) {
+        self.verdicts = verdicts;
+        self.draw_when_due(now_nanos);
+    }
+
+    fn idle(&mut self, now_nanos: i64) {
+        self.draw_when_due(now_nanos);
+    }
+
+    fn is_gone(&self) -> bool {
+        self.deaf
+    }
+
+    /// Takes the view away, for what comes after it.
+    fn ended(&mut self) {
+        let erased = self.erased();
+        self.write(&erased);
     }
 }
 

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use study::Study;
 
 /// So many statements in common tell more than that both are models of the same kind.
-const FEWEST: u64 = 5;
+const FEWEST: u64 = 4;
 
 /// A model's statements, each with how often it is there.
 type Statements = BTreeMap<String, u64>;

@@ -280,14 +280,3 @@ impl WatchEvent {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_committed_schema_is_the_form_that_is_printed() {
-        let schema: serde_json::Value = schemars::schema_for!(WatchLine).into();
-        crate::command::tests::assert_schema_is_committed("watch.schema.json", &schema);
-    }
-}

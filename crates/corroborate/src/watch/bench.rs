@@ -9,9 +9,9 @@
 
 use super::connection::{self, not_connected, topics_for};
 use super::simulated::{AnyLink, Pace, Simulated};
-use crate::args::Watch;
-use crate::command::simulate::ros2_table::{Ros2Table, bad};
-use corroborate::technique::simulation::{Campaign, Seeds};
+use super::{LiveSystem, WatchRequest};
+use crate::ros2_table::{Ros2Table, bad};
+use crate::technique::simulation::{Campaign, Seeds};
 use diagnostic::Problem;
 use host::Host;
 use live::{
@@ -56,16 +56,16 @@ struct Kept {
 impl Bench {
     /// Prepares the episode that is asked for, if one is.
     pub fn new(
-        arguments: &Watch,
+        request: &WatchRequest,
         study: &Study,
         map: &TopicMap,
         signals: &[String],
         setting: &Host,
     ) -> Result<Option<Self>, Problem> {
-        let Some(id) = &arguments.simulate else {
+        let Some(rest) = &request.rest else {
             return Ok(None);
         };
-        let entry = study.entry(id)?;
+        let entry = study.entry(&rest.entry)?;
         let library = setting.physics_library.as_deref();
         let (campaign, file, parameters) = match entry.work.simulated() {
             Some(Named::Handover {
@@ -86,20 +86,20 @@ impl Bench {
             }
         };
         let table = Ros2Table::beside(&study.folder.join(file))?;
-        let seeds = Seeds::new(arguments.seed.unwrap_or(study.about.seed), &entry.id);
-        let seed = seeds.of(arguments.episode);
+        let seeds = Seeds::new(rest.seed.unwrap_or(study.about.seed), &entry.id);
+        let seed = seeds.of(rest.episode);
         let tool = campaign.tool();
         let mut about = BTreeMap::from([
             (
                 "simulated",
-                format!("{}, episode {}", entry.id, arguments.episode),
+                format!("{}, episode {}", entry.id, rest.episode),
             ),
             (
                 "simulated_by",
                 format!("{} {}, {}", tool.name, tool.version, tool.settings),
             ),
             ("simulated_seed", seed.to_string()),
-            ("outside", arguments.outside.join(", ")),
+            ("outside", rest.outside.join(", ")),
         ]);
         match parameters {
             Some(parameters) => about.extend([
@@ -108,9 +108,9 @@ impl Bench {
             ]),
             None => about.extend([("simulated_scene", shown(file))]),
         }
-        let simulated = Simulated::new(campaign, &arguments.outside, map)?;
-        check_outside(arguments, map, signals, &table, &simulated.signals())?;
-        let is_inside = |topic: &Ros2Topic| !arguments.outside.contains(&topic.name);
+        let simulated = Simulated::new(campaign, &rest.outside, map)?;
+        check_outside(&rest.outside, map, signals, &table, &simulated.signals())?;
+        let is_inside = |topic: &Ros2Topic| !rest.outside.contains(&topic.name);
         Ok(Some(Self {
             seed,
             topics: table.topics.into_iter().filter(is_inside).collect(),
@@ -136,7 +136,7 @@ impl Bench {
     /// [`Bench::begin`].
     pub fn connect(
         &self,
-        arguments: &Watch,
+        system: &LiveSystem,
         mut filter: TopicFilter,
     ) -> Result<LiveStream, Problem> {
         for topic in &self.topics {
@@ -145,8 +145,8 @@ impl Bench {
         }
         let layout = self.simulated.layout()?;
         let outgoing = outgoing(&self.topics, &layout)?;
-        let source = connection::connect(arguments, filter)?;
-        let bridge = Bridge::new(source, connection::publisher(arguments)?);
+        let source = connection::connect(system, filter)?;
+        let bridge = Bridge::new(source, connection::publisher(system)?);
         let mut episode = Episode {
             simulated: self.simulated.clone(),
             seed: self.seed,
@@ -204,7 +204,7 @@ fn shown(path: &Path) -> String {
 
 /// A topic from outside that nobody reads is a slip of the pen.
 fn check_outside(
-    arguments: &Watch,
+    outside: &[String],
     map: &TopicMap,
     signals: &[String],
     table: &Ros2Table,
@@ -213,7 +213,7 @@ fn check_outside(
     let mut known = topics_for(map, signals);
     known.extend(topics_for(map, of_inputs));
     known.extend(table.topics.iter().map(|topic| topic.name.clone()));
-    match arguments.outside.iter().find(|it| !known.contains(*it)) {
+    match outside.iter().find(|it| !known.contains(*it)) {
         None => Ok(()),
         Some(topic) => Err(Problem::new(
             "unknown-live-topic",

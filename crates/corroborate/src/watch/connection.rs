@@ -1,7 +1,7 @@
 //! Attaching: which topics are wanted, how the connection is made, and
 //! waiting until the topics are there.
 
-use crate::args::Watch;
+use super::LiveSystem;
 use diagnostic::Problem;
 use host::Host;
 use live::{LiveError, Publisher, SchemaText, Source, Topic, TopicFilter, dds, foxglove};
@@ -10,6 +10,7 @@ use recording::{
     TopicMap, TypeDefinitions,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -66,33 +67,38 @@ fn topic_of(path: &str) -> Vec<String> {
 }
 
 /// Attaches to the running system.
-pub fn connect(arguments: &Watch, filter: TopicFilter) -> Result<Box<dyn Source>, Problem> {
-    let connected: Result<Box<dyn Source>, LiveError> = match &arguments.foxglove {
-        Some(url) => {
+pub fn connect(system: &LiveSystem, filter: TopicFilter) -> Result<Box<dyn Source>, Problem> {
+    let connected: Result<Box<dyn Source>, LiveError> = match system {
+        LiveSystem::Foxglove { url } => {
             let options = foxglove::FoxgloveOptions::default();
             foxglove::connect(url, filter, &options).map(|stream| Box::new(stream) as _)
         }
-        None => dds::connect(&dds_options(arguments), filter).map(|stream| Box::new(stream) as _),
+        LiveSystem::Dds { domain, networks } => {
+            let options = dds_options(*domain, networks);
+            dds::connect(&options, filter).map(|stream| Box::new(stream) as _)
+        }
     };
     connected.map_err(not_connected)
 }
 
 /// Makes ready to publish into the running system.
-pub fn publisher(arguments: &Watch) -> Result<Box<dyn Publisher>, Problem> {
-    let made: Result<Box<dyn Publisher>, LiveError> = match &arguments.foxglove {
-        Some(url) => {
+pub fn publisher(system: &LiveSystem) -> Result<Box<dyn Publisher>, Problem> {
+    let made: Result<Box<dyn Publisher>, LiveError> = match system {
+        LiveSystem::Foxglove { url } => {
             let options = foxglove::FoxgloveOptions::default();
             foxglove::FoxglovePublisher::new(url, &options).map(|it| Box::new(it) as _)
         }
-        None => dds::DdsPublisher::new(&dds_options(arguments)).map(|it| Box::new(it) as _),
+        LiveSystem::Dds { domain, networks } => {
+            dds::DdsPublisher::new(&dds_options(*domain, networks)).map(|it| Box::new(it) as _)
+        }
     };
     made.map_err(not_connected)
 }
 
-fn dds_options(arguments: &Watch) -> dds::DdsOptions {
+fn dds_options(domain: u16, networks: &[IpAddr]) -> dds::DdsOptions {
     dds::DdsOptions {
-        domain: arguments.dds.unwrap_or(0),
-        networks: arguments.network.clone(),
+        domain,
+        networks: networks.to_vec(),
         ..dds::DdsOptions::default()
     }
 }

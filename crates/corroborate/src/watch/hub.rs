@@ -1,9 +1,9 @@
 //! What is known of a watched run: everything that happens comes here, is
 //! counted, kept and told.
 
+use super::Audience;
 use super::event::{WatchEvent, WatchLine};
 use super::keeper::Keeper;
-use super::teller::Teller;
 use host::Cancel;
 use live::{Clock, Event, LossCause, Message, Origin};
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,8 +21,8 @@ pub fn locked(hub: &SharedHub) -> MutexGuard<'_, Hub> {
 pub struct Hub {
     /// The clock that stamps arrivals.
     pub clock: Clock,
-    /// Who tells what happens.
-    pub teller: Teller,
+    /// Who is told what happens.
+    pub audience: Box<dyn Audience>,
     /// Who keeps it.
     pub keeper: Option<Keeper>,
     interrupt: Arc<Cancel>,
@@ -45,7 +45,7 @@ impl Hub {
     /// A hub that ends at `ends_at_nanos`, or when the user says so.
     pub fn new(
         clock: Clock,
-        teller: Teller,
+        audience: Box<dyn Audience>,
         keeper: Option<Keeper>,
         interrupt: Arc<Cancel>,
         ends_at_nanos: Option<i64>,
@@ -53,7 +53,7 @@ impl Hub {
     ) -> Self {
         Self {
             clock,
-            teller,
+            audience,
             keeper,
             interrupt,
             ends_at_nanos,
@@ -76,7 +76,7 @@ impl Hub {
                     self.was_cut_short = true;
                     self.miss(format!("it was interrupted before {what}"));
                 }
-            } else if self.teller.is_deaf() {
+            } else if self.audience.is_gone() {
                 self.ended = Some("nobody reads what is told".into());
             } else if self
                 .ends_at_nanos
@@ -108,7 +108,7 @@ impl Hub {
     /// A message came.
     pub fn message(&mut self, message: &Message, log_nanos: i64) {
         self.received += 1;
-        self.teller.count(&message.topic);
+        self.audience.message(&message.topic.name);
         if let Some(keeper) = &mut self.keeper {
             keeper.message(message, log_nanos);
             keeper.flush_when_due(self.clock.now_nanos());
@@ -121,7 +121,7 @@ impl Hub {
         if let Some(keeper) = &mut self.keeper {
             keeper.flush_when_due(now_nanos);
         }
-        self.teller.draw_when_due(now_nanos);
+        self.audience.idle(now_nanos);
     }
 
     /// Something happened to the connection.
@@ -218,7 +218,7 @@ impl Hub {
         if let Some(keeper) = &mut self.keeper {
             keeper.event(&json);
         }
-        self.teller.tell(at_nanos, &line.event, &json);
+        self.audience.told(at_nanos, &line.event, &json);
     }
 
     /// Messages that came.

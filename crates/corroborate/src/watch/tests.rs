@@ -1,12 +1,8 @@
 //! Watching a source that is scripted, silence included.
 
 use super::*;
-use crate::args::{Arguments, Command};
-use clap::Parser;
 use live::{Clock, Incoming, LiveError, Message, Origin, Topic, Totals};
 use std::collections::VecDeque;
-use std::path::Path;
-use std::time::Duration;
 
 /// A topic of JSON whose messages come when the script says: after so many
 /// milliseconds, with this value of `x`.
@@ -110,35 +106,29 @@ fn study(folder: &Path, staleness: &str) {
 fn watched(staleness: &str, coming: &[(i64, f64)]) -> (tempfile::TempDir, Vec<serde_json::Value>) {
     let folder = tempfile::tempdir().expect("a folder");
     study(folder.path(), staleness);
-    let path = folder.path().display().to_string();
     let out = folder.path().join("runs");
-    let out_text = out.display().to_string();
-    let words = [
-        "corroborate",
-        "watch",
-        &path,
-        "--dds",
-        "--for",
-        "1500ms",
-        "--out",
-        &out_text,
-    ];
-    let parsed = Arguments::try_parse_from(words).expect("a call");
-    let Command::Watch(arguments) = &parsed.command else {
-        panic!("another command");
+    let system = LiveSystem::Dds {
+        domain: 0,
+        networks: Vec::new(),
+    };
+    let request = WatchRequest {
+        limit: Some(Duration::from_millis(1500)),
+        out: Some(out.clone()),
+        ..WatchRequest::new(folder.path(), system)
     };
     let setting = Host::silent(host::BuildId::new("test"));
     let study = Study::load(folder.path()).expect("a study");
     let judges = judges(&study, &[]).expect("judges");
-    let map = topic_map(&study, arguments).expect("a map");
+    let map = topic_map(&study, &request).expect("a map");
     let signals: Vec<String> = judges.signals().into_iter().collect();
     let asked = Asked {
-        arguments,
+        request: &request,
         judges: &judges,
         map: &map,
         signals: &signals,
     };
-    attached(&asked, &setting, Script::new(coming), None).expect("watched");
+    let source = Script::new(coming);
+    attached(&asked, &setting, source, None, Box::new(NoAudience)).expect("watched");
     let lines = only_file(&out.join("events"));
     let lines = std::fs::read_to_string(lines).expect("events");
     let lines = lines

@@ -3,7 +3,7 @@
 
 use super::link::{Input, Link, SharedReadings};
 use super::scene_rest::{SensorInput, SensorLink, SharedMeasurements};
-use corroborate::technique::simulation::Campaign;
+use crate::technique::simulation::Campaign;
 use diagnostic::Problem;
 use recording::TopicMap;
 use rig::SceneCampaign;
