@@ -2,7 +2,7 @@
 
 mod text;
 
-use super::{Done, json, simulate};
+use super::{Done, json};
 use crate::args::{Format, SchemaOfFile};
 use corroborate::outcome::Outcome;
 use diagnostic::{Problem, did_you_mean};

@@ -7,7 +7,7 @@
 //! that the model is the odd one out (`rates`). Where several show it, they are not all wrong; `T` is then of the counts of
 //! all of them that do not differ from the strongest.
 
-use super::matter::{Clue, Matter, name_of, rate_in_words, system_model};
+use super::matter::{Clue, Matter, name_of, rate_in_words};
 use super::rates::{NAMED, counts_of, figure, rate_or_never, solver};
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;

@@ -12,7 +12,7 @@
 //! in [`super::rates`]). Both rates have to fit where the other stood, in all other evidence, which a single wrong rate
 //! never makes them do beyond chance.
 
-use super::matter::{Clue, Matter, name_of, system_model};
+use super::matter::{Clue, Matter, name_of};
 use super::rates::figure;
 use super::strength::{Rate, STRONG, strength};
 use super::suspect::Symptom;

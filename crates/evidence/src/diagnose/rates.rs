@@ -28,7 +28,7 @@
 //! the shares add up to the conflict. Each conflict gives at least one clue.
 
 use super::forms::SENTENCE;
-use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form, system_model};
+use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form};
 use super::strength::{CERTAIN, Rate, STRONG, ln_together, strength};
 use super::suspect::{Figure, ODD_ONE_OUT, SuspectAsset, SuspectKind, Symptom};
 use crate::{AskedBy, Comparison, Evidence, Guarantee, Inaccuracy, Measure, Subject};
