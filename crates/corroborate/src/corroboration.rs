@@ -347,6 +347,31 @@ fn drifted(
     }
 }
 
+/// Which table of each entry counts what: with a table of its own, or else in a cohort.
+pub(crate) fn tables_of(study: &Study) -> Vec<TableOf> {
+    let of = |entry: &Entry| {
+        let tables = entry.work.tables();
+        let file = |is_of_failure_modes: bool| {
+            let tables = tables?;
+            let own = match is_of_failure_modes {
+                true => tables.failure_modes,
+                false => tables.requirements,
+            };
+            let file = own.or(tables.cohort)?;
+            Some(TableOf {
+                evidence: entry.id.clone(),
+                is_of_failure_modes,
+                file: file.to_string_lossy().replace('\\', "/"),
+            })
+        };
+        [true, false]
+            .into_iter()
+            .filter_map(file)
+            .collect::<Vec<_>>()
+    };
+    study.ledger.iter().flat_map(of).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::is_rounding;
@@ -372,29 +397,4 @@ mod tests {
             assert!(!is_rounding(value, rate), "{value} {rate}");
         }
     }
-}
-
-/// Which table of each entry counts what: with a table of its own, or else in a cohort.
-pub(crate) fn tables_of(study: &Study) -> Vec<TableOf> {
-    let of = |entry: &Entry| {
-        let tables = entry.work.tables();
-        let file = |is_of_failure_modes: bool| {
-            let tables = tables?;
-            let own = match is_of_failure_modes {
-                true => tables.failure_modes,
-                false => tables.requirements,
-            };
-            let file = own.or(tables.cohort)?;
-            Some(TableOf {
-                evidence: entry.id.clone(),
-                is_of_failure_modes,
-                file: file.to_string_lossy().replace('\\', "/"),
-            })
-        };
-        [true, false]
-            .into_iter()
-            .filter_map(file)
-            .collect::<Vec<_>>()
-    };
-    study.ledger.iter().flat_map(of).collect()
 }
