@@ -20,6 +20,8 @@
 //! | fit a simulator to what was counted | [`calibrate()`] |
 //! | estimate how rare an event is | [`rare()`] |
 //! | run the same episodes in two physics engines | [`engines()`] |
+//! | try variants of its assets, side by side | [`what_if()`] |
+//! | be offered patches of its assets, and take them | [`refine()`] |
 //! | judge a running system, over DDS (ROS 2) or Foxglove | [`watch::watch()`] |
 //!
 //! Nothing is global: studies run side by side in one process, each with a host of its own, with the same results as one
@@ -69,12 +71,14 @@ pub use engines::{EnginesReport, EnginesRequest, engines};
 pub use explore::{ExploreRequest, explore};
 pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
 pub use rare::{RareReport, RareRequest, rare};
+pub use refine::{RefineRequest, Refined, refine};
 pub use replay::{ReplayReport, ReplayRequest, replay};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 pub use shrink::{ShrinkReport, ShrinkRequest, shrink};
 pub use technique::Techniques;
 pub use template::new_study;
 pub use verify::{Audit, Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
+pub use what_if::{WhatIfRequest, what_if};
 
 /// Which build of the engine this is: the same for the same sources of what computes results, however they were built.
 pub fn build() -> host::BuildId {

@@ -16,10 +16,13 @@ pub mod ledger_text;
 mod one_value;
 pub mod proposal;
 pub mod report;
+mod request;
 pub mod simulator;
 pub mod solver;
 pub mod suspects;
 mod texts;
+
+pub use request::{Accept, RefineRequest, Refined, refine};
 
 #[cfg(test)]
 mod tests;

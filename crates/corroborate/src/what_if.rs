@@ -10,4 +10,7 @@
 pub mod file;
 pub mod formal;
 pub mod report;
+mod request;
 pub mod simulated;
+
+pub use request::{WhatIfRequest, what_if};

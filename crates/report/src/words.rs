@@ -102,7 +102,11 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
         return None;
     }
     let level = number::level(rate.level);
-    Some(match rate.holds_for {
+    let model = match is_counted_by_subject(study) {
+        true => " That is so if subjects differ as a beta distribution has it.",
+        false => "",
+    };
+    let words = match rate.holds_for {
         ErrorFamily::Study => format!(
             "Error rates: over the whole study ({} tested), a false \"satisfied\" of the system has a probability of at \
              most {level}, and so has a false \"violated\". Verdicts in simulation and for the model speak of these alone.",
@@ -115,6 +119,21 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
             "Error rates: for each requirement by itself, a false verdict of the system has a probability of at most \
              {level}; over several requirements it is higher. Verdicts in simulation and for the model speak of these alone."
         ),
+    };
+    Some(words + model)
+}
+
+/// Whether any piece has counts by person or session.
+fn is_counted_by_subject(study: &StudyResult) -> bool {
+    let mut findings = study.evidence.iter().flat_map(|piece| &piece.findings);
+    findings.any(|finding| {
+        matches!(
+            finding.measure,
+            Measure::Counts {
+                by_subject: Some(_),
+                ..
+            }
+        )
     })
 }
 

@@ -60,6 +60,7 @@ mod sequential;
 mod shared_rows;
 mod spearman;
 pub mod special;
+mod unmet_kind;
 
 pub use alike_trials::kish_design_effect;
 pub use beta_binomial::BetaBinomial;
@@ -113,3 +114,4 @@ pub use sequential::{
 };
 pub use shared_rows::{SharedRows, shared_rows};
 pub use spearman::{Spearman, spearman, spearman_exact};
+pub use unmet_kind::with_unmet_kind;

@@ -40,6 +40,9 @@ pub struct Refine {
     /// Work in a copy of the study, made in this folder.
     #[arg(long, value_name = "FOLDER")]
     pub to: Option<PathBuf>,
+    /// Where `run --out` put the study's results, in STUDY/results unless given.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "to")]
+    pub out: Option<PathBuf>,
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -75,6 +78,9 @@ pub struct WhatIf {
     /// Points of the constants' posteriors at which each model is solved.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u16).range(20..=10_000))]
     pub points: u16,
+    /// Where `run --out` put the study's results, in STUDY/results unless given.
+    #[arg(long, value_name = "FOLDER")]
+    pub out: Option<PathBuf>,
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

@@ -9,7 +9,6 @@ use corroborate::results::REPORT;
 use corroborate::{EvidenceReport, RunReport, RunRequest, run_with_page};
 use diagnostic::Problem;
 use evidence::{Evidence, StudyResult};
-use std::path::Path;
 
 /// Runs a study.
 pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
@@ -24,11 +23,6 @@ pub fn run(arguments: &Run, setting: &Host) -> Result<Done, Problem> {
         RunReport::Only(pieces) => only_some(&pieces, arguments.format),
         RunReport::Study(result) => whole(&result, &request, arguments.format),
     }
-}
-
-/// What a whole study amounts to; its results are where `run` leaves them.
-pub fn result(study: &Path, setting: &Host) -> Result<StudyResult, Problem> {
-    run_with_page(&RunRequest::new(study), setting, &report::html)?.into_study()
 }
 
 /// Columns of the terminal that shows the summary.

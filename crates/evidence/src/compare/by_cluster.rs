@@ -12,10 +12,14 @@
 //! normal. The likelihood at the threshold knows both. By itself it says too much where few people have two attempts.
 //! `stats::clustered` has the sizes of each and of both.
 //!
+//! Neither knows of subjects of a kind that none of these is. By how much a claim rests on there being none is found by
+//! [`stats::with_unmet_kind`], and said beside the claim. One subject's trials speak of that subject, and where each has a
+//! single one they are independent: there nothing is said.
+//!
 //! # Guarantee
 //! Never more claims than by the effective size alone. Asymptotic in the number of subjects; measured there.
 
-use stats::{BetaBinomial, Sample};
+use stats::{BetaBinomial, Sample, with_unmet_kind};
 use std::cell::OnceCell;
 
 /// Counts by subject or session.
@@ -32,6 +36,21 @@ impl ByCluster {
         Self {
             found: found.iter().map(sample).collect(),
             fit: OnceCell::new(),
+        }
+    }
+
+    /// How many subjects there are, if several and of several trials.
+    pub fn subjects(&self) -> Option<usize> {
+        let with_trials = self.found.iter().filter(|it| it.trials > 0).count();
+        let has_several = self.found.iter().any(|it| it.trials > 1);
+        (with_trials > 1 && has_several).then_some(with_trials)
+    }
+
+    /// p-values by these tests, if a share of all subjects could always have the contrary outcome and none of them was met.
+    pub fn with_unmet_kind(&self, threshold: f64, tests: impl Fn(f64) -> (f64, f64)) -> (f64, f64) {
+        match self.subjects() {
+            Some(subjects) => with_unmet_kind(subjects as f64, threshold, tests),
+            None => tests(threshold),
         }
     }
 

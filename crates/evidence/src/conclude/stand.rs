@@ -52,10 +52,11 @@ pub(super) fn stand(
 ) -> PieceStanding {
     let (p_not_met, p_met) = doubts(belief, threshold);
     let limits = limits::limits(belief, threshold, levels);
+    let standing = standing(p_not_met, p_met, levels);
     PieceStanding {
         evidence: named.id.to_owned(),
         step: named.step,
-        standing: standing(p_not_met, p_met, levels),
+        standing,
         p_not_met,
         p_met,
         level_met: levels.met,
@@ -69,7 +70,42 @@ pub(super) fn stand(
             threshold,
             (p_not_met, p_met),
             (limits, levels),
-        ),
+        ) + &all_kinds_met(belief, threshold, standing, levels),
+    }
+}
+
+/// That a claim supposes that every kind of subjects was met, if it would not be made otherwise.
+fn all_kinds_met(
+    belief: &Belief,
+    threshold: Threshold,
+    standing: Standing,
+    levels: ClaimLevels,
+) -> String {
+    let Belief::Counts {
+        clusters: Some(clusters),
+        ..
+    } = belief
+    else {
+        return String::new();
+    };
+    let at_least = |value| Threshold {
+        direction: Direction::AtLeast,
+        value,
+    };
+    let (p_below, p_at_least) =
+        clusters.with_unmet_kind(threshold.value, |value| doubts(belief, at_least(value)));
+    let (p_not_met, p_met) = match threshold.direction {
+        Direction::AtLeast => (p_below, p_at_least),
+        Direction::AtMost => (p_at_least, p_below),
+    };
+    match standing {
+        Standing::Supports if p_not_met > levels.met => {
+            words::all_kinds_met(clusters.subjects(), p_not_met)
+        }
+        Standing::Denies if p_met > levels.missed => {
+            words::all_kinds_met(clusters.subjects(), p_met)
+        }
+        _ => String::new(),
     }
 }
 

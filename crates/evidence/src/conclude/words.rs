@@ -114,6 +114,18 @@ pub(super) fn piece(
     }
 }
 
+/// That a claim rests on so few subjects being of every kind that there is.
+pub(super) fn all_kinds_met(subjects: Option<usize>, p: f64) -> String {
+    let Some(subjects) = subjects else {
+        return String::new();
+    };
+    format!(
+        "; it supposes that these {subjects} subjects are of every kind there is (p {} if some could always have the contrary \
+         outcome and none of them was met)",
+        p_value(p)
+    )
+}
+
 /// `88/100 of the runs that trigger it (effective sample size 37)`.
 fn counted((successes, trials): (u64, u64), given: &str, effective: f64) -> String {
     if effective < trials as f64 {
