@@ -17,10 +17,10 @@ pub fn all() -> Vec<(&'static str, Schema)> {
     all.extend([
         ("topics.toml", recording::TopicMap::schema()),
         ("scene.toml", scene()),
-        ("scenario.toml", schema_for!(testbench::scenario::Scenario)),
+        ("scenario.toml", schema_for!(handover::scenario::Scenario)),
         (
             "scenario-parameters.toml",
-            schema_for!(testbench::scenario::Parameters),
+            schema_for!(handover::scenario::Parameters),
         ),
         ("exploration.toml", Plan::schema()),
         ("calibration.toml", schema_for!(CalibrationText)),

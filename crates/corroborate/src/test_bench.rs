@@ -2,11 +2,12 @@
 
 use crate::technique::simulation::{load_engine, scenario_problem};
 use diagnostic::{Problem, Source};
+use handover::HandoverBench;
 use host::BuildId;
 use host::store::Inputs;
 use std::path::Path;
 use stimulus::{Space, Stimulus};
-use testbench::{HandoverBench, SimError};
+use testbench::SimError;
 
 /// A test with the settings of a point of `space`.
 pub fn stimulus_at(test: &Stimulus, space: &Space, unit: &[f64]) -> Result<Stimulus, Problem> {

@@ -8,6 +8,7 @@
 
 mod error;
 mod savable;
+mod scenario_error;
 
 use stimulus::Stimulus;
 use trace::Trace;
@@ -18,6 +19,7 @@ use crate::viewer::Viewer;
 pub use diagnostic::Cancel;
 pub use error::SimError;
 pub use savable::{Savable, Status};
+pub use scenario_error::ScenarioError;
 
 /// What a [`Watch`] wants next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -92,7 +92,7 @@ fn first_solid(points_m: &[Vector]) -> Option<[usize; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::random::{Purpose, Stream};
+    use crate::random::Stream;
 
     /// By the divergence theorem.
     fn volume(points_m: &[Vector], triangles: &[[usize; 3]]) -> f64 {
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn no_point_is_outside_and_the_surface_is_closed() {
-        let mut stream = Stream::new(7, Purpose::Object);
+        let mut stream = Stream::new(7, 1_u32);
         let points: Vec<Vector> = (0..300)
             .map(|_| [0, 1, 2].map(|_| stream.standard_normal()))
             .collect();

@@ -10,43 +10,26 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::scenario::ScenarioError;
-
-/// What a stream of random numbers is for. The numbers are part of the seed's meaning: a new
-/// purpose takes a new number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// Mass, friction and placement of the object.
-    Object = 1,
-    /// The robot's random pose at the reset.
-    RobotPose = 2,
-    /// Head, gaze error and pull of the human.
-    Human = 3,
-    /// The human's delays.
-    HumanTiming = 4,
-    /// Noise and glitches of tracking.
-    Tracking = 5,
-    /// Answer times and failures of the motion planner.
-    Planner = 6,
-}
+use crate::bench::ScenarioError;
 
 /// The random numbers for one purpose in one episode.
 #[derive(Debug, Clone)]
 pub struct Stream(ChaCha8Rng);
 
 impl Stream {
-    /// The stream of `purpose` under `seed`.
+    /// The stream of `purpose` under `seed`, for purposes that a bench numbers. The numbers are part of the seed's meaning: a
+    /// new purpose takes a new number.
     #[must_use]
-    pub fn new(seed: u64, purpose: Purpose) -> Self {
+    pub fn new(seed: u64, purpose: impl Into<u32>) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
-        generator.set_stream(purpose as u64);
+        generator.set_stream(u64::from(purpose.into()));
         Self(generator)
     }
 
     /// The stream of `name` under `seed`, for purposes that data names (a sensor, a person).
     ///
     /// The stream's number is the name's FNV-1a hash (Fowler, Noll, Vo, 1991) with the highest bit
-    /// set, so it never is that of a [`Purpose`].
+    /// set, so it never is that of a numbered purpose.
     #[must_use]
     pub fn named(seed: u64, name: &str) -> Self {
         const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
@@ -186,19 +169,10 @@ mod tests {
 
     #[test]
     fn streams_of_one_seed_differ_and_repeat() {
-        let draw = |seed, purpose| Stream::new(seed, purpose).unit();
-        assert_eq!(
-            draw(7, Purpose::Human).to_bits(),
-            draw(7, Purpose::Human).to_bits()
-        );
-        assert_ne!(
-            draw(7, Purpose::Human).to_bits(),
-            draw(7, Purpose::Object).to_bits()
-        );
-        assert_ne!(
-            draw(7, Purpose::Human).to_bits(),
-            draw(8, Purpose::Human).to_bits()
-        );
+        let draw = |seed, purpose: u32| Stream::new(seed, purpose).unit().to_bits();
+        assert_eq!(draw(7, 3), draw(7, 3));
+        assert_ne!(draw(7, 3), draw(7, 1));
+        assert_ne!(draw(7, 3), draw(8, 3));
     }
 
     #[test]
@@ -206,14 +180,14 @@ mod tests {
         let first = |name| Stream::named(7, name).unit().to_bits();
         assert_eq!(first("lidar"), first("lidar"));
         assert_ne!(first("lidar"), first("lidar2"));
-        for purpose in [Purpose::Object, Purpose::Human, Purpose::Planner] {
+        for purpose in [1_u32, 3, 6] {
             assert_ne!(first("lidar"), Stream::new(7, purpose).unit().to_bits());
         }
     }
 
     #[test]
     fn moments_are_those_of_the_distributions() {
-        let mut stream = Stream::new(1, Purpose::Object);
+        let mut stream = Stream::new(1, 1_u32);
         let count = 200_000;
         let mut moments = |distribution: Distribution| {
             let values: Vec<f64> = (0..count).map(|_| distribution.draw(&mut stream)).collect();

@@ -9,6 +9,7 @@ use super::files::Files;
 use crate::memory;
 use diagnostic::{Problem, Source};
 use evidence::{Asset, AssetRole, DescriptionGap, Finding, Tool};
+use handover::{HandoverBench, Parameters, Scenario, World};
 use host::store::Inputs;
 use host::{Cancel, Stage};
 use judging::{Judgement, Judges};
@@ -20,8 +21,7 @@ use std::path::{Path, PathBuf};
 use stimulus::Stimulus;
 use study::Study;
 use testbench::{
-    Bench as _, Drawn, Engine, HandoverBench, Parameters, Recorded, Savable, Scenario,
-    ScenarioError, SimError, Unwatched, Watch, World,
+    Bench as _, Drawn, Engine, Recorded, Savable, ScenarioError, SimError, Unwatched, Watch,
 };
 use trace::Trace;
 
@@ -254,8 +254,7 @@ impl Campaign {
         match &self.bench {
             Bench::Scene(scene) => scene.run(seed, watch, interrupt),
             Bench::Handover(handover) => {
-                testbench::watch_episode(&handover.world, seed, watch, interrupt)
-                    .map(Recorded::from)
+                handover::watch_episode(&handover.world, seed, watch, interrupt).map(Recorded::from)
             }
         }
     }

@@ -7,9 +7,9 @@
 
 use super::connection::topics_for;
 use diagnostic::Problem;
+use handover::{OutsideReadings, Reading};
 use recording::TopicMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use testbench::{OutsideReadings, Reading};
 use trace::{FieldKind, SignalIndex, SignalValues, Trace};
 
 /// What an episode can take from outside.

@@ -5,13 +5,12 @@ use super::link::{Input, Link, SharedReadings};
 use super::scene_rest::{SensorInput, SensorLink, SharedMeasurements};
 use crate::technique::simulation::Campaign;
 use diagnostic::Problem;
+use handover::{Outside, OutsideReadings, World, run_episode_with};
 use recording::TopicMap;
 use rig::SceneCampaign;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use testbench::{
-    Cancel, Outside, OutsideReadings, Savable, SimError, Status, Unwatched, World, run_episode_with,
-};
+use testbench::{Cancel, Savable, SimError, Status, Unwatched};
 use trace::{SignalValues, Trace};
 
 /// Who keeps an episode in step.

@@ -4,9 +4,9 @@ use std::fmt;
 
 use trace::TraceError;
 
+use super::ScenarioError;
 use crate::controller::ControllerError;
 use crate::mujoco::EngineError;
-use crate::scenario::ScenarioError;
 
 /// Why an episode gave no trace.
 #[derive(Debug)]

@@ -12,11 +12,11 @@ use super::draws::Draws;
 use super::gaps::SceneGap;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
+use crate::bench::ScenarioError;
 use crate::bench::{Bench, Cancel, Drawn, End, Failure, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
 use crate::mujoco::Engine;
 use crate::physics::{Layout, MujocoPhysics, Physics, RapierPhysics};
-use crate::scenario::ScenarioError;
 
 /// How many steps pass between looks at the cancel flag.
 const CANCEL_CHECK_STEPS: u64 = 256;

@@ -9,11 +9,11 @@ use super::person::body_of;
 use super::sensing::joints_of;
 use super::translate::{Added, add_model};
 use super::vision::Marker;
+use crate::bench::ScenarioError;
 use crate::geometry::{IDENTITY, Pose, box_inertia, cylinder_inertia, sphere_inertia};
 use crate::physics::{
     BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, Physics, ShapePlan, Touches,
 };
-use crate::scenario::ScenarioError;
 use crate::viewer::{Geometry, Role, VisibleShape};
 
 /// The parsed descriptions of robots and objects, by file.

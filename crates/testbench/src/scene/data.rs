@@ -26,7 +26,7 @@ pub use person::{
 pub(super) use sensor::key_with_unit;
 pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
 
-use crate::scenario::ScenarioError;
+use crate::bench::ScenarioError;
 
 /// A scene: robots, objects, people, sensors, actuators, controllers and tests.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]

@@ -3,7 +3,7 @@
 use super::build::Models;
 use super::data::SceneData;
 use super::gaps::{SceneGap, gaps_of};
-use crate::scenario::ScenarioError;
+use crate::bench::ScenarioError;
 
 /// Reads the files of all robots and objects, each once.
 ///

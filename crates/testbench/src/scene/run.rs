@@ -25,10 +25,10 @@ use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Reach, Script};
 use super::sensing::Sensing;
 use super::walker::{RobotSeen, Walker};
+use crate::bench::ScenarioError;
 use crate::bench::{End, Failure, Recorded, SimError, Watch};
 use crate::controller::ControllerError;
 use crate::physics::{Physics, Touch};
-use crate::scenario::ScenarioError;
 
 pub(super) use frozen::Frozen;
 

@@ -4,15 +4,14 @@ use super::command_bench::CommandBench;
 use crate::technique::campaign::is_of_physics;
 use crate::technique::simulation::{load_engine, scenario_problem, scenario_source};
 use diagnostic::Problem;
+use handover::HandoverBench;
 use host::Cancel;
 use host::store::Inputs;
 use rig::SceneCampaign;
 use std::path::Path;
 use stimulus::{AbstractTest, Stimulus};
 use study::{BenchFiles, CommandText, Entry, Simulated, Study};
-use testbench::{
-    Bench, Drawn, End, Engine, Failure, HandoverBench, Part, Recorded, SimError, Unwatched, Watch,
-};
+use testbench::{Bench, Drawn, End, Engine, Failure, Part, Recorded, SimError, Unwatched, Watch};
 use trace::Trace;
 
 /// A bench that is ready to run, with the files that it is made of.

@@ -9,8 +9,8 @@ use stimulus::Distribution;
 use super::body::Actuator;
 use super::sensor::key_with_unit;
 use super::{key_of, whole_steps, within};
+use crate::bench::ScenarioError;
 use crate::controller::PortField;
-use crate::scenario::ScenarioError;
 
 /// A fault of a drive.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]

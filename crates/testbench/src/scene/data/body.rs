@@ -8,9 +8,9 @@ use stimulus::Distribution;
 
 use super::actuator::{ActuatorFault, hundred};
 use super::{key_of, number_within, within, zero};
+use crate::bench::ScenarioError;
 use crate::controller::PortField;
 use crate::geometry::Vector;
-use crate::scenario::ScenarioError;
 
 /// Where something stands at the beginning, in the world.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::{key_of, within, zero};
-use crate::scenario::ScenarioError;
+use crate::bench::ScenarioError;
 
 /// A person: a body that walks where its behaviour says, whatever pushes it.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use stimulus::Distribution;
 
 use super::{key_of, number_within, whole_steps, within, zero};
+use crate::bench::ScenarioError;
 use crate::controller::PortField;
 use crate::geometry::{Vector, norm};
-use crate::scenario::ScenarioError;
 
 /// A sensor: what it measures, how often, how well, and how it fails.
 #[derive(Debug, Clone, JsonSchema, Deserialize)]
