@@ -2,11 +2,11 @@
 
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText, merge, written};
-use crate::test_bench::{TestBench, simulation_problem};
+use crate::test_bench::{begins, simulation_problem, stimulus_at};
 use diagnostic::{Problem, Source};
 use evidence::{FileReport, LineageReport};
 use host::store::{Inputs, hash_of};
-use rig::tried;
+use rig::{Rig, tried};
 use std::path::{Path, PathBuf};
 use stimulus::Space;
 use study::Study;
@@ -18,19 +18,19 @@ use toml::Table;
 /// that other counts are fitted with the episodes that there are.
 pub fn inputs(
     study: &Study,
-    bench: &TestBench,
+    rig: &dyn Rig,
     space: &Space,
     reality: &Reality,
     build: &host::BuildId,
-) -> Result<Inputs, Problem> {
+) -> Inputs {
     let modes: Vec<&str> = reality.observed.iter().map(|it| it.mode.as_str()).collect();
     let mut inputs = Inputs::default();
-    bench.inputs(&mut inputs, build)?;
+    rig.test_inputs(build, &mut inputs);
     inputs
         .add("space", format!("{space:?}").as_bytes())
         .add("modes", modes.join("\n").as_bytes())
         .add("study", format!("{:?}", study.forms).as_bytes());
-    Ok(inputs)
+    inputs
 }
 
 /// Seed and files that decide what comes out.
@@ -94,14 +94,14 @@ pub fn base_parameters(
 }
 
 /// Fails unless the middle of the space can be simulated, and both ends of each parameter.
-pub fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<(), Problem> {
+pub fn rig_accepts(rig: &dyn Rig, space: &Space, file: &Source) -> Result<(), Problem> {
     let middle = vec![0.5; space.dimensions()];
     for (place, parameter) in space.parameters.iter().enumerate() {
         for end in tried(&parameter.distribution) {
             let mut unit = middle.clone();
             unit[place] = end;
-            let stimulus = bench.stimulus(space, &unit)?;
-            let Err(error) = bench.bench.world(&stimulus, 0) else {
+            let stimulus = stimulus_at(rig.stimulus(), space, &unit)?;
+            let Err(error) = begins(rig, &stimulus) else {
                 continue;
             };
             let SimError::Stimulus { reason } = error else {

@@ -18,8 +18,10 @@ pub struct RareText {
     pub scenario: Option<PathBuf>,
     /// The handover's parameter set, with `scenario`.
     pub parameters: Option<PathBuf>,
-    /// a scene.
+    /// a scene; or
     pub scene: Option<PathBuf>,
+    /// an entry of the ledger, whose scenario, scene or command is run.
+    pub evidence: Option<String>,
     /// The abstract test that episodes enact.
     pub test: String,
     /// Level of the intervals.
