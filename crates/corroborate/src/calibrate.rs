@@ -1,5 +1,6 @@
 //! Simulator parameters from an evidence's counts: fitted, and checked by the fitted set's own episodes.
 
+mod base;
 mod basis;
 mod conclusion;
 mod counts;
@@ -14,7 +15,8 @@ use crate::results::json;
 use crate::rigs::Opening;
 use crate::technique::confidence;
 use crate::technique::simulation::{SearchPhysics, Seeds};
-use basis::{base_parameters, inputs, lineage, rig_accepts};
+use base::Base;
+use basis::{inputs, lineage, rig_accepts};
 use counts::Reality;
 use diagnostic::{Problem, Source};
 use evidence::CalibrationReport;
@@ -24,9 +26,9 @@ use host::files::write_whole;
 use host::store::Store;
 use judging::Judges;
 use rig::{Rig, check_units};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use study::Study;
 use study::placed::quoted;
-use study::{Simulated, Study};
 use work::Work;
 
 /// A calibration. [`CalibrateRequest::new`] has the defaults.
@@ -65,7 +67,7 @@ pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationR
     let text = CalibrationText::read(&source)?;
     let level = confidence(text.confidence)?;
     let reality = Reality::read(&study, &source, &text)?;
-    let base = base_parameters(&study, &source, &text)?;
+    let base = Base::read(&study, &source, &text)?;
     let rigs = Rigs::open(&study, &source, &text, &base, host)?;
     let folder = request.out.clone();
     let folder = folder.unwrap_or_else(|| study.folder.join("results/calibration"));
@@ -87,7 +89,7 @@ pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationR
         space,
         host,
         agreement: confidence(study.about.agreement)?,
-        lineage: lineage(&study, &source, &text)?,
+        lineage: lineage(&study, &source, &text, (base.simulated, rigs.full.as_ref()))?,
     };
     let report = work.report(&base, level)?;
     write_whole(&folder.join(CALIBRATION), json(&report)?.as_bytes())?;
@@ -106,23 +108,16 @@ impl Rigs {
         study: &Study,
         source: &Source,
         text: &CalibrationText,
-        base: &Source,
+        base: &Base<'_>,
         host: &Host,
     ) -> Result<Self, Problem> {
-        let read = |path: &Path| match path == text.parameters {
-            true => Ok(base.clone()),
-            false => host::files::read_source(&study.folder.join(path)),
-        };
         let opening = Opening {
             test: Some(&text.test),
             joined: Some(", "),
-            read: Some(&read),
+            instead: Some((base.file, &base.source)),
             ..Opening::new(study, host.physics_library.as_deref())
         };
-        let full = opening.open(Simulated::Handover {
-            scenario: &text.scenario,
-            parameters: &text.parameters,
-        })?;
+        let full = opening.open(base.simulated)?;
         let fast =
             SearchPhysics::choose(text.physics, || full.in_fast_physics()).map_err(|message| {
                 let span = quoted(source, "physics");

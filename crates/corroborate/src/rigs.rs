@@ -18,6 +18,8 @@ pub struct Opening<'a> {
     pub joined: Option<&'a str>,
     /// How a text is read, whose path is relative to the study's; by default from its folder.
     pub read: Option<&'a dyn Fn(&Path) -> Result<Source, Problem>>,
+    /// The path of a file that is not read, and the text that stands in for it.
+    pub instead: Option<(&'a Path, &'a Source)>,
     /// The entry of the ledger that is to be run in the second engine, if one is.
     pub in_second_engine: Option<&'a Entry>,
 }
@@ -31,6 +33,7 @@ impl<'a> Opening<'a> {
             test: None,
             joined: None,
             read: None,
+            instead: None,
             in_second_engine: None,
         }
     }
@@ -66,7 +69,11 @@ impl<'a> Opening<'a> {
             }
             Simulated::Command(command) => {
                 self.only_in_first_engine()?;
-                Box::new(CommandRig::new(self.study, command)?)
+                let stimulus = match (&command.stimulus, self.instead) {
+                    (Some(path), Some((replaced, text))) if path == replaced => Some(text),
+                    _ => None,
+                };
+                Box::new(CommandRig::new(self.study, command, self.test, stimulus)?)
             }
         })
     }
@@ -79,9 +86,10 @@ impl<'a> Opening<'a> {
     }
 
     fn text(&self, path: &Path) -> Result<Source, Problem> {
-        match self.read {
-            Some(read) => read(path),
-            None => host::files::read_source(&self.study.folder.join(path)),
+        match (self.instead, self.read) {
+            (Some((replaced, text)), _) if path == replaced => Ok(text.clone()),
+            (_, Some(read)) => read(path),
+            (_, None) => host::files::read_source(&self.study.folder.join(path)),
         }
     }
 }

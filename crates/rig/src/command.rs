@@ -13,7 +13,7 @@ mod outside;
 use super::rest::Rest;
 use super::rig::Rig;
 use super::saving::Resumable;
-use diagnostic::Problem;
+use diagnostic::{Problem, Source};
 use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
 use host::{BuildId, Cancel};
@@ -48,9 +48,19 @@ pub struct CommandRig {
 }
 
 impl CommandRig {
-    /// The command of a ledger's entry.
-    pub fn new(study: &Study, text: &CommandText) -> Result<Self, Problem> {
-        let command = OutsideCommand::new(study, text)?;
+    /// The command of a ledger's entry. Its only test is that of its stimulus, for whose text `stimulus` may stand in;
+    /// `test` has to be that one, if it is named.
+    ///
+    /// # Errors
+    /// `unknown-test`, and as [`OutsideCommand::new`].
+    pub fn new(
+        study: &Study,
+        text: &CommandText,
+        test: Option<&str>,
+        stimulus: Option<&Source>,
+    ) -> Result<Self, Problem> {
+        let command = OutsideCommand::new(study, text, stimulus)?;
+        has_test(&command, test)?;
         Ok(Self {
             wanted: signals_of(study),
             tests: vec![command.stimulus().test.clone()],
@@ -296,6 +306,18 @@ impl Drop for Room {
         let made = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
         if let Some(folder) = made.take() {
             OutsideCommand::remove(&folder);
+        }
+    }
+}
+
+fn has_test(command: &OutsideCommand, test: Option<&str>) -> Result<(), Problem> {
+    let own = command.stimulus().test.name.as_str();
+    match test.filter(|test| *test != own) {
+        None => Ok(()),
+        Some(test) => {
+            let name = command.tool().name;
+            let message = format!("the stimulus of `{name}` has no abstract test `{test}`");
+            Err(Problem::new("unknown-test", message).remedy(format!("it has: {own}")))
         }
     }
 }

@@ -139,3 +139,88 @@ where
         Ok(Box::new(RunOn { bench, run }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use testbench::Unwatched;
+    use testbench::controller::ControllerError;
+    use testbench::scene::{SceneBench, rapier};
+
+    /// A box whose pose is measured with errors, which are drawn for each reading.
+    const SCENE: &str = r#"
+name = "standing"
+simulation = { duration_secs = 1.0, time_step_secs = 0.01 }
+
+[[robot]]
+name = "carrier"
+file = "carrier.urdf"
+
+[[sensor]]
+name = "pose"
+robot = "carrier"
+kind = "pose"
+rate_hz = 20
+noise = { x_m = 1.0 }
+
+[[abstract_test]]
+name = "nothing"
+actions = []
+"#;
+
+    const CARRIER: &str = r#"<robot name="carrier"><link name="base">
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
+</link></robot>"#;
+
+    fn bench() -> (SceneBench, Stimulus) {
+        let read = |_: &str| Ok(CARRIER.as_bytes().to_vec());
+        let none = Arc::new(|_: &_| {
+            Err(ControllerError::Failed {
+                message: "there is none".to_owned(),
+            })
+        });
+        let (bench, _) = SceneBench::new(SCENE, &read, rapier(), none).expect("a scene");
+        let stimulus = Stimulus::of(bench.tests()[0].clone());
+        (bench, stimulus)
+    }
+
+    /// A run that is saved after half a second and continued, with the types of the bench.
+    fn typed(bench: &SceneBench, stimulus: &Stimulus, new_seed: Option<u64>) -> Recorded {
+        let cancel = Cancel::default();
+        let mut run = Savable::start(bench, stimulus, 7).expect("begun");
+        let status = bench.advance(&mut run, 0.5, &mut Unwatched, &cancel);
+        assert_eq!(status.expect("it goes on"), Status::Running);
+        let saved = bench.save(&run).expect("saved");
+        let mut run = bench.resume(&saved, new_seed).expect("continued");
+        let status = bench.advance(&mut run, f64::INFINITY, &mut Unwatched, &cancel);
+        assert_ne!(status.expect("it ends"), Status::Running);
+        bench.finish(run).expect("a recording")
+    }
+
+    /// The same without them.
+    fn erased(bench: &dyn Resumable, stimulus: &Stimulus, new_seed: Option<u64>) -> Recorded {
+        let cancel = Cancel::default();
+        let mut run = bench.start(stimulus, 7).expect("begun");
+        let status = run.advance(0.5, &mut Unwatched, &cancel);
+        assert_eq!(status.expect("it goes on"), Status::Running);
+        assert!((run.now_secs() - 0.5).abs() < 0.011);
+        let saved = run.save().expect("saved").clone();
+        drop(run);
+        let mut run = saved.resume(new_seed).expect("continued");
+        let status = run.advance(f64::INFINITY, &mut Unwatched, &cancel);
+        assert_ne!(status.expect("it ends"), Status::Running);
+        run.finish().expect("a recording")
+    }
+
+    #[test]
+    fn erased_and_typed_runs_give_the_same_recording() {
+        let (bench, stimulus) = bench();
+        let whole = erased(&bench, &stimulus, None);
+        assert_eq!(whole, typed(&bench, &stimulus, None));
+        let anew = erased(&bench, &stimulus, Some(8));
+        assert_eq!(anew, typed(&bench, &stimulus, Some(8)));
+        assert_ne!(whole.trace, anew.trace);
+    }
+}

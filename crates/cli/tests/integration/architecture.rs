@@ -223,10 +223,7 @@ const ABSENT_IN_LIBRARIES: [&str; 6] = [
 
 /// Where a library still reads the environment, which a host should bring: the user's path of Python modules for programs
 /// that drive robots, and the folder for what passes. Each goes with the change that brings it.
-const STILL_READ: [&str; 2] = [
-    "crates/rig/src/process.rs",
-    "crates/rig/src/command.rs",
-];
+const STILL_READ: [&str; 2] = ["crates/rig/src/process.rs", "crates/rig/src/command.rs"];
 
 /// The programs: everything else is a library.
 const PROGRAMS: [&str; 2] = ["cli", "corroborate-bench"];

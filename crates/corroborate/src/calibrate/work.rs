@@ -1,5 +1,6 @@
 //! The rounds of a calibration, its episodes, and what they give.
 
+use super::base::Base;
 use super::conclusion::{conclusion, held_out_runs, mode_reports};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
@@ -8,7 +9,7 @@ use crate::technique::rows::{self, Rows, Value};
 use crate::technique::simulation::Seeds;
 use crate::test_bench::{simulation_problem, stimulus_at};
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
-use diagnostic::{Problem, Source};
+use diagnostic::Problem;
 use evidence::{
     CalibrationReport, DirectionReport, Identification, LineageReport, ParameterReport,
 };
@@ -21,6 +22,7 @@ use rig::Rig;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
 use std::ops::Range;
+use std::path::Path;
 use stimulus::{Space, Stimulus};
 use temporal::monitor::Verdict;
 use testbench::Unwatched;
@@ -73,7 +75,7 @@ pub struct Work<'a> {
 
 impl Work<'_> {
     /// Does it.
-    pub fn report(&self, base: &Source, level: Confidence) -> Result<CalibrationReport, Problem> {
+    pub fn report(&self, base: &Base<'_>, level: Confidence) -> Result<CalibrationReport, Problem> {
         let mut rows = Rows::default();
         let calibration = self.rounds(&mut rows)?;
         let posterior = calibration.posterior();
@@ -96,8 +98,8 @@ impl Work<'_> {
         let held_out_runs = held_out_runs(reality, &calibration)?;
         let (conclusion, because) = conclusion(&modes, &held_out_runs);
         let parameters = self.parameters(&posterior, &fitted.0, level);
-        let body = parameter_set::body(base, &settings)?;
-        let heading = self.heading(&parameters, calibration.episodes().len());
+        let body = base.with(&settings)?;
+        let heading = self.heading(base.file, &parameters, calibration.episodes().len());
         let directions = posterior.directions().into_iter();
         Ok(CalibrationReport {
             format: "2.0".into(),
@@ -139,9 +141,10 @@ impl Work<'_> {
         )
     }
 
-    fn heading(&self, fitted: &[ParameterReport], episodes: usize) -> String {
+    fn heading(&self, file: &Path, fitted: &[ParameterReport], episodes: usize) -> String {
         parameter_set::heading(&parameter_set::Written {
             about: self.text,
+            file,
             reality: &self.reality,
             fitted,
             lineage: &self.lineage,

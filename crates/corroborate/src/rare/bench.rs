@@ -33,6 +33,6 @@ pub fn open(
             "the file names neither a scene alone nor a scenario with its parameters",
         )
         .at(source, 0..source.text.lines().next().map_or(0, str::len))
-        .remedy("give `scene`, or `scenario` and `parameters`")),
+        .remedy("give `scene`, or `scenario` and `parameters`, or `evidence`")),
     }
 }

@@ -11,7 +11,7 @@
 //! to what is there.
 
 use crate::asset;
-use diagnostic::Problem;
+use diagnostic::{Problem, Source};
 use evidence::{Asset, AssetRole, Tool};
 use host::Cancel;
 use host::files::write_whole;
@@ -51,8 +51,15 @@ pub struct OutsideCommand {
 }
 
 impl OutsideCommand {
-    /// The command of a ledger's entry with everything that it names.
-    pub fn new(study: &Study, text: &CommandText) -> Result<Self, Problem> {
+    /// The command of a ledger's entry with everything that it names; `stimulus` stands in for the text of its stimulus.
+    ///
+    /// # Errors
+    /// `cannot-read`, `bad-stimulus`, and what the topic map says wrong.
+    pub fn new(
+        study: &Study,
+        text: &CommandText,
+        stimulus: Option<&Source>,
+    ) -> Result<Self, Problem> {
         let cannot = |error| Problem::cannot_read(&study.folder, &error);
         let folder = std::fs::canonicalize(&study.folder).map_err(cannot)?;
         let mut files: Vec<PathBuf> = text.assets.clone();
@@ -68,9 +75,12 @@ impl OutsideCommand {
         let map = study.folder.join("topics.toml");
         Ok(Self {
             words: text.command.clone(),
-            stimulus: match &text.stimulus {
-                Some(path) => read_stimulus(&study.folder.join(path))?,
-                None => Stimulus::of(AbstractTest::new("as it is", Vec::new())),
+            stimulus: match (&text.stimulus, stimulus) {
+                (Some(path), Some(source)) => stimulus_of(path, source)?,
+                (Some(path), None) => {
+                    stimulus_of(path, &host::files::read_source(&study.folder.join(path))?)?
+                }
+                (None, _) => Stimulus::of(AbstractTest::new("as it is", Vec::new())),
             },
             leaves: text.leaves.clone(),
             limit: Duration::from_secs_f64(text.limit_secs),
@@ -261,16 +271,8 @@ pub fn stimulus_in(folder: &Path) -> Result<PathBuf, Problem> {
     Ok(work_in(&folder).join("stimulus.json"))
 }
 
-fn read_stimulus(path: &Path) -> Result<Stimulus, Problem> {
-    let source = host::files::read_source(path)?;
-    let read = match path
-        .extension()
-        .is_some_and(|extension| extension == "json")
-    {
-        true => Stimulus::from_json(&source.text),
-        false => Stimulus::from_toml(&source.text),
-    };
-    read.map_err(|error| {
+fn stimulus_of(path: &Path, source: &Source) -> Result<Stimulus, Problem> {
+    Stimulus::read(path, &source.text).map_err(|error| {
         Problem::new("bad-stimulus", format!("{}: {error}", source.name))
             .remedy("a stimulus has a `test` with `name` and `actions`, and `settings`")
     })
