@@ -18,8 +18,18 @@ pub struct Base<'a> {
     pub file: &'a Path,
     /// Its text, with what is known in it.
     pub source: Source,
-    /// Under which key a setting finds it, with the point behind it.
-    prefix: &'static str,
+    form: Form,
+}
+
+/// What kind of text it is.
+#[derive(Clone, Copy)]
+enum Form {
+    /// A table on which settings act.
+    Whole,
+    /// A table that settings find under this key.
+    Under(&'static str),
+    /// A stimulus, which has settings of its own.
+    Stimulus,
 }
 
 impl<'a> Base<'a> {
@@ -35,13 +45,13 @@ impl<'a> Base<'a> {
                 simulated,
                 file: parameters,
                 source: table_with_known(study, parameters, source, text)?,
-                prefix: "parameters.",
+                form: Form::Under("parameters"),
             },
             Simulated::Scene { scene, .. } => Self {
                 simulated,
                 file: scene,
                 source: table_with_known(study, scene, source, text)?,
-                prefix: "",
+                form: Form::Whole,
             },
             Simulated::Command(command) => {
                 let file = stimulus_of(command, source)?;
@@ -49,7 +59,7 @@ impl<'a> Base<'a> {
                     simulated,
                     file,
                     source: stimulus_with_known(study, file, source, text)?,
-                    prefix: "",
+                    form: Form::Stimulus,
                 }
             }
         };
@@ -58,39 +68,50 @@ impl<'a> Base<'a> {
     }
 
     fn has_all_keys(&self, source: &Source, text: &CalibrationText) -> Result<(), Problem> {
+        let Form::Under(table) = self.form else {
+            return Ok(());
+        };
+        let prefix = format!("{table}.");
         let mut keys = text.parameters_fitted.iter().flat_map(|it| &it.sets);
-        match keys.find(|key| !key.starts_with(self.prefix)) {
+        match keys.find(|key| !key.starts_with(&prefix)) {
             None => Ok(()),
             Some(key) => {
                 let message = format!("`{key}` is not a value of the parameter set");
-                let remedy = format!("fit keys that begin with `{}`", self.prefix);
                 Err(Problem::new(CODE, message)
                     .at(source, quoted(source, key))
-                    .remedy(remedy))
+                    .remedy(format!("fit keys that begin with `{prefix}`")))
             }
         }
     }
 
     /// Its text with fitted values, as TOML.
     pub fn with(&self, settings: &Settings) -> Result<String, Problem> {
-        if let Simulated::Command(_) = self.simulated {
-            let mut fitted = Stimulus::read(self.file, &self.source.text).map_err(bad_settings)?;
-            fitted.settings.extend(settings.clone());
-            return Ok(fitted.to_toml());
+        match self.form {
+            Form::Whole => {
+                let mut table = self.table()?;
+                stimulus::apply(&mut table, settings).map_err(bad_settings)?;
+                written(&table)
+            }
+            Form::Under(key) => {
+                let mut data = Table::from_iter([(key.to_owned(), self.table()?.into())]);
+                stimulus::apply(&mut data, settings).map_err(bad_settings)?;
+                match data.remove(key) {
+                    Some(toml::Value::Table(table)) => written(&table),
+                    _ => Ok(String::new()),
+                }
+            }
+            Form::Stimulus => {
+                let fitted = Stimulus::read(self.file, &self.source.text);
+                let mut fitted = fitted.map_err(bad_settings)?;
+                fitted.settings.extend(settings.clone());
+                Ok(fitted.to_toml())
+            }
         }
-        let table: Table = toml::from_str(&self.source.text)
-            .map_err(|error| study::placed::from_toml(&self.source, &error))?;
-        let within = self.prefix.trim_end_matches('.');
-        let mut data = match within {
-            "" => table,
-            within => Table::from_iter([(within.to_owned(), table.into())]),
-        };
-        stimulus::apply(&mut data, settings).map_err(bad_settings)?;
-        match (within, data.remove(within)) {
-            ("", _) => written(&data),
-            (_, Some(toml::Value::Table(table))) => written(&table),
-            _ => Ok(String::new()),
-        }
+    }
+
+    fn table(&self) -> Result<Table, Problem> {
+        toml::from_str(&self.source.text)
+            .map_err(|error| study::placed::from_toml(&self.source, &error))
     }
 }
 
