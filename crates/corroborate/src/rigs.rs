@@ -6,6 +6,9 @@ use rig::{CommandRig, HandoverRig, HandoverTexts, Rig, ScenePhysics, SceneRig};
 use std::path::Path;
 use study::{Entry, Simulated, Study};
 
+/// How a text of the study is read.
+pub type Read<'a> = dyn Fn(&Path) -> Result<Source, Problem> + 'a;
+
 /// What is needed to open rigs. [`Opening::new`] has what most callers want.
 pub struct Opening<'a> {
     /// The study.
@@ -17,7 +20,7 @@ pub struct Opening<'a> {
     /// How mistakes of a handover's files are told: see [`HandoverTexts`].
     pub joined: Option<&'a str>,
     /// How a text is read, whose path is relative to the study's; by default from its folder.
-    pub read: Option<&'a dyn Fn(&Path) -> Result<Source, Problem>>,
+    pub read: Option<&'a Read<'a>>,
     /// The path of a file that is not read, and the text that stands in for it.
     pub instead: Option<(&'a Path, &'a Source)>,
     /// The entry of the ledger that is to be run in the second engine, if one is.

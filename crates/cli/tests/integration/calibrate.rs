@@ -365,7 +365,7 @@ uniform = [0.0, 2.0]
 "#;
 
 #[test]
-fn a_scene_is_fitted_and_the_fitted_scene_can_be_simulated() {
+fn a_scene_is_fitted_and_the_fitted_one_is_a_scene_again() {
     let Some(library) = library() else { return };
     let folder = tempfile::TempDir::new().expect("a folder");
     copy_study(&root().join("case-studies/corridor"), folder.path());
@@ -409,7 +409,7 @@ fn a_scene_is_fitted_and_the_fitted_scene_can_be_simulated() {
     );
     assert_eq!(fitted["name"].as_str(), Some("placed"));
     assert_eq!(fitted["simulation"]["duration_secs"].as_float(), Some(0.1));
-    let arguments = ["simulate", ".", "stand", "-n", "2", "--out", "out"];
-    let run = simulating(&library, folder.path(), &arguments);
-    assert!([0, 1, 3].contains(&run.code), "{run:?}");
+    // It is a scene: fitting it again begins with it.
+    let again = simulating(&library, folder.path(), &arguments);
+    assert!([0, 1, 3].contains(&again.code), "{again:?}");
 }

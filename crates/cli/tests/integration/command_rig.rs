@@ -32,21 +32,21 @@ fn holds_to(name: &str, report: &Value) {
     assert!(violations.is_empty(), "{violations:?}");
 }
 
-/// How often the cart is not slow: its speed is `v` times a factor from 0.8 to 1.2, and braking is what it is.
+/// How often the cart is fast: it begins with the speed that is set times a factor from 0.8 to 1.2. A score is in the unit
+/// of its recording, here cm/s.
 const EVENTS: &str = r#"
 evidence = "sim"
 test = "straight on"
 
 [[event]]
 name = "fast"
-meaning = "The cart is faster than 1.9 m/s."
+meaning = "The cart is faster than 2.15 m/s."
 greatest = "/cart.speed"
-limit = 1.9
+limit = 215
 until_secs = 1.0
 particles = 20
 killed = 4
 replications = 3
-plain = 20
 
 [[event.parameter]]
 name = "speed"
@@ -63,20 +63,20 @@ fn rare_events_of_a_command_are_sought_among_inputs() {
     let report = json(&said);
     holds_to("rare.schema.json", &report);
     let event = &report["events"][0];
-    // The product of two uniform numbers, 100 to 200 and 0.8 to 1.2, is above 190 with probability
-    // 1 - E[clamp((190 / f - 100) / 100, 0, 1)], f from 0.8 to 1.2: by the midpoint rule 0.18.
+    // The product of two uniform numbers, 100 to 200 and 0.8 to 1.2, is above 215 with probability
+    // 1 - E[clamp((215 / f - 100) / 100, 0, 1)], f from 0.8 to 1.2: by the midpoint rule.
     let exact: f64 = (0..4000)
         .map(|i| 0.8 + 0.4 * (f64::from(i) + 0.5) / 4000.0)
-        .map(|factor| 1.0 - ((190.0 / factor - 100.0) / 100.0).clamp(0.0, 1.0))
+        .map(|factor| 1.0 - ((215.0 / factor - 100.0) / 100.0).clamp(0.0, 1.0))
         .sum::<f64>()
         / 4000.0;
     let number = |key: &str| event[key].as_f64().expect("a number");
-    // Of seeded runs, three of them: wide.
+    // Of seeded runs: the interval at 95 % widened by half, lest a right answer fail.
     assert!(
-        number("probability") > exact / 3.0 && number("probability") < exact * 3.0,
+        number("low") / 1.5 < exact && exact < number("high") * 1.5,
         "{exact}: {event}"
     );
-    assert_eq!(event["plain"]["episodes"], 20);
+    assert!(number("probability") > 0.0 && number("episode_equivalents") > 60.0);
     // What is kept is taken, byte for byte.
     assert_eq!(corroborate(folder.path(), &arguments).out, said.out);
 }

@@ -20,11 +20,12 @@ pub const CODE: &str = "bad-calibration-file";
 pub struct CalibrationText {
     /// The fitted set's name.
     pub name: String,
-    /// The scenario, relative to the study, with `parameters`; or
+    /// The scenario, relative to the study.
     pub scenario: Option<PathBuf>,
     /// The parameters to begin with, relative to the study.
     pub parameters: Option<PathBuf>,
-    /// an entry of the ledger, whose parameter set, scene or command's stimulus is fitted.
+    /// An entry of the ledger whose parameter set, scene or command's stimulus is fitted, in place of `scenario` and
+    /// `parameters`.
     pub simulator: Option<String>,
     /// The physics of the episodes that the fit rests on: the fast one where the bench has one, if absent. The fitted set
     /// is checked in the full one.

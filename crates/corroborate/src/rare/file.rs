@@ -18,9 +18,9 @@ pub struct RareText {
     pub scenario: Option<PathBuf>,
     /// The handover's parameter set, with `scenario`.
     pub parameters: Option<PathBuf>,
-    /// a scene; or
+    /// a scene.
     pub scene: Option<PathBuf>,
-    /// an entry of the ledger, whose scenario, scene or command is run.
+    /// An entry of the ledger whose scenario, scene or command is run, in place of files.
     pub evidence: Option<String>,
     /// The abstract test that episodes enact.
     pub test: String,
