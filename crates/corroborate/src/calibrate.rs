@@ -1,5 +1,6 @@
 //! Simulator parameters from an evidence's counts: fitted, and checked by the fitted set's own episodes.
 
+mod base;
 mod basis;
 mod conclusion;
 mod counts;
@@ -11,10 +12,11 @@ pub use file::{CalibrationText, HeldOutRuns, Point};
 
 use crate::kept::CALIBRATION;
 use crate::results::json;
+use crate::rigs::Opening;
 use crate::technique::confidence;
-use crate::technique::simulation::{SearchPhysics, Seeds, scenario_source};
-use crate::test_bench::TestBench;
-use basis::{base_parameters, bench_accepts, inputs, lineage};
+use crate::technique::simulation::{SearchPhysics, Seeds};
+use base::Base;
+use basis::{inputs, lineage, rig_accepts};
 use counts::Reality;
 use diagnostic::{Problem, Source};
 use evidence::CalibrationReport;
@@ -23,7 +25,7 @@ use host::Host;
 use host::files::write_whole;
 use host::store::Store;
 use judging::Judges;
-use rig::check_units;
+use rig::{Rig, check_units};
 use std::path::PathBuf;
 use study::Study;
 use study::placed::quoted;
@@ -65,8 +67,8 @@ pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationR
     let text = CalibrationText::read(&source)?;
     let level = confidence(text.confidence)?;
     let reality = Reality::read(&study, &source, &text)?;
-    let base = base_parameters(&study, &source, &text)?;
-    let benches = Benches::open(&study, &source, &text, &base, host)?;
+    let base = Base::read(&study, &source, &text)?;
+    let rigs = Rigs::open(&study, &source, &text, &base, host)?;
     let folder = request.out.clone();
     let folder = folder.unwrap_or_else(|| study.folder.join("results/calibration"));
     let (space, build) = (text.space(), &host.build);
@@ -75,42 +77,47 @@ pub fn calibrate(request: &CalibrateRequest, host: &Host) -> Result<CalibrationR
             let mut modes = reality.observed.iter();
             modes.any(|it| it.mode == subject.id())
         })?,
-        inputs: inputs(&study, benches.search(), &space, &reality, build)?,
-        check_inputs: inputs(&study, &benches.full, &space, &reality, build)?,
+        inputs: inputs(&study, rigs.search(), &space, &reality, build),
+        check_inputs: inputs(&study, rigs.full.as_ref(), &space, &reality, build),
         store: Store::open(&folder)?,
         seeds: Seeds::new(study.about.seed, &format!("calibration: {}", text.name)),
         text: &text,
-        bench: benches.search(),
-        check_bench: &benches.full,
+        rig: rigs.search(),
+        check_rig: rigs.full.as_ref(),
+        is_fast: rigs.fast.is_some(),
         reality,
         space,
         host,
         agreement: confidence(study.about.agreement)?,
-        lineage: lineage(&study, &source, &text)?,
+        lineage: lineage(&study, &source, &text, (base.simulated, rigs.full.as_ref()))?,
     };
     let report = work.report(&base, level)?;
     write_whole(&folder.join(CALIBRATION), json(&report)?.as_bytes())?;
     Ok(report)
 }
 
-/// The bench of the full physics, and that of the rounds, if they run in another.
-struct Benches {
-    full: TestBench,
-    fast: Option<TestBench>,
+/// The rig of the full physics, and that of the rounds, if they run in another.
+struct Rigs {
+    full: Box<dyn Rig>,
+    fast: Option<Box<dyn Rig>>,
 }
 
-impl Benches {
+impl Rigs {
     /// Opens them, and tries what is to be fitted.
     fn open(
         study: &Study,
         source: &Source,
         text: &CalibrationText,
-        base: &Source,
+        base: &Base<'_>,
         host: &Host,
     ) -> Result<Self, Problem> {
-        let scenario = scenario_source(&study.folder.join(&text.scenario))?;
-        let library = host.physics_library.as_deref();
-        let full = TestBench::new(&scenario, base, &text.test, library)?;
+        let opening = Opening {
+            test: Some(&text.test),
+            joined: Some(", "),
+            instead: Some((base.file, &base.source)),
+            ..Opening::new(study, host.physics_library.as_deref())
+        };
+        let full = opening.open(base.simulated)?;
         let fast =
             SearchPhysics::choose(text.physics, || full.in_fast_physics()).map_err(|message| {
                 let span = quoted(source, "physics");
@@ -119,12 +126,12 @@ impl Benches {
             })?;
         let space = text.space();
         check_units(&space, source, CODE)?;
-        bench_accepts(&full, &space, source)?;
+        rig_accepts(full.as_ref(), &space, source)?;
         Ok(Self { full, fast })
     }
 
     /// That of the rounds.
-    fn search(&self) -> &TestBench {
-        self.fast.as_ref().unwrap_or(&self.full)
+    fn search(&self) -> &dyn Rig {
+        self.fast.as_ref().unwrap_or(&self.full).as_ref()
     }
 }

@@ -7,12 +7,14 @@ mod report;
 pub use determinism::Repeated;
 pub use report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
 
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::rigs;
+use crate::technique::simulation::Seeds;
 use compared::Called;
 use diagnostic::Problem;
 use host::Host;
+use rig::Rig;
 use std::path::PathBuf;
-use study::{Entry, Simulated, Study};
+use study::{Entry, Study};
 
 /// Episodes to be run in two engines. [`EnginesRequest::new`] has the defaults.
 #[derive(Clone, Debug)]
@@ -51,11 +53,11 @@ impl EnginesRequest {
 pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, Problem> {
     let study = Study::load(&request.study)?;
     let entry = study.entry(&request.evidence)?;
-    let campaigns = campaigns(&study, entry, request.determinism, host)?;
+    let rigs = in_engines(&study, entry, request.determinism, host)?;
     let called = Called {
         study: &study,
         entry,
-        campaigns: &campaigns,
+        rigs: &rigs,
         numbers: (1..=request.episodes).collect(),
         seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), &entry.id),
         host,
@@ -63,7 +65,7 @@ pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, P
     let mut report = EnginesReport {
         format: "1.1".into(),
         evidence: entry.id.clone(),
-        engines: campaigns.iter().map(name_of).collect(),
+        engines: rigs.iter().map(|rig| name_of(rig.as_ref())).collect(),
         episodes: request.episodes,
         signals: Vec::new(),
         verdicts: Vec::new(),
@@ -78,49 +80,36 @@ pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, P
     Ok(report)
 }
 
-/// An entry that only one engine can run.
-pub fn one_engine(entry: &Entry) -> Problem {
-    Problem::new(
-        "one-engine",
-        format!(
-            "`{}` is no scene, and the second engine runs scenes only; the handover's contacts, servos and short cuts are written for MuJoCo",
-            entry.id
-        ),
-    )
-    .remedy("name an entry of the ledger with a `scene`")
-}
-
-/// The entry in each engine; MuJoCo alone if repetition is all that is asked.
-fn campaigns(
+/// The entry in each engine that can run it; both, unless repetition is all that is asked.
+fn in_engines(
     study: &Study,
     entry: &Entry,
     determinism: bool,
     host: &Host,
-) -> Result<Vec<Campaign>, Problem> {
-    let library = host.physics_library.as_deref();
-    match entry.work.simulated() {
-        Some(Simulated::Scene { scene, test }) => {
-            let first = Campaign::of_scene(study, scene, test, library)?;
-            for gap in first.gaps() {
-                host.events.say(&gap.to_string());
-            }
-            let second = Campaign::of_scene_in_rapier(study, scene, test)?;
-            Ok(vec![first, second])
-        }
-        Some(Simulated::Handover {
-            scenario,
-            parameters,
-        }) if determinism => Ok(vec![Campaign::new(study, scenario, parameters, library)?]),
-        Some(Simulated::Handover { .. }) => Err(one_engine(entry)),
-        Some(Simulated::Command(_)) | None => Err(Problem::new(
-            "not-a-simulation",
-            format!("`{}` is no simulation of this test bench", entry.id),
-        )
-        .remedy("name an entry of the ledger with a scene")),
+) -> Result<Vec<Box<dyn Rig>>, Problem> {
+    let is_simulation = match determinism {
+        true => entry.work.simulated().is_some(),
+        false => entry.work.is_simulated_here(),
+    };
+    if !is_simulation {
+        let message = format!("`{}` is no simulation of this test bench", entry.id);
+        return Err(Problem::new("not-a-simulation", message)
+            .remedy("name an entry of the ledger with a scene"));
     }
+    let second = match rigs::in_second_engine(study, entry) {
+        Err(problem) if determinism && problem.code == "one-engine" => None,
+        second => Some(second?),
+    };
+    let first = rigs::of_entry(study, entry, host.physics_library.as_deref())?;
+    for gap in first.gaps() {
+        host.events.say(&gap.to_string());
+    }
+    Ok(std::iter::once(first).chain(second).collect())
 }
 
-fn name_of(campaign: &Campaign) -> String {
-    let tool = campaign.tool();
+fn name_of(rig: &dyn Rig) -> String {
+    let tool = rig.tool();
     format!("{} {}", tool.name, tool.version)
+        .trim_end()
+        .to_owned()
 }

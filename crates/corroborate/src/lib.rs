@@ -43,6 +43,7 @@ pub mod rare;
 pub mod refine;
 pub mod replay;
 pub mod results;
+pub mod rigs;
 pub mod ros2_table;
 mod run;
 pub mod schemas;

@@ -13,20 +13,19 @@ pub use report::{EventReport, PlainReport, RareReport, RunFailures};
 use crate::technique::confidence;
 use crate::technique::rows::{self, Rows};
 use crate::technique::simulation::Seeds;
-use crate::test_bench::simulation_problem;
-use bench::World;
 use diagnostic::{Problem, Source};
 use host::Host;
 use host::store::{Inputs, Store};
 use judging::inputs_of;
+use rig::Rig;
 use runs::Runs;
 use score::Score;
 use stats::Confidence;
 use std::path::PathBuf;
 use std::sync::Mutex;
-use stimulus::{Space, Stimulus};
+use stimulus::Space;
 use study::Study;
-use testbench::Savable;
+use study::placed::quoted;
 use work::Work;
 
 /// Events whose probability is asked for. [`RareRequest::new`] has the defaults.
@@ -68,24 +67,21 @@ pub fn rare(request: &RareRequest, host: &Host) -> Result<RareReport, Problem> {
     check_only(&request.only, &text)?;
     let wanted = |event: &&EventText| request.only.is_empty() || request.only.contains(&event.name);
     let level = confidence(text.confidence)?;
-    let world = World::open(&study, &source, &text, host.physics_library.as_deref())?;
+    let rig = bench::open(&study, &source, &text, host.physics_library.as_deref())?;
     let folder = request.out.clone();
     let asked = Asked {
         store: Store::open(&folder.unwrap_or_else(|| study.folder.join("results/rare")))?,
         wanted: text.events.iter().filter(wanted).collect(),
         study: &study,
         source: &source,
-        world: &world,
+        rig: rig.as_ref(),
         level,
         host,
     };
-    let events = match &world {
-        World::Handover(handover) => asked.reports(&handover.bench, &handover.test)?,
-        World::Scene(scene, _) => asked.reports(scene.bench(), scene.stimulus())?,
-    };
+    let events = asked.reports()?;
     Ok(RareReport {
         format: "1.1".into(),
-        engine: world.engine().to_owned(),
+        engine: rig.engine(),
         confidence: level.level(),
         events,
     })
@@ -110,7 +106,7 @@ fn check_only(only: &[String], text: &RareText) -> Result<(), Problem> {
 struct Asked<'a> {
     study: &'a Study,
     source: &'a Source,
-    world: &'a World,
+    rig: &'a dyn Rig,
     wanted: Vec<&'a EventText>,
     store: Store,
     level: Confidence,
@@ -119,11 +115,12 @@ struct Asked<'a> {
 
 impl Asked<'_> {
     /// One report for each event that is wanted; all scores and inputs are tried before anything runs.
-    fn reports<B: Savable>(&self, bench: &B, test: &Stimulus) -> Result<Vec<EventReport>, Problem> {
+    fn reports(&self) -> Result<Vec<EventReport>, Problem> {
+        self.can_be_split()?;
+        let layout = self.rig.layout(&self.host.cancel)?;
         let scored: Vec<(&EventText, Score<'_>)> = (self.wanted.iter())
             .map(|event| {
-                let layout = bench.layout();
-                let layout = layout.map_err(|error| simulation_problem(error, 0))?;
+                let layout = layout.clone();
                 Ok((*event, Score::new(self.study, self.source, event, layout)?))
             })
             .collect::<Result<_, Problem>>()?;
@@ -131,15 +128,14 @@ impl Asked<'_> {
         for (event, score) in &scored {
             let work = Work {
                 runs: Runs {
-                    bench,
-                    test,
+                    rig: self.rig,
                     score,
                     event,
                     host: self.host,
                     ended: Mutex::default(),
                 },
                 store: &self.store,
-                inputs: self.inputs(event)?,
+                inputs: self.inputs(event),
                 seeds: Seeds::new(self.study.about.seed, &format!("rare: {}", event.name)),
                 space: Space {
                     parameters: event.parameters.clone(),
@@ -162,14 +158,35 @@ impl Asked<'_> {
         Ok(reports)
     }
 
-    fn inputs(&self, event: &EventText) -> Result<Inputs, Problem> {
+    /// Refuses events that ask for splitting of a rig whose runs cannot be saved.
+    fn can_be_split(&self) -> Result<(), Problem> {
+        let mut split = self
+            .wanted
+            .iter()
+            .filter(|event| event.parameters.is_empty());
+        match (self.rig.resumable(), split.next()) {
+            (None, Some(event)) => {
+                let message = format!(
+                    "event `{}`: runs of {} cannot be saved and continued, which splitting needs",
+                    event.name,
+                    self.rig.engine()
+                );
+                Err(Problem::new(file::CODE, message)
+                    .at(self.source, quoted(self.source, &event.name))
+                    .remedy("give the inputs that vary as [[event.parameter]] tables; the event is then sought among them"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn inputs(&self, event: &EventText) -> Inputs {
         let mut inputs = Inputs::default();
-        self.world.inputs(&mut inputs, &self.host.build)?;
+        self.rig.test_inputs(&self.host.build, &mut inputs);
         inputs.add("event", format!("{event:?}").as_bytes());
         inputs.add("vocabulary", self.study.vocabulary.source.text.as_bytes());
         if event.requirement.is_some() {
             inputs_of(self.study, &mut inputs);
         }
-        Ok(inputs)
+        inputs
     }
 }

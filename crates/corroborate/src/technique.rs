@@ -27,7 +27,7 @@ use evidence::{
     AlikeTrials, Asset, AssetRole, ClusterTests, Cost, DescriptionGap, EpisodeFailures, Finding,
     FormDifference, Measure, Tool,
 };
-use host::store::hash_of;
+pub use rig::asset;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use study::{Entry, Study, TableFiles};
@@ -68,17 +68,6 @@ pub struct Influence {
     pub failure_mode: String,
     /// Whether it does.
     pub bears: bool,
-}
-
-/// A file of the study as an asset.
-pub fn asset(folder: &Path, role: AssetRole, path: &Path) -> Result<Asset, Problem> {
-    let full = folder.join(path);
-    let bytes = std::fs::read(&full).map_err(|error| Problem::cannot_read(&full, &error))?;
-    Ok(Asset {
-        role,
-        path: path.to_string_lossy().replace('\\', "/"),
-        hash: hash_of(&bytes),
-    })
 }
 
 /// The files that an entry names, with their hashes.

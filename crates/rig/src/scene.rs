@@ -1,12 +1,19 @@
-//! A scene as a campaign's bench: its files, its test, its controllers.
+//! A scene as a rig: its files, its test, its controllers.
 
+mod rest;
+
+use super::command::OutsideCommand;
 use super::place::{problem_of, span_of};
 use super::process::Process;
+use super::rest::Rest;
+use super::rig::{Rig, episode_name, failed, secs_of};
 use super::ros2::{self, Domains, Join, Ros2Controller};
+use super::saving::Resumable;
 use diagnostic::{Problem, Source, did_you_mean};
-use evidence::{Asset, AssetRole, DescriptionGap};
-use host::Cancel;
+use evidence::{Asset, AssetRole, DescriptionGap, Tool};
 use host::store::{Inputs, hash_of};
+use host::{BuildId, Cancel};
+use rest::SceneRest;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,42 +21,67 @@ use std::time::Duration;
 use stimulus::{AbstractTest, Stimulus};
 use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
+use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, mujoco,
+    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, mujoco, rapier,
 };
-use testbench::{Bench, Engine, Recorded, SimError, Watch};
+use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
+use toml::Table;
+use trace::Trace;
+
+/// What gives scenes their physics.
+pub struct ScenePhysics {
+    name: &'static str,
+    version: String,
+    build: BuildPhysics,
+}
+
+impl ScenePhysics {
+    /// MuJoCo.
+    pub fn mujoco(engine: &Engine) -> Self {
+        Self {
+            name: "MuJoCo",
+            version: engine.version(),
+            build: mujoco(engine),
+        }
+    }
+
+    /// Rapier, which is built in.
+    pub fn rapier() -> Self {
+        Self {
+            name: "Rapier",
+            version: RAPIER_VERSION.to_owned(),
+            build: rapier(),
+        }
+    }
+}
 
 /// A scene and the test that is enacted in it.
-pub struct SceneCampaign {
-    bench: SceneBench,
+pub struct SceneRig {
+    bench: Arc<SceneBench>,
     stimulus: Stimulus,
     text: String,
+    /// The engine's name and version.
+    engine: (&'static str, String),
     /// The files that the scene consists of.
     assets: Vec<Asset>,
     gaps: Vec<DescriptionGap>,
 }
 
-impl SceneCampaign {
-    /// Reads a scene of a study, with everything that it names. `test` is one
-    /// of the scene's own tests, the first if it is not named.
+impl SceneRig {
+    /// Reads what a scene names, whose own text is `source` and whose path in the study is `scene`. `test` is one of the
+    /// scene's own tests, the first if it is not named.
+    ///
+    /// # Errors
+    /// `bad-scene`, `controller-failed`, `unknown-test`, each with its place where there is one.
     pub fn new(
         study: &Study,
         scene: &Path,
+        source: &Source,
         test: Option<&str>,
-        engine: &Engine,
-    ) -> Result<Self, Problem> {
-        Self::with_physics(study, scene, test, mujoco(engine))
-    }
-
-    /// The same with any physics engine.
-    pub fn with_physics(
-        study: &Study,
-        scene: &Path,
-        test: Option<&str>,
-        physics: BuildPhysics,
+        physics: ScenePhysics,
     ) -> Result<Self, Problem> {
         let path = study.folder.join(scene);
-        let source = host::files::read_source(&path)?;
         let folder = path.parent().unwrap_or(Path::new(".")).to_owned();
         let files = Mutex::new(BTreeMap::new());
         let read = |address: &str| {
@@ -59,17 +91,10 @@ impl SceneCampaign {
             files.insert(address.to_owned(), hash_of(&bytes));
             Ok(bytes)
         };
-        ros2::check_text(&source.text).map_err(|(key, reason)| {
-            let problem = Problem::new("bad-scene", format!("{key}: {reason}"));
-            match span_of(&source.text, &key) {
-                Some(span) => problem.at(&source, span),
-                None => problem,
-            }
-        })?;
-        let start = starter(&folder);
-        let made = SceneBench::new(&source.text, &read, physics, start);
-        let (bench, gaps) = made.map_err(|error| scene_problem(&source, &error))?;
-        let stimulus = Stimulus::of(chosen(&bench, test, &source)?);
+        check_ros2(source)?;
+        let made = SceneBench::new(&source.text, &read, physics.build, starter(&folder));
+        let (bench, gaps) = made.map_err(|error| scene_problem(source, &error))?;
+        let stimulus = Stimulus::of(chosen(&bench, test, source)?);
         for controller in &bench.data().controllers {
             // What of the command is a file is part of what is tested.
             for name in controller.command.iter().chain(&controller.files) {
@@ -86,39 +111,30 @@ impl SceneCampaign {
             hash,
         });
         Ok(Self {
-            bench,
+            bench: Arc::new(bench),
             stimulus,
-            text: source.text,
+            text: source.text.clone(),
+            engine: (physics.name, physics.version),
             assets: assets.collect(),
             gaps: gaps.into_iter().map(|gap| in_study(beside, gap)).collect(),
         })
     }
 
-    /// The bench itself, which takes any stimulus.
-    pub fn bench(&self) -> &SceneBench {
-        &self.bench
-    }
-
-    /// What an episode's trace depends on.
-    pub fn inputs(&self, inputs: &mut Inputs) {
+    /// What an episode depends on of the scene's own.
+    fn scene_inputs(&self, inputs: &mut Inputs) {
         inputs
             .add("scene", self.text.as_bytes())
             .add("test", self.stimulus.to_json().as_bytes())
             .add_json("files", &self.assets);
     }
+}
 
-    /// The files that the scene names, by their paths in the study.
-    pub fn assets(&self) -> &[Asset] {
-        &self.assets
+impl Rig for SceneRig {
+    fn engine(&self) -> String {
+        format!("{} {}", self.engine.0, self.engine.1)
     }
 
-    /// What of the robots' descriptions is not carried over.
-    pub fn gaps(&self) -> &[DescriptionGap] {
-        &self.gaps
-    }
-
-    /// The settings that can move a number.
-    pub fn settings(&self) -> String {
+    fn tool(&self) -> Tool {
         let mut settings = format!(
             "time step {} s, test {}",
             self.bench.data().simulation.time_step_secs,
@@ -132,28 +148,126 @@ impl SceneCampaign {
         for controller in controllers.iter().filter(is_node) {
             settings.push_str(&ros2::said_of(controller));
         }
-        settings
+        Tool {
+            name: self.engine.0.to_owned(),
+            version: self.engine.1.clone(),
+            settings,
+        }
     }
 
-    /// The topics of its recordings, without rows.
-    pub fn layout(&self) -> Result<trace::Trace, SimError> {
-        self.bench.layout()
+    fn is_outside(&self) -> bool {
+        false
     }
 
-    /// What is done in each episode.
-    pub fn stimulus(&self) -> &Stimulus {
+    fn assets(&self) -> &[Asset] {
+        &self.assets
+    }
+
+    fn gaps(&self) -> &[DescriptionGap] {
+        &self.gaps
+    }
+
+    fn stimulus(&self) -> &Stimulus {
         &self.stimulus
     }
 
-    /// One episode.
-    pub fn run(
+    fn tests(&self) -> &[AbstractTest] {
+        self.bench.tests()
+    }
+
+    fn data(&self) -> &Table {
+        self.bench.table()
+    }
+
+    fn time_step_key(&self) -> Option<&'static str> {
+        Some("simulation.time_step_secs")
+    }
+
+    fn ends_by_secs(&self) -> Option<f64> {
+        secs_of(self.data().get("simulation")?.get("duration_secs")?)
+    }
+
+    fn own_inputs(&self, inputs: &mut Inputs) {
+        let (name, version) = &self.engine;
+        inputs.add("engine", version.as_bytes());
+        if *name != "MuJoCo" {
+            inputs.add("engine_name", name.as_bytes());
+        }
+        self.scene_inputs(inputs);
+    }
+
+    fn inputs(&self, inputs: &mut Inputs) {
+        inputs
+            .add("engine", self.engine().as_bytes())
+            .add("bench", self.data().to_string().as_bytes());
+        self.scene_inputs(inputs);
+    }
+
+    fn test_inputs(&self, build: &BuildId, inputs: &mut Inputs) {
+        self.scene_inputs(inputs);
+        inputs
+            .add("engine", self.engine().as_bytes())
+            .add("program", build.as_str().as_bytes());
+    }
+
+    fn reading_inputs(&self, _: &mut Inputs) {}
+
+    fn recording_name(&self, number: u64) -> String {
+        episode_name(number)
+    }
+
+    fn layout(&self, _: &Cancel) -> Result<Trace, Problem> {
+        self.bench.layout().map_err(|error| failed(&error))
+    }
+
+    fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Option<Vec<Drawn>>, SimError> {
+        self.bench.drawn(stimulus, seed).map(Some)
+    }
+
+    fn refuses(&self, stimulus: &Stimulus) -> Option<String> {
+        match self.bench.drawn(stimulus, 0) {
+            Err(SimError::Stimulus { reason }) => Some(reason),
+            _ => None,
+        }
+    }
+
+    fn run(
         &self,
+        stimulus: &Stimulus,
         seed: u64,
         watch: &mut dyn Watch,
-        interrupt: &Cancel,
+        cancel: &Cancel,
     ) -> Result<Recorded, SimError> {
-        self.bench.run(&self.stimulus, seed, watch, interrupt)
+        self.bench.run(stimulus, seed, watch, cancel)
     }
+
+    fn in_fast_physics(&self) -> Option<Box<dyn Rig>> {
+        None
+    }
+
+    fn resumable(&self) -> Option<&dyn Resumable> {
+        Some(self.bench.as_ref())
+    }
+
+    fn rest(&self, is_outside: &dyn Fn(&[String]) -> bool) -> Option<Arc<dyn Rest>> {
+        let (bench, stimulus) = (Arc::clone(&self.bench), self.stimulus.clone());
+        Some(Arc::new(SceneRest::new(bench, stimulus, is_outside)))
+    }
+
+    fn leaves(&self) -> Option<&OutsideCommand> {
+        None
+    }
+}
+
+/// Refuses what a scene says wrongly of nodes of ROS 2, before one is started.
+fn check_ros2(source: &Source) -> Result<(), Problem> {
+    ros2::check_text(&source.text).map_err(|(key, reason)| {
+        let problem = Problem::new("bad-scene", format!("{key}: {reason}"));
+        match span_of(&source.text, &key) {
+            Some(span) => problem.at(source, span),
+            None => problem,
+        }
+    })
 }
 
 /// A gap, its file by its path in the study; addresses such as `package://` stay what they are.

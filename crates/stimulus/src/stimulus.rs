@@ -1,6 +1,7 @@
 //! A concrete stimulus: a test and the values that a bench is set to, as stable text with a hash.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,26 @@ impl Stimulus {
         serde_json::from_str(text).map_err(|error| StimulusError::Text(error.to_string()))
     }
 
+    /// Reads the form that a file's name tells: JSON of one that ends with `.json`, else TOML.
+    ///
+    /// # Errors
+    /// [`StimulusError::Text`] with line and column.
+    pub fn read(path: &Path, text: &str) -> Result<Self, StimulusError> {
+        match is_json(path) {
+            true => Self::from_json(text),
+            false => Self::from_toml(text),
+        }
+    }
+
+    /// The form that [`Stimulus::read`] reads from a file of this name.
+    #[must_use]
+    pub fn write(&self, path: &Path) -> String {
+        match is_json(path) {
+            true => self.to_json(),
+            false => self.to_toml(),
+        }
+    }
+
     /// The TOML form, one action a line; the same stimulus always gives the same text.
     #[must_use]
     pub fn to_toml(&self) -> String {
@@ -106,6 +127,11 @@ impl Stimulus {
         nameless.test.name.clear();
         nameless.hash()
     }
+}
+
+fn is_json(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "json")
 }
 
 /// One action as an inline table.

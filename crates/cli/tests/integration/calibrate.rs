@@ -283,3 +283,133 @@ fn counts_of_none_and_of_all_are_fitted() {
         assert!(report["effective_size"].as_f64() > Some(1.0), "{report}");
     }
 }
+
+/// A robot that stands still where a setting puts it.
+const SCENE: &str = r#"
+name = "standing"
+simulation = { duration_secs = 0.2, time_step_secs = 0.01 }
+
+[[robot]]
+name = "carrier"
+file = "carrier.urdf"
+y_m = 0.5
+yaw_rad = { uniform = [-0.1, 0.1] }
+
+[[abstract_test]]
+name = "nothing"
+actions = []
+"#;
+
+/// What the corridor's study has beside its own, for that scene: the requirement, the word, and the ledger's entries.
+const MORE: [(&str, &str); 3] = [
+    (
+        "requirements.toml",
+        r#"
+[[requirement]]
+id = "place"
+text = "The robot is not far to the left."
+shall = "The robot shall always satisfy placed."
+margin = 0.05
+"#,
+    ),
+    (
+        "vocabulary.toml",
+        r#"
+[placed]
+meaning = "The robot is where it ought to be."
+trace = "/truth/carrier.y < 1 m"
+"#,
+    ),
+    (
+        "ledger.toml",
+        r#"
+[[evidence]]
+id = "stand"
+title = "A robot that stands"
+technique = "simulation"
+conditions = "typical"
+scene = "simulation/standing.toml"
+test = "nothing"
+episodes = 5
+changed = "A robot that stands still."
+
+[[evidence]]
+id = "looked"
+title = "Where it stood"
+technique = "experiment"
+conditions = "typical"
+tables.requirements = "looked.csv"
+changed = "Forty looks."
+"#,
+    ),
+];
+
+const OF_SCENE: &str = r#"
+name = "placed"
+simulator = "stand"
+test = "nothing"
+evidence = "looked"
+fit = ["place"]
+rounds = 2
+episodes_per_round = 12
+check_episodes = 8
+
+[known]
+simulation.duration_secs = 0.1
+
+[[parameter]]
+name = "place"
+unit = "m"
+sets = ["robot.carrier.y_m"]
+uniform = [0.0, 2.0]
+"#;
+
+#[test]
+fn a_scene_is_fitted_and_the_fitted_one_is_a_scene_again() {
+    let Some(library) = library() else { return };
+    let folder = tempfile::TempDir::new().expect("a folder");
+    copy_study(&root().join("case-studies/corridor"), folder.path());
+    for (file, more) in MORE {
+        let file = folder.path().join(file);
+        std::fs::write(&file, read(&file) + more).expect("written");
+    }
+    let counts = "requirement,covered,passed,failed\nplace,40,30,10\n";
+    for (file, text) in [
+        ("simulation/standing.toml", SCENE),
+        ("looked.csv", counts),
+        ("calibration.toml", OF_SCENE),
+    ] {
+        std::fs::write(folder.path().join(file), text).expect("written");
+    }
+    let to = "simulation/standing.toml";
+    let arguments = [
+        "calibrate",
+        ".",
+        "calibration.toml",
+        "--format",
+        "json",
+        "--to",
+        to,
+    ];
+    let said = simulating(&library, folder.path(), &arguments);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let report = json(&said);
+    assert_eq!(report["episodes"], 24);
+    let files = report["lineage"]["files"].to_string();
+    for file in ["standing.toml", "carrier.urdf", "looked.csv"] {
+        assert!(files.contains(file), "{files}");
+    }
+    let fitted: toml::Table = toml::from_str(&read(&folder.path().join(to))).expect("a scene");
+    let [robot] = &fitted["robot"].as_array().expect("robots")[..] else {
+        panic!("{fitted}")
+    };
+    assert_eq!(
+        robot["y_m"].as_float(),
+        report["parameters"][0]["fitted"].as_f64()
+    );
+    assert_eq!(fitted["name"].as_str(), Some("placed"));
+    assert_eq!(fitted["simulation"]["duration_secs"].as_float(), Some(0.1));
+    // It is a scene: fitting it again begins with it.
+    let again = simulating(&library, folder.path(), &arguments);
+    assert!([0, 1, 3].contains(&again.code), "{again:?}");
+}

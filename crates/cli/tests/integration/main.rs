@@ -6,6 +6,7 @@ mod bad_input;
 mod calibrate;
 mod campaign;
 mod case_study;
+mod command_rig;
 mod commands;
 mod conditions;
 mod copies;

@@ -1,36 +1,35 @@
 //! What a calibration rests on, read and checked before anything runs.
 
 use super::counts::Reality;
-use super::file::{CODE, CalibrationText, merge, written};
-use crate::test_bench::{TestBench, simulation_problem};
+use super::file::CalibrationText;
+use crate::test_bench::{begins, simulation_problem, stimulus_at};
 use diagnostic::{Problem, Source};
 use evidence::{FileReport, LineageReport};
 use host::store::{Inputs, hash_of};
-use rig::tried;
-use std::path::{Path, PathBuf};
-use stimulus::Space;
-use study::Study;
+use rig::{Rig, tried};
+use std::path::Path;
+use stimulus::{Space, Stimulus};
 use study::placed::quoted;
+use study::{Simulated, Study, TableFiles};
 use testbench::SimError;
-use toml::Table;
 
 /// What an episode's outcome depends on, besides its parameters and its number; not the counts, so
 /// that other counts are fitted with the episodes that there are.
 pub fn inputs(
     study: &Study,
-    bench: &TestBench,
+    rig: &dyn Rig,
     space: &Space,
     reality: &Reality,
     build: &host::BuildId,
-) -> Result<Inputs, Problem> {
+) -> Inputs {
     let modes: Vec<&str> = reality.observed.iter().map(|it| it.mode.as_str()).collect();
     let mut inputs = Inputs::default();
-    bench.inputs(&mut inputs, build)?;
+    rig.test_inputs(build, &mut inputs);
     inputs
         .add("space", format!("{space:?}").as_bytes())
         .add("modes", modes.join("\n").as_bytes())
         .add("study", format!("{:?}", study.forms).as_bytes());
-    Ok(inputs)
+    inputs
 }
 
 /// Seed and files that decide what comes out.
@@ -38,26 +37,34 @@ pub fn lineage(
     study: &Study,
     source: &Source,
     text: &CalibrationText,
+    (simulated, rig): (Simulated<'_>, &dyn Rig),
 ) -> Result<LineageReport, Problem> {
     let entry = study.entry(&text.evidence)?;
-    let mut paths = vec![text.scenario.clone(), text.parameters.clone()];
-    if let Some(tables) = entry.work.tables() {
-        paths.extend(tables.paths().map(Path::to_owned));
-    }
-    let file = |path: &PathBuf| {
+    let file = |path: &Path| {
         let content = host::files::read_source(&study.folder.join(path))?;
-        Ok(FileReport {
+        Ok::<_, Problem>(FileReport {
             file: path.display().to_string(),
             hash: hash_of(content.text.as_bytes()),
         })
     };
+    let named = [simulated.file(), simulated.parameters()];
+    let mut files: Vec<FileReport> = (named.into_iter().flatten())
+        .map(file)
+        .collect::<Result<_, _>>()?;
+    files.extend(rig.assets().iter().map(|asset| FileReport {
+        file: asset.path.clone(),
+        hash: asset.hash.clone(),
+    }));
+    for path in entry.work.tables().into_iter().flat_map(TableFiles::paths) {
+        files.push(file(path)?);
+    }
     Ok(LineageReport {
         seed: study.about.seed.to_string(),
         calibration: FileReport {
             file: in_study(study, Path::new(&source.name)),
             hash: hash_of(source.text.as_bytes()),
         },
-        files: paths.iter().map(file).collect::<Result<_, Problem>>()?,
+        files,
     })
 }
 
@@ -70,38 +77,15 @@ fn in_study(study: &Study, file: &Path) -> String {
     within.unwrap_or(file).display().to_string()
 }
 
-/// The parameters to begin with, with what is known in them.
-pub fn base_parameters(
-    study: &Study,
-    file: &Source,
-    text: &CalibrationText,
-) -> Result<Source, Problem> {
-    let source = host::files::read_source(&study.folder.join(&text.parameters))?;
-    let mut table: Table =
-        toml::from_str(&source.text).map_err(|error| study::placed::from_toml(&source, &error))?;
-    if let Err(key) = merge(&mut table, &text.known) {
-        let message = format!("{} has no `{key}` that could be known", source.name);
-        let last = key.rsplit('.').next().unwrap_or_default();
-        return Err(Problem::new(CODE, message)
-            .at(file, quoted(file, last))
-            .remedy("correct the key in [known]"));
-    }
-    table.insert("name".into(), text.name.clone().into());
-    Ok(Source {
-        text: written(&table)?,
-        name: format!("{} with what is known", source.name),
-    })
-}
-
 /// Fails unless the middle of the space can be simulated, and both ends of each parameter.
-pub fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<(), Problem> {
+pub fn rig_accepts(rig: &dyn Rig, space: &Space, file: &Source) -> Result<(), Problem> {
     let middle = vec![0.5; space.dimensions()];
     for (place, parameter) in space.parameters.iter().enumerate() {
         for end in tried(&parameter.distribution) {
             let mut unit = middle.clone();
             unit[place] = end;
-            let stimulus = bench.stimulus(space, &unit)?;
-            let Err(error) = bench.bench.world(&stimulus, 0) else {
+            let stimulus = stimulus_at(rig.stimulus(), space, &unit)?;
+            let Err(error) = settable(rig, &stimulus).and_then(|()| begins(rig, &stimulus)) else {
                 continue;
             };
             let SimError::Stimulus { reason } = error else {
@@ -115,4 +99,16 @@ pub fn bench_accepts(bench: &TestBench, space: &Space, file: &Source) -> Result<
         }
     }
     Ok(())
+}
+
+/// A program of others may pass over a key that it does not know, which would look like a parameter without an effect; so its
+/// stimulus has to set the key already.
+fn settable(rig: &dyn Rig, stimulus: &Stimulus) -> Result<(), SimError> {
+    if !rig.is_outside() {
+        return Ok(());
+    }
+    let set = stimulus::apply(&mut rig.data().clone(), &stimulus.settings);
+    set.map_err(|error| SimError::Stimulus {
+        reason: error.to_string(),
+    })
 }

@@ -21,9 +21,12 @@ pub struct CalibrationText {
     /// The fitted set's name.
     pub name: String,
     /// The scenario, relative to the study.
-    pub scenario: PathBuf,
+    pub scenario: Option<PathBuf>,
     /// The parameters to begin with, relative to the study.
-    pub parameters: PathBuf,
+    pub parameters: Option<PathBuf>,
+    /// An entry of the ledger whose parameter set, scene or command's stimulus is fitted, in place of `scenario` and
+    /// `parameters`.
+    pub simulator: Option<String>,
     /// The physics of the episodes that the fit rests on: the fast one where the bench has one, if absent. The fitted set
     /// is checked in the full one.
     pub physics: Option<SearchPhysics>,
@@ -159,20 +162,16 @@ impl CalibrationText {
                     "correct the parameter",
                 ));
             }
-            let stray = parameter
-                .sets
-                .iter()
-                .find(|key| !key.starts_with("parameters."));
-            if let Some(key) = stray {
-                let message = format!("`{key}` is not a value of the parameter set");
-                return Some((
-                    key.clone(),
-                    message,
-                    "fit keys that begin with `parameters.`",
-                ));
-            }
         }
         let says = |word: &str, message: &str, remedy| Some((word.into(), message.into(), remedy));
+        let files = (self.scenario.is_some(), self.parameters.is_some());
+        if files != (self.simulator.is_none(), self.simulator.is_none()) {
+            return says(
+                "",
+                "the file names neither a scenario with its parameters nor one entry of the ledger",
+                "give `scenario` and `parameters`, or `simulator`",
+            );
+        }
         if let Err(error) = self.space().check() {
             return says(
                 "",

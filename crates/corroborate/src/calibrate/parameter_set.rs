@@ -1,30 +1,16 @@
 //! The fitted set as TOML, with what each value was fitted to.
 
 use super::counts::Reality;
-use super::file::{CalibrationText, written};
-use diagnostic::{Problem, Source};
+use super::file::CalibrationText;
 use evidence::{LineageReport, ParameterReport};
 use std::fmt::Write;
-use stimulus::Settings;
-use toml::Table;
-
-/// The parameters with the fitted values.
-pub fn body(base: &Source, settings: &Settings) -> Result<String, Problem> {
-    let table: Table =
-        toml::from_str(&base.text).map_err(|error| study::placed::from_toml(base, &error))?;
-    let mut data = Table::new();
-    data.insert("parameters".to_owned(), table.into());
-    stimulus::apply(&mut data, settings)
-        .map_err(|error| Problem::new("bad-settings", error.to_string()))?;
-    match data.remove("parameters") {
-        Some(toml::Value::Table(table)) => written(&table),
-        _ => Ok(String::new()),
-    }
-}
+use std::path::Path;
 
 /// What the comments of a fitted set say.
 pub struct Written<'a> {
     pub about: &'a CalibrationText,
+    /// The file that it was made from.
+    pub file: &'a Path,
     pub reality: &'a Reality,
     pub fitted: &'a [ParameterReport],
     pub lineage: &'a LineageReport,
@@ -51,7 +37,7 @@ impl Written<'_> {
         writeln!(
             text,
             "# Written by `corroborate calibrate` from {}: agreement with what it was fitted to is a fit\n# and no independent confirmation.\n#\n# Fitted to the counts of {}:",
-            about.parameters.display(),
+            self.file.display(),
             about.evidence
         )?;
         let counts = self.reality.fitted();

@@ -1,14 +1,15 @@
 //! The rounds of a calibration, its episodes, and what they give.
 
+use super::base::Base;
 use super::conclusion::{conclusion, held_out_runs, mode_reports};
 use super::counts::Reality;
 use super::file::{CODE, CalibrationText};
 use super::parameter_set;
 use crate::technique::rows::{self, Rows, Value};
 use crate::technique::simulation::Seeds;
-use crate::test_bench::{TestBench, simulation_problem};
+use crate::test_bench::{simulation_problem, stimulus_at};
 use campaign::calibration::{Calibration, CalibrationOptions, Episode, Identifiability, Posterior};
-use diagnostic::{Problem, Source};
+use diagnostic::Problem;
 use evidence::{
     CalibrationReport, DirectionReport, Identification, LineageReport, ParameterReport,
 };
@@ -17,12 +18,14 @@ use host::Stage;
 use host::store::{Inputs, Store};
 use judging::Judges;
 use rayon::prelude::*;
+use rig::Rig;
 use serde::{Deserialize, Serialize};
 use stats::Confidence;
 use std::ops::Range;
+use std::path::Path;
 use stimulus::{Space, Stimulus};
 use temporal::monitor::Verdict;
-use testbench::{Bench, Unwatched};
+use testbench::Unwatched;
 
 /// Episodes that are kept together.
 const CHUNK: usize = 32;
@@ -50,9 +53,11 @@ enum Episodes {
 pub struct Work<'a> {
     pub text: &'a CalibrationText,
     /// That of the rounds, in the physics that the file chooses.
-    pub bench: &'a TestBench,
+    pub rig: &'a dyn Rig,
     /// That of the check of the fitted set: of the full physics.
-    pub check_bench: &'a TestBench,
+    pub check_rig: &'a dyn Rig,
+    /// Whether the fit rests on episodes of the fast physics.
+    pub is_fast: bool,
     pub judges: Judges<'a>,
     pub reality: Reality,
     pub space: Space,
@@ -70,7 +75,7 @@ pub struct Work<'a> {
 
 impl Work<'_> {
     /// Does it.
-    pub fn report(&self, base: &Source, level: Confidence) -> Result<CalibrationReport, Problem> {
+    pub fn report(&self, base: &Base<'_>, level: Confidence) -> Result<CalibrationReport, Problem> {
         let mut rows = Rows::default();
         let calibration = self.rounds(&mut rows)?;
         let posterior = calibration.posterior();
@@ -93,12 +98,12 @@ impl Work<'_> {
         let held_out_runs = held_out_runs(reality, &calibration)?;
         let (conclusion, because) = conclusion(&modes, &held_out_runs);
         let parameters = self.parameters(&posterior, &fitted.0, level);
-        let body = parameter_set::body(base, &settings)?;
-        let heading = self.heading(&parameters, calibration.episodes().len());
+        let body = base.with(&settings)?;
+        let heading = self.heading(base.file, &parameters, calibration.episodes().len());
         let directions = posterior.directions().into_iter();
         Ok(CalibrationReport {
             format: "2.0".into(),
-            engine: self.check_bench.engine.clone(),
+            engine: self.check_rig.engine(),
             evidence: self.text.evidence.clone(),
             guarantee: self.guarantee(),
             episodes: calibration.episodes().len() as u64,
@@ -122,17 +127,12 @@ impl Work<'_> {
         })
     }
 
-    /// Whether the fit rests on episodes of the fast physics.
-    fn is_fast(&self) -> bool {
-        self.bench.bench.is_fast()
-    }
-
     fn guarantee(&self) -> String {
-        let rounds = match self.is_fast() {
+        let rounds = match self.is_fast {
             true => "episodes of the fast physics, which is approximate",
             false => "seeded episodes",
         };
-        let check = match self.is_fast() {
+        let check = match self.is_fast {
             true => "episodes of the fitted set in the full physics",
             false => "episodes of the fitted set",
         };
@@ -141,14 +141,15 @@ impl Work<'_> {
         )
     }
 
-    fn heading(&self, fitted: &[ParameterReport], episodes: usize) -> String {
+    fn heading(&self, file: &Path, fitted: &[ParameterReport], episodes: usize) -> String {
         parameter_set::heading(&parameter_set::Written {
             about: self.text,
+            file,
             reality: &self.reality,
             fitted,
             lineage: &self.lineage,
-            engine: &self.check_bench.engine,
-            is_fast: self.is_fast(),
+            engine: &self.check_rig.engine(),
+            is_fast: self.is_fast,
             episodes,
         })
     }
@@ -290,7 +291,7 @@ impl Work<'_> {
         stage: &Stage,
     ) -> Result<Outcomes, Problem> {
         let one = |index: usize| {
-            let stimulus = self.bench.stimulus(&self.space, &units[index])?;
+            let stimulus = stimulus_at(self.rig.stimulus(), &self.space, &units[index])?;
             let outcomes = self.episode(of, &stimulus, self.seeds.of(first + index as u64))?;
             stage.advance();
             Ok(outcomes)
@@ -308,12 +309,11 @@ impl Work<'_> {
     ) -> Result<Vec<Option<bool>>, Problem> {
         self.host.go_on()?;
         let cancel = &self.host.cancel;
-        let bench = match of {
-            Episodes::Round => self.bench,
-            Episodes::Check => self.check_bench,
+        let rig = match of {
+            Episodes::Round => self.rig,
+            Episodes::Check => self.check_rig,
         };
-        let recorded = bench
-            .bench
+        let recorded = rig
             .run(stimulus, seed, &mut Unwatched, cancel)
             .map_err(|error| simulation_problem(error, seed))?;
         let judgements = self.judges.judge(&recorded.trace)?;

@@ -4,12 +4,13 @@ use super::name_of;
 use super::report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
 use crate::technique::campaign::{Ended, FailureCounts, ended, stops};
 use crate::technique::confidence;
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::FailureKind;
 use host::Host;
 use judging::{Judges, verdict_name};
 use rayon::prelude::*;
+use rig::Rig;
 use study::{Entry, Study};
 use temporal::monitor::Verdict;
 use testbench::{Difference, Unwatched, differences};
@@ -18,7 +19,7 @@ use testbench::{Difference, Unwatched, differences};
 pub struct Called<'a> {
     pub study: &'a Study,
     pub entry: &'a Entry,
-    pub campaigns: &'a [Campaign],
+    pub rigs: &'a [Box<dyn Rig>],
     pub numbers: Vec<u64>,
     pub seeds: Seeds,
     pub host: &'a Host,
@@ -36,7 +37,7 @@ struct Compared {
 impl Called<'_> {
     /// Runs each episode in both engines.
     pub fn compare(&self, report: &mut EnginesReport) -> Result<(), Problem> {
-        let [first, second] = self.campaigns else {
+        let [first, second] = self.rigs else {
             return Ok(());
         };
         let judges = Judges::new(self.study, |_| true)?;
@@ -47,8 +48,8 @@ impl Called<'_> {
         let numbers = self.numbers.par_iter();
         let compared: Vec<Compared> = numbers
             .map(|number| {
-                let a = self.run(first, *number)?;
-                let b = self.run(second, *number)?;
+                let a = self.run(first.as_ref(), *number)?;
+                let b = self.run(second.as_ref(), *number)?;
                 let verdicts = [
                     judges.verdicts_of(a.trace())?,
                     judges.verdicts_of(b.trace())?,
@@ -80,9 +81,9 @@ impl Called<'_> {
     }
 
     /// An episode in one engine.
-    pub(super) fn run(&self, campaign: &Campaign, number: u64) -> Result<Ended, Problem> {
+    pub(super) fn run(&self, rig: &dyn Rig, number: u64) -> Result<Ended, Problem> {
         let seed = self.seeds.of(number);
-        let run = campaign.attempt(seed, &mut Unwatched, &self.host.cancel);
+        let run = rig.run(rig.stimulus(), seed, &mut Unwatched, &self.host.cancel);
         ended(run, seed, self.numbers.first() == Some(&number))
     }
 
@@ -90,13 +91,13 @@ impl Called<'_> {
     fn failures(&self, compared: &[Compared]) -> Result<Vec<EngineFailures>, Problem> {
         let level = confidence(self.study.about.confidence)?;
         let mut all = Vec::new();
-        for (engine, campaign) in self.campaigns.iter().enumerate() {
+        for (engine, rig) in self.rigs.iter().enumerate() {
             let numbered = self.numbers.iter().zip(compared);
             let counts =
                 FailureCounts::of(numbered.map(|(number, it)| (*number, it.failed[engine])));
             if !counts.is_empty() {
                 all.push(EngineFailures {
-                    engine: name_of(campaign),
+                    engine: name_of(rig.as_ref()),
                     failures: counts.shares(level)?,
                 });
             }

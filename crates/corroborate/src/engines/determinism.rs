@@ -2,11 +2,12 @@
 
 use super::compared::Called;
 use super::name_of;
-use crate::technique::simulation::Campaign;
+use crate::technique::simulation::{in_two_parts, problem_at};
 use diagnostic::Problem;
 use evidence::FailureKind;
 use host::store::Inputs;
 use rayon::prelude::*;
+use rig::Rig;
 use schemars::JsonSchema;
 use serde::Serialize;
 use trace::Trace;
@@ -25,7 +26,7 @@ pub struct Repeated {
     /// The hash when it was run again, alone, after the others.
     pub again: String,
     /// The hash when it was saved in its middle and continued. Absent of an episode that a failure
-    /// ended: it is not continued.
+    /// ended, and of a command: they are not continued.
     pub continued: Option<String>,
     /// What ended it, if it did not end by itself.
     pub failed: Option<FailureKind>,
@@ -37,20 +38,20 @@ impl Called<'_> {
     /// Runs each episode beside others, again, and in two parts.
     pub(super) fn repeat(&self) -> Result<Vec<Repeated>, Problem> {
         let mut all = Vec::new();
-        for campaign in self.campaigns {
-            let engine = name_of(campaign);
+        for rig in self.rigs.iter().map(AsRef::as_ref) {
+            let engine = name_of(rig);
             let title = format!("{engine}: episodes, thrice");
             let stage = self.host.events.begin(&title, self.numbers.len() as u64);
             let numbers = self.numbers.par_iter();
             let beside: Vec<(String, Option<FailureKind>)> = numbers
-                .map(|number| self.hashed(campaign, *number))
+                .map(|number| self.hashed(rig, *number))
                 .collect::<Result<_, Problem>>()?;
             // In the other order, so that what a world keeps of an episode would show.
             for (number, (hash, failed)) in self.numbers.iter().zip(beside).rev() {
-                let (again, failed_again) = self.hashed(campaign, *number)?;
+                let (again, failed_again) = self.hashed(rig, *number)?;
                 let continued = match failed.or(failed_again) {
                     Some(_) => None,
-                    None => Some(self.in_two_parts(campaign, *number)?),
+                    None => self.continued(rig, *number)?,
                 };
                 let same = hash == again
                     && failed == failed_again
@@ -74,20 +75,21 @@ impl Called<'_> {
     }
 
     /// The hash of an episode's recording, and what ended it.
-    fn hashed(
-        &self,
-        campaign: &Campaign,
-        number: u64,
-    ) -> Result<(String, Option<FailureKind>), Problem> {
-        let run = self.run(campaign, number)?;
+    fn hashed(&self, rig: &dyn Rig, number: u64) -> Result<(String, Option<FailureKind>), Problem> {
+        let run = self.run(rig, number)?;
         let hash = run.trace().map_or_else(String::new, recording_hash);
         Ok((hash, run.failed))
     }
 
-    fn in_two_parts(&self, campaign: &Campaign, number: u64) -> Result<String, Problem> {
+    /// The hash of an episode's recording that was saved in its middle; none of a rig whose runs cannot be saved.
+    fn continued(&self, rig: &dyn Rig, number: u64) -> Result<Option<String>, Problem> {
+        let Some(bench) = rig.resumable() else {
+            return Ok(None);
+        };
         let seed = self.seeds.of(number);
-        let run = campaign.run_in_two_parts(seed, &self.host.cancel)?;
-        Ok(recording_hash(&run.trace))
+        let run = in_two_parts(bench, rig.stimulus(), seed, &self.host.cancel);
+        let run = run.map_err(|error| problem_at(seed, &error))?;
+        Ok(Some(recording_hash(&run.trace)))
     }
 }
 

@@ -20,6 +20,8 @@ pub struct RareText {
     pub parameters: Option<PathBuf>,
     /// a scene.
     pub scene: Option<PathBuf>,
+    /// An entry of the ledger whose scenario, scene or command is run, in place of files.
+    pub evidence: Option<String>,
     /// The abstract test that episodes enact.
     pub test: String,
     /// Level of the intervals.

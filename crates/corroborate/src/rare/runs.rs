@@ -10,20 +10,20 @@ use diagnostic::Problem;
 use evidence::FailureKind;
 use host::Host;
 use rayon::prelude::*;
+use rig::{Rig, Running, Saved};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
-use stimulus::{Space, Stimulus};
-use testbench::{Savable, SimError, Status};
+use stimulus::Space;
+use testbench::{SimError, Status};
 
 /// A run is looked at this often, and saved if it has come nearer.
 const LOOK_SECS: f64 = 0.02;
 
 /// One event on one bench.
-pub struct Runs<'a, B> {
-    pub bench: &'a B,
-    /// The test that episodes enact, without settings.
-    pub test: &'a Stimulus,
+pub struct Runs<'a> {
+    /// Its own stimulus is the test that episodes enact, without settings.
+    pub rig: &'a dyn Rig,
     pub score: &'a Score<'a>,
     pub event: &'a EventText,
     pub host: &'a Host,
@@ -75,31 +75,24 @@ impl RunsEnded {
 
 /// A run at a moment at which it had come nearer to the event.
 #[derive(Clone)]
-pub struct Moment<'s, S> {
-    saved: S,
+pub struct Moment<'s> {
+    saved: Saved<'s>,
     follower: Follower<'s>,
 }
 
-impl<'a, B: Savable> Runs<'a, B> {
+impl<'a> Runs<'a> {
     /// The highest rung.
     pub fn top(&self) -> usize {
         self.score.rungs.len()
     }
 
     /// Runs, in parallel; the outcomes come in the order of the jobs.
-    pub fn branches(
-        &self,
-        jobs: Vec<Job<Moment<'a, B::Saved>>>,
-    ) -> Result<Vec<Branch<Moment<'a, B::Saved>>>, Problem> {
+    pub fn branches(&self, jobs: Vec<Job<Moment<'a>>>) -> Result<Vec<Branch<Moment<'a>>>, Problem> {
         jobs.into_par_iter().map(|job| self.branch(&job)).collect()
     }
 
-    fn branch(
-        &self,
-        job: &Job<Moment<'a, B::Saved>>,
-    ) -> Result<Branch<Moment<'a, B::Saved>>, Problem> {
+    fn branch(&self, job: &Job<Moment<'a>>) -> Result<Branch<Moment<'a>>, Problem> {
         let fail = |error| self.problem(error, job.seed);
-        let bench = self.bench;
         let mut rung = job.from.as_ref().map_or(0, |from| from.rung);
         let mut branch = Branch {
             crossings: Vec::new(),
@@ -110,7 +103,7 @@ impl<'a, B: Savable> Runs<'a, B> {
         }
         let (mut run, mut follower) = match &job.from {
             None => {
-                let run = match bench.start(self.test, job.seed) {
+                let run = match self.start(job.seed) {
                     Err(error) if !self.host.cancel.is_cancelled() => {
                         let failure = failure_of(&error).ok_or_else(|| fail(error))?;
                         self.count(Some(failure.kind));
@@ -121,18 +114,18 @@ impl<'a, B: Savable> Runs<'a, B> {
                 (run, self.score.start()?)
             }
             Some(from) => {
-                let run = bench.resume(&from.state.saved, Some(job.seed));
+                let run = from.state.saved.resume(Some(job.seed));
                 (run.map_err(fail)?, from.state.follower.clone())
             }
         };
-        let begun_secs = bench.now_secs(&run);
+        let begun_secs = run.now_secs();
         let mut failed = None;
         loop {
             self.host.go_on()?;
-            let next_secs = (bench.now_secs(&run) + LOOK_SECS).min(self.event.until_secs);
+            let next_secs = (run.now_secs() + LOOK_SECS).min(self.event.until_secs);
             let mut watch = self.following(&mut follower);
             let cancel = &self.host.cancel;
-            let status = bench.advance(&mut run, next_secs, &mut watch, cancel);
+            let status = run.advance(next_secs, &mut watch, cancel);
             if let Err(error) = &status {
                 failed = failure_of(error).map(|failure| failure.kind);
             }
@@ -147,19 +140,29 @@ impl<'a, B: Savable> Runs<'a, B> {
             if reached > rung {
                 rung = reached;
                 let state = Moment {
-                    saved: bench.save(&run).map_err(fail)?,
+                    saved: run.save().map_err(fail)?,
                     follower: follower.clone(),
                 };
                 branch.crossings.push(Crossing { rung, state });
             }
-            let over = bench.now_secs(&run) + 1e-9 >= self.event.until_secs;
+            let over = run.now_secs() + 1e-9 >= self.event.until_secs;
             if over || rung >= self.top() || status != Status::Running {
                 break;
             }
         }
         self.count(failed);
-        branch.cost = (bench.now_secs(&run) - begun_secs) / self.event.until_secs;
+        branch.cost = (run.now_secs() - begun_secs) / self.event.until_secs;
         Ok(branch)
+    }
+
+    /// A run that can be saved. That the rig has such runs was tried before any.
+    fn start(&self, seed: u64) -> Result<Box<dyn Running<'a> + 'a>, SimError> {
+        match self.rig.resumable() {
+            Some(bench) => bench.start(self.rig.stimulus(), seed),
+            None => Err(SimError::Outside {
+                reason: format!("runs of {} cannot be saved", self.rig.engine()),
+            }),
+        }
     }
 
     fn count(&self, failed: Option<FailureKind>) {
@@ -223,11 +226,11 @@ impl<'a, B: Savable> Runs<'a, B> {
         seed: u64,
     ) -> Result<(f64, Option<FailureKind>), Problem> {
         self.host.go_on()?;
-        let stimulus = stimulus_at(self.test, space, unit)?;
+        let stimulus = stimulus_at(self.rig.stimulus(), space, unit)?;
         let mut follower = self.score.start()?;
         let mut watch = self.following(&mut follower);
         let cancel = &self.host.cancel;
-        let run = self.bench.run(&stimulus, seed, &mut watch, cancel);
+        let run = self.rig.run(&stimulus, seed, &mut watch, cancel);
         if let Some(problem) = watch.problem {
             return Err(problem);
         }

@@ -6,7 +6,7 @@ use super::runs::{EpisodeOfInputs, Runs, RunsEnded};
 use crate::technique::campaign::{FailureCounts, never_worked};
 use crate::technique::rows::{Rows, Value};
 use crate::technique::simulation::Seeds;
-use crate::test_bench::stimulus_at;
+use crate::test_bench::{begins, stimulus_at};
 use campaign::splitting::{
     Descent, RareEstimate, SplittingOptions, SubsetOptions, combine, split, subset,
 };
@@ -18,35 +18,36 @@ use stats::special::normal_sf;
 use stats::{Confidence, Sample, clopper_pearson};
 use stimulus::Space;
 use study::placed::quoted;
-use testbench::{Savable, SimError};
+use testbench::SimError;
 
 /// Plain episodes that are kept together.
 const CHUNK: u64 = 64;
 
 /// The estimate of one event, part by part.
-pub struct Work<'a, B> {
-    pub runs: Runs<'a, B>,
+pub struct Work<'a> {
+    pub runs: Runs<'a>,
     pub store: &'a Store,
     pub inputs: Inputs,
     pub seeds: Seeds,
     pub space: Space,
 }
 
-impl<B: Savable> Work<'_, B> {
+impl Work<'_> {
     /// Fails unless the middle of the inputs can be simulated, and both ends of each.
     pub fn accepts(&self, source: &Source) -> Result<(), Problem> {
         check_units(&self.space, source, CODE)?;
+        let rig = self.runs.rig;
         let middle = vec![0.5; self.space.dimensions()];
-        let stimulus = stimulus_at(self.runs.test, &self.space, &middle)?;
-        if let Err(SimError::Controller(error)) = self.runs.bench.start(&stimulus, 0) {
+        let stimulus = stimulus_at(rig.stimulus(), &self.space, &middle)?;
+        if let Err(SimError::Controller(error)) = begins(rig, &stimulus) {
             return Err(never_worked(&error.to_string(), 0));
         }
         for (place, parameter) in self.space.parameters.iter().enumerate() {
             for end in tried(&parameter.distribution) {
                 let mut unit = middle.clone();
                 unit[place] = end;
-                let stimulus = stimulus_at(self.runs.test, &self.space, &unit)?;
-                let Err(SimError::Stimulus { reason }) = self.runs.bench.start(&stimulus, 0) else {
+                let stimulus = stimulus_at(rig.stimulus(), &self.space, &unit)?;
+                let Err(SimError::Stimulus { reason }) = begins(rig, &stimulus) else {
                     continue;
                 };
                 let value = parameter.distribution.quantile(end);

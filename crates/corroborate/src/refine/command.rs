@@ -22,7 +22,7 @@
 use super::apply::{Applied, append_to_ledger};
 use super::ledger_text::{Names, NewEntry, SetTo};
 use super::proposal::{Change, Offered, Proposal};
-use crate::technique::campaign::{OutsideCommand, stimulus_in};
+use crate::technique::campaign::judge_left;
 use crate::technique::matrix::is_timed;
 use crate::technique::simulation::{Seeds, findings};
 use diagnostic::Problem;
@@ -34,6 +34,7 @@ use rayon::prelude::*;
 use refinement::{
     Counts, NamedNumber, Touch, Trial, Tried, anchors, fitted, is_all_named, named_numbers,
 };
+use rig::{OutsideCommand, stimulus_in};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{CommandText, Entry, Study};
@@ -431,7 +432,7 @@ impl<'a> Fitting<'a> {
 
     /// The findings of the first episodes of a command; none where one of them fails.
     fn run(&self, command: &CommandText, episodes: u64) -> Result<Option<Vec<Finding>>, Problem> {
-        let outside = OutsideCommand::new(self.study, command)?;
+        let outside = OutsideCommand::new(self.study, command, None)?;
         outside.prepare(&self.folder)?;
         let stimulus = stimulus_in(&self.folder)?;
         let judges = Judges::new(self.study, |_| true)?;
@@ -443,7 +444,7 @@ impl<'a> Fitting<'a> {
             let place = outside.room_for(&self.folder, &outside.recording_name(*number))?;
             let failed = outside.run(&stimulus, seeds.of(*number), &place, &self.setting.cancel)?;
             let judged = match failed {
-                None => outside.judge(&judges, &place, &go_on).ok(),
+                None => judge_left(&outside, &judges, &place, &go_on).ok(),
                 Some(_) => None,
             };
             self.setting.go_on()?;

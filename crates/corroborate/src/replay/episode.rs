@@ -1,10 +1,11 @@
 //! An episode that is run again.
 
 use crate::technique::exploration::OpenBench;
-use crate::technique::simulation::{Seeds, episode_name};
+use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use host::Cancel;
 use host::store::hash_of;
+use rig::episode_name;
 use std::path::{Path, PathBuf};
 use stimulus::{AbstractTest, Stimulus};
 use study::{BenchFiles, Entry, Finding, Shows, Simulated, Study};

@@ -5,19 +5,19 @@ mod report;
 pub use report::{EstimateReport, FailureReport, RecordingReport, SimulateReport};
 
 use crate::outcome::Outcome;
+use crate::rigs;
 use crate::ros2_table::Ros2Table;
 use crate::technique;
-use crate::technique::campaign::{
-    Campaigning, Finished, Simulator, Source, Until, judged_by, parse_until, words_of,
-};
-use crate::technique::simulation::{Campaign, Seeds, record_with};
+use crate::technique::campaign::{Campaigning, Finished, Until, judged_by, parse_until, words_of};
+use crate::technique::simulation::{Seeds, record_with};
 use diagnostic::Problem;
 use evidence::{Alone, Cost, Step, Verdict};
 use host::Host;
 use host::files::write_whole;
 use host::store::Inputs;
+use rig::Rig;
 use std::path::{Path, PathBuf};
-use study::{Entry, Keep, OnFailure, Simulated, Study};
+use study::{Entry, Keep, OnFailure, Study};
 
 /// What recordings of a simulation hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,23 +90,6 @@ pub struct SimulatedEpisodes {
     pub outcome: Outcome,
 }
 
-/// The simulator of an entry, in the engine that is asked for.
-fn simulator_of(
-    study: &Study,
-    entry: &Entry,
-    in_second_engine: bool,
-    library: Option<&Path>,
-) -> Result<Simulator, Problem> {
-    if !in_second_engine {
-        return Simulator::of_entry(study, entry, library);
-    }
-    let Some(Simulated::Scene { scene, test }) = entry.work.simulated() else {
-        return Err(crate::engines::one_engine(entry));
-    };
-    let campaign = Campaign::of_scene_in_rapier(study, scene, test)?;
-    Ok(Simulator::Bench(Box::new(campaign)))
-}
-
 /// Simulates and records episodes, judges them and counts.
 ///
 /// # Errors
@@ -116,7 +99,10 @@ pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEp
     let study = Study::load(&request.study)?;
     let entry = study.entry(&request.evidence)?;
     let library = setting.physics_library.as_deref();
-    let simulator = simulator_of(&study, entry, request.in_second_engine, library)?;
+    let rig = match request.in_second_engine {
+        true => rigs::in_second_engine(&study, entry)?,
+        false => rigs::of_entry(&study, entry, library)?,
+    };
     let called = Called {
         study: &study,
         entry,
@@ -126,8 +112,8 @@ pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEp
         count: request.episodes.unwrap_or_else(|| entry.work.episodes()),
     };
     match request.form {
-        RecordingForm::Signals => called.campaign(simulator.source()),
-        RecordingForm::Ros2 => called.ros2(&simulator),
+        RecordingForm::Signals => called.campaign(rig.as_ref()),
+        RecordingForm::Ros2 => called.ros2(rig.as_ref()),
     }
 }
 
@@ -143,7 +129,7 @@ struct Called<'a> {
 
 impl Called<'_> {
     /// Runs, records and judges episodes.
-    fn campaign(&self, source: Source<'_>) -> Result<SimulatedEpisodes, Problem> {
+    fn campaign(&self, rig: &dyn Rig) -> Result<SimulatedEpisodes, Problem> {
         let (request, sampling) = (self.request, &self.entry.sampling);
         let rule = match &request.until {
             Some(text) => Some(parse_until(text)?),
@@ -154,7 +140,7 @@ impl Called<'_> {
             .map(|rule| Until::new(self.study, rule))
             .transpose()?;
         let program = self.setting.build.as_str();
-        let mut inputs = self.inputs(source, program);
+        let mut inputs = self.inputs(rig, program);
         if sampling.early_end {
             inputs.add_json("early_end", &true);
         }
@@ -163,7 +149,7 @@ impl Called<'_> {
         let plan = Campaigning {
             study: self.study,
             id: &self.entry.id,
-            source,
+            rig,
             seeds: self.seeds.clone(),
             numbers: request.first..request.first + self.count,
             keep: request.keep.unwrap_or(sampling.keep),
@@ -171,7 +157,7 @@ impl Called<'_> {
             on_failure: request.on_failure.unwrap_or(sampling.on_failure),
             until: until.as_ref(),
             folder: &request.out,
-            judged_by: judged_by(self.study, source, program),
+            judged_by: judged_by(self.study, rig, program),
             interrupt: &self.setting.cancel,
             stage: &stage,
         };
@@ -208,8 +194,8 @@ impl Called<'_> {
             table: Some(finished.table.display().to_string()),
             estimates: self.estimates(&finished)?,
             failures: self.failures(&finished)?,
-            ..self.report(source, finished.tally.runs(), &|number| {
-                request.out.join(source.recording_name(number))
+            ..self.report(rig, finished.tally.runs(), &|number| {
+                request.out.join(rig.recording_name(number))
             })
         };
         Ok(SimulatedEpisodes {
@@ -220,8 +206,8 @@ impl Called<'_> {
     }
 
     /// Records episodes as ROS 2 bags, which are not judged.
-    fn ros2(&self, simulator: &Simulator) -> Result<SimulatedEpisodes, Problem> {
-        let (Simulator::Bench(campaign), Some(scenario)) = (simulator, self.scenario()) else {
+    fn ros2(&self, rig: &dyn Rig) -> Result<SimulatedEpisodes, Problem> {
+        let Some(scenario) = self.scenario() else {
             return Err(Problem::new(
                 "not-a-simulation",
                 format!("`{}` leaves recordings of its own", self.entry.id),
@@ -236,8 +222,7 @@ impl Called<'_> {
             .remedy("leave out the stopping rule and what is kept, or record the simulation's own signals"));
         }
         let table = Ros2Table::beside(&self.study.folder.join(scenario))?;
-        let source = simulator.source();
-        let mut inputs = self.inputs(source, self.setting.build.as_str());
+        let mut inputs = self.inputs(rig, self.setting.build.as_str());
         inputs.add("ros2", table.text.as_bytes());
         let folder = &self.request.out;
         claim(folder, &inputs.hash())?;
@@ -245,15 +230,7 @@ impl Called<'_> {
         let stage = self.stage();
         let interrupt = &self.setting.cancel;
         let write = |trace: &trace::Trace, path: &Path| table.write(trace, path);
-        let written = record_with(
-            campaign,
-            &self.seeds,
-            numbers,
-            folder,
-            interrupt,
-            &stage,
-            write,
-        )?;
+        let written = record_with(rig, &self.seeds, numbers, folder, interrupt, &stage, write)?;
         drop(stage);
         let left_out: u64 = written.iter().map(|(_, left_out)| left_out).sum();
         if left_out > 0 {
@@ -261,8 +238,8 @@ impl Called<'_> {
                 "{left_out} messages are not written: a truth value, a name or a whole number is missing there"
             ));
         }
-        let report = self.report(source, self.count, &|number| {
-            folder.join(source.recording_name(number))
+        let report = self.report(rig, self.count, &|number| {
+            folder.join(rig.recording_name(number))
         });
         Ok(SimulatedEpisodes {
             report,
@@ -281,10 +258,10 @@ impl Called<'_> {
     }
 
     /// What the recordings depend on.
-    fn inputs(&self, source: Source<'_>, program: &str) -> Inputs {
+    fn inputs(&self, rig: &dyn Rig, program: &str) -> Inputs {
         let mut inputs = Inputs::default();
-        source.inputs(&mut inputs);
-        if matches!(source, Source::Bench(_)) {
+        rig.own_inputs(&mut inputs);
+        if !rig.is_outside() {
             inputs.add("program", program.as_bytes());
         }
         inputs.add_json("seed", &self.seeds.of(0));
@@ -293,11 +270,11 @@ impl Called<'_> {
 
     fn report(
         &self,
-        source: Source<'_>,
+        rig: &dyn Rig,
         episodes: u64,
         place: &dyn Fn(u64) -> PathBuf,
     ) -> SimulateReport {
-        let tool = source.tool();
+        let tool = rig.tool();
         let numbers = self.request.first..self.request.first + episodes;
         let kept = numbers.map(|number| (number, place(number)));
         let kept = kept.filter(|(_, path)| path.exists());
@@ -317,7 +294,7 @@ impl Called<'_> {
             estimates: Vec::new(),
             verdicts: Vec::new(),
             failures: Vec::new(),
-            description_gaps: source.gaps().to_vec(),
+            description_gaps: rig.gaps().to_vec(),
             until: None,
             table: None,
         }

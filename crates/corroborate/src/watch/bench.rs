@@ -8,10 +8,10 @@
 //! robot that reacted too late.
 
 use super::connection::{self, not_connected, topics_for};
-use super::simulated::{AnyLink, Pace, Simulated};
 use super::{LiveSystem, WatchRequest};
+use crate::rigs;
 use crate::ros2_table::{Ros2Table, bad};
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use host::Host;
 use live::{
@@ -19,13 +19,14 @@ use live::{
     TopicFilter,
 };
 use recording::{Ros2Encoder, Ros2Topic, TopicMap};
+use rig::{Link, Pace, Rest};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use study::{Simulated as Named, Study};
+use study::{Entry, Study};
 use testbench::SimError;
 use trace::Trace;
 
@@ -34,7 +35,9 @@ const LISTEN: Duration = Duration::from_millis(20);
 
 /// An episode that is to be joined to what runs outside.
 pub struct Bench {
-    simulated: Simulated,
+    rest: Arc<dyn Rest>,
+    /// The topics of its recording.
+    layout: Trace,
     seed: u64,
     /// What it publishes.
     topics: Vec<Ros2Topic>,
@@ -62,60 +65,46 @@ impl Bench {
         signals: &[String],
         setting: &Host,
     ) -> Result<Option<Self>, Problem> {
-        let Some(rest) = &request.rest else {
+        let Some(asked) = &request.rest else {
             return Ok(None);
         };
-        let entry = study.entry(&rest.entry)?;
-        let library = setting.physics_library.as_deref();
-        let (campaign, file, parameters) = match entry.work.simulated() {
-            Some(Named::Handover {
-                scenario,
-                parameters,
-            }) => {
-                let campaign = Campaign::new(study, scenario, parameters, library)?;
-                (campaign, scenario, Some(parameters))
-            }
-            Some(Named::Scene { scene, test }) => {
-                let campaign = Campaign::of_scene(study, scene, test, library)?;
-                (campaign, scene, None)
-            }
-            Some(Named::Command(_)) | None => {
-                let message = format!("`{}` is no simulation of this study", entry.id);
-                return Err(Problem::new("not-a-simulation", message)
-                    .remedy("name an entry of the ledger with a scenario or a scene"));
-            }
-        };
+        let entry = study.entry(&asked.entry)?;
+        let file = entry.work.simulated_file();
+        let file = file.ok_or_else(|| no_rest(entry))?;
+        let rig = rigs::of_entry(study, entry, setting.physics_library.as_deref())?;
+        let is_outside = |signals: &[String]| is_outside(&asked.outside, map, signals);
+        let rest = rig.rest(&is_outside).ok_or_else(|| no_rest(entry))?;
         let table = Ros2Table::beside(&study.folder.join(file))?;
-        let seeds = Seeds::new(rest.seed.unwrap_or(study.about.seed), &entry.id);
-        let seed = seeds.of(rest.episode);
-        let tool = campaign.tool();
+        let seeds = Seeds::new(asked.seed.unwrap_or(study.about.seed), &entry.id);
+        let seed = seeds.of(asked.episode);
+        let tool = rig.tool();
         let mut about = BTreeMap::from([
             (
                 "simulated",
-                format!("{}, episode {}", entry.id, rest.episode),
+                format!("{}, episode {}", entry.id, asked.episode),
             ),
             (
                 "simulated_by",
                 format!("{} {}, {}", tool.name, tool.version, tool.settings),
             ),
             ("simulated_seed", seed.to_string()),
-            ("outside", rest.outside.join(", ")),
+            ("outside", asked.outside.join(", ")),
         ]);
-        match parameters {
+        match entry.work.simulated_parameters() {
             Some(parameters) => about.extend([
                 ("simulated_scenario", shown(file)),
                 ("simulated_parameters", shown(parameters)),
             ]),
             None => about.extend([("simulated_scene", shown(file))]),
         }
-        let simulated = Simulated::new(campaign, &rest.outside, map)?;
-        check_outside(&rest.outside, map, signals, &table, &simulated.signals())?;
-        let is_inside = |topic: &Ros2Topic| !rest.outside.contains(&topic.name);
+        check_outside(&asked.outside, map, signals, &table, &rest.signals())?;
+        let is_inside = |topic: &Ros2Topic| !asked.outside.contains(&topic.name);
         Ok(Some(Self {
             seed,
             topics: table.topics.into_iter().filter(is_inside).collect(),
-            tolerance_nanos: nanos(simulated.period_secs()),
-            simulated,
+            tolerance_nanos: nanos(rest.period_secs()),
+            layout: rig.layout(&setting.cancel)?,
+            rest,
             about: about.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
             begin: Arc::default(),
             kept: Arc::default(),
@@ -124,12 +113,12 @@ impl Bench {
 
     /// The signals that the robot reads from outside.
     pub fn signals(&self) -> Vec<String> {
-        self.simulated.signals()
+        self.rest.signals()
     }
 
     /// The way of these signals to the episode, from a stream with this layout.
-    pub fn link(&self, layout: &Trace) -> Result<AnyLink, Problem> {
-        self.simulated.link(layout)
+    pub fn link(&self, layout: &Trace) -> Result<Box<dyn Link>, Problem> {
+        self.rest.link(layout)
     }
 
     /// Attaches, and makes everything ready; the episode waits for
@@ -143,15 +132,14 @@ impl Bench {
             // What is published must not come back from outside.
             filter.leave(&topic.name);
         }
-        let layout = self.simulated.layout()?;
-        let outgoing = outgoing(&self.topics, &layout)?;
+        let outgoing = outgoing(&self.topics, &self.layout)?;
         let source = connection::connect(system, filter)?;
         let bridge = Bridge::new(source, connection::publisher(system)?);
         let mut episode = Episode {
-            simulated: self.simulated.clone(),
+            rest: Arc::clone(&self.rest),
             seed: self.seed,
             topics: self.topics.clone(),
-            layout,
+            layout: self.layout.clone(),
             tolerance_nanos: self.tolerance_nanos,
             begin: self.begin.clone(),
             kept: self.kept.clone(),
@@ -202,6 +190,19 @@ fn shown(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/")
 }
 
+/// Said of an entry whose episodes cannot keep step with a robot.
+fn no_rest(entry: &Entry) -> Problem {
+    let message = format!("`{}` is no simulation of this study", entry.id);
+    Problem::new("not-a-simulation", message)
+        .remedy("name an entry of the ledger with a scenario or a scene")
+}
+
+/// Whether one of these signals comes from a topic that is said to be outside.
+fn is_outside(outside: &[String], map: &TopicMap, signals: &[String]) -> bool {
+    let topics = topics_for(map, signals);
+    outside.iter().any(|topic| topics.contains(topic))
+}
+
 /// A topic from outside that nobody reads is a slip of the pen.
 fn check_outside(
     outside: &[String],
@@ -240,7 +241,7 @@ fn outgoing(topics: &[Ros2Topic], layout: &Trace) -> Result<Vec<Outgoing>, Probl
 
 /// The episode as its thread has it.
 struct Episode {
-    simulated: Simulated,
+    rest: Arc<dyn Rest>,
     seed: u64,
     topics: Vec<Ros2Topic>,
     layout: Trace,
@@ -263,7 +264,7 @@ impl Episode {
             .map(|it| Ros2Encoder::new(&self.layout, it));
         let encoders = encoders.collect::<Result<Vec<_>, _>>();
         let encoders = encoders.map_err(|error| LiveError::Encoding(error.to_string()))?;
-        let mut rest = Rest {
+        let mut kept = KeptInStep {
             sent: vec![0; encoders.len()],
             encoders,
             feed,
@@ -273,13 +274,13 @@ impl Episode {
             message: Vec::new(),
             failed: None,
         };
-        let episode = self.simulated.run(self.seed, &mut rest);
-        if let Some(error) = rest.failed {
+        let episode = self.rest.run(self.seed, &mut kept);
+        if let Some(error) = kept.failed {
             return Err(error);
         }
         match episode {
             Ok((trace, sim_secs)) => {
-                rest.publish(&trace)?;
+                kept.publish(&trace)?;
                 Ok(format!("the episode is over after {sim_secs:.2} s"))
             }
             Err(SimError::Cancelled) => Ok("it was stopped".into()),
@@ -291,7 +292,7 @@ impl Episode {
 }
 
 /// What an episode under way meets.
-struct Rest<'r> {
+struct KeptInStep<'r> {
     feed: &'r mut BridgeFeed,
     ids: &'r [PublicationId],
     encoders: Vec<Ros2Encoder<'r>>,
@@ -303,7 +304,7 @@ struct Rest<'r> {
     failed: Option<LiveError>,
 }
 
-impl Rest<'_> {
+impl KeptInStep<'_> {
     /// Sends what was recorded since.
     fn publish(&mut self, recorded: &Trace) -> Result<(), LiveError> {
         let encoding = |error: recording::Ros2WriteError| LiveError::Encoding(error.to_string());
@@ -333,7 +334,7 @@ impl Rest<'_> {
     }
 }
 
-impl Pace for Rest<'_> {
+impl Pace for KeptInStep<'_> {
     fn start(&mut self) {
         self.feed.start(0, self.tolerance_nanos);
     }
@@ -356,4 +357,21 @@ impl Pace for Rest<'_> {
 fn nanos(secs: f64) -> i64 {
     // A conversion from a double saturates.
     (secs * 1e9).round() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_outside_follows_from_the_topic_map() {
+        let text = "[\"/sensors.pressure_ok\"]\nfrom = \"/gripper/felt.data\"\nkind = \"bool\"\n";
+        let map = TopicMap::parse("topics.toml", text).expect("a map");
+        let is =
+            |topic: &str, signal: &str| is_outside(&[topic.to_owned()], &map, &[signal.to_owned()]);
+        assert!(is("/gripper/felt", "/sensors.pressure_ok"));
+        assert!(is("/sensors", "/sensors.gaze_ok"));
+        assert!(!is("/sensors", "/sensors.pressure_ok"));
+        assert!(!is("/elsewhere", "/sensors.gaze_ok"));
+    }
 }

@@ -21,10 +21,7 @@ mod connection;
 mod event;
 mod hub;
 mod keeper;
-mod link;
 mod reader;
-mod scene_rest;
-mod simulated;
 
 pub use event::{LiveCause, LiveVerdict, LiveViolation, WatchEvent, WatchLine};
 
@@ -40,7 +37,7 @@ use keeper::Keeper;
 use live::Source;
 use reader::{Inbox, LiveReader, SharedInbox, opened};
 use recording::{Moment, Polled, SignalStream, StreamError, TimeSource, TopicMap, TypeDefinitions};
-use simulated::AnyLink;
+use rig::Link;
 use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
@@ -394,7 +391,7 @@ struct Run<'h> {
     until_nanos: Option<i64>,
     /// The simulated rest of the robot, if there is one, and what it reads.
     bench: Option<&'h Bench>,
-    link: Option<AnyLink>,
+    link: Option<Box<dyn Link>>,
     /// For each monitor, its verdict and when that was told, by log time.
     told: Vec<Option<(i64, LiveVerdict)>>,
     instants: u64,

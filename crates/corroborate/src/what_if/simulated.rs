@@ -13,11 +13,10 @@
 
 use super::file::{ChangeText, Read};
 use super::report::Gain;
+use crate::rigs;
 use crate::technique::campaign::{
-    FailureCounts, OnLine, Simulator, Source, ended, episode_inputs, judged_by, records_judged_by,
-    stops,
+    FailureCounts, OnLine, ended, episode_inputs, judged_by, records_judged_by, stops,
 };
-use crate::technique::exploration::OpenBench;
 use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::{FailureKind, Interval, Subject};
@@ -25,6 +24,7 @@ use host::store::is_stage_of;
 use host::{Host, Stage};
 use judging::Judges;
 use rayon::prelude::*;
+use rig::Rig;
 use stats::Pairs;
 use std::collections::BTreeMap;
 use stimulus::Stimulus;
@@ -57,31 +57,26 @@ pub struct Episodes<'a> {
 impl Episodes<'_> {
     /// The verdicts of the entry as it is.
     pub fn as_it_is(&self, subjects: &[Subject], stage: &Stage) -> Result<Verdicts, Problem> {
-        let simulator =
-            Simulator::of_entry(self.study, self.entry, self.host.physics_library.as_deref())?;
-        let kept = self.kept(simulator.source(), subjects)?;
+        let rig = self.rig()?;
+        let kept = self.kept(rig.as_ref(), subjects)?;
         stage.skip(kept.len() as u64);
-        let bench =
-            OpenBench::of_entry(self.study, self.entry, self.host.physics_library.as_deref())?;
-        self.run(
-            &bench,
-            simulator.source().stimulus(),
-            &kept,
-            subjects,
-            stage,
-        )
+        self.run(rig.as_ref(), rig.stimulus(), &kept, subjects, stage)
+    }
+
+    fn rig(&self) -> Result<Box<dyn Rig>, Problem> {
+        rigs::of_entry(self.study, self.entry, self.host.physics_library.as_deref())
     }
 
     /// The verdicts of the episodes that the study's results hold, by number: of this program, these files and monitors.
-    fn kept(&self, source: Source<'_>, subjects: &[Subject]) -> Result<Kept, Problem> {
+    fn kept(&self, rig: &dyn Rig, subjects: &[Subject]) -> Result<Kept, Problem> {
         let folder = self.study.folder.join("results/episodes");
         let folder = folder.join(&self.entry.id);
         let program = self.host.build.as_str();
-        let inputs = episode_inputs(self.study, self.entry, source, program);
+        let inputs = episode_inputs(self.study, self.entry, rig, program);
         if !is_stage_of(&folder, &inputs.hash()) {
             return Ok(Kept::new());
         }
-        let judged_by = judged_by(self.study, source, program);
+        let judged_by = judged_by(self.study, rig, program);
         let judges = Judges::new(self.study, |_| true)?;
         let monitors: Vec<_> = judges.monitors().collect();
         let place = |subject: &Subject| {
@@ -109,16 +104,13 @@ impl Episodes<'_> {
         subjects: &[Subject],
         stage: &Stage,
     ) -> Result<Verdicts, Problem> {
-        let bench =
-            OpenBench::of_entry(self.study, self.entry, self.host.physics_library.as_deref())?;
-        let simulator =
-            Simulator::of_entry(self.study, self.entry, self.host.physics_library.as_deref())?;
-        let mut varied = simulator.source().stimulus().clone();
+        let rig = self.rig()?;
+        let mut varied = rig.stimulus().clone();
         // Another simulator may pass over a key that it does not know, which would look like no gain; so it has to be one
         // that its stimulus sets already.
-        let refused = match bench.is_outside() {
+        let refused = match rig.is_outside() {
             true => {
-                let applied = stimulus::apply(&mut bench.data().clone(), &change.settings);
+                let applied = stimulus::apply(&mut rig.data().clone(), &change.settings);
                 applied.err().map(|error| {
                     let remedy = "the stimulus of the ledger has to set the key to what it is now";
                     (error.to_string(), remedy)
@@ -128,7 +120,7 @@ impl Episodes<'_> {
         };
         varied.settings.extend(change.settings.clone());
         let refused = refused.or_else(|| {
-            let reason = bench.refuses(&varied)?;
+            let reason = rig.refuses(&varied)?;
             Some((reason, "correct the keys in `settings`"))
         });
         if let Some((reason, remedy)) = refused {
@@ -136,13 +128,13 @@ impl Episodes<'_> {
                 .at(&read.source, change.evidence.span())
                 .remedy(remedy));
         }
-        self.run(&bench, &varied, &Kept::new(), subjects, stage)
+        self.run(rig.as_ref(), &varied, &Kept::new(), subjects, stage)
     }
 
     /// Runs the episodes that are not among `kept`.
     fn run(
         &self,
-        bench: &OpenBench,
+        rig: &dyn Rig,
         stimulus: &Stimulus,
         kept: &Kept,
         subjects: &[Subject],
@@ -152,7 +144,7 @@ impl Episodes<'_> {
         let numbers = 1..=self.count;
         let layout = match numbers.clone().all(|number| kept.contains_key(&number)) {
             true => None,
-            false => Some(bench.layout(&self.host.cancel)?),
+            false => Some(rig.layout(&self.host.cancel)?),
         };
         let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
         let rows: Vec<(Vec<Verdict>, Option<FailureKind>, String)> = numbers
@@ -167,7 +159,7 @@ impl Episodes<'_> {
                 };
                 let mut on_line = OnLine::new(&[&judges], layout, false)?;
                 let seed = seeds.of(number);
-                let run = bench.watched(stimulus, seed, &mut on_line, &self.host.cancel);
+                let run = rig.run(stimulus, seed, &mut on_line, &self.host.cancel);
                 let run = ended(run, seed, number == 1)?;
                 stage.advance();
                 let Some(recorded) = run.recorded else {

@@ -1,33 +1,24 @@
 //! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
 
 use super::failing::stopped_by;
-use super::one::{Bench, Effort};
+use super::one::{Bench, Effort, recorder};
 use super::ordered::in_order;
-use super::outside::OutsideCommand;
 use super::record::{EpisodeRecord, Journal};
 use super::tally::{Intervals, Tally, monitors};
 use super::until::Until;
 use super::{estimates, table};
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::{Cost, FailureKind, FormDifference};
 use host::{Cancel, Stage};
 use judging::Judges;
 use judging::forms::differences::{DifferenceTally, forms_of, judges};
+use rig::Rig;
 use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Keep, OnFailure, Study};
-
-/// What gives episodes.
-#[derive(Clone, Copy)]
-pub enum Source<'a> {
-    /// A test bench of ours.
-    Bench(&'a Campaign),
-    /// Another simulator, or a rig.
-    Command(&'a OutsideCommand),
-}
 
 /// What is to be done.
 pub struct Campaigning<'a> {
@@ -36,7 +27,7 @@ pub struct Campaigning<'a> {
     /// The evidence's identifier.
     pub id: &'a str,
     /// What gives episodes.
-    pub source: Source<'a>,
+    pub rig: &'a dyn Rig,
     /// Their seeds.
     pub seeds: Seeds,
     /// Their numbers; a stopping rule may end before the last.
@@ -86,17 +77,12 @@ impl Campaigning<'_> {
         let of_forms = judges(self.study, &forms)?;
         let bench = Bench {
             plan: self,
-            layout: match self.source {
-                Source::Bench(campaign) => Some(campaign.layout()?),
-                Source::Command(_) => None,
-            },
+            recorder: recorder(self.rig, self.interrupt)?,
             monitors: monitors(&main),
             main,
             of_forms,
         };
-        if let Source::Command(command) = self.source {
-            command.prepare(self.folder)?;
-        }
+        bench.recorder.prepare(self.folder)?;
         let mut journal = Journal::open(self.folder, self.numbers.start, &self.judged_by)?;
         let mut count = Count::new(self, &bench);
         self.go_on_from(&mut journal, &mut count)?;
@@ -106,9 +92,7 @@ impl Campaigning<'_> {
             first => format!("episodes-{first}.parquet"),
         });
         table::write(&table, self, &bench.monitors, &journal, count.tally.runs())?;
-        if let Source::Command(command) = self.source {
-            command.tidy(self.folder);
-        }
+        bench.recorder.tidy(self.folder);
         Ok(count.finish(began, table))
     }
 
@@ -188,7 +172,7 @@ impl Campaigning<'_> {
 
     /// Where an episode's recording is.
     pub fn recording(&self, number: u64) -> PathBuf {
-        self.folder.join(self.source.recording_name(number))
+        self.folder.join(self.rig.recording_name(number))
     }
 }
 
@@ -295,7 +279,7 @@ impl<'a> Count<'a> {
         if self.new_cpu_secs > 0.0 {
             self.cost.real_time_factor = Some(self.new_secs / self.new_cpu_secs);
         }
-        if matches!(self.plan.source, Source::Bench(_)) {
+        if !self.plan.rig.is_outside() {
             self.cost.cpu_secs = Some(self.new_cpu_secs);
         }
         Finished {

@@ -48,7 +48,7 @@ pub fn ended(run: Result<Recorded, SimError>, seed: u64, is_first: bool) -> Resu
         Some(failure) if failure.in_setup && is_first => {
             return Err(never_worked(&failure.words, seed));
         }
-        failure => failure.as_ref().map(EpisodeFailure::of_controller),
+        failure => failure.as_ref().map(EpisodeFailure::of),
     };
     let (failed, words) = failed.map(|it| (it.kind, it.words)).unzip();
     Ok(Ended {
@@ -88,7 +88,7 @@ pub fn failure_of(error: &SimError) -> Option<EpisodeFailure> {
     match error {
         SimError::Controller(error) => {
             let failure = testbench::Failure::of_controller(error, false);
-            Some(EpisodeFailure::of_controller(&failure))
+            Some(EpisodeFailure::of(&failure))
         }
         other => EpisodeFailure::of_simulator(other),
     }

@@ -24,8 +24,8 @@ pub struct EpisodeFailure {
 }
 
 impl EpisodeFailure {
-    /// A robot's program that failed.
-    pub fn of_controller(failure: &Failure) -> Self {
+    /// A robot's program, or a simulator that is a command, that failed.
+    pub fn of(failure: &Failure) -> Self {
         Self {
             kind: kind_of(failure),
             words: failure.words.clone(),
@@ -38,14 +38,6 @@ impl EpisodeFailure {
             kind: FailureKind::SimulatorFailed,
             words: error.to_string(),
         })
-    }
-
-    /// Whether something ran on and gave no answer.
-    pub fn is_hung(&self) -> bool {
-        matches!(
-            self.kind,
-            FailureKind::ControllerHung | FailureKind::SimulatorHung
-        )
     }
 
     /// The failure as an error that ends the campaign.
@@ -74,7 +66,7 @@ pub fn is_of_physics(error: &SimError) -> bool {
     matches!(error, SimError::Unstable { .. } | SimError::Trace(_))
 }
 
-/// The kind of a robot's program's failure.
+/// The kind of a program's failure.
 pub fn kind_of(failure: &Failure) -> FailureKind {
     FailureKind::named(failure.kind()).unwrap_or(FailureKind::ControllerFailed)
 }

@@ -147,5 +147,5 @@ fn name_of(names: &[String], number: u64) -> String {
     };
     let found = names[names.partition_point(|name| name < &stem)..].first();
     let found = found.filter(is_of_it).cloned();
-    found.unwrap_or_else(|| crate::technique::simulation::episode_name(number))
+    found.unwrap_or_else(|| rig::episode_name(number))
 }

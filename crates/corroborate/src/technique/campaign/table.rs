@@ -2,10 +2,11 @@
 //!
 //! Processor times are left out, so that the same campaign gives the same bytes.
 
-use super::driver::{Campaigning, Source};
+use super::driver::Campaigning;
 use super::record::{EpisodeRecord, Journal, Judged};
 use super::tally::Monitored;
 use crate::technique::rows::column_of_key;
+use crate::technique::simulation::problem_at;
 use diagnostic::Problem;
 use host::files::write_whole_by;
 use judging::verdict_name;
@@ -55,7 +56,7 @@ impl Rows<'_> {
             ParquetError::Write(error) => fail(error),
             other => Problem::data_lost("cannot-write", format!("{}: {other}", path.display())),
         };
-        let stimulus = plan.source.stimulus();
+        let stimulus = plan.rig.stimulus();
         let about = [
             ("study", plan.study.about.title.as_str()),
             ("evidence", plan.id),
@@ -97,10 +98,10 @@ impl Rows<'_> {
 
 /// What an episode drew once from its seed, by key; another simulator does not say.
 fn drawn_in(plan: &Campaigning<'_>, number: u64) -> Result<BTreeMap<String, f64>, Problem> {
-    let Source::Bench(campaign) = plan.source else {
-        return Ok(BTreeMap::new());
-    };
-    let drawn = campaign.drawn(plan.seeds.of(number))?.into_iter();
+    let seed = plan.seeds.of(number);
+    let drawn = plan.rig.drawn(plan.rig.stimulus(), seed);
+    let drawn = drawn.map_err(|error| problem_at(seed, &error))?;
+    let drawn = drawn.into_iter().flatten();
     Ok(drawn.map(|it| (it.key, it.value)).collect())
 }
 

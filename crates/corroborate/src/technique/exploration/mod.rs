@@ -12,7 +12,6 @@ mod again;
 mod bench;
 mod campaign;
 mod code;
-mod command_bench;
 mod concretise;
 mod disagreement;
 mod episode;

@@ -1,15 +1,17 @@
 //! Seeded episodes, judged by the study's monitors: of the handover, of a scene, or of a command.
 
 use super::{Asked, Kept, Prepared, Propositions, Technique, Working};
+use crate::rigs::Opening;
 use crate::technique::Produced;
-use crate::technique::campaign::{self, Intervals, OutsideCommand, Source, recount};
+use crate::technique::campaign::{self, Intervals, recount};
 use crate::technique::counted::CountedConstant;
 use crate::technique::files::Files;
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use crate::verify::{Audit, check_intervals, same_values};
 use diagnostic::Problem;
 use evidence::AssetRole;
 use host::store::{Inputs, is_stage_of};
+use rig::Rig;
 use std::path::Path;
 use study::Simulated;
 
@@ -19,19 +21,10 @@ pub(super) struct Episodes<'t> {
     pub(super) count: u64,
 }
 
-/// What gives episodes, read and ready.
-enum Simulator {
-    /// A test bench of ours.
-    Bench(Box<Campaign>),
-    /// Another simulator, or a rig.
-    Command(Box<OutsideCommand>),
-    /// The physics library is missing.
-    Missing(Problem),
-}
-
 struct Ready<'a> {
     asked: Asked<'a>,
-    simulator: Simulator,
+    /// What gives the episodes; an error if the physics library is missing.
+    rig: Result<Box<dyn Rig>, Problem>,
     count: u64,
 }
 
@@ -42,26 +35,21 @@ impl Technique for Episodes<'_> {
         files: &Files<'_>,
     ) -> Result<Box<dyn Prepared + 'a>, Problem> {
         let (study, library) = (asked.study, asked.host.physics_library.as_deref());
-        let simulator = match self.of {
-            Simulated::Handover {
-                scenario,
-                parameters,
-            } => of_bench(Campaign::read(scenario, parameters, library, files), files)?,
-            Simulated::Scene { scene, test } => {
-                files.text(AssetRole::SystemModel, scene)?;
-                of_bench(Campaign::of_scene(study, scene, test, library), files)?
-            }
-            Simulated::Command(text) => {
-                let command = OutsideCommand::new(study, text)?;
-                for asset in command.assets() {
-                    files.was_read(asset);
-                }
-                Simulator::Command(Box::new(command))
-            }
+        let read = |path: &Path| files.text(AssetRole::SystemModel, path);
+        let opening = Opening {
+            read: Some(&read),
+            ..Opening::new(study, library)
         };
+        let rig = match opening.open(self.of) {
+            Err(problem) if problem.code != "no-physics-library" => return Err(problem),
+            rig => rig,
+        };
+        for asset in rig.iter().flat_map(|rig| rig.assets()) {
+            files.was_read(asset);
+        }
         Ok(Box::new(Ready {
             asked,
-            simulator,
+            rig,
             count: self.count,
         }))
     }
@@ -106,27 +94,12 @@ impl Technique for Episodes<'_> {
     }
 }
 
-/// A bench of ours, or that simulations cannot run here.
-fn of_bench(bench: Result<Campaign, Problem>, files: &Files<'_>) -> Result<Simulator, Problem> {
-    match bench {
-        Ok(bench) => {
-            for asset in bench.assets() {
-                files.was_read(asset);
-            }
-            Ok(Simulator::Bench(Box::new(bench)))
-        }
-        Err(problem) if problem.code == "no-physics-library" => Ok(Simulator::Missing(problem)),
-        Err(problem) => Err(problem),
-    }
-}
-
 impl Ready<'_> {
     /// What gives the episodes.
-    fn source(&self) -> Result<Source<'_>, Problem> {
-        match &self.simulator {
-            Simulator::Bench(bench) => Ok(Source::Bench(bench)),
-            Simulator::Command(command) => Ok(Source::Command(command)),
-            Simulator::Missing(problem) => Err(problem.clone()),
+    fn rig(&self) -> Result<&dyn Rig, Problem> {
+        match &self.rig {
+            Ok(rig) => Ok(rig.as_ref()),
+            Err(problem) => Err(problem.clone()),
         }
     }
 
@@ -139,9 +112,9 @@ impl Ready<'_> {
 impl Prepared for Ready<'_> {
     /// What is simulated, and how episodes are drawn and judged.
     fn settings(&self, _: &[CountedConstant], inputs: &mut Inputs) -> Result<(), Problem> {
-        let (study, source) = (self.asked.study, self.source()?);
-        source.inputs(inputs);
-        source.reading_inputs(inputs);
+        let (study, rig) = (self.asked.study, self.rig()?);
+        rig.own_inputs(inputs);
+        rig.reading_inputs(inputs);
         inputs.add("seed", &study.about.seed.to_le_bytes());
         inputs.add_json("episodes", &self.count);
         judging::inputs_of(study, inputs);
@@ -158,16 +131,13 @@ impl Prepared for Ready<'_> {
     }
 
     fn obstacle(&self) -> Option<&Problem> {
-        match &self.simulator {
-            Simulator::Missing(problem) => Some(problem),
-            Simulator::Bench(_) | Simulator::Command(_) => None,
-        }
+        self.rig.as_ref().err()
     }
 
     fn produce(&self, working: &Working<'_>) -> Result<Produced, Problem> {
         let (study, entry, host) = (self.asked.study, self.asked.entry, self.asked.host);
-        let (source, program) = (self.source()?, self.program());
-        let inputs = campaign::episode_inputs(study, entry, source, program);
+        let (rig, program) = (self.rig()?, self.program());
+        let inputs = campaign::episode_inputs(study, entry, rig, program);
         let folder = working
             .store
             .stage(&format!("episodes/{}", entry.id), &inputs.hash())?;
@@ -177,7 +147,7 @@ impl Prepared for Ready<'_> {
         let plan = campaign::Campaigning {
             study,
             id: &entry.id,
-            source,
+            rig,
             seeds: Seeds::new(study.about.seed, &entry.id),
             numbers: 1..self.count + 1,
             keep: entry.sampling.keep,
@@ -185,7 +155,7 @@ impl Prepared for Ready<'_> {
             on_failure: entry.sampling.on_failure,
             until: working.until,
             folder: &folder,
-            judged_by: campaign::judged_by(study, source, program),
+            judged_by: campaign::judged_by(study, rig, program),
             interrupt: &host.cancel,
             stage: &stage,
         };
@@ -193,16 +163,16 @@ impl Prepared for Ready<'_> {
     }
 
     fn kept_episodes(&self, results: &Path) -> Result<Option<u64>, Problem> {
-        let Ok(source) = self.source() else {
+        let Ok(rig) = self.rig() else {
             return Ok(None);
         };
         let (study, entry, program) = (self.asked.study, self.asked.entry, self.program());
         let folder = results.join("episodes").join(&entry.id);
-        let inputs = campaign::episode_inputs(study, entry, source, program);
+        let inputs = campaign::episode_inputs(study, entry, rig, program);
         if !is_stage_of(&folder, &inputs.hash()) {
             return Ok(Some(0));
         }
-        let judged_by = campaign::judged_by(study, source, program);
+        let judged_by = campaign::judged_by(study, rig, program);
         let records = campaign::records_judged_by(&folder, &judged_by)?;
         Ok(Some(records.len() as u64))
     }

@@ -6,10 +6,10 @@
 
 use super::{Diagnosing, Gathered};
 use crate::corroboration::ANY_STUDY;
+use crate::rigs;
 use crate::technique::campaign::{FailureCounts, ended, failures_in_words, stops};
 use crate::technique::confidence;
-use crate::technique::exploration::OpenBench;
-use crate::technique::simulation::{Campaign, Seeds};
+use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::{
     Clue, FailureKind, HALF_STEP, Inaccuracy, Rate, Subject, SuspectAsset, SuspectKind, Symptom,
@@ -17,10 +17,12 @@ use evidence::{
 };
 use judging::Judges;
 use rayon::prelude::*;
+use rig::Rig;
 use stimulus::Stimulus;
-use study::{Entry, Simulated, Work};
+use study::{Entry, Work};
 use temporal::monitor::Verdict;
 use testbench::{Recorded, SimError, Unwatched};
+use toml::Table;
 
 /// One episode, before and after a change.
 struct Pair {
@@ -34,7 +36,7 @@ struct Pair {
 
 /// What is run again.
 struct Changes<'a> {
-    bench: &'a OpenBench,
+    rig: &'a dyn Rig,
     entry: &'a Entry,
     episodes: u64,
 }
@@ -71,28 +73,19 @@ impl Diagnosing<'_> {
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
         let library = self.setting.physics_library.as_deref();
-        let bench = OpenBench::of_entry(self.study, entry, library)?;
-        let own = bench.own_tests();
-        let (stimulus, key) = match entry.work.simulated() {
-            Some(Simulated::Scene { test, .. }) => {
-                let wanted = |t: &&stimulus::AbstractTest| test.is_none_or(|name| name == t.name);
-                let test = own.iter().find(wanted).cloned();
-                (test, "simulation.time_step_secs")
-            }
-            Some(Simulated::Handover { .. }) => {
-                (own.first().cloned(), "scenario.simulation.time_step_secs")
-            }
-            Some(Simulated::Command(_)) | None => return Ok(()),
-        };
-        let step_secs = value_at(&bench, key).and_then(|value| value.as_float());
-        let (Some(test), Some(step_secs)) = (stimulus, step_secs) else {
+        let rig = rigs::of_entry(self.study, entry, library)?;
+        let step = rig.time_step_key().and_then(|key| {
+            let step_secs = value_at(rig.data(), key)?.as_float()?;
+            Some((key, step_secs))
+        });
+        let Some((key, step_secs)) = step else {
             let said = "it has no time step that can be set";
             gathered
                 .not_done
                 .push(format!("half the time step of {}: {said}", entry.id));
             return Ok(());
         };
-        let whole = Stimulus::of(test);
+        let whole = rig.stimulus().clone();
         let mut half = whole.clone();
         half.settings.insert(key.into(), (step_secs / 2.0).into());
         let asset = |part: String| SuspectAsset {
@@ -104,7 +97,7 @@ impl Diagnosing<'_> {
             line: None,
         };
         let changes = Changes {
-            bench: &bench,
+            rig: rig.as_ref(),
             entry,
             episodes,
         };
@@ -113,7 +106,7 @@ impl Diagnosing<'_> {
         Ok(())
     }
 
-    /// The episodes of a bench under one stimulus and another.
+    /// The episodes of a rig under one stimulus and another.
     fn changed(
         &self,
         of: &Changes<'_>,
@@ -122,8 +115,9 @@ impl Diagnosing<'_> {
         asset: &SuspectAsset,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let run =
-            |which: usize, seed: u64| of.bench.run(stimuli[which], seed, &self.setting.cancel);
+        let run = |which: usize, seed: u64| {
+            (of.rig).run(stimuli[which], seed, &mut Unwatched, &self.setting.cancel)
+        };
         let pairs = self.pairs(of.entry, of.episodes, changed, &run)?;
         self.compared(of.entry, asset, changed, &pairs, gathered)
     }
@@ -134,20 +128,22 @@ impl Diagnosing<'_> {
         episodes: u64,
         gathered: &mut Gathered,
     ) -> Result<(), Problem> {
-        let Some(Simulated::Scene { scene, test }) = entry.work.simulated() else {
-            let said = "the handover's contacts are written for MuJoCo; scenes can be run in both";
-            gathered
-                .not_done
-                .push(format!("the other engine for {}: {said}", entry.id));
-            return Ok(());
+        let second = match rigs::in_second_engine(self.study, entry) {
+            Err(problem) if problem.code == "one-engine" => {
+                let said =
+                    "the handover's contacts are written for MuJoCo; scenes can be run in both";
+                gathered
+                    .not_done
+                    .push(format!("the other engine for {}: {said}", entry.id));
+                return Ok(());
+            }
+            second => second?,
         };
         let library = self.setting.physics_library.as_deref();
-        let campaigns = [
-            Campaign::of_scene(self.study, scene, test, library)?,
-            Campaign::of_scene_in_rapier(self.study, scene, test)?,
-        ];
+        let rigs = [rigs::of_entry(self.study, entry, library)?, second];
         let run = |changed: usize, seed: u64| {
-            campaigns[changed].attempt(seed, &mut Unwatched, &self.setting.cancel)
+            let rig = &rigs[changed];
+            rig.run(rig.stimulus(), seed, &mut Unwatched, &self.setting.cancel)
         };
         let changed = "Rapier in place of MuJoCo";
         let pairs = self.pairs(entry, episodes, changed, &run)?;
@@ -322,11 +318,11 @@ fn violated(pair: &Pair, at: usize) -> [bool; 2] {
     [0, 1].map(|which| pair.verdicts[which].get(at) == Some(&Verdict::Violated))
 }
 
-/// A value of a bench's data.
-fn value_at(bench: &OpenBench, key: &str) -> Option<toml::Value> {
-    let data = toml::Value::Table(bench.data().clone());
-    key.split('.')
-        .try_fold(data, |value, part| value.get(part).cloned())
+/// A value of a rig's data.
+fn value_at<'d>(data: &'d Table, key: &str) -> Option<&'d toml::Value> {
+    let mut parts = key.split('.');
+    let first = data.get(parts.next()?)?;
+    parts.try_fold(first, |value, part| value.get(part))
 }
 
 fn file_of(entry: &Entry) -> Option<String> {

@@ -6,20 +6,17 @@
 //! has to leave a recording, in any format that is read here. It has to end with code 0 within a
 //! limit of real time. The recording is judged through the study's `topics.toml`.
 //!
-//! An episode whose command fails or hangs counts as that (`failing`), with what it left of a
+//! A command that fails or hangs is no error: it is what the episode shows, with what it left of a
 //! recording. The recording is moved to its place once the command has ended, so that nothing writes
 //! to what is there.
 
-use super::failing::EpisodeFailure;
-use crate::technique::asset;
-use crate::technique::operation::only_violations;
-use diagnostic::Problem;
-use evidence::{Asset, AssetRole, FailureKind, Tool};
+use crate::asset;
+use diagnostic::{Problem, Source};
+use evidence::{Asset, AssetRole, Tool};
 use host::Cancel;
 use host::files::write_whole;
 use host::store::Inputs;
-use judging::Judges;
-use judging::recording::{JudgedRecording, ReadingRules};
+use judging::recording::ReadingRules;
 use std::fs::File;
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
@@ -27,6 +24,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use stimulus::{AbstractTest, Stimulus};
 use study::{CommandText, Study};
+use testbench::{Failure, Part};
 use trace::Trace;
 
 /// How often a running command is looked at.
@@ -53,8 +51,15 @@ pub struct OutsideCommand {
 }
 
 impl OutsideCommand {
-    /// The command of a ledger's entry with everything that it names.
-    pub fn new(study: &Study, text: &CommandText) -> Result<Self, Problem> {
+    /// The command of a ledger's entry with everything that it names; `stimulus` stands in for the text of its stimulus.
+    ///
+    /// # Errors
+    /// `cannot-read`, `bad-stimulus`, and what the topic map says wrong.
+    pub fn new(
+        study: &Study,
+        text: &CommandText,
+        stimulus: Option<&Source>,
+    ) -> Result<Self, Problem> {
         let cannot = |error| Problem::cannot_read(&study.folder, &error);
         let folder = std::fs::canonicalize(&study.folder).map_err(cannot)?;
         let mut files: Vec<PathBuf> = text.assets.clone();
@@ -70,9 +75,12 @@ impl OutsideCommand {
         let map = study.folder.join("topics.toml");
         Ok(Self {
             words: text.command.clone(),
-            stimulus: match &text.stimulus {
-                Some(path) => read_stimulus(&study.folder.join(path))?,
-                None => Stimulus::of(AbstractTest::new("as it is", Vec::new())),
+            stimulus: match (&text.stimulus, stimulus) {
+                (Some(path), Some(source)) => stimulus_of(path, source)?,
+                (Some(path), None) => {
+                    stimulus_of(path, &host::files::read_source(&study.folder.join(path))?)?
+                }
+                (None, _) => Stimulus::of(AbstractTest::new("as it is", Vec::new())),
             },
             leaves: text.leaves.clone(),
             limit: Duration::from_secs_f64(text.limit_secs),
@@ -169,7 +177,7 @@ impl OutsideCommand {
         seed: u64,
         recording: &Path,
         interrupt: &Cancel,
-    ) -> Result<Option<EpisodeFailure>, Problem> {
+    ) -> Result<Option<Failure>, Problem> {
         let mut said = recording.as_os_str().to_owned();
         said.push(".said");
         let said = PathBuf::from(said);
@@ -181,17 +189,14 @@ impl OutsideCommand {
         let words: Vec<String> = words.collect();
         let child = self.start(&words, &said)?;
         let ended = Running(child).wait(self.limit, interrupt)?;
-        let (kind, reason) = match ended {
+        let (is_hung, reason) = match ended {
             None => (
-                FailureKind::SimulatorHung,
+                true,
                 format!("it did not end within {} s", self.limit.as_secs_f64()),
             ),
-            Some(status) if !status.success() => (
-                FailureKind::SimulatorFailed,
-                format!("it ended with {status}"),
-            ),
+            Some(status) if !status.success() => (false, format!("it ended with {status}")),
             Some(_) if !recording.exists() => (
-                FailureKind::SimulatorFailed,
+                false,
                 "it ended well but left no recording at `{recording}`".to_owned(),
             ),
             Some(_) => {
@@ -201,7 +206,12 @@ impl OutsideCommand {
         };
         let words = format!("`{}`: {reason}{}", self.words.join(" "), last_words(&said));
         Self::remove(&said);
-        Ok(Some(EpisodeFailure { kind, words }))
+        Ok(Some(Failure {
+            part: Part::Simulator,
+            is_hung,
+            words,
+            in_setup: false,
+        }))
     }
 
     fn start(&self, words: &[String], said: &Path) -> Result<Child, Problem> {
@@ -231,18 +241,9 @@ impl OutsideCommand {
         self.rules.trace(wanted, path)
     }
 
-    /// Judges a recording. One that is not complete shows only violations.
-    pub fn judge<'a>(
-        &self,
-        judges: &Judges<'a>,
-        path: &Path,
-        go_on: &dyn Fn() -> Result<(), Problem>,
-    ) -> Result<JudgedRecording<'a>, Problem> {
-        let mut judged = self.rules.judge(judges, path, go_on)?;
-        if !judged.complete {
-            judged.judgements = only_violations(judged.judgements);
-        }
-        Ok(judged)
+    /// How its recordings are read.
+    pub fn rules(&self) -> &ReadingRules {
+        &self.rules
     }
 }
 
@@ -270,16 +271,8 @@ pub fn stimulus_in(folder: &Path) -> Result<PathBuf, Problem> {
     Ok(work_in(&folder).join("stimulus.json"))
 }
 
-fn read_stimulus(path: &Path) -> Result<Stimulus, Problem> {
-    let source = host::files::read_source(path)?;
-    let read = match path
-        .extension()
-        .is_some_and(|extension| extension == "json")
-    {
-        true => Stimulus::from_json(&source.text),
-        false => Stimulus::from_toml(&source.text),
-    };
-    read.map_err(|error| {
+fn stimulus_of(path: &Path, source: &Source) -> Result<Stimulus, Problem> {
+    Stimulus::read(path, &source.text).map_err(|error| {
         Problem::new("bad-stimulus", format!("{}: {error}", source.name))
             .remedy("a stimulus has a `test` with `name` and `actions`, and `settings`")
     })

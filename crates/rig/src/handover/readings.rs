@@ -1,14 +1,13 @@
-//! What the simulated rest of a robot reads from outside: the way from the
+//! What the handover's robot reads from outside, where it is the simulated rest of one: the way from the
 //! judged signals to the episode under way.
 //!
 //! A reading is linked if one of the topics that its signals come from is said
 //! to be outside. It then has the value that the monitors see, unit, frame,
 //! staleness and all; while that is not known, the robot has no reading.
 
-use super::connection::topics_for;
+use crate::rest::Link;
 use diagnostic::Problem;
 use handover::{OutsideReadings, Reading};
-use recording::TopicMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trace::{FieldKind, SignalIndex, SignalValues, Trace};
 
@@ -39,14 +38,10 @@ impl Input {
         (Self::HumanHead, "/tracking.human_head"),
     ];
 
-    /// The inputs that topics named in `outside` give.
-    pub fn from_outside(outside: &[String], map: &TopicMap) -> Vec<Self> {
+    /// The inputs of which a signal comes from outside.
+    pub fn from_outside(is_outside: &dyn Fn(&[String]) -> bool) -> Vec<Self> {
         let all = Self::ALL.iter().map(|(input, _)| *input);
-        all.filter(|input| {
-            let topics = topics_for(map, &input.signals());
-            outside.iter().any(|topic| topics.contains(topic))
-        })
-        .collect()
+        all.filter(|input| is_outside(&input.signals())).collect()
     }
 
     fn name(self) -> &'static str {
@@ -116,12 +111,12 @@ impl SharedReadings {
 
 /// Passes the values of signals on to the episode.
 #[derive(Debug)]
-pub struct Link {
+pub struct ReadingsLink {
     inputs: Vec<(Input, Vec<SignalIndex>)>,
     readings: SharedReadings,
 }
 
-impl Link {
+impl ReadingsLink {
     /// Finds the signals of `inputs` among those of `layout`.
     pub fn new(
         inputs: &[Input],
@@ -139,9 +134,10 @@ impl Link {
             readings,
         })
     }
+}
 
-    /// Passes on what the signals are at this instant.
-    pub fn pass(&self, values: &impl SignalValues) {
+impl Link for ReadingsLink {
+    fn pass(&self, values: &dyn SignalValues) {
         let mut readings = self.readings.locked();
         for (input, signals) in &self.inputs {
             let known: Vec<_> = signals.iter().map(|it| values.value(*it)).collect();
@@ -183,19 +179,17 @@ mod tests {
     use super::*;
     use trace::{Field, Snapshot};
 
-    fn map(text: &str) -> TopicMap {
-        TopicMap::parse("topics.toml", text).expect("a map")
-    }
-
     #[test]
-    fn what_is_outside_follows_from_the_topic_map() {
-        let map =
-            map("[\"/sensors.pressure_ok\"]\nfrom = \"/gripper/felt.data\"\nkind = \"bool\"\n");
-        let from = |topic: &str| Input::from_outside(&[topic.to_owned()], &map);
-        assert_eq!(from("/gripper/felt"), [Input::Pressure]);
-        assert_eq!(from("/sensors"), [Input::Gaze, Input::Location]);
+    fn an_input_is_outside_if_one_of_its_signals_is() {
+        let from = |topic: &str| {
+            Input::from_outside(&|signals: &[String]| {
+                signals.iter().any(|it| it.starts_with(topic))
+            })
+        };
+        assert_eq!(from("/sensors.pressure_ok"), [Input::Pressure]);
         let all = [Input::Object, Input::HumanHand, Input::HumanHead];
         assert_eq!(from("/tracking"), all);
+        assert_eq!(from("/tracking.object.y"), [Input::Object]);
         assert_eq!(from("/elsewhere"), []);
     }
 
@@ -214,7 +208,7 @@ mod tests {
         assert_eq!(unknown.sensors.pressure, Reading::Outside(None));
         assert_eq!(unknown.object_m, Reading::Outside(None));
         assert_eq!(unknown.sensors.gaze, Reading::Simulated);
-        let link = Link::new(&inputs, &layout, shared.clone()).expect("linked");
+        let link = ReadingsLink::new(&inputs, &layout, shared.clone()).expect("linked");
         let mut snapshot = Snapshot::new(&layout);
         snapshot.update(0, 1.0, &[1.0, 2.0, 3.0]).expect("taken");
         snapshot.update(1, 1.0, &[1.0]).expect("taken");
@@ -239,7 +233,7 @@ mod tests {
                 "/sensors"
             };
             layout.add_channel(topic, fields).expect("a channel");
-            let linked = Link::new(&[input], &layout, SharedReadings::default());
+            let linked = ReadingsLink::new(&[input], &layout, SharedReadings::default());
             linked.expect_err("refused").to_string()
         };
         let points = |unit: &str, frame: &str| -> Vec<Field> {

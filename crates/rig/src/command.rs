@@ -1,4 +1,4 @@
-//! Another simulator as a bench that takes any stimulus: JSON in, a recording out.
+//! A command as a rig that takes any stimulus: JSON in, a recording out.
 //!
 //! What the ledger's stimulus sets, every episode has, unless its own stimulus says otherwise; so what
 //! is left out of a stimulus is as the ledger has it. A recording is read through the study's topic
@@ -8,17 +8,23 @@
 //! A command cannot be stopped in the middle and continued, so rare events are not split on it; and
 //! it does not say what it draws from its seed, so no draw can be set.
 
-use crate::technique::campaign::OutsideCommand;
-use diagnostic::Problem;
-use host::Cancel;
+mod outside;
+
+use super::rest::Rest;
+use super::rig::Rig;
+use super::saving::Resumable;
+use diagnostic::{Problem, Source};
+use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
+use host::{BuildId, Cancel};
+pub use outside::{OutsideCommand, stimulus_in};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use stimulus::{AbstractTest, Settings, Stimulus};
 use study::{CommandText, Study};
-use testbench::{Control, End, Failure, Part, Recorded, SimError, Watch};
+use testbench::{Control, Drawn, End, Failure, Recorded, SimError, Watch};
 use toml::{Table, Value};
 use trace::Trace;
 
@@ -29,64 +35,45 @@ const FIRST_SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 static FOLDERS: AtomicU64 = AtomicU64::new(0);
 
 /// A command that is run once an episode.
-pub struct CommandBench {
+pub struct CommandRig {
     command: OutsideCommand,
     /// The signals that are read.
     wanted: Vec<String>,
     tests: Vec<AbstractTest>,
     data: Table,
-    /// Where it works; removed at the end.
-    folder: PathBuf,
+    room: Room,
     episodes: AtomicU64,
     /// The topics of its recordings, once one is there.
     layout: Mutex<Option<Trace>>,
 }
 
-impl CommandBench {
-    /// The command of a ledger's entry.
-    pub fn new(study: &Study, text: &CommandText) -> Result<Self, Problem> {
-        let command = OutsideCommand::new(study, text)?;
-        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
-        let name = format!("corroborate-{}-{number}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
+impl CommandRig {
+    /// The command of a ledger's entry. Its only test is that of its stimulus, for whose text `stimulus` may stand in;
+    /// `test` has to be that one, if it is named.
+    ///
+    /// # Errors
+    /// `unknown-test`, and as [`OutsideCommand::new`].
+    pub fn new(
+        study: &Study,
+        text: &CommandText,
+        test: Option<&str>,
+        stimulus: Option<&Source>,
+    ) -> Result<Self, Problem> {
+        let command = OutsideCommand::new(study, text, stimulus)?;
+        has_test(&command, test)?;
         Ok(Self {
             wanted: signals_of(study),
             tests: vec![command.stimulus().test.clone()],
             data: table_of(&command.stimulus().settings),
-            folder,
+            room: Room::default(),
             episodes: AtomicU64::new(0),
             layout: Mutex::new(None),
             command,
         })
     }
 
-    /// The ledger's own test.
-    pub fn tests(&self) -> &[AbstractTest] {
-        &self.tests
-    }
-
-    /// What the ledger's stimulus sets, as tables.
-    pub fn data(&self) -> &Table {
-        &self.data
-    }
-
-    /// The program's name.
-    pub fn name(&self) -> String {
-        self.command.tool().name
-    }
-
-    /// What its episodes depend on.
-    pub fn inputs(&self, inputs: &mut Inputs) {
-        self.command.inputs(inputs);
-        self.command.reading_inputs(inputs);
-    }
-
-    /// The topics of its recordings, without rows: those of a first episode, which is run for that.
-    pub fn layout(&self, interrupt: &Cancel) -> Result<Trace, Problem> {
-        if let Some(layout) = self.known_layout() {
-            return Ok(layout);
-        }
+    /// The topics of a first episode, which is run for that.
+    fn learn_layout(&self, interrupt: &Cancel) -> Result<Trace, Problem> {
         let mut failed = None;
         for seed in FIRST_SEEDS {
             let (trace, failure) = self.attempt(self.command.stimulus(), seed, interrupt)?;
@@ -115,8 +102,123 @@ impl CommandBench {
         layout.clone()
     }
 
-    /// Runs an episode, of which `watch` may want the beginning only.
-    pub fn run(
+    /// Runs the command; gives what it recorded, if that can be read, and what went wrong.
+    fn attempt(
+        &self,
+        stimulus: &Stimulus,
+        seed: u64,
+        interrupt: &Cancel,
+    ) -> Result<(Option<Trace>, Option<Failure>), Problem> {
+        let mut given = stimulus.clone();
+        for (key, value) in &self.command.stimulus().settings {
+            let own = given.settings.entry(key.clone());
+            own.or_insert_with(|| value.clone());
+        }
+        let number = self.episodes.fetch_add(1, Ordering::Relaxed);
+        let folder = self.room.folder()?;
+        let file = folder.join(format!("stimulus-{number}.json"));
+        host::files::write_whole(&file, given.to_json().as_bytes())?;
+        let recording = folder.join(self.command.recording_name(number));
+        let failure = self.command.run(&file, seed, &recording, interrupt)?;
+        let read = match recording.exists() {
+            true => Some(self.command.trace(&self.wanted, &recording)),
+            false => None,
+        };
+        OutsideCommand::remove(&recording);
+        OutsideCommand::remove(&file);
+        match (read, &failure) {
+            // What a command left that failed may be no recording.
+            (Some(Err(_)) | None, Some(_)) => Ok((None, failure)),
+            (Some(read), _) => Ok((Some(read?), failure)),
+            (None, None) => Ok((None, None)),
+        }
+    }
+}
+
+impl Rig for CommandRig {
+    fn engine(&self) -> String {
+        format!("`{}`", self.tool().name)
+    }
+
+    fn tool(&self) -> Tool {
+        self.command.tool()
+    }
+
+    fn is_outside(&self) -> bool {
+        true
+    }
+
+    fn assets(&self) -> &[Asset] {
+        self.command.assets()
+    }
+
+    fn gaps(&self) -> &[DescriptionGap] {
+        &[]
+    }
+
+    fn stimulus(&self) -> &Stimulus {
+        self.command.stimulus()
+    }
+
+    fn tests(&self) -> &[AbstractTest] {
+        &self.tests
+    }
+
+    /// What the ledger's stimulus sets, as tables.
+    fn data(&self) -> &Table {
+        &self.data
+    }
+
+    fn time_step_key(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn ends_by_secs(&self) -> Option<f64> {
+        None
+    }
+
+    fn own_inputs(&self, inputs: &mut Inputs) {
+        self.command.inputs(inputs);
+    }
+
+    fn inputs(&self, inputs: &mut Inputs) {
+        inputs
+            .add("engine", self.engine().as_bytes())
+            .add("bench", self.data.to_string().as_bytes());
+        self.command.inputs(inputs);
+        self.command.reading_inputs(inputs);
+    }
+
+    fn test_inputs(&self, build: &BuildId, inputs: &mut Inputs) {
+        self.inputs(inputs);
+        inputs.add("program", build.as_str().as_bytes());
+    }
+
+    fn reading_inputs(&self, inputs: &mut Inputs) {
+        self.command.reading_inputs(inputs);
+    }
+
+    fn recording_name(&self, number: u64) -> String {
+        self.command.recording_name(number)
+    }
+
+    fn layout(&self, cancel: &Cancel) -> Result<Trace, Problem> {
+        match self.known_layout() {
+            Some(layout) => Ok(layout),
+            None => self.learn_layout(cancel),
+        }
+    }
+
+    fn drawn(&self, _: &Stimulus, _: u64) -> Result<Option<Vec<Drawn>>, SimError> {
+        Ok(None)
+    }
+
+    fn refuses(&self, _: &Stimulus) -> Option<String> {
+        None
+    }
+
+    /// `watch` may want the beginning only.
+    fn run(
         &self,
         stimulus: &Stimulus,
         seed: u64,
@@ -164,47 +266,59 @@ impl CommandBench {
         })
     }
 
-    /// Runs the command; gives what it recorded, if that can be read, and what went wrong.
-    fn attempt(
-        &self,
-        stimulus: &Stimulus,
-        seed: u64,
-        interrupt: &Cancel,
-    ) -> Result<(Option<Trace>, Option<Failure>), Problem> {
-        let mut given = stimulus.clone();
-        for (key, value) in &self.command.stimulus().settings {
-            let own = given.settings.entry(key.clone());
-            own.or_insert_with(|| value.clone());
+    fn in_fast_physics(&self) -> Option<Box<dyn Rig>> {
+        None
+    }
+
+    fn resumable(&self) -> Option<&dyn Resumable> {
+        None
+    }
+
+    fn rest(&self, _: &dyn Fn(&[String]) -> bool) -> Option<Arc<dyn Rest>> {
+        None
+    }
+
+    fn leaves(&self) -> Option<&OutsideCommand> {
+        Some(&self.command)
+    }
+}
+
+/// Where a command works outside campaigns: a folder for what passes, made once something runs there.
+#[derive(Default)]
+struct Room(Mutex<Option<PathBuf>>);
+
+impl Room {
+    fn folder(&self) -> Result<PathBuf, Problem> {
+        let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(folder) = made.as_ref() {
+            return Ok(folder.clone());
         }
-        let number = self.episodes.fetch_add(1, Ordering::Relaxed);
-        let file = self.folder.join(format!("stimulus-{number}.json"));
-        host::files::write_whole(&file, given.to_json().as_bytes())?;
-        let recording = self.folder.join(self.command.recording_name(number));
-        let failed = self.command.run(&file, seed, &recording, interrupt)?;
-        let read = match recording.exists() {
-            true => Some(self.command.trace(&self.wanted, &recording)),
-            false => None,
-        };
-        OutsideCommand::remove(&recording);
-        OutsideCommand::remove(&file);
-        let failure = failed.map(|failed| Failure {
-            part: Part::Simulator,
-            is_hung: failed.is_hung(),
-            words: failed.words,
-            in_setup: false,
-        });
-        match (read, &failure) {
-            // What a command left that failed may be no recording.
-            (Some(Err(_)) | None, Some(_)) => Ok((None, failure)),
-            (Some(read), _) => Ok((Some(read?), failure)),
-            (None, None) => Ok((None, None)),
+        let number = FOLDERS.fetch_add(1, Ordering::Relaxed);
+        let name = format!("corroborate-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).map_err(|error| Problem::cannot_write(&folder, &error))?;
+        Ok(made.insert(folder).clone())
+    }
+}
+
+impl Drop for Room {
+    fn drop(&mut self) {
+        let made = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Some(folder) = made.take() {
+            OutsideCommand::remove(&folder);
         }
     }
 }
 
-impl Drop for CommandBench {
-    fn drop(&mut self) {
-        OutsideCommand::remove(&self.folder);
+fn has_test(command: &OutsideCommand, test: Option<&str>) -> Result<(), Problem> {
+    let own = command.stimulus().test.name.as_str();
+    match test.filter(|test| *test != own) {
+        None => Ok(()),
+        Some(test) => {
+            let name = command.tool().name;
+            let message = format!("the stimulus of `{name}` has no abstract test `{test}`");
+            Err(Problem::new("unknown-test", message).remedy(format!("it has: {own}")))
+        }
     }
 }
 

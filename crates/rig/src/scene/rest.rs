@@ -6,35 +6,102 @@
 //! signals (unit, frame, staleness and all), without the errors and faults that
 //! the scene gives it; while that is not known, it measures nothing.
 
-use super::connection::topics_for;
+use crate::rest::{Link, Pace, Rest};
 use diagnostic::Problem;
-use recording::TopicMap;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use testbench::scene::{SceneData, Sensor};
+use stimulus::Stimulus;
+use testbench::scene::{SceneBench, SceneData, Sensor};
+use testbench::{Cancel, Savable, SimError, Status, Unwatched};
 use trace::{SignalIndex, SignalValues, Trace};
+
+/// A scene without what comes from outside.
+pub struct SceneRest {
+    bench: Arc<SceneBench>,
+    stimulus: Stimulus,
+    inputs: Vec<SensorInput>,
+    measurements: SharedMeasurements,
+}
+
+impl SceneRest {
+    /// The scene in which sensors are outside of which a signal is.
+    pub fn new(
+        bench: Arc<SceneBench>,
+        stimulus: Stimulus,
+        is_outside: &dyn Fn(&[String]) -> bool,
+    ) -> Self {
+        let inputs = SensorInput::from_outside(bench.data(), is_outside);
+        Self {
+            bench,
+            stimulus,
+            measurements: SharedMeasurements::new(&inputs),
+            inputs,
+        }
+    }
+}
+
+impl Rest for SceneRest {
+    fn signals(&self) -> Vec<String> {
+        self.inputs.iter().flat_map(SensorInput::signals).collect()
+    }
+
+    fn link(&self, layout: &Trace) -> Result<Box<dyn Link>, Problem> {
+        let link = SensorLink::new(&self.inputs, layout, self.measurements.clone())?;
+        Ok(Box::new(link))
+    }
+
+    fn period_secs(&self) -> f64 {
+        let data = self.bench.data();
+        let periods = data.controllers.iter().map(|it| it.period_secs);
+        let shortest = periods.fold(f64::INFINITY, f64::min);
+        match shortest.is_finite() {
+            true => shortest,
+            false => 1.0 / data.simulation.record_hz,
+        }
+    }
+
+    fn run(&self, seed: u64, pace: &mut dyn Pace) -> Result<(Trace, f64), SimError> {
+        let (bench, period_secs) = (&self.bench, self.period_secs());
+        let mut running = bench.start(&self.stimulus, seed)?;
+        pace.start();
+        let mut steps: u64 = 0;
+        loop {
+            for (sensor, values) in self.measurements.now() {
+                running.measure_outside(&sensor, values)?;
+            }
+            let now_secs = bench.now_secs(&running);
+            if pace.step(now_secs, bench.so_far(&running)).is_break() {
+                return Err(SimError::Cancelled);
+            }
+            steps += 1;
+            let until_secs = steps as f64 * period_secs;
+            let status =
+                bench.advance(&mut running, until_secs, &mut Unwatched, &Cancel::default())?;
+            if status != Status::Running {
+                let recorded = bench.finish(running)?;
+                return Ok((recorded.trace, recorded.sim_secs));
+            }
+        }
+    }
+}
 
 /// The numbers of a sensor, a list for each field; `None` while not known.
 type Measured = Option<Vec<Vec<f64>>>;
 
 /// A sensor that is outside.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SensorInput {
+struct SensorInput {
     /// Its name in the scene.
-    pub name: String,
+    name: String,
     /// Of each field the signals of its numbers.
     fields: Vec<Vec<String>>,
 }
 
 impl SensorInput {
-    /// The sensors that topics named in `outside` give.
-    pub fn from_outside(outside: &[String], map: &TopicMap, scene: &SceneData) -> Vec<Self> {
+    /// The sensors of which a signal comes from outside.
+    fn from_outside(scene: &SceneData, is_outside: &dyn Fn(&[String]) -> bool) -> Vec<Self> {
         let all = scene.sensors.iter().map(Self::new);
-        all.filter(|input| {
-            let topics = topics_for(map, &input.signals());
-            outside.iter().any(|topic| topics.contains(topic))
-        })
-        .collect()
+        all.filter(|input| is_outside(&input.signals())).collect()
     }
 
     fn new(sensor: &Sensor) -> Self {
@@ -52,24 +119,24 @@ impl SensorInput {
     }
 
     /// The signals that it is read from.
-    pub fn signals(&self) -> Vec<String> {
+    fn signals(&self) -> Vec<String> {
         self.fields.concat()
     }
 }
 
 /// What sensors outside measure, as the judge writes and the episode reads it.
 #[derive(Clone, Debug, Default)]
-pub struct SharedMeasurements(Arc<Mutex<BTreeMap<String, Measured>>>);
+struct SharedMeasurements(Arc<Mutex<BTreeMap<String, Measured>>>);
 
 impl SharedMeasurements {
     /// Measurements that are not known yet.
-    pub fn new(inputs: &[SensorInput]) -> Self {
+    fn new(inputs: &[SensorInput]) -> Self {
         let unknown = inputs.iter().map(|input| (input.name.clone(), None));
         Self(Arc::new(Mutex::new(unknown.collect())))
     }
 
     /// The measurements now.
-    pub fn now(&self) -> BTreeMap<String, Measured> {
+    fn now(&self) -> BTreeMap<String, Measured> {
         self.locked().clone()
     }
 
@@ -81,14 +148,14 @@ impl SharedMeasurements {
 
 /// Passes the values of signals on to the sensors of an episode.
 #[derive(Debug)]
-pub struct SensorLink {
+struct SensorLink {
     inputs: Vec<(String, Vec<Vec<SignalIndex>>)>,
     measurements: SharedMeasurements,
 }
 
 impl SensorLink {
     /// Finds the signals of `inputs` among those of `layout`.
-    pub fn new(
+    fn new(
         inputs: &[SensorInput],
         layout: &Trace,
         measurements: SharedMeasurements,
@@ -113,10 +180,11 @@ impl SensorLink {
             measurements,
         })
     }
+}
 
-    /// Passes on what the signals are at this instant. A sensor of which any
-    /// number is not known is not known.
-    pub fn pass(&self, values: &impl SignalValues) {
+impl Link for SensorLink {
+    /// A sensor of which any number is not known is not known.
+    fn pass(&self, values: &dyn SignalValues) {
         let mut measurements = self.measurements.locked();
         for (name, fields) in &self.inputs {
             let list = |numbers: &Vec<SignalIndex>| {

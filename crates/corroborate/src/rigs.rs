@@ -1,0 +1,166 @@
+//! The rig that a text names: the one place where handover, scene and command are told apart to be opened.
+
+use crate::technique::simulation::load_engine;
+use diagnostic::{Problem, Source};
+use rig::{CommandRig, HandoverRig, HandoverTexts, Rig, ScenePhysics, SceneRig};
+use std::path::Path;
+use study::{Entry, Simulated, Study};
+
+/// How a text of the study is read.
+pub type Read<'a> = dyn Fn(&Path) -> Result<Source, Problem> + 'a;
+
+/// What is needed to open rigs. [`Opening::new`] has what most callers want.
+pub struct Opening<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// The physics library, if its place is known.
+    pub library: Option<&'a Path>,
+    /// The test that is enacted, in place of the one that is named in the ledger, or of the first.
+    pub test: Option<&'a str>,
+    /// How mistakes of a handover's files are told: see [`HandoverTexts`].
+    pub joined: Option<&'a str>,
+    /// How a text is read, whose path is relative to the study's; by default from its folder.
+    pub read: Option<&'a Read<'a>>,
+    /// The path of a file that is not read, and the text that stands in for it.
+    pub instead: Option<(&'a Path, &'a Source)>,
+    /// The entry of the ledger that is to be run in the second engine, if one is.
+    pub in_second_engine: Option<&'a Entry>,
+}
+
+impl<'a> Opening<'a> {
+    /// Rigs of a study as the ledger has them.
+    pub fn new(study: &'a Study, library: Option<&'a Path>) -> Self {
+        Self {
+            study,
+            library,
+            test: None,
+            joined: None,
+            read: None,
+            instead: None,
+            in_second_engine: None,
+        }
+    }
+
+    /// Opens a rig.
+    ///
+    /// # Errors
+    /// What its files say wrong; `no-physics-library` if it needs the library and that cannot be loaded; `one-engine` of
+    /// what the second engine cannot run.
+    pub fn open(&self, simulated: Simulated<'_>) -> Result<Box<dyn Rig>, Problem> {
+        Ok(match simulated {
+            Simulated::Handover {
+                scenario,
+                parameters,
+            } => {
+                self.only_in_first_engine()?;
+                let texts = HandoverTexts {
+                    scenario: &self.text(scenario)?,
+                    parameters: &self.text(parameters)?,
+                    joined: self.joined,
+                };
+                let engine = || load_engine(self.library);
+                Box::new(HandoverRig::new(&texts, self.test, &engine)?)
+            }
+            Simulated::Scene { scene, test } => {
+                let source = self.text(scene)?;
+                let physics = match self.in_second_engine {
+                    Some(_) => ScenePhysics::rapier(),
+                    None => ScenePhysics::mujoco(&load_engine(self.library)?),
+                };
+                let test = self.test.or(test);
+                Box::new(SceneRig::new(self.study, scene, &source, test, physics)?)
+            }
+            Simulated::Command(command) => {
+                self.only_in_first_engine()?;
+                let stimulus = match (&command.stimulus, self.instead) {
+                    (Some(path), Some((replaced, text))) if path == replaced => Some(text),
+                    _ => None,
+                };
+                Box::new(CommandRig::new(self.study, command, self.test, stimulus)?)
+            }
+        })
+    }
+
+    fn only_in_first_engine(&self) -> Result<(), Problem> {
+        match self.in_second_engine {
+            Some(entry) => Err(one_engine(entry)),
+            None => Ok(()),
+        }
+    }
+
+    fn text(&self, path: &Path) -> Result<Source, Problem> {
+        match (self.instead, self.read) {
+            (Some((replaced, text)), _) if path == replaced => Ok(text.clone()),
+            (_, Some(read)) => read(path),
+            (_, None) => host::files::read_source(&self.study.folder.join(path)),
+        }
+    }
+}
+
+/// What files simulate that are named apart from the ledger: a scenario with its parameters, or a scene; `None` of any other
+/// choice of them.
+pub fn of_files<'p>(
+    scenario: Option<&'p Path>,
+    parameters: Option<&'p Path>,
+    scene: Option<&'p Path>,
+) -> Option<Simulated<'p>> {
+    match (scenario, parameters, scene) {
+        (Some(scenario), Some(parameters), None) => Some(Simulated::Handover {
+            scenario,
+            parameters,
+        }),
+        (None, None, Some(scene)) => Some(Simulated::Scene { scene, test: None }),
+        _ => None,
+    }
+}
+
+/// The rig of a ledger's entry.
+///
+/// # Errors
+/// `not-a-simulation`, and as [`Opening::open`].
+pub fn of_entry(
+    study: &Study,
+    entry: &Entry,
+    library: Option<&Path>,
+) -> Result<Box<dyn Rig>, Problem> {
+    Opening::new(study, library).open(simulated(entry)?)
+}
+
+/// The rig of a ledger's entry in the second engine.
+///
+/// # Errors
+/// `not-a-simulation`, `one-engine`, and what its files say wrong.
+pub fn in_second_engine(study: &Study, entry: &Entry) -> Result<Box<dyn Rig>, Problem> {
+    let opening = Opening {
+        in_second_engine: Some(entry),
+        ..Opening::new(study, None)
+    };
+    match entry.work.simulated() {
+        Some(simulated) => opening.open(simulated),
+        None => Err(one_engine(entry)),
+    }
+}
+
+/// What an entry of the ledger simulates.
+///
+/// # Errors
+/// `not-a-simulation`.
+pub fn simulated(entry: &Entry) -> Result<Simulated<'_>, Problem> {
+    entry.work.simulated().ok_or_else(|| {
+        let message = format!("`{}` is no simulation of this study", entry.id);
+        Problem::new("not-a-simulation", message)
+            .remedy("name an entry of the ledger with a scenario, a scene or a command")
+    })
+}
+
+/// An entry that only one engine can run.
+fn one_engine(entry: &Entry) -> Problem {
+    Problem::new(
+        "one-engine",
+        format!(
+            "`{}` is no scene, and the second engine runs scenes only; the handover's contacts, servos and short cuts are written for MuJoCo",
+            entry.id
+        ),
+    )
+    .remedy("name an entry of the ledger with a `scene`")
+}
