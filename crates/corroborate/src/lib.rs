@@ -22,6 +22,7 @@
 //! | run the same episodes in two physics engines | [`engines()`] |
 //! | try variants of its assets, side by side | [`what_if()`] |
 //! | be offered patches of its assets, and take them | [`refine()`] |
+//! | look into a recording or a robot's description | [`inspect()`] |
 //! | judge a running system, over DDS (ROS 2) or Foxglove | [`watch::watch()`] |
 //!
 //! Nothing is global: studies run side by side in one process, each with a host of its own, with the same results as one
@@ -34,6 +35,7 @@ mod compare;
 pub mod corroboration;
 pub mod engines;
 pub mod explore;
+pub mod inspect;
 pub mod kept;
 mod memory;
 pub mod outcome;
@@ -70,6 +72,7 @@ pub use calibrate::{CalibrateRequest, calibrate};
 pub use compare::{CompareReport, CompareRequest, compare};
 pub use engines::{EnginesReport, EnginesRequest, engines};
 pub use explore::{ExploreRequest, explore};
+pub use inspect::{InspectRequest, inspect};
 pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
 pub use rare::{RareReport, RareRequest, rare};
 pub use refine::{RefineRequest, Refined, refine};

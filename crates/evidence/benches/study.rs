@@ -30,6 +30,7 @@ fn counts(subject: usize, piece: usize, trials: u64, effect: f64) -> Measure {
     let count = (trials as f64 * rate(subject, piece)).round() as u64;
     Measure::Counts {
         by_subject: None,
+        subjects: None,
         count,
         trials,
         effective_trials: (effect > 1.0).then_some(trials as f64 / effect),

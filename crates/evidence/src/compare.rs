@@ -57,6 +57,7 @@ mod together;
 pub(crate) mod words;
 
 pub(crate) use belief::{Belief, CountsAtLook};
+pub(crate) use by_cluster::ByCluster;
 pub(crate) use ends::End;
 pub use further::{DecisionPlan, PlannedTrials, TrialCosts, Undecided, undecided};
 pub use lineage::Influences;
@@ -179,6 +180,7 @@ impl<'a> Study<'a> {
 ///             trials,
 ///             effective_trials: None,
 ///             by_subject: None,
+///             subjects: None,
 ///             interval: Interval { low: 0.0, high: 1.0 },
 ///         },
 ///         denominator: Denominator::default(),

@@ -18,7 +18,7 @@
 pub(crate) mod over_looks;
 
 use crate::compare::words::percent;
-use crate::compare::{Belief, CountsAtLook};
+use crate::compare::{Belief, ByCluster, CountsAtLook};
 use crate::conclude::{at_one_look, of_tests};
 use crate::{Evidence, Interval, Measure, Subject};
 use schemars::JsonSchema;
@@ -228,7 +228,7 @@ impl LookedAt {
     fn belief(&self) -> Option<Belief> {
         let belief = Belief::of_counts(self.count, self.trials, self.effective_trials).ok()?;
         Some(match &self.by_subject {
-            Some(by_subject) => belief.by_cluster(by_subject),
+            Some(by_subject) => belief.by_cluster(ByCluster::new(by_subject)),
             None => belief,
         })
     }

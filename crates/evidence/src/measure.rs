@@ -35,6 +35,7 @@ impl Measure {
             trials: sample.trials,
             effective_trials,
             by_subject: None,
+            subjects: None,
             interval: Interval {
                 low: interval.low,
                 high: interval.high,
@@ -95,6 +96,7 @@ impl Measure {
         let counts = with_trials.map(|one| [one.successes, one.trials]);
         Self::Counts {
             by_subject: (rate.method == ClusterMethod::Profile).then(|| counts.collect()),
+            subjects: (rate.method != ClusterMethod::Independent).then_some(rate.clusters as u64),
             count: rate.total.successes,
             trials: rate.total.trials,
             effective_trials: match rate.method {

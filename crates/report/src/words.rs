@@ -103,13 +103,13 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     }
     let level = number::level(rate.level);
     let model = match is_counted_by_subject(study) {
-        true => " That is so if subjects differ as a beta distribution has it.",
+        true => ", if subjects differ as a beta distribution has it",
         false => "",
     };
-    let words = match rate.holds_for {
+    Some(match rate.holds_for {
         ErrorFamily::Study => format!(
             "Error rates: over the whole study ({} tested), a false \"satisfied\" of the system has a probability of at \
-             most {level}, and so has a false \"violated\". Verdicts in simulation and for the model speak of these alone.",
+             most {level}, and so has a false \"violated\"{model}. Verdicts in simulation and for the model speak of these alone.",
             match rate.quantities {
                 1 => "1 quantity".to_owned(),
                 many => format!("{many} quantities"),
@@ -117,10 +117,9 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
         ),
         ErrorFamily::Requirement => format!(
             "Error rates: for each requirement by itself, a false verdict of the system has a probability of at most \
-             {level}; over several requirements it is higher. Verdicts in simulation and for the model speak of these alone."
+             {level}{model}; over several requirements it is higher. Verdicts in simulation and for the model speak of these alone."
         ),
-    };
-    Some(words + model)
+    })
 }
 
 /// Whether any piece has counts by person or session.
@@ -130,7 +129,7 @@ fn is_counted_by_subject(study: &StudyResult) -> bool {
         matches!(
             finding.measure,
             Measure::Counts {
-                by_subject: Some(_),
+                subjects: Some(_),
                 ..
             }
         )
@@ -365,6 +364,7 @@ mod tests {
     fn counts(count: u64, trials: u64, low: f64, high: f64) -> Measure {
         Measure::Counts {
             by_subject: None,
+            subjects: None,
             count,
             trials,
             effective_trials: None,

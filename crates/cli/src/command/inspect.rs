@@ -3,88 +3,63 @@
 
 use super::{Done, json};
 use crate::args::{Format, Inspect};
-use corroborate::outcome::Outcome;
+use corroborate::inspect::{
+    DescriptionReport, InspectReport, InspectRequest, Inspected, write_draft,
+};
 use diagnostic::Problem;
-use host::files::write_whole;
-use recording::{InspectOptions, Inspection};
-use schemars::JsonSchema;
-use serde::Serialize;
+use recording::Inspection;
+use robot_model::Loaded;
 use std::path::Path;
 
 mod description;
-mod form;
-
-/// What `inspect --format json` prints.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct InspectReport {
-    /// Version of this form.
-    pub format: String,
-    /// The recording.
-    pub file: String,
-    /// Where the draft of the topic map was written.
-    pub draft_map: Option<String>,
-    /// What is in it.
-    #[schemars(with = "form::InspectionForm")]
-    pub recording: Inspection,
-}
 
 /// Looks into a recording, or a description of a robot.
 pub fn inspect(arguments: &Inspect) -> Result<Done, Problem> {
-    if description::is_description(&arguments.recording) {
-        return description::inspect(arguments);
-    }
-    let options = InspectOptions {
+    let request = InspectRequest {
+        file: arguments.recording.clone(),
+        opening: arguments.opening.options(),
         gap_factor: arguments.gap_factor,
+        packages: arguments.packages.clone(),
     };
-    let opening = arguments.opening.options();
-    let found = recording::inspect(&arguments.recording, &opening, &options)
-        .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
-    let outcome = outcome(&found);
+    let found = corroborate::inspect(&request)?;
+    let outcome = found.outcome();
+    let output = match found {
+        Inspected::Recording(found) => of_recording(arguments, *found)?,
+        Inspected::Description(loaded) => of_description(arguments, &loaded)?,
+    };
+    Ok(Done { output, outcome })
+}
+
+fn of_description(arguments: &Inspect, loaded: &Loaded) -> Result<String, Problem> {
+    let name = arguments.recording.display().to_string();
+    if arguments.draft_map.is_some() {
+        let message = format!("{name} has no topics to draft a map of");
+        return Err(Problem::new("bad-description", message).remedy("leave out --draft-map"));
+    }
+    match arguments.format {
+        Format::Text => Ok(description::text(&name, loaded)),
+        Format::Json => json(&DescriptionReport::new(name, loaded)),
+    }
+}
+
+fn of_recording(arguments: &Inspect, found: Inspection) -> Result<String, Problem> {
     let printed = arguments.draft_map.as_deref() == Some(Path::new("-"));
     if printed && arguments.format == Format::Text {
-        let output = found.draft_map();
-        return Ok(Done { output, outcome });
+        return Ok(found.draft_map());
     }
-    let written = match &arguments.draft_map {
-        Some(path) if !printed => Some(write_draft(path, &found)?),
-        _ => None,
-    };
-    let output = match arguments.format {
-        Format::Text => text(&found, written.as_deref()),
+    let draft = arguments.draft_map.as_deref().filter(|_| !printed);
+    if let Some(path) = draft {
+        write_draft(path, &found)?;
+    }
+    let written = draft.map(|path| path.display().to_string());
+    match arguments.format {
+        Format::Text => Ok(text(&found, written.as_deref())),
         Format::Json => json(&InspectReport {
             format: "1.0".into(),
             file: arguments.recording.display().to_string(),
             draft_map: written,
             recording: found,
-        })?,
-    };
-    Ok(Done { output, outcome })
-}
-
-/// Writes the draft, but never over a map that somebody has worked on.
-fn write_draft(path: &Path, found: &Inspection) -> Result<String, Problem> {
-    if path.exists() {
-        return Err(Problem::new(
-            "already-there",
-            format!(
-                "{} is there already, and a draft would replace it",
-                path.display()
-            ),
-        )
-        .remedy("name a new file, or print the draft with --draft-map -"));
-    }
-    write_whole(path, found.draft_map().as_bytes())?;
-    Ok(path.display().to_string())
-}
-
-/// Whether something of the recording is lost.
-fn outcome(found: &Inspection) -> Outcome {
-    let misfits = found.topics.iter().any(|topic| topic.misfits > 0);
-    let lost = !found.complete || found.error.is_some() || !found.losses.is_empty();
-    if lost || misfits {
-        Outcome::DataLost
-    } else {
-        Outcome::Holds
+        }),
     }
 }
 
@@ -106,5 +81,8 @@ mod tests {
     fn the_committed_schema_is_the_form_that_is_printed() {
         let schema: serde_json::Value = schemars::schema_for!(InspectReport).into();
         crate::command::tests::assert_schema_is_committed("inspect.schema.json", &schema);
+        let schema: serde_json::Value = schemars::schema_for!(DescriptionReport).into();
+        let name = "inspect-description.schema.json";
+        crate::command::tests::assert_schema_is_committed(name, &schema);
     }
 }

@@ -78,6 +78,7 @@ const CRATES: [(&str, u8, &[&str]); 27] = [
             "certifier",
         ],
     ),
+    ("handover", 2, &["stimulus", "trace", "testbench"]),
     (
         "rig",
         2,
@@ -95,7 +96,6 @@ const CRATES: [(&str, u8, &[&str]); 27] = [
             "evidence",
         ],
     ),
-    ("handover", 2, &["stimulus", "trace", "testbench"]),
     (
         "corroborate-bench",
         3,
@@ -129,6 +129,7 @@ const CRATES: [(&str, u8, &[&str]); 27] = [
             "stimulus",
             "checker",
             "recording",
+            "robot-model",
             "live",
             "requirement-lang",
             "testbench",

@@ -80,12 +80,16 @@ impl Belief {
                 trials,
                 effective_trials,
                 by_subject,
+                subjects,
                 ..
             } => {
                 let belief = Self::of_counts(*count, *trials, *effective_trials)?;
                 Ok(match by_subject {
-                    Some(by_subject) => belief.by_cluster(by_subject),
-                    None => belief,
+                    Some(by_subject) => belief.by_cluster(ByCluster::new(by_subject)),
+                    None => match subjects {
+                        Some(subjects) => belief.by_cluster(ByCluster::of_total(*subjects)),
+                        None => belief,
+                    },
                 })
             }
             Measure::Probability {
@@ -102,7 +106,7 @@ impl Belief {
     }
 
     /// The same counts by subject or session; nothing else has any.
-    pub fn by_cluster(self, found: &[[u64; 2]]) -> Self {
+    pub fn by_cluster(self, clusters: ByCluster) -> Self {
         match self {
             Self::Counts {
                 sample,
@@ -112,7 +116,7 @@ impl Belief {
             } => Self::Counts {
                 sample,
                 effective,
-                clusters: Some(Rc::new(ByCluster::new(found))),
+                clusters: Some(Rc::new(clusters)),
                 before,
             },
             other => other,

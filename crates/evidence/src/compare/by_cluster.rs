@@ -25,7 +25,10 @@ use std::cell::OnceCell;
 /// Counts by subject or session.
 #[derive(Debug)]
 pub(crate) struct ByCluster {
+    /// The counts of each; empty where only the total is known.
     found: Vec<Sample>,
+    /// How many subjects there are, if several and of several trials.
+    subjects: Option<u64>,
     /// Fitted when first asked for, since few counts are held against a threshold.
     fit: OnceCell<Option<BetaBinomial>>,
 }
@@ -33,17 +36,28 @@ pub(crate) struct ByCluster {
 impl ByCluster {
     pub fn new(found: &[[u64; 2]]) -> Self {
         let sample = |&[successes, trials]: &[u64; 2]| Sample { successes, trials };
+        let found: Vec<Sample> = found.iter().map(sample).collect();
+        let with_trials = found.iter().filter(|it| it.trials > 0).count() as u64;
+        let has_several = found.iter().any(|it| it.trials > 1);
         Self {
-            found: found.iter().map(sample).collect(),
+            found,
+            subjects: Some(with_trials).filter(|subjects| *subjects > 1 && has_several),
+            fit: OnceCell::new(),
+        }
+    }
+
+    /// A total of so many subjects with several trials, of whom it is not known who did what.
+    pub fn of_total(subjects: u64) -> Self {
+        Self {
+            found: Vec::new(),
+            subjects: Some(subjects).filter(|subjects| *subjects > 1),
             fit: OnceCell::new(),
         }
     }
 
     /// How many subjects there are, if several and of several trials.
-    pub fn subjects(&self) -> Option<usize> {
-        let with_trials = self.found.iter().filter(|it| it.trials > 0).count();
-        let has_several = self.found.iter().any(|it| it.trials > 1);
-        (with_trials > 1 && has_several).then_some(with_trials)
+    pub fn subjects(&self) -> Option<u64> {
+        self.subjects
     }
 
     /// p-values by these tests, if a share of all subjects could always have the contrary outcome and none of them was met.
@@ -54,9 +68,9 @@ impl ByCluster {
         }
     }
 
-    /// The counts of each.
-    pub fn found(&self) -> &[Sample] {
-        &self.found
+    /// The counts of each; `None` where only the total is known.
+    pub fn found(&self) -> Option<&[Sample]> {
+        (!self.found.is_empty()).then_some(&self.found)
     }
 
     /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 0, which claims nothing by

@@ -115,7 +115,7 @@ pub(super) fn piece(
 }
 
 /// That a claim rests on so few subjects being of every kind that there is.
-pub(super) fn all_kinds_met(subjects: Option<usize>, p: f64) -> String {
+pub(super) fn all_kinds_met(subjects: Option<u64>, p: f64) -> String {
     let Some(subjects) = subjects else {
         return String::new();
     };

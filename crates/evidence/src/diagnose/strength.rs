@@ -333,6 +333,7 @@ mod tests {
         let of = |effective_trials| {
             Rate::of(&Measure::Counts {
                 by_subject: None,
+                subjects: None,
                 count: 20,
                 trials: 100,
                 effective_trials,

@@ -32,7 +32,7 @@ pub(crate) fn doubts(belief: &Belief, threshold: f64) -> (f64, f64) {
     let clustered = |test: fn(EffectiveSample, f64) -> f64, of: fn(&(f64, f64)) -> f64| {
         let pairs = looks.iter().zip(&by_cluster);
         let clustered = pairs.map(|(look, by_cluster)| ClusteredLook {
-            clusters: look.clusters.as_ref().map(|it| it.found()),
+            clusters: look.clusters.as_ref().and_then(|it| it.found()),
             scored: ScoredLook {
                 p: test(look.effective, threshold).max(of(by_cluster)),
                 information: look.sample.trials as f64,

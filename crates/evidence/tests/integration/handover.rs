@@ -40,6 +40,7 @@ fn counted(subject: Subject, count: u64, trials: u64, effective: Option<f64>) ->
         subject,
         Measure::Counts {
             by_subject: None,
+            subjects: None,
             count,
             trials,
             effective_trials: effective,

@@ -321,6 +321,7 @@ pub fn anytime(sample: stats::Sample, level: stats::Confidence) -> Measure {
         trials: sample.trials,
         effective_trials: Some(enough),
         by_subject: None,
+        subjects: None,
         interval: Interval {
             low: sequence.low,
             high: sequence.high,

@@ -18,6 +18,7 @@ fn counted(subject: Subject, count: u64, trials: u64) -> Finding {
         subject,
         Measure::Counts {
             by_subject: None,
+            subjects: None,
             count,
             trials,
             effective_trials: None,

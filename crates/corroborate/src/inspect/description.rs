@@ -1,0 +1,246 @@
+//! What is in a description of a robot or a scene: its tree, and what of it a simulation would not have.
+
+use diagnostic::{Problem, Source};
+use robot_model::{Gap, Loaded, Model, Role};
+use schemars::JsonSchema;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Whether a file is a description, by the ending of its name.
+pub(super) fn is_description(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    matches!(ending, Some("urdf" | "sdf" | "world" | "xml"))
+}
+
+/// What is in a description.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct DescriptionReport {
+    /// Version of this form.
+    format: String,
+    /// The file.
+    file: String,
+    /// URDF, SDF or MJCF.
+    language: String,
+    /// The name that it gives itself.
+    name: String,
+    /// Sum of the links' masses.
+    total_mass_kg: f64,
+    /// Degrees of freedom.
+    freedoms: usize,
+    /// Links, parents before their children.
+    links: Vec<LinkForm>,
+    /// Joints.
+    joints: Vec<JointForm>,
+    /// Names of the sensors.
+    sensors: Vec<String>,
+    /// Names of the drives.
+    drives: Vec<String>,
+    /// What the tree does not hold.
+    gaps: Vec<GapForm>,
+    /// What is probably wrong, with places.
+    warnings: Vec<String>,
+}
+
+/// A link.
+#[derive(Debug, Serialize, JsonSchema)]
+struct LinkForm {
+    name: String,
+    /// The link it hangs on; none: the world.
+    parent: Option<String>,
+    mass_kg: f64,
+    /// Shapes that can be touched.
+    collision_shapes: usize,
+}
+
+/// A joint.
+#[derive(Debug, Serialize, JsonSchema)]
+struct JointForm {
+    name: String,
+    /// fixed, revolute, prismatic, ball or free.
+    kind: String,
+    /// The link that it moves.
+    link: String,
+    /// Lowest and highest position, rad or m.
+    limits: Option<[f64; 2]>,
+}
+
+/// Something that is not carried over.
+#[derive(Debug, Serialize, JsonSchema)]
+struct GapForm {
+    file: String,
+    line: u32,
+    column: u32,
+    element: String,
+    what: String,
+    /// motion, contact, sensing, control, looks or nothing.
+    effect: String,
+    consequence: String,
+}
+
+impl DescriptionReport {
+    /// What is in the description of this file.
+    pub fn new(file: String, loaded: &Loaded) -> Self {
+        let model = &loaded.model;
+        Self {
+            format: "1.0".into(),
+            file,
+            language: model.format.to_string(),
+            name: model.name.clone(),
+            total_mass_kg: model.total_mass_kg(),
+            freedoms: model.freedoms(),
+            links: (0..model.links.len())
+                .map(|link| link_form(model, link))
+                .collect(),
+            joints: model
+                .joints
+                .iter()
+                .map(|joint| JointForm {
+                    name: joint.name.clone(),
+                    kind: joint.kind.to_string(),
+                    link: model.links[joint.link].name.clone(),
+                    limits: joint.limits,
+                })
+                .collect(),
+            sensors: model
+                .sensors
+                .iter()
+                .map(|sensor| sensor.name.clone())
+                .collect(),
+            drives: model
+                .actuators
+                .iter()
+                .map(|drive| drive.name.clone())
+                .collect(),
+            gaps: loaded.gaps.iter().map(gap_form).collect(),
+            warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// Reads a description with what it names in packages of these folders and of those around it.
+pub(super) fn load(path: &Path, packages: &[PathBuf]) -> Result<Loaded, Problem> {
+    let source = host::files::read_source(path)?;
+    let name = path.display().to_string();
+    let mut resolve = |address: &str| resolved(path, packages, address);
+    robot_model::parse(&name, &source.text, &mut resolve)
+        .map_err(|problems| refused(&source, &name, &problems))
+}
+
+/// The bytes at an address: `package://` and `model://` in the named folders,
+/// then beside the file and in the folders around it.
+fn resolved(file: &Path, packages: &[PathBuf], address: &str) -> Result<Vec<u8>, String> {
+    let candidates = match address.split_once("://") {
+        None => vec![PathBuf::from(address)],
+        Some(("file", path)) => vec![PathBuf::from(path)],
+        Some(("package" | "model", path)) => in_packages(file, packages, path),
+        Some((scheme, _)) => return Err(format!("{scheme}:// is not fetched")),
+    };
+    for candidate in &candidates {
+        if candidate.is_file() {
+            return std::fs::read(candidate).map_err(|error| error.to_string());
+        }
+    }
+    Err("no such file; name the folder of its packages".to_owned())
+}
+
+fn in_packages(file: &Path, packages: &[PathBuf], path: &str) -> Vec<PathBuf> {
+    let whole = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    let mut found: Vec<PathBuf> = packages.iter().map(|folder| folder.join(path)).collect();
+    let (package, inside) = path.split_once('/').unwrap_or((path, ""));
+    for folder in whole.ancestors().skip(1) {
+        if folder.file_name().is_some_and(|name| name == package) {
+            found.push(folder.join(inside));
+        }
+        found.push(folder.join(path));
+    }
+    found
+}
+
+/// The problems, each shown in the text where it is in this file.
+fn refused(source: &Source, file: &str, problems: &robot_model::Problems) -> Problem {
+    let shown = problems.0.iter().map(|problem| {
+        if *problem.place.file == *file {
+            let at = offset(&source.text, problem.place.line, problem.place.column);
+            Problem::new("bad-description", &problem.message)
+                .at(source, at..at + 1)
+                .remedy(&problem.remedy)
+        } else {
+            let message = format!("{}: {}", problem.place, problem.message);
+            Problem::new("bad-description", message).remedy(&problem.remedy)
+        }
+    });
+    Problem::all(shown).unwrap_or_else(|| Problem::new("bad-description", "nothing was read"))
+}
+
+/// The byte at a line and a column of characters.
+fn offset(text: &str, line: u32, column: u32) -> usize {
+    let mut lines = text.split_inclusive('\n');
+    let before: usize = lines
+        .by_ref()
+        .take(line.saturating_sub(1) as usize)
+        .map(str::len)
+        .sum();
+    let rest = lines.next().unwrap_or("");
+    let inside = rest.char_indices().nth(column.saturating_sub(1) as usize);
+    before + inside.map_or(rest.len(), |(index, _)| index)
+}
+
+/// Shapes of a link that can be touched.
+pub fn collision_shapes(model: &Model, link: usize) -> usize {
+    let shapes = model.links[link].shapes.iter();
+    shapes.filter(|shape| shape.role == Role::Collision).count()
+}
+
+fn link_form(model: &Model, index: usize) -> LinkForm {
+    let link = &model.links[index];
+    LinkForm {
+        name: link.name.clone(),
+        parent: link.parent.map(|parent| model.links[parent].name.clone()),
+        mass_kg: link.inertial.map_or(0.0, |inertial| inertial.mass_kg),
+        collision_shapes: collision_shapes(model, index),
+    }
+}
+
+fn gap_form(gap: &Gap) -> GapForm {
+    GapForm {
+        file: gap.place.file.to_string(),
+        line: gap.place.line,
+        column: gap.place.column,
+        element: gap.element.clone(),
+        what: gap.what.clone(),
+        effect: gap.effect.to_string(),
+        consequence: gap.consequence.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_columns_lead_to_bytes() {
+        let text = "ä<b>\r\nxy<c>";
+        assert_eq!(&text[offset(text, 1, 2)..][..3], "<b>");
+        assert_eq!(&text[offset(text, 2, 3)..][..3], "<c>");
+        assert_eq!(offset(text, 9, 9), text.len());
+    }
+
+    #[test]
+    fn packages_are_found_in_the_folders_around_the_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = folder.path().join("arm/urdf/arm.urdf");
+        let mesh = folder.path().join("arm/meshes/link.stl");
+        for path in [&robot, &mesh] {
+            std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+            std::fs::write(path, path.display().to_string()).expect("written");
+        }
+        let found = resolved(&robot, &[], "package://arm/meshes/link.stl").expect("found");
+        assert_eq!(found, mesh.display().to_string().into_bytes());
+        let missing = resolved(&robot, &[], "package://leg/meshes/link.stl");
+        assert!(
+            missing
+                .expect_err("no such package")
+                .contains("folder of its packages")
+        );
+    }
+}
