@@ -112,8 +112,8 @@ mod words;
 use crate::compare::{Belief, Lineage, Study};
 use crate::looks::{is_open, looking};
 use crate::{
-    Comparison, Conclusion, Direction, ErrorRate, Evidence, Finding, Interval, Measure, Outcome,
-    Requirement, Standing, Subject, Technique, Threshold,
+    Comparison, Conclusion, Denominator, Direction, ErrorRate, Evidence, Finding, Interval,
+    Measure, Outcome, Requirement, Standing, Subject, Technique, Threshold,
 };
 use common::common_bound;
 use judge::{Asked, Level};
@@ -164,6 +164,10 @@ impl<'a> Piece<'a> {
         let finding = evidence
             .finding(&own)
             .or_else(|| evidence.finding(quantity))?;
+        // A number over other runs than those that the requirement speaks of.
+        if matches!(finding.denominator, Denominator::OtherTrigger { .. }) {
+            return None;
+        }
         let counted = match &finding.measure {
             Measure::Counts { interval, .. } => Some(*interval),
             _ => None,

@@ -255,7 +255,7 @@ pub enum Measure {
         /// one are; `None` otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         by_subject: Option<Vec<[u64; 2]>>,
-        /// How many subjects or sessions have trials; `None` if runs are independent.
+        /// How many subjects or sessions have trials, where those of one may be alike; `None` if runs are independent.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         subjects: Option<u64>,
         /// Interval of the rate at the study's level: Wilson's or, of clustered trials, from the

@@ -23,7 +23,7 @@ use crate::conclude::{at_one_look, of_tests};
 use crate::{Evidence, Interval, Measure, Subject};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stats::Confidence;
+use stats::{Confidence, Sample};
 
 /// The looks at a study's counts, oldest first.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -168,6 +168,24 @@ impl Looks {
             self.looks.push(look);
         }
         self
+    }
+
+    /// The last counts of each sequence of trials that came before the present one, oldest first: no later counts contain them.
+    pub(crate) fn replaced(&self, id: &str, subject: &Subject, now: &Belief) -> Vec<Sample> {
+        let Belief::Counts { sample: now, .. } = now else {
+            return Vec::new();
+        };
+        let seen = self
+            .looks
+            .iter()
+            .filter_map(|look| look.of_piece(id, subject));
+        let seen = seen.filter_map(|it| Sample::new(it.count, it.trials).ok());
+        let seen: Vec<Sample> = seen.chain([*now]).collect();
+        let contains = |later: &Sample, earlier: &Sample| {
+            earlier.successes <= later.successes && earlier.failures() <= later.failures()
+        };
+        let pairs = seen.windows(2).filter(|pair| !contains(&pair[1], &pair[0]));
+        pairs.map(|pair| pair[0]).collect()
     }
 
     /// What was known of one count at each look before the present one; `None` where it was not of the same sequence of

@@ -214,6 +214,22 @@ impl ExclusionReason {
     pub fn is_silence(&self) -> bool {
         matches!(self, Self::NotExpressible(_) | Self::NotCovered(_))
     }
+
+    /// Whether other evidence takes the place of the piece, or it speaks of other conditions.
+    #[must_use]
+    pub fn lays_aside(&self) -> bool {
+        match self {
+            Self::Intermediate
+            | Self::Superseded(_)
+            | Self::Reproduced(_)
+            | Self::OtherConditions(_) => true,
+            Self::NotIndependent(_)
+            | Self::NoNumber(_)
+            | Self::NotExpressible(_)
+            | Self::NotCovered(_)
+            | Self::BelowNeededStep(_) => false,
+        }
+    }
 }
 
 /// Trials of a piece of evidence that count neither way.

@@ -218,6 +218,12 @@ fn a_trigger_that_is_not_what_the_monitor_waits_for_names_other_runs() {
         .expect("written");
         let result = result(&folder);
         let model = finding(&result, "M")["denominator"].clone();
+        let decides = result["conclusions"][0]["rests_on"].to_string();
+        assert_eq!(
+            decides.contains("\"M\""),
+            model["kind"] == "triggered",
+            "{decides}"
+        );
         (model, result["comparisons"][0].clone())
     };
     for (trigger, when) in [
@@ -494,4 +500,77 @@ fn a_revision_of_a_model_agrees_with_it_and_is_no_independent_witness() {
                  [] p>0 -> true;\nendmodule\nmodule s_\n  s : [0..3] init 0;\n  [] s=0 & p=1 -> (s'=1);\n\
                  [] s=0 & p=2 -> 0.1:(s'=2) + 0.9:(s'=3);\n  [] s>0 -> true;\nendmodule\n";
     assert_eq!(revised(other, "").0["independent"], true);
+}
+
+/// A sequence of trials that was chosen among several has no error rate.
+#[test]
+fn counts_that_take_the_place_of_others_are_named_with_these() {
+    let folder = study(
+        "threshold = \"at least 0.9\"",
+        "requirement,covered,passed,failed\n1,100,88,12\n",
+    );
+    result(&folder);
+    let replaced = |table: &str| {
+        std::fs::write(folder.path().join("r.csv"), table).expect("written");
+        result(&folder)["conclusions"][0]["excluded_trials"].clone()
+    };
+    let longer = replaced("requirement,covered,passed,failed\n1,110,97,13\n");
+    assert!(longer.is_null(), "{longer}");
+    let without_failures = replaced("requirement,covered,passed,failed\n1,100,97,3\n");
+    assert_eq!(without_failures[0]["trials"], 110, "{without_failures}");
+    let words = without_failures[0]["words"].as_str().expect("words");
+    assert!(words.contains("97/110 at earlier looks"), "{words}");
+}
+
+/// A piece that speaks of failure modes alone is current, though no conclusion rests on it.
+#[test]
+fn a_conflict_on_a_failure_mode_fails_whatever_else_the_piece_speaks_of() {
+    let mode = "experiment = \"kept\"\noccurs = 'P=? [ F s=1 ]'";
+    let ends = |occurrences: u64| {
+        let folder = with_failure_mode(mode, occurrences, 1000);
+        let ledger = LEDGER.replace(
+            "tables.requirements = \"r.csv\"",
+            "tables.failure_modes = \"f.csv\"",
+        );
+        std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+        let requirements = folder.path().join("requirements.toml");
+        let text = std::fs::read_to_string(&requirements).expect("read");
+        let text = text.replacen(
+            "margin = 0.1\n",
+            "margin = 0.1\nthreshold = \"at least 0.9\"\nneeds = \"model\"\n",
+            1,
+        );
+        std::fs::write(&requirements, text).expect("written");
+        let outcome = result(&folder)["comparisons"][0]["outcome"].clone();
+        (outcome, corroborate(folder.path(), &["run", "."]).code)
+    };
+    assert_eq!(ends(52), ("corroborates".into(), 0));
+    assert_eq!(ends(300), ("conflicts".into(), 1));
+}
+
+/// A cohort says how often it happened in all attempts, the model how often where it could.
+#[test]
+fn attempts_of_which_nobody_says_whether_it_could_happen_are_not_its_opportunities() {
+    let folder = with_failure_mode(
+        "experiment = \"kept\"\noccurs = 'P=? [ F s=1 ]'\nopportunity = 'P=? [ F (s=1 | s=2) ]'",
+        0,
+        1,
+    );
+    let cohort = "session,kept,attempts\na,5,50\nb,4,50\nc,6,50\n";
+    std::fs::write(folder.path().join("c.csv"), cohort).expect("written");
+    let ledger = LEDGER.replace(
+        "tables.requirements = \"r.csv\"",
+        "tables.cohort = \"c.csv\"",
+    );
+    std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
+    let result = result(&folder);
+    let comparisons = result["comparisons"].as_array().expect("comparisons");
+    let of_mode = comparisons.iter().find(|it| it["subject"]["id"] == "f");
+    let of_mode = of_mode.expect("the failure mode is compared");
+    assert_eq!(of_mode["outcome"], "not-comparable", "{of_mode}");
+    let reason = of_mode["reason"].as_str().expect("a reason");
+    assert!(
+        reason.contains("which attempts gave it an opportunity"),
+        "{reason}"
+    );
 }

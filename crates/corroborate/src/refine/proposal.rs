@@ -62,6 +62,19 @@ pub struct Effect {
     pub p_value: Option<f64>,
 }
 
+impl Proposal {
+    fn is_exchange(&self) -> bool {
+        matches!(self.change, Change::Exchange { .. })
+    }
+
+    /// Whether it moves the value of one of these, or fits a simulation.
+    fn touches(&self, subjects: &[Subject]) -> bool {
+        let mut moved = self.effects.iter().filter(|it| it.before != it.after);
+        matches!(self.change, Change::Recalibrate(_) | Change::FitCommand(_))
+            || moved.any(|it| subjects.contains(&it.subject))
+    }
+}
+
 /// What is done if a proposal is accepted.
 #[derive(Clone, Debug)]
 pub enum Change {
@@ -112,6 +125,28 @@ impl Offered {
     pub(super) fn add(&mut self, mut proposal: Proposal) {
         proposal.number = self.proposals.len() + 1;
         self.proposals.push(proposal);
+    }
+
+    /// Leaves open what is set to counts that may be those of something else: an exchange that explains a disagreement has to be
+    /// decided on first. `touched` are the ranks of suspects with what they touch.
+    pub(super) fn await_exchanges(&mut self, touched: &[(u32, &[Subject])]) {
+        let exchanges = self.proposals.iter().filter(|it| it.is_exchange());
+        let exchanges: Vec<(usize, Vec<Subject>)> = exchanges
+            .filter_map(|it| {
+                let (_, subjects) = touched.iter().find(|of| Some(of.0) == it.suspect)?;
+                Some((it.number, subjects.to_vec()))
+            })
+            .collect();
+        for proposal in self.proposals.iter_mut().filter(|it| !it.is_exchange()) {
+            for (number, subjects) in &exchanges {
+                if proposal.touches(subjects) {
+                    proposal.needs_decision = true;
+                    proposal.notes.push(format!(
+                        "Decide on {number} first: if two things have each other's counts, this sets a value to the wrong ones."
+                    ));
+                }
+            }
+        }
     }
 
     /// Puts what does no harm before what does, and of these what is for the first suspects first.
@@ -383,4 +418,64 @@ fn effects(
         }
     };
     subjects.into_iter().map(effect).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn proposal(suspect: Option<u32>, change: Change, moves: &str) -> Proposal {
+        Proposal {
+            number: 0,
+            suspect,
+            title: String::new(),
+            reason: String::new(),
+            file: String::new(),
+            also: Vec::new(),
+            diff: String::new(),
+            effects: vec![Effect {
+                subject: Subject::FailureMode(moves.into()),
+                before: Some(0.1),
+                after: Some(0.2),
+                counted: None,
+                p_value: None,
+            }],
+            tried: Trial::default(),
+            notes: Vec::new(),
+            needs_decision: false,
+            change,
+        }
+    }
+
+    fn value() -> Change {
+        Change::Value {
+            file: "m.prism".into(),
+            value: OneValue {
+                line: 1,
+                old: "0.1".into(),
+                new: "0.2".into(),
+            },
+        }
+    }
+
+    #[test]
+    fn what_moves_an_exchanged_subject_waits_for_the_exchange() {
+        let subjects = ["slip", "miss"].map(|id| Subject::FailureMode(id.into()));
+        let exchange = Change::Exchange { texts: Vec::new() };
+        let mut offered = Offered::default();
+        offered.add(proposal(None, value(), "slip"));
+        offered.add(proposal(Some(1), exchange, "slip"));
+        offered.add(proposal(None, value(), "another"));
+        offered.in_order();
+        offered.await_exchanges(&[(1, &subjects)]);
+        let waits = |moves: &str| {
+            let of = Subject::FailureMode(moves.into());
+            let mut values = offered.proposals.iter().filter(|it| !it.is_exchange());
+            values
+                .find(|it| it.effects[0].subject == of)
+                .map(|it| it.needs_decision)
+        };
+        assert_eq!(waits("slip"), Some(true));
+        assert_eq!(waits("another"), Some(false));
+    }
 }

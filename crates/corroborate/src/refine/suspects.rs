@@ -14,7 +14,7 @@ use super::simulator::of_simulator;
 use super::solver::Solver;
 use super::texts;
 use diagnostic::Problem;
-use evidence::{StudyResult, Suspect, Symptom};
+use evidence::{StudyResult, Subject, Suspect, Symptom};
 use refinement::{FormChange, Model, Offer, Ranked, TextChange, Trial, unified};
 use std::path::{Path, PathBuf};
 use study::{Simulated, Study};
@@ -73,6 +73,11 @@ pub fn offered(study: &Study, result: &StudyResult, solver: &Solver) -> Result<O
     offered.refused.extend(found.refused);
     of_forms(study, result, &mut offered);
     offered.in_order();
+    let touched = result.suspected().iter();
+    let touched: Vec<(u32, &[Subject])> = touched
+        .map(|it| (it.rank, it.subjects.as_slice()))
+        .collect();
+    offered.await_exchanges(&touched);
     Ok(offered)
 }
 

@@ -115,7 +115,7 @@ impl Tables {
             findings.push(Finding {
                 subject: form.subject.clone(),
                 measure: self.measure(study, form, alike.as_mut())?,
-                denominator: self.denominator(&form.subject),
+                denominator: self.denominator(form),
                 trigger: self.trigger(study, &form.subject)?,
                 undecided: 0,
                 witnesses: Vec::new(),
@@ -214,12 +214,17 @@ impl Tables {
     }
 
     /// Attempts are taken to be trials of what is counted, unless the tables say that fewer of them were. Where attempts are
-    /// not told, other rows of the table tell of more than a row was covered in.
-    fn denominator(&self, subject: &Subject) -> Denominator {
+    /// not told, other rows of the table tell of more than a row was covered in. A failure mode with an opportunity of its own
+    /// may have none in an attempt.
+    fn denominator(&self, form: &SubjectForm) -> Denominator {
+        let subject = &form.subject;
         let covered = self.requirements.iter().map(|row| row.covered).max();
         let opportunities = self.failure_modes.iter().map(|row| row.opportunities).max();
         let most = covered.or(opportunities);
         match (self.covered(subject), self.attempts()) {
+            (None, _) if form.opportunity.is_some() => Denominator::AllRuns {
+                reason: "the tables do not say which attempts gave it an opportunity".to_owned(),
+            },
             (None, _) => Denominator::EveryRun,
             (Some(covered), Some(attempts)) if covered == attempts => Denominator::EveryRun,
             (Some(covered), None) if Some(covered) == most => Denominator::Covered,

@@ -53,6 +53,7 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
             trials,
             effective_trials,
             by_subject,
+            subjects,
             interval,
         } => {
             let worth = effective_trials.unwrap_or(*trials as f64);
@@ -70,6 +71,13 @@ fn measure(measure: &Measure, level: f64) -> Result<(), Fault> {
                 "its counts by subject or session do not add up to it, or one has more successes than trials",
             )
             .map_err(at("/by_subject"))?;
+            // Results of older versions say of none how many there are.
+            let listed = by_subject.as_ref().map(|it| it.len() as u64);
+            let is_counted = subjects.is_none_or(|subjects| {
+                (1..=*trials).contains(&subjects) && listed.is_none_or(|listed| listed == subjects)
+            });
+            hold(is_counted, "it has another number of subjects or sessions")
+                .map_err(at("/subjects"))?;
             let rate = *count as f64 / *trials as f64;
             inside(rate, *interval).map_err(at("/interval"))
         }

@@ -11,8 +11,10 @@ use super::judge::{Asked, Level};
 use super::ladder::{self, Decided};
 use super::{Piece, is_trial};
 use crate::compare::Study;
+use crate::compare::words::list;
 use crate::{
-    Evidence, Excluded, ExcludedTrials, ExclusionReason, Finding, Measure, Standing, Step, Subject,
+    Denominator, Evidence, Excluded, ExcludedTrials, ExclusionReason, Finding, Measure, Standing,
+    Step, Subject,
 };
 
 /// The pieces that are left out, in the ledger's order.
@@ -50,7 +52,7 @@ pub(super) fn excluded(
         .collect()
 }
 
-/// Runs that ended before a verdict, by piece in the ledger's order.
+/// Runs that ended before a verdict, and trials in whose place others came, by piece in the ledger's order.
 pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
     let pieces = study.evidence.iter();
     let undecided = pieces.filter_map(|piece| {
@@ -70,7 +72,34 @@ pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<Exclu
             },
         })
     });
-    undecided.collect()
+    undecided.chain(replaced_trials(study, asked)).collect()
+}
+
+/// Trials that earlier looks saw and the present counts do not contain: of several sequences the last is judged, and no error
+/// rate holds for a sequence that was chosen for its outcome.
+fn replaced_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
+    let Some(looks) = study.looks else {
+        return Vec::new();
+    };
+    let of = |piece: &Piece<'_>| {
+        let sequences = looks.replaced(&piece.evidence.id, &piece.finding.subject, &piece.belief);
+        let trials: u64 = sequences.iter().map(|it| it.trials).sum();
+        (trials > 0).then(|| {
+            let counts = sequences.iter().map(|it| format!("{}/{}", it.successes, it.trials));
+            let counts: Vec<String> = counts.collect();
+            ExcludedTrials {
+                evidence: piece.evidence.id.clone(),
+                trials,
+                words: format!(
+                    "{}: {} at earlier looks, which the present counts do not contain; were trials replaced for their \
+                     outcome, no error rate holds.",
+                    piece.evidence.id,
+                    list(&counts)
+                ),
+            }
+        })
+    };
+    asked.pieces.iter().filter_map(of).collect()
 }
 
 /// What a piece found on the requirement, or on the one with the same quantity.
@@ -132,6 +161,12 @@ fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<Excl
 
 /// Why a finding has nothing that can be judged.
 fn silence(finding: &Finding) -> ExclusionReason {
+    if let Denominator::OtherTrigger { trigger, monitor } = &finding.denominator {
+        return ExclusionReason::NoNumber(format!(
+            "it is over the runs with {trigger}, and the requirement's monitor is triggered by {monitor}, which are other \
+             runs: write the same in both in requirements.toml"
+        ));
+    }
     match &finding.measure {
         Measure::NotExpressible { reason } => ExclusionReason::NotExpressible(reason.clone()),
         Measure::NotCovered { reason } => ExclusionReason::NotCovered(reason.clone()),

@@ -1,6 +1,7 @@
 //! The figures of a verdict in words. A limit is rounded away from its threshold's side, so that it never seems to lie on
 //! the other one.
 
+use super::CERTAINTY;
 use super::stand::ClaimLevels;
 use crate::compare::Belief;
 use crate::compare::words::{p_value, percent, probability};
@@ -56,6 +57,14 @@ pub(super) fn piece(
                 ),
                 false => String::new(),
             };
+            let is_shown = p <= level && contradicted.is_empty();
+            if is_shown && !lies_beyond(limits, threshold, leans_to_met) {
+                return format!(
+                    "{id}: {counts}; an earlier look showed it (p {} against {})",
+                    p_value(p),
+                    hypothesis(threshold, !leans_to_met)
+                );
+            }
             format!(
                 "{id}: {counts}, {} (one-sided {} limit{at}, p {} against {}){contradicted}",
                 limit(limits, threshold, leans_to_met),
@@ -155,6 +164,15 @@ fn limit(limits: Interval, threshold: Threshold, leans_to_met: bool) -> String {
     match is_lower {
         true => format!("rate >= {}", lower(limits.low, threshold.value)),
         false => format!("rate <= {}", upper(limits.high, threshold.value)),
+    }
+}
+
+/// Whether the limit toward which a piece leans is on the side of the threshold that it claims.
+fn lies_beyond(limits: Interval, threshold: Threshold, leans_to_met: bool) -> bool {
+    let is_lower = (threshold.direction == Direction::AtLeast) == leans_to_met;
+    match is_lower {
+        true => limits.low >= threshold.value - CERTAINTY,
+        false => limits.high <= threshold.value + CERTAINTY,
     }
 }
 

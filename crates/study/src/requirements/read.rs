@@ -35,7 +35,7 @@ struct RequirementText {
     id: Spanned<String>,
     /// The requirement verbatim, as its source has it.
     text: String,
-    /// What is asked of the probability, for example `">= 95 %"`; without it every run has to satisfy the requirement.
+    /// What is asked of the probability, for example `"at least 0.95"`; without it every run has to satisfy the requirement.
     #[schemars(with = "Option<String>")]
     threshold: Option<Spanned<String>>,
     /// An earlier requirement whose sentence, property and monitor it shares; only its text and threshold are its own.
