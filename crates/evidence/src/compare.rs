@@ -49,6 +49,7 @@ mod lineage;
 mod pair;
 mod past;
 mod programme;
+mod quantiles;
 mod questions;
 mod relation;
 mod runs;

@@ -2,6 +2,7 @@
 
 use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
+use super::quantiles::Quantiles;
 use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, Sample};
 use std::rc::Rc;
@@ -59,8 +60,10 @@ pub(crate) enum Belief {
     Distribution {
         /// The answer with the constants at their estimates.
         value: f64,
-        /// The distribution, as a beta distribution of the same mean and variance.
+        /// The distribution, as a beta distribution of the same mean and variance, for comparisons.
         posterior: BetaPosterior,
+        /// Its quantiles, against thresholds; `None` where only the beta distribution is known.
+        quantiles: Option<Quantiles>,
     },
     /// The range over all schedulers of a model whose constants are uncertain.
     Range {
@@ -154,7 +157,9 @@ impl Belief {
         match self {
             Self::Counts { effective, .. } => stats::wilson(*effective, confidence),
             Self::Known { bounds, .. } => *bounds,
-            Self::Distribution { value, posterior } => {
+            Self::Distribution {
+                value, posterior, ..
+            } => {
                 let central = posterior.credible_interval(confidence);
                 Interval {
                     low: central.low.min(*value),
@@ -245,7 +250,12 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
         return Ok(Belief::Range { value, ends });
     }
     if let Some(posterior) = credible.and_then(moments_as_beta) {
-        return Ok(Belief::Distribution { value, posterior });
+        let of_draws = |credible: &CredibleInterval| Quantiles::new(&credible.quantiles, posterior);
+        return Ok(Belief::Distribution {
+            value,
+            posterior,
+            quantiles: credible.and_then(of_draws),
+        });
     }
     match &answer.guarantee {
         Guarantee::Exact { .. } => Ok(Belief::Known {

@@ -297,6 +297,7 @@ fn together<'b>(beliefs: impl Iterator<Item = &'b Belief>) -> Option<Belief> {
         None if is_distribution => Some(Belief::Distribution {
             value: effective.successes / effective.trials,
             posterior: BetaPosterior::jeffreys(effective),
+            quantiles: None,
         }),
         None if sample.trials == 0 => range.cloned(),
         None => Some(Belief::Counts {

@@ -564,6 +564,7 @@ mod tests {
         Belief::Distribution {
             value: posterior.mean(),
             posterior,
+            quantiles: None,
         }
     }
 

@@ -27,6 +27,13 @@ pub(super) fn limits(belief: &Belief, threshold: Threshold, levels: ClaimLevels)
             low: bounds.low,
             high: bounds.high,
         },
+        Belief::Distribution {
+            quantiles: Some(quantiles),
+            ..
+        } => Interval {
+            low: quantiles.quantile(above),
+            high: quantiles.quantile_upper(below),
+        },
         Belief::Distribution { posterior, .. } => Interval {
             low: posterior.quantile(above),
             high: posterior.quantile_upper(below),

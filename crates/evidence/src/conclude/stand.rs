@@ -131,6 +131,10 @@ pub(super) fn doubts(belief: &Belief, threshold: Threshold) -> (f64, f64) {
             let counts = belief.counts();
             counts.map_or((1.0, 1.0), |counts| at_one_look(&counts, value))
         }
+        Belief::Distribution {
+            quantiles: Some(quantiles),
+            ..
+        } => (quantiles.cdf(value), quantiles.sf(value)),
         Belief::Distribution { posterior, .. } => (posterior.cdf(value), posterior.sf(value)),
         Belief::Known { bounds, .. } => return doubts_of_known(bounds, threshold),
         Belief::Range { ends, .. } => (
@@ -317,6 +321,7 @@ mod tests {
         let belief = Belief::Distribution {
             value: 0.88,
             posterior,
+            quantiles: None,
         };
         use Direction::AtLeast;
         assert_eq!(shown(&belief, AtLeast, 0.6), Standing::Supports);

@@ -18,6 +18,7 @@ fn counted(id: &str, technique: Technique, counts: &[(u64, u64)]) -> Evidence {
     // Where it is published the interval counts: that of nothing known.
     let measure = |(count, trials): &(u64, u64)| Measure::Counts {
         by_subject: None,
+        subjects: None,
         count: *count,
         trials: *trials,
         effective_trials: None,
