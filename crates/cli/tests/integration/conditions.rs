@@ -522,6 +522,13 @@ fn counts_that_take_the_place_of_others_are_named_with_these() {
     assert!(words.contains("97/110 at earlier looks"), "{words}");
 }
 
+/// How the failure mode compares.
+fn compared(result: &Value) -> &Value {
+    let all = result["comparisons"].as_array().expect("comparisons");
+    let found = all.iter().find(|it| it["subject"]["id"] == "f");
+    found.expect("the failure mode is compared")
+}
+
 /// A piece that speaks of failure modes alone is current, though no conclusion rests on it.
 #[test]
 fn a_conflict_on_a_failure_mode_fails_whatever_else_the_piece_speaks_of() {
@@ -541,7 +548,7 @@ fn a_conflict_on_a_failure_mode_fails_whatever_else_the_piece_speaks_of() {
             1,
         );
         std::fs::write(&requirements, text).expect("written");
-        let outcome = result(&folder)["comparisons"][0]["outcome"].clone();
+        let outcome = compared(&result(&folder))["outcome"].clone();
         (outcome, corroborate(folder.path(), &["run", "."]).code)
     };
     assert_eq!(ends(52), ("corroborates".into(), 0));
@@ -564,9 +571,7 @@ fn attempts_of_which_nobody_says_whether_it_could_happen_are_not_its_opportuniti
     );
     std::fs::write(folder.path().join("ledger.toml"), ledger).expect("written");
     let result = result(&folder);
-    let comparisons = result["comparisons"].as_array().expect("comparisons");
-    let of_mode = comparisons.iter().find(|it| it["subject"]["id"] == "f");
-    let of_mode = of_mode.expect("the failure mode is compared");
+    let of_mode = compared(&result);
     assert_eq!(of_mode["outcome"], "not-comparable", "{of_mode}");
     let reason = of_mode["reason"].as_str().expect("a reason");
     assert!(
