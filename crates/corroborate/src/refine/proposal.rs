@@ -127,19 +127,20 @@ impl Offered {
         self.proposals.push(proposal);
     }
 
-    /// Leaves open what is set to counts that may be those of something else: an exchange that explains a disagreement has to be
-    /// decided on first. `touched` are the ranks of suspects with what they touch.
+    /// Leaves open what is set to counts that may be those of something else: an exchange that explains a disagreement better than
+    /// what a proposal is for has to be decided on first. `touched` are the ranks of suspects with what they touch.
     pub(super) fn await_exchanges(&mut self, touched: &[(u32, &[Subject])]) {
         let exchanges = self.proposals.iter().filter(|it| it.is_exchange());
-        let exchanges: Vec<(usize, Vec<Subject>)> = exchanges
+        let exchanges: Vec<(usize, u32, Vec<Subject>)> = exchanges
             .filter_map(|it| {
                 let (_, subjects) = touched.iter().find(|of| Some(of.0) == it.suspect)?;
-                Some((it.number, subjects.to_vec()))
+                Some((it.number, it.suspect?, subjects.to_vec()))
             })
             .collect();
         for proposal in self.proposals.iter_mut().filter(|it| !it.is_exchange()) {
-            for (number, subjects) in &exchanges {
-                if proposal.touches(subjects) {
+            for (number, rank, subjects) in &exchanges {
+                let is_better = proposal.suspect.is_none_or(|of| *rank < of);
+                if is_better && proposal.touches(subjects) {
                     proposal.needs_decision = true;
                     proposal.notes.push(format!(
                         "Decide on {number} first: if two things have each other's counts, this sets a value to the wrong ones."
@@ -466,6 +467,7 @@ mod tests {
         offered.add(proposal(None, value(), "slip"));
         offered.add(proposal(Some(1), exchange, "slip"));
         offered.add(proposal(None, value(), "another"));
+        offered.add(proposal(Some(0), value(), "miss"));
         offered.in_order();
         offered.await_exchanges(&[(1, &subjects)]);
         let waits = |moves: &str| {
@@ -477,5 +479,7 @@ mod tests {
         };
         assert_eq!(waits("slip"), Some(true));
         assert_eq!(waits("another"), Some(false));
+        // What is suspected more than the exchange does not wait for it.
+        assert_eq!(waits("miss"), Some(false));
     }
 }
