@@ -17,10 +17,10 @@ use std::path::PathBuf;
 use study::{Entry, Study};
 
 /// Points of a posterior, unless others are asked for.
-pub const POINTS: usize = 200;
+const POINTS: usize = 200;
 
 /// Episodes of a simulation, unless others are asked for.
-pub const EPISODES: u64 = 100;
+const EPISODES: u64 = 100;
 
 /// What [`what_if()`] needs to know.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct WhatIfRequest {
 }
 
 impl WhatIfRequest {
-    /// All variants of a study, at [`POINTS`] points and with [`EPISODES`] episodes.
+    /// All variants of a study, at 200 points and with 100 episodes.
     pub fn new(study: impl Into<PathBuf>) -> Self {
         Self {
             study: study.into(),
