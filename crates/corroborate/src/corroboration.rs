@@ -6,8 +6,8 @@ use crate::technique::experiment::repeated;
 use crate::technique::{Influence, Produced, copies};
 use diagnostic::Problem;
 use evidence::{
-    Asset, Clue, Conclusion, Cost, Denominator, Evidence, Inaccuracy, Matter, Measure, StudyResult,
-    Subject, SuspectAsset, SuspectKind, Symptom, TableOf, Verdict,
+    Asset, Clue, Conclusion, Cost, CoverageGap, Denominator, Evidence, Inaccuracy, Matter, Measure,
+    StudyResult, Subject, SuspectAsset, SuspectKind, Symptom, TableOf, Verdict,
 };
 use study::{Entry, Study};
 
@@ -196,7 +196,8 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         study: ANY_STUDY,
     };
     let suspects = evidence::rank(&matter, drifted);
-    let gaps = evidence::coverage_gaps(&to_compare);
+    let mut gaps = evidence::coverage_gaps(&to_compare);
+    gaps.extend(conditions_without_evidence(study, &evidence));
     Ok(StudyResult {
         format: FORMAT.into(),
         title: study.about.title.clone(),
@@ -218,6 +219,34 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
         costs,
         produced_by: format!("corroborate {}", env!("CARGO_PKG_VERSION")),
     })
+}
+
+/// A requirement is asked under every condition that the study declares, so that one under which nothing looked is a gap,
+/// whatever was found under others.
+fn conditions_without_evidence(study: &Study, evidence: &[Evidence]) -> Vec<CoverageGap> {
+    let is_silent = |condition: &&String| evidence.iter().all(|it| it.conditions != **condition);
+    let silent = study.about.conditions.keys().filter(is_silent);
+    let gaps = silent.flat_map(|condition| {
+        study.requirements.iter().map(move |requirement| {
+            let subject = Subject::Requirement(requirement.id.clone());
+            let has_number = |it: &&Evidence| {
+                let finding = it.finding(&subject);
+                finding.is_some_and(|finding| finding.measure.estimate().is_some())
+            };
+            let elsewhere = evidence.iter().filter(has_number);
+            let elsewhere: String = elsewhere
+                .map(|it| format!(" {} has a number on it under `{}`.", it.id, it.conditions))
+                .collect();
+            CoverageGap {
+                reason: format!(
+                    "No evidence looked under the condition `{condition}`, which the study declares.{elsewhere}"
+                ),
+                subject,
+                evidence: Vec::new(),
+            }
+        })
+    });
+    gaps.collect()
 }
 
 fn summary(study: &Study) -> String {

@@ -579,3 +579,26 @@ fn attempts_of_which_nobody_says_whether_it_could_happen_are_not_its_opportuniti
         "{reason}"
     );
 }
+
+/// A requirement is asked under every condition that the study declares.
+#[test]
+fn a_condition_under_which_nothing_looked_is_a_gap() {
+    let folder = study(
+        "threshold = \"at least 0.9\"",
+        "requirement,covered,passed,failed\n1,400,398,2\n",
+    );
+    let none = &result(&folder)["gaps"];
+    let speaks_of_it = |gaps: &Value| gaps.to_string().contains("the condition `wet`");
+    assert!(!speaks_of_it(none), "{none}");
+    let declared = STUDY.replace("[conditions]\n", "[conditions]\nwet = \"on wet ground\"\n");
+    std::fs::write(folder.path().join("study.toml"), declared).expect("written");
+    let gaps = &result(&folder)["gaps"];
+    assert!(speaks_of_it(gaps), "{gaps}");
+    assert!(
+        gaps.to_string()
+            .contains("X has a number on it under `typical`"),
+        "{gaps}"
+    );
+    let said = corroborate(folder.path(), &["run", "."]);
+    assert!(said.out.contains("wet"), "{said:?}");
+}
