@@ -224,8 +224,15 @@ pub fn corroborate(study: &Study, pieces: Vec<Piece>) -> Result<StudyResult, Pro
 /// A requirement is asked under every condition that the study declares, so that one under which nothing looked is a gap,
 /// whatever was found under others.
 fn conditions_without_evidence(study: &Study, evidence: &[Evidence]) -> Vec<CoverageGap> {
-    let is_silent = |condition: &&String| evidence.iter().all(|it| it.conditions != **condition);
-    let silent = study.about.conditions.keys().filter(is_silent);
+    let declared = &study.about.conditions;
+    // Evidence says what its conditions mean, not how they are called.
+    let name_of = |it: &Evidence| {
+        let mut all = declared.iter();
+        let found = all.find(|(_, meaning)| **meaning == it.conditions);
+        found.map_or(it.conditions.clone(), |(name, _)| name.clone())
+    };
+    let is_silent = |name: &&String| evidence.iter().all(|it| name_of(it) != **name);
+    let silent = declared.keys().filter(is_silent);
     let gaps = silent.flat_map(|condition| {
         study.requirements.iter().map(move |requirement| {
             let subject = Subject::Requirement(requirement.id.clone());
@@ -235,7 +242,7 @@ fn conditions_without_evidence(study: &Study, evidence: &[Evidence]) -> Vec<Cove
             };
             let elsewhere = evidence.iter().filter(has_number);
             let elsewhere: String = elsewhere
-                .map(|it| format!(" {} has a number on it under `{}`.", it.id, it.conditions))
+                .map(|it| format!(" {} has a number on it under `{}`.", it.id, name_of(it)))
                 .collect();
             CoverageGap {
                 reason: format!(

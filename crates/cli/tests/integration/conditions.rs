@@ -589,7 +589,7 @@ fn a_condition_under_which_nothing_looked_is_a_gap() {
     );
     let none = &result(&folder)["gaps"];
     let speaks_of_it = |gaps: &Value| gaps.to_string().contains("the condition `wet`");
-    assert!(!speaks_of_it(none), "{none}");
+    assert!(!none.to_string().contains("the condition"), "{none}");
     let declared = STUDY.replace("[conditions]\n", "[conditions]\nwet = \"on wet ground\"\n");
     std::fs::write(folder.path().join("study.toml"), declared).expect("written");
     let gaps = &result(&folder)["gaps"];
