@@ -181,9 +181,6 @@ impl Looks {
             .filter_map(|look| look.of_piece(id, subject));
         let seen = seen.filter_map(|it| Sample::new(it.count, it.trials).ok());
         let seen: Vec<Sample> = seen.chain([*now]).collect();
-        let contains = |later: &Sample, earlier: &Sample| {
-            earlier.successes <= later.successes && earlier.failures() <= later.failures()
-        };
         let pairs = seen.windows(2).filter(|pair| !contains(&pair[1], &pair[0]));
         pairs.map(|pair| pair[0]).collect()
     }
@@ -201,8 +198,7 @@ impl Looks {
             let belief = look.of_piece(id, subject).and_then(LookedAt::belief);
             let held = belief.filter(|belief| match belief {
                 Belief::Counts { sample, .. } => {
-                    is_same &=
-                        sample.successes <= next.successes && sample.failures() <= next.failures();
+                    is_same &= contains(&next, sample);
                     next = if is_same { *sample } else { next };
                     is_same
                 }
@@ -213,6 +209,11 @@ impl Looks {
         found.reverse();
         found
     }
+}
+
+/// Whether later counts can be those of the same trials and more.
+fn contains(later: &Sample, earlier: &Sample) -> bool {
+    earlier.successes <= later.successes && earlier.failures() <= later.failures()
 }
 
 impl Belief {

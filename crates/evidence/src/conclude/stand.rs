@@ -88,6 +88,9 @@ fn all_kinds_met(
     else {
         return String::new();
     };
+    if standing == Standing::Neither {
+        return String::new();
+    }
     let at_least = |value| Threshold {
         direction: Direction::AtLeast,
         value,
