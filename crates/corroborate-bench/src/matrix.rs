@@ -171,7 +171,7 @@ fn clue(
 #[must_use]
 pub fn site(suspect: &Suspect) -> Site {
     match suspect.asset.kind {
-        SuspectKind::FormalModel => Site::FormalModel,
+        SuspectKind::FormalModel | SuspectKind::TimeScale => Site::FormalModel,
         SuspectKind::Simulation => Site::Simulation,
         SuspectKind::Data => Site::Data,
         SuspectKind::Property => Site::Property,

@@ -407,6 +407,8 @@ pub(crate) fn tables_of(study: &Study) -> Vec<TableOf> {
                 evidence: entry.id.clone(),
                 is_of_failure_modes,
                 file: file.to_string_lossy().replace('\\', "/"),
+                // A table of its own names requirements or failure modes itself.
+                bound_in: own.is_none().then(|| "vocabulary.toml".to_owned()),
             })
         };
         [true, false]

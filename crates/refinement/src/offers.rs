@@ -310,7 +310,7 @@ impl<'g> Ground<'g> {
             SuspectKind::TimeStep => self.of_step(suspect),
             SuspectKind::Simulation => self.of_simulation(suspect, simulations),
             SuspectKind::Data => self.of_data(suspect),
-            SuspectKind::Vocabulary | SuspectKind::Engine => Vec::new(),
+            SuspectKind::Vocabulary | SuspectKind::Engine | SuspectKind::TimeScale => Vec::new(),
         };
         Ok(offers.into_iter().map(|offer| (offer, None)).collect())
     }

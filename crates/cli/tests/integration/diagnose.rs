@@ -191,3 +191,78 @@ fn rows_that_two_tables_share_are_no_two_experiments() {
         }
     }
 }
+
+/// A robot finds a seam with 35 % in each step, in half a second; trials count what is found within 3 s, and what is lost.
+fn seam(step: &str, tables: &str) -> tempfile::TempDir {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let about = format!(
+        "title = \"Seams\"\nsummary = \"s\"\nseed = 1\nconfidence = 0.95\nagreement = 0.95\n[model]\nstep = \"{step}\"\n\
+         [conditions]\nlab = \"any\"\n"
+    );
+    let requirements = "[[requirement]]\nid = \"1\"\ntext = \"The seam is found in 3 s.\"\nmargin = 0.04\n\
+         shall = \"When seek, the robot shall with probability at least 0.8 within 3 s satisfy found.\"\n\
+         [[failure_mode]]\nid = \"lost\"\nname = \"Lost\"\nmeaning = \"It loses the seam.\"\nmargin = 0.04\n\
+         occurs = 'P=? [ F \"lost\" ]'\nopportunity = 'P=? [ F \"found\" ]'\n\
+         [[failure_mode]]\nid = \"spill\"\nname = \"Spill\"\nmeaning = \"It spills.\"\nmargin = 0.04\n\
+         occurs = 'P=? [ F \"spill\" ]'\nopportunity = 'P=? [ F \"found\" ]'\n";
+    let vocabulary = "[seek]\nmeaning = \"m\"\nmodel = \"s=0\"\n[found]\nmeaning = \"m\"\nmodel = \"s>0\"\n\
+         [lost]\nmeaning = \"m\"\nmodel = \"s=2\"\n[spill]\nmeaning = \"m\"\nmodel = \"s=3\"\n";
+    let model = "dtmc\nmodule m\n s : [0..4] init 0;\n [] s=0 -> 0.35:(s'=1) + 0.65:(s'=0);\n\
+         [] s=1 -> 0.05:(s'=2) + 0.25:(s'=3) + 0.7:(s'=4);\n [] s>1 -> true;\nendmodule\n";
+    let ledger = "[[evidence]]\nid = \"E1\"\ntitle = \"model\"\ntechnique = \"model-checking\"\nconditions = \"lab\"\n\
+         model = \"m.prism\"\nchanged = \"c\"\n\
+         [[evidence]]\nid = \"E2\"\ntitle = \"trials\"\ntechnique = \"experiment\"\nconditions = \"lab\"\n\
+         tables.requirements = \"r.csv\"\ntables.failure_modes = \"f.csv\"\nchanged = \"c\"\n";
+    for (name, text) in [
+        ("study.toml", about.as_str()),
+        ("requirements.toml", requirements),
+        ("vocabulary.toml", vocabulary),
+        ("m.prism", model),
+        ("ledger.toml", ledger),
+        ("r.csv", "requirement,covered,passed,failed\n1,400,370,30\n"),
+        ("f.csv", tables),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    folder
+}
+
+fn suspects_of(folder: &tempfile::TempDir) -> Vec<Value> {
+    let call = |arguments: &[&str]| support::program::corroborate(folder.path(), arguments);
+    let said = call(&["run", ".", "--quiet"]);
+    assert!([0, 1, 3].contains(&said.code), "{said:?}");
+    let said = call(&["diagnose", ".", "--format", "json"]);
+    let diagnosis: Value = serde_json::from_str(&said.out).expect("JSON");
+    diagnosis["suspects"].as_array().expect("suspects").clone()
+}
+
+const RIGHT_TABLE: &str = "mode,occurrences,opportunities\nlost,20,400\nspill,100,400\n";
+
+#[test]
+fn a_step_of_another_duration_is_named_by_its_line() {
+    let suspects = suspects_of(&seam("1 s", RIGHT_TABLE));
+    let asset = &suspects[0]["asset"];
+    assert_eq!(asset["file"], "study.toml", "{suspects:?}");
+    assert_eq!(
+        (&asset["kind"], asset["line"].as_u64()),
+        (&"time-scale".into(), Some(7))
+    );
+    assert_eq!(suspects[0]["symptoms"][0]["instead"], "0.5 s");
+    let in_order = suspects_of(&seam("0.5 s", RIGHT_TABLE));
+    assert!(
+        in_order.iter().all(|it| it["score"].as_f64() < Some(1.0)),
+        "{in_order:?}"
+    );
+}
+
+/// An edit of one word would explain part of what an exchange explains: it is named only where it explains as much.
+#[test]
+fn an_exchange_that_explains_more_leaves_no_edit_beside_it() {
+    let exchanged = "mode,occurrences,opportunities\nlost,100,400\nspill,20,400\n";
+    let suspects = suspects_of(&seam("0.5 s", exchanged));
+    assert_eq!(suspects[0]["asset"]["file"], "f.csv", "{suspects:?}");
+    let title = suspects[0]["title"].as_str().expect("a title");
+    assert!(title.contains("the wrong way round"), "{title}");
+    let others: Vec<&Value> = suspects.iter().skip(1).collect();
+    assert!(others.is_empty(), "{others:?}");
+}

@@ -296,3 +296,26 @@ fn what_is_wrong_with_a_tree_is_said_at_its_place_before_anything_runs() {
         .is_refused_with(&["brake.dft:3", "pand"]);
     tree(&TREE.replace("prob=0.01", "prob=1.5")).is_refused_with(&["brake.dft:4"]);
 }
+
+/// Its valve sticks 0.01 times an hour, and a shift of 8 h was written in minutes.
+#[test]
+fn a_mission_in_another_unit_is_named_by_its_line_of_the_ledger_and_offered() {
+    let tree = TREE.replace("prob=0.01", "lambda=0.01");
+    let entry = ENTRY.replace("changed", "mission_time = 480.0\nchanged");
+    let lift = Lift::new(354)
+        .write("brake.dft", &tree)
+        .write("ledger.toml", &format!("{TABLES}{entry}"));
+    assert_eq!(lift.call(&["run", ".", "--quiet"]).code, 1);
+    let said = lift.call(&["diagnose", ".", "--format", "json"]);
+    let diagnosis: Value = serde_json::from_str(&said.out).expect("JSON");
+    let first = &diagnosis["suspects"][0];
+    assert_eq!(first["asset"]["file"], "ledger.toml", "{first}");
+    assert_eq!(first["asset"]["part"], "T, mission_time");
+    assert_eq!(first["symptoms"][0]["instead"], "8.0");
+    let offered = lift.call(&["refine", "."]);
+    assert!(
+        offered.out.contains("+mission_time = 8.0"),
+        "{}",
+        offered.out
+    );
+}

@@ -84,7 +84,7 @@ impl Matter<'_> {
         let rest = strength(exchanged, theirs, self.margin(subject)).min(whole);
         let clue = Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: self.asset_of(piece, subject),
+            asset: self.table_and_words(piece, subject),
             subject: subject.clone(),
             score: whole - rest,
             title: format!("{} has passed and failed the wrong way round", piece.id),

@@ -38,6 +38,8 @@ pub struct TableOf {
     pub is_of_failure_modes: bool,
     /// The file, relative to the study's folder, with `/`.
     pub file: String,
+    /// The file that says which of its columns and codes count what, where one does.
+    pub bound_in: Option<String>,
 }
 
 /// One thing that speaks against an asset.
@@ -259,6 +261,19 @@ impl<'a> Matter<'a> {
                 ..whole
             },
         }
+    }
+
+    /// The table that counts a subject of a piece, and what says which of its columns that is: who exchanges either does the
+    /// same to the counts.
+    pub(super) fn table_and_words(&self, piece: &Evidence, subject: &Subject) -> SuspectAsset {
+        let mut asset = self.asset_of(piece, subject);
+        let counts_it = |table: &&TableOf| {
+            table.evidence == piece.id && Some(&table.file) == asset.file.as_ref()
+        };
+        let words = self.tables.iter().find(counts_it);
+        let words = words.and_then(|table| table.bound_in.clone());
+        asset.together.extend(words);
+        asset
     }
 
     pub(super) fn witnesses(&self, piece: &Evidence, runs: &[String], shows: &str) -> Vec<Witness> {

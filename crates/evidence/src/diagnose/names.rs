@@ -149,7 +149,7 @@ impl Matter<'_> {
         let value = piece.finding(subject)?.measure.estimate()?;
         let clue = Clue {
             inaccuracy: Inaccuracy::SystemModel,
-            asset: self.asset_of(piece, subject),
+            asset: self.table_and_words(piece, subject),
             subject: subject.clone(),
             score: whole - rest,
             title: format!(

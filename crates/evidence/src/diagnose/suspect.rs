@@ -35,6 +35,8 @@ pub enum SuspectKind {
     Engine,
     /// The time step of a simulation.
     TimeStep,
+    /// How long a step of the formal models, or the mission of a fault tree, takes.
+    TimeScale,
 }
 
 /// What is suspected: a file, or a named part of one.

@@ -29,9 +29,10 @@ use evidence::{
 use fault_tree::{Analysis, EventData, FaultTree, NodeId, NodeKind, Options, Settings};
 use host::store::Inputs;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
-use study::TreeEvent;
+use study::{TreeEvent, Work};
 
 /// Points of the design for each counted basic event and two more, and how many nodes of diagrams are visited at most for
 /// all of them; then there are fewer, and no fewer than [`FEWEST_POINTS`].
@@ -87,6 +88,39 @@ impl Technique for FaultTrees<'_> {
         let what = "values of evidence follow from analysing its fault tree again";
         kept.is(again, what, audit)
     }
+}
+
+/// What an entry's fault tree answers by its plain values, by subject; with another mission time, if one is given.
+///
+/// # Errors
+/// What cannot be read or analysed; an entry of another technique answers nothing.
+pub(crate) fn tree_values(
+    asked: Asked<'_>,
+    mission_time: Option<f64>,
+) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
+    let Work::FaultTree {
+        tree,
+        mission_time: own,
+        events,
+        is_triggered,
+    } = &asked.entry.work
+    else {
+        return Ok(BTreeMap::new());
+    };
+    let trees = FaultTrees {
+        tree,
+        mission_time: mission_time.or(*own),
+        events,
+        is_triggered: *is_triggered,
+    };
+    let ready = trees.read(asked, &Files::of(&asked.study.folder))?;
+    let mut found = BTreeMap::new();
+    for (subject, event) in &ready.events {
+        let analysis = Analysis::new(&ready.tree, *event, Options::default(), &asked.host.cancel)?;
+        let answer = ready.answer(subject, &analysis)?;
+        found.insert(subject.clone(), Some(answer.value));
+    }
+    Ok(found)
 }
 
 impl FaultTrees<'_> {

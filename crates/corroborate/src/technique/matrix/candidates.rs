@@ -12,6 +12,7 @@
 //! | a quantity in a `trace` binding has another unit | another unit of the dimension |
 //! | a hand-written `property`, or what a `monitor` waits for, names another proposition | the proposition that the other forms of the same requirement name |
 //! | a limit `within_secs`, or one in a hand-written `property` | a duration in the requirement's own text or sentence, or the limit of its other form, or a slip by a factor |
+//! | the `step` of study.toml, the `mission_time` of a fault tree | a slip by a factor, or a duration that a requirement says |
 //! | the `unit` of a signal | the unit that the field's own name ends with, or another unit of the dimension |
 //!
 //! A free column, value or signal is tried for every proposition; by itself it suggests nothing, since a model may well
@@ -21,6 +22,7 @@
 //! None: a candidate is an idea. It is accepted only by what it does to all the evidence (`edits`).
 
 pub(super) mod limits;
+mod times;
 mod topics;
 
 use diagnostic::Problem;
@@ -32,10 +34,12 @@ use topics::{Topics, quantities};
 use trace::Table;
 
 /// Which evidence an edit reaches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Reach {
     /// What formal models answer.
     Models,
+    /// What the fault tree of this entry gives; the edit is its mission time.
+    Tree(String),
     /// What tables count.
     Tables,
     /// How runs are judged.
@@ -65,9 +69,36 @@ pub(super) struct TextEdit {
     pub is_said: bool,
 }
 
+impl TextEdit {
+    /// Whether another edit changes the same value.
+    pub(super) fn is_of_place(&self, other: &Self) -> bool {
+        (self.file, &self.span) == (other.file, &other.span)
+    }
+
+    /// Whether another duration takes the place of one.
+    pub(super) fn is_of_time(&self) -> bool {
+        match self.kind {
+            SuspectKind::TimeScale => true,
+            SuspectKind::Property | SuspectKind::Monitor => self.is_number(),
+            _ => false,
+        }
+    }
+
+    /// Whether a number takes the place of a number.
+    pub(super) fn is_number(&self) -> bool {
+        let starts = |text: &str| {
+            let text = text.trim_start_matches(['<', '=', '>', ' ']);
+            text.starts_with(|c: char| c.is_ascii_digit())
+        };
+        starts(&self.old) && starts(&self.new)
+    }
+}
+
 const VOCABULARY: &str = "vocabulary.toml";
 const REQUIREMENTS: &str = "requirements.toml";
 const TOPICS: &str = "topics.toml";
+const STUDY: &str = "study.toml";
+const LEDGER: &str = "ledger.toml";
 
 /// All that is suggested, in the order of the files.
 pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
@@ -78,6 +109,8 @@ pub(super) fn candidates(study: &Study) -> Result<Vec<TextEdit>, Problem> {
         found.extend(limits::of_form(study, form));
     }
     found.extend(quantities(study));
+    found.extend(times::of_step(study));
+    found.extend(times::of_missions(study));
     let path = study.folder.join(TOPICS);
     if path.exists() {
         let topics = Topics::of(&host::files::read_source(&path)?.text);
@@ -384,11 +417,21 @@ fn part_of(form: &SubjectForm, which: &str) -> String {
 
 /// The lines of a requirement or failure mode in the file.
 fn block(text: &str, form: &SubjectForm) -> Range<usize> {
-    let id = format!("\"{}\"", form.subject.id());
     let kind = match form.subject {
         Subject::Requirement(_) => "[[requirement]]",
         Subject::FailureMode(_) => "[[failure_mode]]",
     };
+    block_of(text, kind, form.subject.id())
+}
+
+/// The lines of an entry in the ledger.
+fn entry_block(text: &str, id: &str) -> Range<usize> {
+    block_of(text, "[[evidence]]", id)
+}
+
+/// The lines of the table of this kind that has an identifier.
+fn block_of(text: &str, kind: &str, id: &str) -> Range<usize> {
+    let id = format!("\"{id}\"");
     for (start, _) in text.match_indices(kind) {
         let end = text[start + 2..]
             .find("\n[[")

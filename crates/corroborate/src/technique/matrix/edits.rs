@@ -6,7 +6,8 @@
 //! under the same conditions the strength of disagreement ([`evidence::signed_strength`]) is taken before and after; of a subject
 //! the strongest counts. An edit *explains* the subjects that disagreed strongly ([`evidence::STRONG`]) and do not any
 //! more. Its *score* is what goes away on them, less what comes up anywhere else; it is dropped if more than [`STRONG`]
-//! comes up, since chance alone moves the weaker pairs. Of those that are left the ones that explain most are clues, and
+//! comes up, since chance alone moves the weaker pairs. What a table has the wrong way round ([`evidence::put_right`]) is
+//! weighed as an edit is, and one that explains more takes the edits' place. Of those that are left the ones that explain most are clues, and
 //! those that explain as much are named with them. An edit with which every run of every piece is judged alike (a limit that
 //! nothing keeps) explains nothing by that, unless something else in the study says its very value.
 //!
@@ -15,36 +16,41 @@
 //!
 //! * how well all agree on what it explains: the evidence for one rate, of each subject that of its weakest pair. Rates
 //!   that are free agree with anything, and say nothing;
-//! * [`STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
-//!   otherwise fails somehow;
+//! * [`explained::STRUCTURE`], if it explains a requirement without a limit of time, and no failure mode disagrees: a system that fails
+//!   otherwise fails somehow; likewise an edit of a duration, if requirements with a limit of time disagree and nothing else;
 //! * [`SAID`], if something else in the study says this very value (the limit of the other form, a duration in the text, a
 //!   unit in a field's name), [`FREE`], if only a place is free for it (a column or a state that no proposition names);
 //! * less the decades of the number of edits that were tried.
 //!
-//! Odds of edits of one place add up: whichever of its values is meant, the place is wrong.
+//! Odds of edits of one place add up: whichever of its values is meant, the place is wrong. Numbers of one place that
+//! explain the same are a limit that plays no part any more, and explain nothing.
 //!
 //! # Source and guarantee
 //! The method of difference (J. S. Mill, 1843), and Bayes factors with the correction for the number of hypotheses of equal
 //! prior probability (H. Jeffreys, "Theory of Probability", 1961, section 5.04). An edit has no free parameter: what it
-//! predicts is computed, not fitted. [`STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
+//! predicts is computed, not fitted. [`explained::STRUCTURE`], [`SAID`] and [`FREE`] are prior odds, which nothing here estimates.
 //!
 //! # Cost
 //! For each edit the models solved, the tables read or at most [`MOST_RUNS`] recordings judged again; only where there is
 //! strong disagreement.
 
+mod explained;
 mod scratch;
 
 use super::candidates::{Reach, TextEdit, candidates, limits};
 use super::{Diagnosing, Gathered};
 use crate::technique::experiment::Tables;
+use crate::technique::kinds::{Asked, tree_values};
 use crate::technique::model_checking::Compiled;
 use crate::technique::operation::only_violations;
 use crate::technique::simulation;
 use diagnostic::Problem;
 use evidence::{
     Clue, Evidence, Figure, Finding, Inaccuracy, Measure, Rate, STRONG, Subject, SuspectAsset,
-    Symptom, signed_strength,
+    SuspectKind, Symptom, put_right, signed_strength,
 };
+use explained::{Explained, balance, drop_limits_that_play_no_part, explained};
+use host::{Events, Host};
 use judging::Judges;
 use judging::recording::ReadingRules;
 use rayon::prelude::*;
@@ -58,12 +64,6 @@ const SAID: f64 = 2.5;
 
 /// Decades for an edit to what is free.
 const FREE: f64 = 1.0;
-
-/// Decades for an edit if requirements alone disagree.
-const STRUCTURE: f64 = 1.0;
-
-/// The least and the most that an edit takes of what it explains.
-const SHARES: [f64; 2] = [0.03, 0.97];
 
 /// Recordings of one piece of evidence that are judged again, at most.
 const MOST_RUNS: usize = 400;
@@ -83,23 +83,6 @@ type Values = BTreeMap<Subject, Option<f64>>;
 /// What the models answer, by their files.
 type ModelValues = BTreeMap<PathBuf, Values>;
 
-/// An edit with what it explains.
-struct Explained {
-    edit: TextEdit,
-    /// The pairs that do not disagree strongly any more, with what goes away.
-    pairs: Pairs,
-    /// What goes away, less what comes up: sums over subjects of the strongest.
-    score: f64,
-    /// How well all agree on what it explains, and what the structure adds; in decades.
-    agreement: f64,
-    /// Decades for or against it before the evidence.
-    prior: f64,
-    /// The odds of all edits of its place that explain something: they accuse one asset.
-    odds: f64,
-    /// Requirements that evidence misses now and meets with the edit, one clause each.
-    hides: Vec<String>,
-}
-
 impl Diagnosing<'_> {
     /// Looks for single edits that explain strong disagreement.
     pub(super) fn edits(&self, gathered: &mut Gathered) -> Result<(), Problem> {
@@ -116,7 +99,7 @@ impl Diagnosing<'_> {
             // An edit with which the study cannot be read is none.
             let after = scratch
                 .with(&edit)
-                .and_then(|study| self.produced_with(&study, &scratch, edit.reach, &now));
+                .and_then(|study| self.produced_with(&study, &scratch, &edit, &now));
             self.setting.go_on()?;
             if let Ok(evidence) = after {
                 tried += 1;
@@ -146,16 +129,22 @@ impl Diagnosing<'_> {
             };
             it.prior = hint - f64::from(tried.max(1)).log10();
         }
+        drop_limits_that_play_no_part(&mut found);
         for place in 0..found.len() {
             let edit = &found[place].edit;
-            let (file, span) = (edit.file, edit.span.clone());
-            let same = found
-                .iter()
-                .filter(|it| (it.edit.file, &it.edit.span) == (file, &span));
+            let same = found.iter().filter(|it| it.edit.is_of_place(edit));
             found[place].odds = same.map(Explained::own_odds).sum();
         }
         found.sort_by(|a, b| b.weight().total_cmp(&a.weight()));
         let best = found.first().map_or(0.0, Explained::weight);
+        let rival = self.exchange(&before);
+        if let Some(rival) = rival {
+            let odds = |it: &Explained| 10.0_f64.powf(it.weight() - rival);
+            found
+                .iter_mut()
+                .for_each(|it| it.odds = it.odds.min(odds(it)));
+        }
+        let best = best.max(rival.unwrap_or(0.0));
         found.retain(|it| it.weight() > best - AS_MUCH);
         let places: Vec<String> = found.iter().map(Explained::in_words).collect();
         for (at, it) in found.iter().enumerate() {
@@ -165,6 +154,25 @@ impl Diagnosing<'_> {
             gathered.clues.extend(self.clues_of(it, &others, tried));
         }
         Ok(())
+    }
+
+    /// What is explained, as by an edit, if what a table has the wrong way round is exchanged; the most of all tables.
+    fn exchange(&self, before: &Pairs) -> Option<f64> {
+        let margin = |subject: &Subject| self.margin(subject);
+        let all = &self.result.evidence;
+        let weight = |piece: &Evidence| {
+            let exchanged = put_right(all, piece, &margin)?;
+            let after: Vec<Evidence> = all
+                .iter()
+                .map(|it| match it.id == piece.id {
+                    true => exchanged.clone(),
+                    false => it.clone(),
+                })
+                .collect();
+            let after = self.disagreements(&after);
+            Some(balance(before, &after, &|_| true)?.weight())
+        };
+        all.iter().filter_map(weight).max_by(f64::total_cmp)
     }
 
     /// How strongly the pieces that speak for themselves disagree, pair by pair.
@@ -200,14 +208,16 @@ impl Diagnosing<'_> {
         &self,
         study: &Study,
         scratch: &Scratch,
-        reach: Reach,
+        edit: &TextEdit,
         now: &ModelValues,
     ) -> Result<Vec<Evidence>, Problem> {
         let mut evidence = self.result.evidence.clone();
         for piece in &mut evidence {
             let entry = self.study.entry(&piece.id)?;
             let (work, id) = (&entry.work, &piece.id);
-            let findings = match reach {
+            let findings = match &edit.reach {
+                Reach::Tree(tree) if tree != id => continue,
+                Reach::Tree(_) => self.tree_with(entry, edit, &piece.findings)?,
                 Reach::Models => {
                     let Some(model) = work.model() else { continue };
                     let then = self.model_values(study, model)?;
@@ -237,6 +247,29 @@ impl Diagnosing<'_> {
             }
         }
         Ok(evidence)
+    }
+
+    /// What a fault tree answers with another mission time.
+    fn tree_with(
+        &self,
+        entry: &study::Entry,
+        edit: &TextEdit,
+        known: &[Finding],
+    ) -> Result<Vec<Finding>, Problem> {
+        let cannot = || Problem::new("bad-number", format!("`{}` is no time", edit.new));
+        let time: f64 = edit.new.parse().map_err(|_| cannot())?;
+        // What there is to warn of was said when the study ran.
+        let host = Host {
+            events: Events::none(),
+            ..self.setting.clone()
+        };
+        let asked = Asked {
+            study: self.study,
+            entry,
+            host: &host,
+        };
+        let (now, then) = (tree_values(asked, None)?, tree_values(asked, Some(time))?);
+        Ok(answers(Some(&now), &then, known))
     }
 
     /// What each formal model answers as the study is.
@@ -344,7 +377,10 @@ impl Diagnosing<'_> {
                 ),
             };
             Clue {
-                inaccuracy: Inaccuracy::RequirementModel,
+                inaccuracy: match edit.kind {
+                    SuspectKind::TimeScale => Inaccuracy::SystemModel,
+                    _ => Inaccuracy::RequirementModel,
+                },
                 asset: SuspectAsset {
                     kind: edit.kind,
                     file: Some(edit.file.into()),
@@ -419,94 +455,4 @@ fn evidence_of(pairs: &[[String; 2]]) -> Vec<String> {
     all.sort();
     all.dedup();
     all
-}
-
-/// What an edit explains, if it makes little worse.
-fn explained(
-    edit: TextEdit,
-    before: &Pairs,
-    after: &Pairs,
-    is_timed: &dyn Fn(&Subject) -> bool,
-) -> Option<Explained> {
-    let mut subjects: BTreeMap<&Subject, [f64; 2]> = BTreeMap::new();
-    for (pair, was) in before {
-        // A rate that is lost explains nothing.
-        let is = *after.get(pair)?;
-        let most = subjects.entry(&pair.2).or_insert([f64::NEG_INFINITY; 2]);
-        *most = [most[0].max(*was), most[1].max(is)];
-    }
-    let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
-    let mut mended: Vec<&Subject> = Vec::new();
-    for (subject, [was, is]) in &subjects {
-        come += (is.max(0.0) - was.max(0.0)).max(0.0);
-        if *was > STRONG && *is <= STRONG {
-            gone += was - is.max(0.0);
-            agreement += (-is).max(0.0);
-            mended.push(subject);
-        }
-    }
-    let is_mode = |subject: &Subject| matches!(subject, Subject::FailureMode(_));
-    let mut modes = subjects.iter().filter(|(subject, _)| is_mode(subject));
-    let modes_agree = subjects.keys().any(|subject| is_mode(subject))
-        && modes.all(|(_, [was, _])| *was <= STRONG);
-    let is_plain = mended
-        .iter()
-        .any(|subject| !is_mode(subject) && !is_timed(subject));
-    if modes_agree && is_plain {
-        agreement += STRUCTURE;
-    }
-    let pairs = before
-        .iter()
-        .filter(|(pair, was)| **was > STRONG && mended.contains(&&pair.2));
-    let pairs = pairs.map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)));
-    let score = gone - come;
-    (score > STRONG && come <= STRONG).then(|| Explained {
-        pairs: pairs.collect(),
-        edit,
-        score,
-        agreement,
-        prior: 0.0,
-        odds: 0.0,
-        hides: Vec::new(),
-    })
-}
-
-impl Explained {
-    /// Whether all that it makes agree is then the same in every run of every piece: who judges all runs alike agrees on
-    /// anything.
-    fn is_constant(&self, evidence: &[Evidence]) -> bool {
-        let is_extreme = |rate: Rate| match rate {
-            Rate::Counted { count, trials } => count <= 0.0 || count >= trials,
-            Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
-            Rate::Never => true,
-        };
-        let rate = |id: &String, subject: &Subject| {
-            let piece = evidence.iter().find(|piece| &piece.id == id)?;
-            Rate::on(piece, subject)
-        };
-        self.pairs.keys().all(|(one, other, subject)| {
-            let rates = [one, other].map(|id| rate(id, subject));
-            rates.into_iter().flatten().all(is_extreme)
-        })
-    }
-
-    /// Its odds against the system models.
-    fn own_odds(&self) -> f64 {
-        10.0_f64.powf(self.agreement + self.prior)
-    }
-
-    /// The part of what it explains that it takes from the system models.
-    fn share(&self) -> f64 {
-        (self.odds / (1.0 + self.odds)).clamp(SHARES[0], SHARES[1])
-    }
-
-    /// By what it is ranked among the edits.
-    fn weight(&self) -> f64 {
-        self.score + self.agreement + self.prior
-    }
-
-    fn in_words(&self) -> String {
-        let edit = &self.edit;
-        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
-    }
 }

@@ -94,6 +94,7 @@ fn columns_and_rows_of_requirements_that_were_exchanged_are_located_in_their_tab
         evidence: "X".into(),
         is_of_failure_modes: false,
         file: "r.csv".into(),
+        bound_in: None,
     }];
     let (requirements, failure_modes) = (requirements(), modes());
     let first = |ledger: &[Evidence]| {

@@ -162,6 +162,20 @@ fn said(study: &Study, subject: &Subject) -> Vec<f64> {
     found
 }
 
+/// The durations that any requirement or failure mode says in words, in seconds.
+pub(super) fn said_anywhere(study: &Study) -> Vec<f64> {
+    let mut found: Vec<f64> = Vec::new();
+    for form in &study.forms.subjects {
+        let new = said(study, &form.subject).into_iter();
+        for secs in new {
+            if !found.contains(&secs) {
+                found.push(secs);
+            }
+        }
+    }
+    found
+}
+
 fn of_monitor(study: &Study, form: &SubjectForm) -> Vec<Limit> {
     let text = &study.forms.source.text;
     let all = values(text, block(text, form), "within_secs").into_iter();

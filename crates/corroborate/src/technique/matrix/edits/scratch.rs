@@ -38,11 +38,11 @@ impl Scratch {
                 continue;
             }
             let mut text = host::files::read_source(&path)?.text;
-            if name == "study.toml" {
-                text = without_entries(&text);
-            }
             if name == edit.file {
                 text.replace_range(edit.span.clone(), &edit.new);
+            }
+            if name == "study.toml" {
+                text = without_entries(&text);
             }
             let target = self.folder.join(name);
             std::fs::write(&target, text)

@@ -1,0 +1,172 @@
+//! What an edit, or an exchange, explains: what goes away, what comes up, and its odds. The definition is that of [`super`].
+
+use super::{Pairs, SAME, TextEdit};
+use evidence::{Evidence, Rate, STRONG, Subject};
+use std::collections::BTreeMap;
+
+/// Decades for an edit if requirements alone disagree, or for one of a duration if those with a limit of time alone do.
+pub(super) const STRUCTURE: f64 = 1.0;
+
+/// The least and the most that an edit takes of what it explains.
+const SHARES: [f64; 2] = [0.03, 0.97];
+
+/// Decades by which what two numbers of one place explain differs, if both play no part.
+const ALIKE: f64 = 0.05;
+
+/// An edit with what it explains.
+pub(super) struct Explained {
+    pub(super) edit: TextEdit,
+    /// The pairs that do not disagree strongly any more, with what goes away.
+    pub(super) pairs: Pairs,
+    /// What goes away, less what comes up: sums over subjects of the strongest.
+    pub(super) score: f64,
+    /// How well all agree on what it explains, and what the structure adds; in decades.
+    pub(super) agreement: f64,
+    /// Decades for or against it before the evidence.
+    pub(super) prior: f64,
+    /// The odds of all edits of its place that explain something: they accuse one asset.
+    pub(super) odds: f64,
+    /// Requirements that evidence misses now and meets with the edit, one clause each.
+    pub(super) hides: Vec<String>,
+}
+
+/// What goes away if something is changed, and how well all agree then.
+pub(super) struct Balance {
+    pairs: Pairs,
+    score: f64,
+    agreement: f64,
+}
+
+impl Balance {
+    pub(super) fn weight(&self) -> f64 {
+        self.score + self.agreement
+    }
+}
+
+/// What a change explains, if it makes little worse.
+pub(super) fn balance(
+    before: &Pairs,
+    after: &Pairs,
+    is_timed: &dyn Fn(&Subject) -> bool,
+) -> Option<Balance> {
+    let mut subjects: BTreeMap<&Subject, [f64; 2]> = BTreeMap::new();
+    for (pair, was) in before {
+        // A rate that is lost explains nothing.
+        let is = *after.get(pair)?;
+        let most = subjects.entry(&pair.2).or_insert([f64::NEG_INFINITY; 2]);
+        *most = [most[0].max(*was), most[1].max(is)];
+    }
+    let (mut gone, mut come, mut agreement) = (0.0, 0.0, 0.0);
+    let mut mended: Vec<&Subject> = Vec::new();
+    for (subject, [was, is]) in &subjects {
+        come += (is.max(0.0) - was.max(0.0)).max(0.0);
+        if *was > STRONG && *is <= STRONG {
+            gone += was - is.max(0.0);
+            agreement += (-is).max(0.0);
+            mended.push(subject);
+        }
+    }
+    let is_mode = |subject: &Subject| matches!(subject, Subject::FailureMode(_));
+    let mut modes = subjects.iter().filter(|(subject, _)| is_mode(subject));
+    let modes_agree = subjects.keys().any(|subject| is_mode(subject))
+        && modes.all(|(_, [was, _])| *was <= STRONG);
+    let is_plain = mended
+        .iter()
+        .any(|subject| !is_mode(subject) && !is_timed(subject));
+    if modes_agree && is_plain {
+        agreement += STRUCTURE;
+    }
+    let pairs = before
+        .iter()
+        .filter(|(pair, was)| **was > STRONG && mended.contains(&&pair.2));
+    let pairs = pairs.map(|(pair, was)| (pair.clone(), was - after.get(pair).unwrap_or(was)));
+    let score = gone - come;
+    (score > STRONG && come <= STRONG).then(|| Balance {
+        pairs: pairs.collect(),
+        score,
+        agreement,
+    })
+}
+
+/// What an edit explains, if it makes little worse.
+pub(super) fn explained(
+    edit: TextEdit,
+    before: &Pairs,
+    after: &Pairs,
+    is_timed: &dyn Fn(&Subject) -> bool,
+) -> Option<Explained> {
+    let found = balance(before, after, is_timed)?;
+    let is_only_timed = found.pairs.keys().all(|(.., subject)| is_timed(subject))
+        && before
+            .iter()
+            .any(|((.., subject), was)| *was <= STRONG && !is_timed(subject));
+    let structure = match edit.is_of_time() && is_only_timed {
+        true => STRUCTURE,
+        false => 0.0,
+    };
+    Some(Explained {
+        edit,
+        pairs: found.pairs,
+        score: found.score,
+        agreement: found.agreement + structure,
+        prior: 0.0,
+        odds: 0.0,
+        hides: Vec::new(),
+    })
+}
+
+/// Takes out other numbers of one place that do the same, unless something says one of them: a duration that may be any, as
+/// long as it is long, explains nothing by its value.
+pub(super) fn drop_limits_that_play_no_part(found: &mut Vec<Explained>) {
+    let plays_no_part = |it: &Explained| {
+        let twin = |other: &&Explained| {
+            let is_alike = (other.agreement - it.agreement).abs() < ALIKE
+                && (other.score - it.score).abs() < ALIKE;
+            other.edit.is_of_place(&it.edit) && other.edit.new != it.edit.new && is_alike
+        };
+        !it.edit.is_said && it.edit.is_number() && found.iter().any(|other| twin(&other))
+    };
+    let kept: Vec<bool> = found.iter().map(|it| !plays_no_part(it)).collect();
+    let mut kept = kept.into_iter();
+    found.retain(|_| kept.next().unwrap_or(true));
+}
+
+impl Explained {
+    /// Whether all that it makes agree is then the same in every run of every piece: who judges all runs alike agrees on
+    /// anything.
+    pub(super) fn is_constant(&self, evidence: &[Evidence]) -> bool {
+        let is_extreme = |rate: Rate| match rate {
+            Rate::Counted { count, trials } => count <= 0.0 || count >= trials,
+            Rate::Computed(value) => value <= SAME || value >= 1.0 - SAME,
+            Rate::Never => true,
+        };
+        let rate = |id: &String, subject: &Subject| {
+            let piece = evidence.iter().find(|piece| &piece.id == id)?;
+            Rate::on(piece, subject)
+        };
+        self.pairs.keys().all(|(one, other, subject)| {
+            let rates = [one, other].map(|id| rate(id, subject));
+            rates.into_iter().flatten().all(is_extreme)
+        })
+    }
+
+    /// Its odds against the system models.
+    pub(super) fn own_odds(&self) -> f64 {
+        10.0_f64.powf(self.agreement + self.prior)
+    }
+
+    /// The part of what it explains that it takes from the system models.
+    pub(super) fn share(&self) -> f64 {
+        (self.odds / (1.0 + self.odds)).clamp(SHARES[0], SHARES[1])
+    }
+
+    /// By what it is ranked among the edits.
+    pub(super) fn weight(&self) -> f64 {
+        self.score + self.agreement + self.prior
+    }
+
+    pub(super) fn in_words(&self) -> String {
+        let edit = &self.edit;
+        format!("{} ({}: `{}`)", edit.file, edit.part, edit.new)
+    }
+}

@@ -1,0 +1,64 @@
+//! A piece of evidence with what its tables have the wrong way round exchanged.
+//!
+//! # Definition
+//! What [`super::names`] or [`super::columns`] find is put right in all findings that it touches: the counts of two failure
+//! modes or requirements, or kept and violated of all requirements. Intervals are left as they are: they are of other counts.
+//!
+//! # Guarantee
+//! Rates ([`super::strength::Rate`]) are those that the exchanged table would give.
+
+use super::columns::has_columns_exchanged;
+use super::names::{MixedUp, mixed_up};
+use crate::{Evidence, Measure, Subject};
+
+/// The piece as its tables would give it if they were put right, if the other evidence says that they are not.
+pub fn put_right(
+    evidence: &[Evidence],
+    piece: &Evidence,
+    margin: &dyn Fn(&Subject) -> f64,
+) -> Option<Evidence> {
+    let is_table = piece.technique.traits().is_counted_by_people || piece.published;
+    if !is_table {
+        return None;
+    }
+    if has_columns_exchanged(evidence, piece, margin) {
+        return Some(with_columns(piece));
+    }
+    mixed_up(evidence, piece, margin).map(|found| with_names(piece, &found))
+}
+
+fn with_columns(piece: &Evidence) -> Evidence {
+    let mut piece = piece.clone();
+    for finding in &mut piece.findings {
+        if let (Subject::Requirement(_), Measure::Counts { count, trials, .. }) =
+            (&finding.subject, &mut finding.measure)
+        {
+            *count = trials.saturating_sub(*count);
+        }
+    }
+    piece
+}
+
+fn with_names(piece: &Evidence, found: &MixedUp<'_>) -> Evidence {
+    let [a, b] = found.modes;
+    let measure = |subject: &Subject| piece.finding(subject).map(|it| it.measure.clone());
+    let (of_a, of_b) = (measure(a), measure(b));
+    let mut exchanged = piece.clone();
+    for finding in &mut exchanged.findings {
+        let other = match &finding.subject {
+            subject if subject == a => of_b.as_ref(),
+            subject if subject == b => of_a.as_ref(),
+            _ => None,
+        };
+        let Some(other) = other else { continue };
+        match (&mut finding.measure, other) {
+            (Measure::Counts { count, .. }, Measure::Counts { count: theirs, .. })
+                if !found.is_whole =>
+            {
+                *count = *theirs;
+            }
+            (own, other) => *own = other.clone(),
+        }
+    }
+    exchanged
+}
