@@ -60,7 +60,7 @@ Examples:
   corroborate explain conflicts                 what a word or a diagnostic means
 
 Exit codes:
-  0 all requirements satisfied, evidence agrees     1 violated, or evidence conflicts
+  0 all requirements satisfied, nothing conflicts   1 violated, or evidence conflicts
   2 error in the call or the input                  3 inconclusive, or data lost
   101 a bug of ours                                 130 interrupted"
 )]

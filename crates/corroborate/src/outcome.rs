@@ -3,7 +3,7 @@
 /// How a command that could do its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
-    /// All requirements are satisfied on the step that they need, and the evidence agrees.
+    /// All requirements are satisfied on the step that they need, and no current evidence conflicts.
     Holds,
     /// It was interrupted before what was planned was over; what was found so
     /// far is kept.

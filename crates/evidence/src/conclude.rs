@@ -115,7 +115,7 @@ use crate::{
     Comparison, Conclusion, Denominator, Direction, ErrorRate, Evidence, Finding, Interval,
     Measure, Outcome, Requirement, Standing, Subject, Technique, Threshold,
 };
-use common::common_bound;
+use common::{common_bound, over_the_same_runs};
 use judge::{Asked, Level};
 pub(crate) use limits::of_tests;
 pub(crate) use stand::at_one_look;
@@ -185,7 +185,8 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
     let judged = asked.judge(level);
     let (verdict, step) = ladder::decide(&judged, &asked.conflicts());
     let confidence = study.levels.confidence;
-    let bound = common_bound(&asked.pieces, asked.threshold.direction, confidence);
+    let together = over_the_same_runs(&asked.pieces);
+    let bound = common_bound(&together, asked.threshold.direction, confidence);
     let excluded = excluded::excluded(study, asked, level, (verdict, step));
     let statement = statement::Statement {
         asked,

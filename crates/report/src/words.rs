@@ -56,6 +56,29 @@ pub fn concluded(conclusion: &Conclusion) -> Mark {
     mark
 }
 
+/// The requirements by what is concluded of them and on which step: what stands for a model alone is not told with what stands
+/// for the system.
+pub fn tally(study: &StudyResult) -> Vec<(Mark, Vec<&str>)> {
+    let mut found: Vec<(Mark, Vec<&str>)> = Vec::new();
+    for verdict in VERDICTS {
+        let own = study.conclusions.iter().filter(|it| it.verdict == verdict);
+        let mut of_verdict: Vec<(Option<Step>, Mark, Vec<&str>)> = Vec::new();
+        for conclusion in own {
+            let mark = concluded(conclusion);
+            let id = conclusion.requirement.as_str();
+            let mut known = of_verdict.iter_mut();
+            match known.find(|(_, other, _)| other.word == mark.word && other.tone == mark.tone) {
+                Some((.., ids)) => ids.push(id),
+                None => of_verdict.push((conclusion.step, mark, vec![id])),
+            }
+        }
+        // The strongest first.
+        of_verdict.sort_by(|a, b| b.0.cmp(&a.0));
+        found.extend(of_verdict.into_iter().map(|(_, mark, ids)| (mark, ids)));
+    }
+    found
+}
+
 /// How a piece stands to what is required, as the conclusion says.
 pub fn standing(requirement: &Requirement, standing: Standing, measure: &Measure) -> Mark {
     let Some(threshold) = requirement.threshold else {

@@ -14,6 +14,7 @@
 //!   combined, because that prior would hold them together against their counts.
 //! * There is one piece: its own interval.
 //! * Two pieces conflict: nothing is combined.
+//! * Some are trials of the system, others stand for it, and not every pair of them is shown to agree: nothing is combined.
 //!
 //! Beside it stands the sound common statement, which combines nothing: what every current piece
 //! supports, at the study's level (see `conclude`).
@@ -28,8 +29,10 @@
 //! Where the true rates are one, the interval covers it at the study's level on average. It says
 //! nothing of dependence that is not declared.
 
-use super::common::{common_bound, common_statement};
-use super::{Piece, among_current, current, independent_among, quantity, superseded, threshold_of};
+use super::common::{common_bound, common_statement, over_the_same_runs};
+use super::{
+    Piece, among_current, current, independent_among, is_trial, quantity, superseded, threshold_of,
+};
 use crate::compare::words::{list, p_value, percent};
 use crate::compare::{Belief, Lineage, Study};
 use crate::{Comparison, Direction, Evidence, Interval, Outcome, Requirement, Subject};
@@ -160,11 +163,18 @@ fn combined(
         let confidence = study.levels.confidence;
         match chosen.as_slice() {
             [only] => alone(only, confidence, &mut result),
+            _ if !result.corroborated && is_of_several_steps(&chosen) => {}
             _ => estimate(&chosen, confidence, &mut result),
         }
     }
     result.statement = statement(&result, conflict, study.levels.confidence);
     result
+}
+
+/// Whether trials of the system would be pooled with what stands for it.
+fn is_of_several_steps(chosen: &[Chosen<'_>]) -> bool {
+    let trials = chosen.iter().filter(|it| is_trial(it.piece.evidence));
+    (1..chosen.len()).contains(&trials.count())
 }
 
 /// What every current piece supports.
@@ -175,7 +185,8 @@ fn common(
 ) -> Option<CommonBound> {
     let direction = threshold_of(requirement).direction;
     let confidence = study.levels.confidence;
-    let value = common_bound(pieces, direction, confidence)?;
+    let pieces = over_the_same_runs(pieces);
+    let value = common_bound(&pieces, direction, confidence)?;
     let pieces: Vec<String> = pieces.iter().map(|p| p.evidence.id.clone()).collect();
     Some(CommonBound {
         direction,
@@ -202,6 +213,10 @@ fn together_in_words(result: &Combined, conflict: bool, confidence: Confidence) 
             None => "Nothing to pool: no evidence takes part.".to_owned(),
             _ if conflict => format!("Not pooled: {who} are independent and conflict."),
             _ if ids.is_empty() => "Not pooled: no independent evidence is counted.".to_owned(),
+            _ if result.p_heterogeneity.is_none() => format!(
+                "Not pooled: {who} are counted independently, of the system and of what stands for it, and their agreement \
+                 within the margin is not shown."
+            ),
             _ => {
                 let p = p_value(result.p_heterogeneity.unwrap_or(1.0));
                 format!("{who} are too heterogeneous to pool (homogeneity test, p {p}).")
@@ -268,6 +283,10 @@ fn chosen<'a>(
     // What is computed takes no part, so that no count is left out for it.
     let is_counted = |at: &usize| pieces[*at].belief.worth_in_counts().is_some();
     let places = (0..pieces.len()).filter(is_counted);
+    let same_runs: Vec<&str> = over_the_same_runs(pieces)
+        .into_iter()
+        .map(|piece| piece.evidence.id.as_str())
+        .collect();
     let free = independent_among(pieces, places.collect(), lineage, quantity);
     let mut chosen = Vec::new();
     for (index, piece) in pieces.iter().enumerate() {
@@ -275,6 +294,7 @@ fn chosen<'a>(
         let weight = weights.of(&id);
         let reason = match piece.belief.worth_in_counts() {
             _ if weight <= 0.0 => "has a declared weight of 0",
+            Some(_) if !same_runs.contains(&id.as_str()) => "is over other runs",
             Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",
             None if matches!(piece.belief, Belief::Known { .. } | Belief::Range { .. }) => {
                 "is computed, not counted"

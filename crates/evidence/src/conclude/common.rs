@@ -1,8 +1,8 @@
 //! What all current evidence on a requirement supports at once.
 //!
 //! # Definition
-//! The common bound is the smallest one-sided lower limit of all current pieces (for a requirement of
-//! "at most": the largest upper limit), each at the level `1 - alpha`. The limits are those of the tests by which
+//! The common bound is the smallest one-sided lower limit of all current pieces whose numbers are over the same runs (for a
+//! requirement of "at most": the largest upper limit), each at the level `1 - alpha`. The limits are those of the tests by which
 //! verdicts are made (`limits`), so that one piece has one limit at one level. The bound is above the rate of some
 //! piece only if it is above the smallest of the rates, and then the limit of the piece with that rate
 //! is wrong: so *all rates are at least the bound* holds with confidence `1 - alpha` whatever the number
@@ -34,17 +34,30 @@
 //! | 0.9, 0.9, 0.9, 0.9 | all | 100.0 (0.636) | 100.0 (0.566) |
 //! | 0.85, 0.95, 0.95, 0.95 | all | 100.0 (0.649) | 100.0 (0.579) |
 
-use super::Piece;
 use super::limits::limits;
 use super::stand::ClaimLevels;
 use super::words::{percent_down, percent_up};
+use super::{Piece, is_trial};
 use crate::compare::words::{list, percent};
 use crate::{Direction, Threshold};
 use stats::Confidence;
 
+/// The pieces whose numbers are over the same runs as those of the system, or, without such, as those of the first that counts:
+/// numbers over other runs are of another rate, and support nothing together with these.
+pub(super) fn over_the_same_runs<'p, 'a>(pieces: &'p [Piece<'a>]) -> Vec<&'p Piece<'a>> {
+    let mut trials = pieces.iter().filter(|piece| is_trial(piece.evidence));
+    let mut counted = pieces.iter().filter(|piece| piece.counted.is_some());
+    let reference = trials.next().or_else(|| counted.next());
+    let Some(reference) = reference.or(pieces.first()) else {
+        return Vec::new();
+    };
+    let is_same = |piece: &&Piece<'_>| piece.finding.is_over_the_same_runs(reference.finding);
+    pieces.iter().filter(is_same).collect()
+}
+
 /// What all pieces support at once: "at least" or "at most" this, as the requirement asks.
 pub(super) fn common_bound(
-    pieces: &[Piece<'_>],
+    pieces: &[&Piece<'_>],
     direction: Direction,
     level: Confidence,
 ) -> Option<f64> {
@@ -53,7 +66,7 @@ pub(super) fn common_bound(
         direction,
         value: 0.5,
     };
-    let of = |piece: &Piece<'_>| limits(&piece.belief, asked, ClaimLevels::both(level));
+    let of = |piece: &&Piece<'_>| limits(&piece.belief, asked, ClaimLevels::both(level));
     let all = pieces.iter().map(of);
     match direction {
         Direction::AtLeast => all.map(|limits| limits.low).reduce(f64::min),

@@ -57,10 +57,28 @@ impl Statement<'_> {
             Verdict::Satisfied => format!("{asked} is supported {}.", by(self.step)),
             Verdict::Violated => format!("{asked} is refuted {}.", by(self.step)),
             Verdict::Undecided => format!("{asked} is neither supported nor refuted."),
+            Verdict::Conflicting if self.is_left_open_without_conflict() => format!(
+                "{asked} is neither supported nor refuted, and pieces of evidence that stand for the system conflict."
+            ),
             Verdict::Conflicting => {
                 format!("{asked} is not decided, because pieces of evidence conflict.")
             }
         }
+    }
+
+    /// Whether no conflict is with trials of the system, and these by themselves decide nothing.
+    fn is_left_open_without_conflict(&self) -> bool {
+        let of_system = |it: &&Judged| it.standing.step == Step::System && !it.standing.elsewhere;
+        let trials: Vec<&Judged> = self.judged.iter().filter(of_system).collect();
+        let is_trial = |id: &String| trials.iter().any(|it| &it.standing.evidence == id);
+        let mut conflicts = self.asked.among.iter();
+        !trials.is_empty()
+            && trials
+                .iter()
+                .all(|it| it.standing.standing == Standing::Neither)
+            && !conflicts.any(|it| {
+                it.outcome == Outcome::Conflicts && (is_trial(&it.left) || is_trial(&it.right))
+            })
     }
 
     /// The figures of all current pieces by step, the strongest first.

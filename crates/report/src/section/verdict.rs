@@ -33,14 +33,8 @@ pub fn render(view: View) -> Markup {
 fn tally(study: &StudyResult) -> Markup {
     html! {
         ul class="tally" {
-            @for verdict in words::VERDICTS {
-                @let ids: Vec<&str> = study.conclusions.iter()
-                    .filter(|c| c.verdict == verdict)
-                    .map(|c| c.requirement.as_str())
-                    .collect();
-                @if !ids.is_empty() {
-                    li { (chip(&words::verdict(verdict))) " " span class="ids" { (ids.join(", ")) } }
-                }
+            @for (mark, ids) in words::tally(study) {
+                li { (chip(&mark)) " " span class="ids" { (ids.join(", ")) } }
             }
         }
     }
@@ -117,7 +111,7 @@ fn agreement(study: &StudyResult) -> Markup {
     html! {
         div class="pair" {
             (agreement_list("Agreement that is independent",
-                "Neither was calibrated on the other, so the agreement is independent.",
+                "No constant of one that bears on the requirement was set to counts of the other, and neither is a copy.",
                 "No agreement between techniques is independent.", &independent))
             (agreement_list("Agreement that is only a fit",
                 "One side was tuned to the other, so it had to agree: this is no confirmation.",
