@@ -7,7 +7,7 @@
 //!
 //! | | URDF | SDF | MJCF |
 //! |---|---|---|---|
-//! | links, inertias, primitives, meshes (STL, OBJ) | yes | yes | yes |
+//! | links, inertias, primitives, meshes (STL, OBJ, MSH) | yes | yes | yes |
 //! | joints | all; planar as three | all but gearbox; screw as two that are coupled | hinge, slide, ball, free; several to a body |
 //! | frames | origins | `relative_to`, `attached_to`, `expressed_in`, placement frames | `frame`, `childclass`, every orientation |
 //! | files | meshes | includes, meshes | includes, meshes |
