@@ -99,7 +99,7 @@ fn reduction(reader: &mut Reader<'_, '_>, element: &Element, name: &str) {
         let what = format!("the reduction {} is not modelled", child.text);
         let consequence = "commands and forces are those at the joint; the motor has no inertia";
         let path = format!("{}/{name}", element.name);
-        reader.gap(&child.place, path, what, Effect::Motion, consequence);
+        reader.gap(&child.place, path, what, Effect::Control, consequence);
     }
 }
 

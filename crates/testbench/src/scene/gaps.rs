@@ -97,6 +97,13 @@ fn not_taken(file: &str, model: &Model) -> Vec<SceneGap> {
             "they are held where they are",
         ),
         gap(
+            braked(model),
+            "joint",
+            "that are free with damping, dry friction or a drive's inertia",
+            "motion",
+            "a scene's free links move without them",
+        ),
+        gap(
             drives.collect(),
             "drive",
             "described, which a scene does not take",
@@ -136,6 +143,21 @@ fn held(model: &Model) -> Vec<String> {
     let held = joints
         .filter(|joint| joint.kind == JointKind::Free && model.links[joint.link].parent.is_some());
     held.map(|joint| joint.name.clone()).collect()
+}
+
+/// Free joints with more than freedom.
+fn braked(model: &Model) -> Vec<String> {
+    let joints = model.joints.iter();
+    let braked = joints.filter(|joint| {
+        joint.kind == JointKind::Free
+            && [
+                joint.damping,
+                joint.friction,
+                joint.armature,
+                joint.stiffness,
+            ] != [0.0; 4]
+    });
+    braked.map(|joint| joint.name.clone()).collect()
 }
 
 /// Names of shapes that are touched and have a property, with their links.
