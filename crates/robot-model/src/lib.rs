@@ -7,7 +7,7 @@
 //!
 //! | | URDF | SDF | MJCF |
 //! |---|---|---|---|
-//! | links, inertias, primitives, meshes (STL, OBJ) | yes | yes | yes |
+//! | links, inertias, primitives, meshes (STL, OBJ, MSH) | yes | yes | yes |
 //! | joints | all; planar as three | all but gearbox; screw as two that are coupled | hinge, slide, ball, free; several to a body |
 //! | frames | origins | `relative_to`, `attached_to`, `expressed_in`, placement frames | `frame`, `childclass`, every orientation |
 //! | files | meshes | includes, meshes | includes, meshes |
@@ -27,10 +27,12 @@ pub mod actuator;
 mod assembly;
 mod checks;
 pub mod diagnostics;
+mod dynamics;
 mod kinematics;
 pub mod mesh;
 mod mjcf;
 pub mod model;
+mod packages;
 pub mod pose;
 mod reader;
 mod sdf;
@@ -44,10 +46,12 @@ mod xml;
 pub use actuator::{Actuator, ActuatorKind, Coupling};
 pub use assembly::{Assembly, Base, NameTaken};
 pub use diagnostics::{Effect, Gap, Place, Problem, Problems};
+pub use dynamics::Unphysical;
 pub use kinematics::WrongSize;
 pub use mesh::Mesh;
 pub use mjcf::parse_mjcf;
 pub use model::{Format, Joint, JointKind, Link, Mark, Model};
+pub use packages::package_paths;
 pub use pose::Pose;
 pub use reader::{Loaded, Resolver};
 pub use sdf::parse_sdf;

@@ -296,7 +296,7 @@ impl Model {
     #[must_use]
     pub fn total_mass_kg(&self) -> f64 {
         let inertials = self.links.iter().filter_map(|link| link.inertial.as_ref());
-        inertials.map(|inertial| inertial.mass_kg).sum()
+        inertials.fold(0.0, |sum, inertial| sum + inertial.mass_kg)
     }
 
     /// Degrees of freedom of all joints.

@@ -24,6 +24,8 @@ pub struct Loaded {
     pub gaps: Vec<Gap>,
     /// What is probably wrong, though it could be loaded (inertias no body can have, a moving link without mass).
     pub warnings: Vec<Problem>,
+    /// Where each link stands in the text.
+    pub places: Vec<Place>,
 }
 
 /// Numbers beyond this are mistakes: no robot has a length, mass or stiffness like it, and sums of them overflow.
@@ -48,6 +50,8 @@ pub(crate) struct Reader<'r, 's> {
     pub warnings: Vec<Problem>,
     pub problems: Vec<Problem>,
     pub meshes: Vec<Mesh>,
+    /// Where the model's links stand in the text, in their order.
+    pub link_places: Vec<Place>,
     /// Files that could not be had: gaps, unless something else fails because of them.
     missing: Vec<Problem>,
     mesh_index: BTreeMap<(String, [u64; 3], bool), Option<usize>>,
@@ -63,6 +67,7 @@ impl<'r, 's> Reader<'r, 's> {
             warnings: vec![],
             problems: vec![],
             meshes: vec![],
+            link_places: vec![],
             missing: vec![],
             mesh_index: BTreeMap::new(),
             files: 0,
@@ -79,6 +84,7 @@ impl<'r, 's> Reader<'r, 's> {
                     model,
                     gaps: self.gaps,
                     warnings: self.warnings,
+                    places: self.link_places,
                 })
             }
             _ => {
@@ -169,10 +175,19 @@ impl<'r, 's> Reader<'r, 's> {
         }
     }
 
-    /// Numbers separated by spaces; a wrong one is a problem and reads as `None`.
+    /// Numbers separated by spaces, or by commas with a warning, as other readers take them; a wrong one is a problem and reads as `None`.
     pub fn numbers(&mut self, place: &Place, what: &str, text: &str) -> Option<Vec<f64>> {
         let mut found = vec![];
-        for word in text.split_ascii_whitespace() {
+        if text.contains(',') {
+            let message = format!("{what} has commas (\"{}\")", shortened(text));
+            self.warn(
+                place,
+                message,
+                "separate numbers by spaces only; they are read as if",
+            );
+        }
+        let separates = |character: char| character.is_ascii_whitespace() || character == ',';
+        for word in text.split(separates).filter(|word| !word.is_empty()) {
             match word.parse::<f64>() {
                 Ok(number) if number.abs() <= LARGEST => found.push(number),
                 Ok(number) => {
@@ -250,6 +265,17 @@ impl<'r, 's> Reader<'r, 's> {
         let what = format!("{}/{name}", element.name);
         self.exactly::<1>(&child.place, &what, &child.text)
             .map(|[number]| number)
+    }
+
+    /// A size of a shape: positive, or `None`: after a gap if it is 0, since nothing can touch such a shape, or else after
+    /// a problem.
+    pub fn size(&mut self, place: &Place, what: &str, number: f64) -> Option<f64> {
+        if number != 0.0 {
+            return self.positive(place, what, number);
+        }
+        let consequence = "the shape is left out, so nothing touches it";
+        self.gap(place, what, "a size of 0", Effect::Contact, consequence);
+        None
     }
 
     /// A size: positive, or a problem (and `None`).

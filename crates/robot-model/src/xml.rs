@@ -108,6 +108,8 @@ pub(crate) fn start_of(file: &str) -> Place {
 pub(crate) fn read(file: &str, text: &str) -> Result<Element, Problem> {
     // A byte order mark before the declaration is common on some systems.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // Programs in C write the end of their strings along.
+    let text = text.trim_end_matches('\0');
     let options = roxmltree::ParsingOptions {
         allow_dtd: false,
         nodes_limit: MAX_NODES,

@@ -1,10 +1,11 @@
 //! What is in a description of a robot or a scene: its tree, and what of it a simulation would not have.
 
 use diagnostic::{Problem, Source};
-use robot_model::{Gap, Loaded, Model, Role};
+use robot_model::{Loaded, Model, Role, package_paths};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use testbench::scene::{SceneGap, description_gaps};
 
 /// Whether a file is a description, by the ending of its name.
 pub(super) fn is_description(path: &Path) -> bool {
@@ -35,10 +36,14 @@ pub struct DescriptionReport {
     sensors: Vec<String>,
     /// Names of the drives.
     drives: Vec<String>,
-    /// What the tree does not hold.
+    /// What a scene with it lacks, but for what is probably wrong.
     gaps: Vec<GapForm>,
     /// What is probably wrong, with places.
     warnings: Vec<String>,
+    /// Why a simulation refuses it, whether or not its base is fixed, with places.
+    refused: Vec<String>,
+    /// Why a simulation refuses it unless its base is fixed.
+    refused_unless_fixed: Vec<String>,
 }
 
 /// A link.
@@ -68,8 +73,9 @@ struct JointForm {
 #[derive(Debug, Serialize, JsonSchema)]
 struct GapForm {
     file: String,
-    line: u32,
-    column: u32,
+    /// None: it concerns the whole.
+    line: Option<u32>,
+    column: Option<u32>,
     element: String,
     what: String,
     /// motion, contact, sensing, control, looks or nothing.
@@ -81,8 +87,12 @@ impl DescriptionReport {
     /// What is in the description of this file.
     pub fn new(file: String, loaded: &Loaded) -> Self {
         let model = &loaded.model;
+        let lacking = description_gaps(&file, loaded);
+        let refused = loaded.refusals(true);
+        let mut unless_fixed = loaded.refusals(false);
+        unless_fixed.retain(|refusal| !refused.contains(refusal));
         Self {
-            format: "1.0".into(),
+            format: "1.1".into(),
             file,
             language: model.format.to_string(),
             name: model.name.clone(),
@@ -111,8 +121,14 @@ impl DescriptionReport {
                 .iter()
                 .map(|drive| drive.name.clone())
                 .collect(),
-            gaps: loaded.gaps.iter().map(gap_form).collect(),
+            gaps: lacking
+                .into_iter()
+                .filter(|gap| gap.effect != "doubt")
+                .map(gap_form)
+                .collect(),
             warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
+            refused: refused.iter().map(ToString::to_string).collect(),
+            refused_unless_fixed: unless_fixed.iter().map(ToString::to_string).collect(),
         }
     }
 }
@@ -132,7 +148,12 @@ fn resolved(file: &Path, packages: &[PathBuf], address: &str) -> Result<Vec<u8>,
     let candidates = match address.split_once("://") {
         None => vec![PathBuf::from(address)],
         Some(("file", path)) => vec![PathBuf::from(path)],
-        Some(("package" | "model", path)) => in_packages(file, packages, path),
+        Some(("package" | "model", named)) => {
+            let whole = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+            let around = package_paths(&whole.to_string_lossy(), address);
+            let given = packages.iter().map(|folder| folder.join(named));
+            given.chain(around.into_iter().map(PathBuf::from)).collect()
+        }
         Some((scheme, _)) => return Err(format!("{scheme}:// is not fetched")),
     };
     for candidate in &candidates {
@@ -141,19 +162,6 @@ fn resolved(file: &Path, packages: &[PathBuf], address: &str) -> Result<Vec<u8>,
         }
     }
     Err("no such file; name the folder of its packages".to_owned())
-}
-
-fn in_packages(file: &Path, packages: &[PathBuf], path: &str) -> Vec<PathBuf> {
-    let whole = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-    let mut found: Vec<PathBuf> = packages.iter().map(|folder| folder.join(path)).collect();
-    let (package, inside) = path.split_once('/').unwrap_or((path, ""));
-    for folder in whole.ancestors().skip(1) {
-        if folder.file_name().is_some_and(|name| name == package) {
-            found.push(folder.join(inside));
-        }
-        found.push(folder.join(path));
-    }
-    found
 }
 
 /// The problems, each shown in the text where it is in this file.
@@ -201,15 +209,15 @@ fn link_form(model: &Model, index: usize) -> LinkForm {
     }
 }
 
-fn gap_form(gap: &Gap) -> GapForm {
+fn gap_form(gap: SceneGap) -> GapForm {
     GapForm {
-        file: gap.place.file.to_string(),
-        line: gap.place.line,
-        column: gap.place.column,
-        element: gap.element.clone(),
-        what: gap.what.clone(),
-        effect: gap.effect.to_string(),
-        consequence: gap.consequence.clone(),
+        file: gap.file,
+        line: gap.place.map(|[line, _]| line),
+        column: gap.place.map(|[_, column]| column),
+        element: gap.element,
+        what: gap.what,
+        effect: gap.effect,
+        consequence: gap.consequence,
     }
 }
 

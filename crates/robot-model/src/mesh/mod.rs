@@ -1,6 +1,7 @@
-//! Triangle meshes: STL (binary and text) and Wavefront OBJ.
+//! Triangle meshes: STL (binary and text), Wavefront OBJ and MuJoCo's MSH.
 
 mod hollow;
+mod msh;
 mod obj;
 mod stl;
 mod volume;
@@ -73,6 +74,7 @@ pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Triangles, MeshError> {
     let read = match ending.as_str() {
         "stl" | "stlb" => stl::read(bytes)?,
         "obj" => obj::read(bytes)?,
+        "msh" => msh::read(bytes)?,
         _ => return Err(MeshError::Format(ending)),
     };
     let finite = read.vertices.iter().flatten().all(|x| x.abs() < 1e9);

@@ -23,9 +23,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, MeshError> {
                     .map(|word| corner_index(word, result.vertices.len()))
                     .collect();
                 let corners = corners.ok_or_else(|| damaged("a face names no known vertex"))?;
-                if corners.len() < 3 {
-                    return Err(damaged("a face has at least three vertices"));
-                }
+                // One with fewer has no area.
                 let fan = corners.windows(2).skip(1);
                 result
                     .triangles

@@ -163,15 +163,12 @@ impl Context<'_, '_, '_> {
             places,
             &mut masses,
         );
-        model.links[index].inertial = match self.compiler.from_geoms {
+        let given = match self.compiler.from_geoms {
             FromGeoms::Always => masses.of_geoms.or(masses.given),
             FromGeoms::IfMissing => masses.given.or(masses.of_geoms),
             FromGeoms::Never => masses.given,
         };
-        let smallest = self.compiler.smallest_mass_kg;
-        if let Some(inertial) = &mut model.links[index].inertial {
-            inertial.mass_kg = inertial.mass_kg.max(smallest);
-        }
+        model.links[index].inertial = self.compiler.bounded(given);
     }
 
     fn site(&mut self, element: &Element, around: &Around, own: Option<usize>, model: &mut Model) {
@@ -209,7 +206,9 @@ impl Context<'_, '_, '_> {
             centre_m: [0.0; 3],
             tensor_kg_m2,
         };
-        checks::inertia(self.reader, &element.place, link, &own);
+        if !self.compiler.balances {
+            checks::inertia(self.reader, &element.place, link, &own);
+        }
         let pose = self.compiler.pose(self.reader, element);
         Some(own.placed(&frame.then(&pose)))
     }

@@ -1,11 +1,13 @@
 //! `<compiler>`: units of angles, order of Euler angles, folders, where inertia comes from; and orientations.
 
 use crate::diagnostics::Effect;
+use crate::model::Model;
 use crate::pose::{
     Pose, Quaternion, about, cross, direction, dot, from_axes, multiply, normalized, scaled,
     subtract, z_axis_to,
 };
 use crate::reader::Reader;
+use crate::shape::Inertial;
 use crate::xml::Element;
 
 /// When a body's inertia is that of its geoms.
@@ -25,11 +27,16 @@ pub(super) struct Compiler {
     pub mesh_folder: String,
     pub strips_paths: bool,
     pub from_geoms: FromGeoms,
-    pub smallest_mass_kg: f64,
+    smallest_mass_kg: f64,
+    smallest_inertia_kg_m2: f64,
+    /// Whether moments that no body has become their mean.
+    pub balances: bool,
+    /// What all masses together are scaled to, if it is positive.
+    total_mass_kg: f64,
     pub inertia_groups: [f64; 2],
 }
 
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 13] = [
     "angle",
     "autolimits",
     "eulerseq",
@@ -40,6 +47,9 @@ const KNOWN: [&str; 10] = [
     "inertiafromgeom",
     "inertiagrouprange",
     "boundmass",
+    "boundinertia",
+    "balanceinertia",
+    "settotalmass",
 ];
 
 impl Compiler {
@@ -53,6 +63,9 @@ impl Compiler {
             strips_paths: false,
             from_geoms: FromGeoms::IfMissing,
             smallest_mass_kg: 0.0,
+            smallest_inertia_kg_m2: 0.0,
+            balances: false,
+            total_mass_kg: -1.0,
             inertia_groups: [0.0, 5.0],
         };
         for element in root.all("compiler") {
@@ -70,6 +83,7 @@ impl Compiler {
         };
         self.automatic_limits = flag("autolimits", self.automatic_limits);
         self.strips_paths = flag("strippath", self.strips_paths);
+        self.balances = flag("balanceinertia", self.balances);
         match element.get("angle") {
             Some("radian") => self.degrees = false,
             Some("degree") => self.degrees = true,
@@ -104,6 +118,12 @@ impl Compiler {
         if let Some(mass) = reader.number(element, "boundmass") {
             self.smallest_mass_kg = mass;
         }
+        if let Some(inertia) = reader.number(element, "boundinertia") {
+            self.smallest_inertia_kg_m2 = inertia;
+        }
+        if let Some(mass) = reader.number(element, "settotalmass") {
+            self.total_mass_kg = mass;
+        }
         if let Some(groups) = reader.attribute::<2>(element, "inertiagrouprange") {
             self.inertia_groups = groups;
         }
@@ -121,9 +141,7 @@ impl Compiler {
         ];
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
-            let is_default = name == "coordinate" && attribute.value == "local"
-                || matches!(name, "balanceinertia") && attribute.value == "false"
-                || name == "boundinertia" && attribute.value == "0";
+            let is_default = name == "coordinate" && attribute.value == "local";
             if KNOWN.contains(&name) || harmless.contains(&name) || is_default {
                 continue;
             }
@@ -131,6 +149,51 @@ impl Compiler {
             let what = format!("ignored (\"{}\")", attribute.value);
             let consequence = "masses or inertias may differ";
             reader.gap(&attribute.place, path, what, Effect::Motion, consequence);
+        }
+    }
+
+    /// A body's inertia with what every body has at least (`boundmass`, `boundinertia`), balanced if that is asked for.
+    pub fn bounded(&self, given: Option<Inertial>) -> Option<Inertial> {
+        let bounds = self.smallest_mass_kg > 0.0 || self.smallest_inertia_kg_m2 > 0.0;
+        if !bounds && !self.balances {
+            return given;
+        }
+        const NOTHING: Inertial = Inertial {
+            mass_kg: 0.0,
+            centre_m: [0.0; 3],
+            tensor_kg_m2: [0.0; 6],
+        };
+        let inertial = given.or(bounds.then_some(NOTHING))?;
+        let (moments, _) = inertial.principal_axes();
+        let mut bounded = moments.map(|moment| moment.max(self.smallest_inertia_kg_m2));
+        let sum: f64 = bounded.iter().sum();
+        if self.balances && bounded.iter().any(|moment| sum - moment < *moment) {
+            bounded = [sum / 3.0; 3];
+        }
+        let inertial = match bounded == moments {
+            true => inertial,
+            false => inertial.with_moments(bounded),
+        };
+        Some(Inertial {
+            mass_kg: inertial.mass_kg.max(self.smallest_mass_kg),
+            ..inertial
+        })
+    }
+
+    /// Scales masses and moments as `settotalmass` says. The world's geoms weigh nothing.
+    pub fn set_total_mass(&self, model: &mut Model) {
+        let sum_kg = model.total_mass_kg();
+        if self.total_mass_kg <= 0.0 || sum_kg <= 0.0 {
+            return;
+        }
+        let factor = self.total_mass_kg / sum_kg;
+        let inertials = model
+            .links
+            .iter_mut()
+            .filter_map(|link| link.inertial.as_mut());
+        for inertial in inertials {
+            inertial.mass_kg *= factor;
+            inertial.tensor_kg_m2 = inertial.tensor_kg_m2.map(|moment| moment * factor);
         }
     }
 

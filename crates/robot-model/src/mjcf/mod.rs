@@ -16,7 +16,6 @@ mod joints;
 
 use std::collections::BTreeMap;
 
-use crate::checks;
 use crate::diagnostics::{Effect, Problems};
 use crate::model::{Format, Model};
 use crate::reader::{Loaded, Reader, Resolver};
@@ -96,7 +95,8 @@ pub(crate) fn document(reader: &mut Reader<'_, '_>, mut root: Element) -> Option
             _ => context.reader.passed_over("mujoco", child, Effect::Motion),
         }
     }
-    checks::moving_masses(context.reader, &model, &places);
+    context.compiler.set_total_mass(&mut model);
+    context.reader.link_places = places;
     Some(model)
 }
 

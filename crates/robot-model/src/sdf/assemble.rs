@@ -86,7 +86,7 @@ pub(super) fn assemble(
     shared_masks(&mut model);
     mimics(reader, &collected, &mut model);
     strip(&mut model, prefix);
-    checks::moving_masses(reader, &model, &places);
+    reader.link_places = places;
     Some(model)
 }
 

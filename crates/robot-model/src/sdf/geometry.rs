@@ -60,7 +60,7 @@ fn geometry(
     let form = element.children.first()?;
     let mut size = |name: &str, default: f64| {
         let number = reader.child_number(form, name).unwrap_or(default);
-        reader.positive(&form.place, &format!("{}/{name}", form.name), number)
+        reader.size(&form.place, &format!("{}/{name}", form.name), number)
     };
     let geometry = match form.name.as_str() {
         "sphere" => Geometry::Sphere {
@@ -115,7 +115,7 @@ fn triple(
     let numbers = reader.exactly::<3>(&child.place, &what, &child.text)?;
     if positive {
         for number in numbers {
-            reader.positive(&child.place, &what, number)?;
+            reader.size(&child.place, &what, number)?;
         }
     }
     Some(numbers)

@@ -92,15 +92,14 @@ fn transmission(reader: &mut Reader<'_, '_>, element: &Element, model: &mut Mode
 }
 
 fn reduction(reader: &mut Reader<'_, '_>, element: &Element, name: &str) {
+    // Whatever stands there, it changes nothing at the joint; templates leave words.
     if let Some(child) = element.child(name)
-        && reader
-            .child_number(element, name)
-            .is_some_and(|ratio| ratio != 1.0)
+        && child.text.trim().parse() != Ok(1.0)
     {
         let what = format!("the reduction {} is not modelled", child.text);
         let consequence = "commands and forces are those at the joint; the motor has no inertia";
         let path = format!("{}/{name}", element.name);
-        reader.gap(&child.place, path, what, Effect::Motion, consequence);
+        reader.gap(&child.place, path, what, Effect::Control, consequence);
     }
 }
 

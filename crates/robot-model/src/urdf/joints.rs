@@ -101,6 +101,18 @@ fn freedoms(
             vec![limited(reader, element, joint, true)]
         }
         "planar" => planar(reader, element, name, axis),
+        "spherical" => {
+            let what = "the type spherical is none of URDF's own";
+            let consequence = "the joint is a ball joint without limits";
+            reader.gap(
+                &element.place,
+                "joint@type",
+                what,
+                Effect::Nothing,
+                consequence,
+            );
+            vec![with(name.to_owned(), JointKind::Ball)]
+        }
         other => {
             let message = format!("joint {name} is of type {other}");
             let remedy = "use fixed, revolute, continuous, prismatic, planar or floating";
@@ -186,9 +198,14 @@ fn range(
         (lower, upper) => (lower.unwrap_or(-FAR), upper.unwrap_or(FAR)),
     };
     if lower > upper {
+        // Some programs write it so for a joint without limits; Bullet reads it so.
         let message =
             format!("joint {name} has a lower limit {lower} above its upper limit {upper}");
-        reader.problem(place, message, "exchange the limits");
+        reader.warn(
+            place,
+            message,
+            "exchange the limits; it is taken as unlimited",
+        );
         return None;
     }
     Some([lower, upper])

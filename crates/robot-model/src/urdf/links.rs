@@ -178,7 +178,7 @@ fn sizes<const N: usize>(
         }
     }
     for (size, name) in found.iter().zip(names) {
-        reader.positive(&form.place, &format!("{}@{name}", form.name), *size)?;
+        reader.size(&form.place, &format!("{}@{name}", form.name), *size)?;
     }
     Some(found)
 }

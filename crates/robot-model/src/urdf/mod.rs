@@ -12,7 +12,6 @@ mod links;
 
 use std::collections::BTreeMap;
 
-use crate::checks;
 use crate::diagnostics::{Effect, Place, Problems};
 use crate::model::{Format, Joint, Link, Model};
 use crate::pose::{Pose, from_roll_pitch_yaw};
@@ -123,7 +122,7 @@ impl Parts {
         joints::couplings(reader, &self.joints, &mut model);
         control::read(reader, root, &mut model);
         gazebo::read(reader, root, &mut model);
-        checks::moving_masses(reader, &model, &places);
+        reader.link_places = places;
         Some(model)
     }
 

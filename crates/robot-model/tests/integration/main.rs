@@ -2,7 +2,9 @@
 
 mod common;
 mod hostile;
+mod masses;
 mod mjcf;
 mod sdf;
 mod shapes;
+mod trifles;
 mod urdf;

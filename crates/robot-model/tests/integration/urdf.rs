@@ -151,7 +151,7 @@ fn what_is_not_carried_over_is_a_gap_with_its_place() {
 }
 
 #[test]
-fn impossible_inertias_and_massless_moving_links_are_warned_about() {
+fn impossible_inertias_are_warned_about_and_massless_moving_links_refused() {
     let text = r#"<robot name="r"><link name="a"/>
   <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="5"/></inertial></link>
   <link name="c"/>
@@ -160,15 +160,25 @@ fn impossible_inertias_and_massless_moving_links_are_warned_about() {
 </robot>"#;
     let loaded = loaded("r.urdf", text);
     let found: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(found.len(), 2, "{found:?}");
+    assert_eq!(found.len(), 1, "{found:?}");
     assert!(
         found[0].starts_with("r.urdf:2:") && found[0].contains("no rigid body has"),
         "{found:?}"
     );
+    assert!(found[0].contains("2.3333e0 kg m²"), "{found:?}");
+    let refused = |fixed: bool| -> Vec<String> {
+        let refusals = loaded.refusals(fixed);
+        refusals.iter().map(ToString::to_string).collect()
+    };
+    let fixed = refused(true);
+    assert_eq!(fixed.len(), 1, "{fixed:?}");
     assert!(
-        found[1].contains("link c moves, but has no mass"),
-        "{found:?}"
+        fixed[0].starts_with("r.urdf:3:3: link c moves and has no mass"),
+        "{fixed:?}"
     );
+    let free = refused(false);
+    assert_eq!(free.len(), 2, "{free:?}");
+    assert!(free[0].contains("link a") && free[0].contains("fix the robot's base"));
 }
 
 /// Texts that are refused, with a part of the place and message of the first problem.

@@ -5,7 +5,9 @@
 
 use std::fmt::Write;
 
-use super::layout::{BodyPlan, DriveKind, Form, JointKind, Layout, Motion, ShapePlan, Touches};
+use super::layout::{
+    BodyPlan, DriveKind, Form, Inertia, JointKind, Layout, Motion, ShapePlan, Touches,
+};
 use crate::geometry::Pose;
 
 /// Appends a formatted line. Writing to a `String` cannot fail.
@@ -112,14 +114,33 @@ fn children_of(text: &mut String, layout: &Layout, parent: Option<usize>) {
 
 fn inertial(text: &mut String, body: &BodyPlan) {
     if let Some(inertia) = &body.inertia {
+        let (centre_m, mass_kg) = (numbers(&inertia.centre_m), inertia.mass_kg);
+        let moments = moments_of(inertia);
         put!(
             text,
-            r#"<inertial pos="{}" mass="{}" fullinertia="{}"/>"#,
-            numbers(&inertia.centre_m),
-            inertia.mass_kg,
-            numbers(&inertia.moments_kg_m2)
+            r#"<inertial pos="{centre_m}" mass="{mass_kg}" {moments}/>"#
         );
     }
+}
+
+/// MuJoCo takes no matrix of which a principal moment is below 1e-14, but the moments themselves, which may be 0 where
+/// nothing moves.
+fn moments_of(inertia: &Inertia) -> String {
+    let inertial = robot_model::Inertial {
+        mass_kg: inertia.mass_kg,
+        centre_m: inertia.centre_m,
+        tensor_kg_m2: inertia.moments_kg_m2,
+    };
+    if inertial.principal_moments_kg_m2()[0] > 1e-13 {
+        return format!(r#"fullinertia="{}""#, numbers(&inertia.moments_kg_m2));
+    }
+    let (moments, axes) = inertial.principal_axes();
+    let moments = moments.map(|moment| moment.max(0.0));
+    format!(
+        r#"quat="{}" diaginertia="{}""#,
+        numbers(&axes),
+        numbers(&moments)
+    )
 }
 
 fn joint_of(text: &mut String, layout: &Layout, body: usize) {

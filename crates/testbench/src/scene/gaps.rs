@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use robot_model::{Geometry, Loaded, Mask, Model, Role, Shape};
+use robot_model::{Geometry, JointKind, Loaded, Mask, Model, Role, Shape};
 
 /// Something in the description of a robot or an object that is not simulated as it is described.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,8 +42,10 @@ impl fmt::Display for SceneGap {
     }
 }
 
-/// All gaps of one description, those of the reader first, in the order of the text.
-pub(super) fn gaps_of(file: &str, loaded: &Loaded) -> Vec<SceneGap> {
+/// What a scene lacks of one description: what the reader passed over first, in the order of the text, then what is
+/// probably wrong, then what the tree holds and a scene does not take. That it is refused is [`Loaded::refusals`].
+#[must_use]
+pub fn description_gaps(file: &str, loaded: &Loaded) -> Vec<SceneGap> {
     let read = loaded.gaps.iter().map(|gap| SceneGap {
         file: gap.place.file.to_string(),
         place: Some([gap.place.line, gap.place.column]),
@@ -88,6 +90,20 @@ fn not_taken(file: &str, model: &Model) -> Vec<SceneGap> {
             "only the scene's own `sensor` entries measure",
         ),
         gap(
+            held(model),
+            "joint",
+            "that would let links float that hang on another link",
+            "motion",
+            "they are held where they are",
+        ),
+        gap(
+            braked(model),
+            "joint",
+            "that are free with damping, dry friction or a drive's inertia",
+            "motion",
+            "a scene's free links move without them",
+        ),
+        gap(
             drives.collect(),
             "drive",
             "described, which a scene does not take",
@@ -119,6 +135,29 @@ fn not_taken(file: &str, model: &Model) -> Vec<SceneGap> {
         ),
     ];
     found.into_iter().flatten().collect()
+}
+
+/// Free joints of links that hang on others.
+fn held(model: &Model) -> Vec<String> {
+    let joints = model.joints.iter();
+    let held = joints
+        .filter(|joint| joint.kind == JointKind::Free && model.links[joint.link].parent.is_some());
+    held.map(|joint| joint.name.clone()).collect()
+}
+
+/// Free joints with more than freedom.
+fn braked(model: &Model) -> Vec<String> {
+    let joints = model.joints.iter();
+    let braked = joints.filter(|joint| {
+        joint.kind == JointKind::Free
+            && [
+                joint.damping,
+                joint.friction,
+                joint.armature,
+                joint.stiffness,
+            ] != [0.0; 4]
+    });
+    braked.map(|joint| joint.name.clone()).collect()
 }
 
 /// Names of shapes that are touched and have a property, with their links.

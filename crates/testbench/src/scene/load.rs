@@ -1,40 +1,62 @@
 //! The descriptions that a scene names, read by `robot-model`.
 
+use std::collections::BTreeMap;
+
+use robot_model::{Loaded, Problems, package_paths};
+
 use super::build::Models;
 use super::data::SceneData;
-use super::gaps::{SceneGap, gaps_of};
+use super::gaps::{SceneGap, description_gaps};
 use crate::bench::ScenarioError;
 
-/// Reads the files of all robots and objects, each once.
+/// Gives the bytes of a file by its path relative to the scene's.
+type ReadFile<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
+
+/// Reads the files of all robots and objects, each once, and sees to it that what moves can be moved.
 ///
 /// # Errors
-/// [`ScenarioError::Description`] with all that prevents loading.
+/// [`ScenarioError::Description`] with all that prevents loading or simulating.
 pub(super) fn load(
     data: &SceneData,
-    file: &dyn Fn(&str) -> Result<Vec<u8>, String>,
+    file: &ReadFile<'_>,
 ) -> Result<(Models, Vec<SceneGap>), ScenarioError> {
-    let robots = data.robots.iter().map(|robot| &robot.file);
-    let objects = data
-        .objects
-        .iter()
-        .filter_map(|object| object.file.as_ref());
-    let mut models = Models::new();
+    let robots = data.robots.iter().map(|robot| (&robot.file, robot.fixed));
+    let objects = data.objects.iter();
+    let objects = objects.filter_map(|object| Some((object.file.as_ref()?, object.fixed)));
+    let mut read: BTreeMap<String, Loaded> = BTreeMap::new();
     let mut gaps = Vec::new();
-    for path in robots.chain(objects) {
-        if models.contains_key(path) {
-            continue;
+    for (path, fixed) in robots.chain(objects) {
+        if !read.contains_key(path) {
+            let loaded = description(path, file)?;
+            gaps.extend(description_gaps(path, &loaded));
+            read.insert(path.clone(), loaded);
         }
-        let bad = |reason: String| ScenarioError::Description {
-            file: path.clone(),
-            reason,
-        };
-        let bytes = file(path).map_err(bad)?;
-        let text = String::from_utf8(bytes).map_err(|_| bad("it is no UTF-8 text".to_owned()))?;
-        let mut resolve = |address: &str| file(address);
-        let loaded = robot_model::parse(path, &text, &mut resolve)
-            .map_err(|problems| bad(problems.to_string()))?;
-        gaps.extend(gaps_of(path, &loaded));
-        models.insert(path.clone(), loaded.model);
+        let refusals = read.get(path).map(|loaded| loaded.refusals(fixed));
+        if let Some(refusals) = refusals.filter(|refusals| !refusals.is_empty()) {
+            return Err(ScenarioError::Description {
+                file: path.clone(),
+                reason: Problems(refusals).to_string(),
+            });
+        }
     }
-    Ok((models, gaps))
+    let models = read.into_iter().map(|(path, loaded)| (path, loaded.model));
+    Ok((models.collect(), gaps))
+}
+
+fn description(path: &str, file: &ReadFile<'_>) -> Result<Loaded, ScenarioError> {
+    let bad = |reason: String| ScenarioError::Description {
+        file: path.to_owned(),
+        reason,
+    };
+    let bytes = file(path).map_err(bad)?;
+    let text = String::from_utf8(bytes).map_err(|_| bad("it is no UTF-8 text".to_owned()))?;
+    let mut resolve = |address: &str| {
+        let paths = package_paths(path, address);
+        if paths.is_empty() {
+            return file(address);
+        }
+        let found = paths.iter().find_map(|path| file(path).ok());
+        found.ok_or_else(|| "no such file in the folders around the description".to_owned())
+    };
+    robot_model::parse(path, &text, &mut resolve).map_err(|problems| bad(problems.to_string()))
 }

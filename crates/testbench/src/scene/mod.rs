@@ -109,5 +109,5 @@ pub use data::{
     ControllerData, Fault, FaultKind, Ground, Object, Person, PersonBody, PlaceKeys, Reaction,
     ReactionKind, Robot, SceneData, Sensor, SensorKind, Simulation, Waypoint,
 };
-pub use gaps::SceneGap;
+pub use gaps::{SceneGap, description_gaps};
 pub use saving::{RunningScene, SavedScene};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use robot_model::{Format, Geometry, JointKind as ModelJoint, Link, Model, Role, Shape};
+use robot_model::{Geometry, JointKind as ModelJoint, Link, Model, Role, Shape};
 
 use crate::geometry::{Pose, add, compose, rotate};
 use crate::physics::{
@@ -122,30 +122,31 @@ fn add_link(
         parent: link.parent.map(|parent| first + parent),
         pose,
         motion: motion_of(model, index, fixed),
-        inertia: link.inertial.map(|inertial| Inertia {
-            mass_kg: inertial.mass_kg,
-            centre_m: inertial.centre_m,
-            moments_kg_m2: inertial.tensor_kg_m2,
-        }),
+        inertia: link
+            .inertial
+            .and_then(|it| it.simulated().0)
+            .map(|inertial| Inertia {
+                mass_kg: inertial.mass_kg,
+                centre_m: inertial.centre_m,
+                moments_kg_m2: inertial.tensor_kg_m2,
+            }),
     });
 }
 
-/// A root of URDF has no joint and floats unless it is fixed; elsewhere the description says it.
 fn motion_of(model: &Model, index: usize, fixed: bool) -> Motion {
     let link = &model.links[index];
-    let is_root = link.parent.is_none();
-    let kinds: Vec<ModelJoint> = model.joints_of(index).map(|joint| joint.kind).collect();
-    let is_free = kinds.contains(&ModelJoint::Free) || (is_root && model.format == Format::Urdf);
-    if is_root && link.kinematic {
+    if link.parent.is_none() && link.kinematic {
         return Motion::Led;
     }
-    if kinds.iter().any(|kind| kind_of(*kind).is_some()) {
-        return Motion::Jointed;
+    let mut kinds = model.joints_of(index).map(|joint| joint.kind);
+    match (
+        model.moves(index, fixed),
+        kinds.any(|kind| kind_of(kind).is_some()),
+    ) {
+        (true, true) => Motion::Jointed,
+        (true, false) => Motion::Free,
+        (false, _) => Motion::Fixed,
     }
-    if is_root && is_free && !fixed {
-        return Motion::Free;
-    }
-    Motion::Fixed
 }
 
 #[allow(clippy::too_many_arguments, reason = "all are facts of the one shape")]

@@ -9,5 +9,6 @@ mod physics_energy;
 mod physics_engines;
 mod physics_sensors;
 mod robot_model;
+mod robots;
 mod scene;
 mod scene_drives;

@@ -1,8 +1,9 @@
 //! A robot's or scene's description in words.
 
 use corroborate::inspect::collision_shapes;
-use robot_model::{Gap, JointKind, Loaded, Model};
+use robot_model::{JointKind, Loaded, Model};
 use std::fmt::Write;
+use testbench::scene::{SceneGap, description_gaps};
 
 /// Its tree, and what of it a simulation would not have.
 pub fn text(file: &str, loaded: &Loaded) -> String {
@@ -27,8 +28,13 @@ pub fn text(file: &str, loaded: &Loaded) -> String {
         "drives",
         model.actuators.iter().map(|drive| &drive.name),
     );
+    refusals(&mut output, loaded);
     warnings(&mut output, loaded);
-    gaps(&mut output, &loaded.gaps, !loaded.warnings.is_empty());
+    // Exactly what a scene with this description says that it lacks.
+    let mut lacking = description_gaps(file, loaded);
+    lacking.retain(|gap| gap.effect != "doubt");
+    let is_sound = loaded.warnings.is_empty() && loaded.refusals(false).is_empty();
+    gaps(&mut output, &lacking, is_sound);
     output
 }
 
@@ -75,6 +81,28 @@ fn names<'a>(output: &mut String, what: &str, names: impl Iterator<Item = &'a St
     }
 }
 
+/// What keeps a simulation from running it, if its base is fixed or only if it is free.
+fn refusals(output: &mut String, loaded: &Loaded) {
+    let always = loaded.refusals(true);
+    let mut free = loaded.refusals(false);
+    free.retain(|refusal| !always.iter().any(|known| known.place == refusal.place));
+    let kinds = [
+        ("a simulation refuses it", always),
+        (
+            "a simulation refuses it unless the scene fixes its base (`fixed = true`)",
+            free,
+        ),
+    ];
+    for (heading, refusals) in kinds {
+        if !refusals.is_empty() {
+            let _ = writeln!(output, "\n{heading}:");
+        }
+        for refusal in refusals {
+            let _ = writeln!(output, "  {refusal}");
+        }
+    }
+}
+
 fn warnings(output: &mut String, loaded: &Loaded) {
     if loaded.warnings.is_empty() {
         return;
@@ -86,32 +114,46 @@ fn warnings(output: &mut String, loaded: &Loaded) {
 }
 
 /// Gaps by what they concern; those of one kind on one line.
-fn gaps(output: &mut String, gaps: &[Gap], has_warnings: bool) {
+fn gaps(output: &mut String, gaps: &[SceneGap], is_sound: bool) {
     if gaps.is_empty() {
-        output.push_str(match has_warnings {
-            false => "\nEverything in it was carried over.\n",
-            true => "\nBut for what is probably wrong, everything in it was carried over.\n",
+        output.push_str(match is_sound {
+            true => "\nEverything in it was carried over.\n",
+            false => "\nBut for what is probably wrong, everything in it was carried over.\n",
         });
         return;
     }
     let _ = writeln!(output, "\nnot carried over ({}):", gaps.len());
-    let mut groups: std::collections::BTreeMap<_, Vec<&Gap>> = std::collections::BTreeMap::new();
+    let mut groups: std::collections::BTreeMap<_, Vec<&SceneGap>> =
+        std::collections::BTreeMap::new();
     for gap in gaps {
         groups
-            .entry((gap.effect, &gap.element, &gap.what))
+            .entry((rank(&gap.effect), &gap.element, &gap.what))
             .or_default()
             .push(gap);
     }
-    for ((effect, element, what), members) in groups {
+    for ((_, element, what), members) in groups {
         let first = members[0];
+        let place = match first.place {
+            Some([line, column]) => format!("{}:{line}:{column}", first.file),
+            None => first.file.clone(),
+        };
         let others = match members.len() {
             1 => String::new(),
             count => format!(" and {} more", count - 1),
         };
         let _ = writeln!(
             output,
-            "  {effect}: {element} {what}: {} ({}{others})",
-            first.consequence, first.place
+            "  {}: {element} {what}: {} ({place}{others})",
+            first.effect, first.consequence
         );
     }
+}
+
+/// What changes how a robot moves comes first.
+fn rank(effect: &str) -> usize {
+    let order = [
+        "motion", "contact", "sensing", "control", "looks", "nothing",
+    ];
+    let found = order.iter().position(|known| *known == effect);
+    found.unwrap_or(order.len())
 }
