@@ -58,7 +58,7 @@ pub fn carry_out(command: &Command, setting: &Host) -> Result<Done, Problem> {
         Command::Refine(arguments) => refine::refine(arguments, setting),
         Command::WhatIf(arguments) => what_if::what_if(arguments, setting),
         Command::Monitor(arguments) => monitor::monitor(arguments, setting),
-        Command::Inspect(arguments) => inspect::inspect(arguments),
+        Command::Inspect(arguments) => inspect::inspect(arguments, setting),
         Command::Watch(arguments) => watch::watch(arguments, setting),
         Command::Requirements(arguments) => requirements::requirements(arguments, setting),
         Command::Compare(arguments) => compare::compare(arguments),

@@ -1,7 +1,8 @@
-//! What is in a recording, or in a description of a robot.
+//! What is in a recording, in a description of a robot, or in the recordings that a study's simulations would make.
 
 mod description;
 mod form;
+mod study;
 
 use crate::outcome::Outcome;
 use diagnostic::Problem;
@@ -13,11 +14,13 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 pub use description::{DescriptionReport, collision_shapes};
+pub use study::{Quantity, Signal, SimulationSignals, StudySignals, Truth, TruthTopic};
 
 /// What is looked into, and how.
 #[derive(Clone, Debug)]
 pub struct InspectRequest {
-    /// A recording (a file, or a folder that rosbag2 recorded), or a description (by its ending `urdf`, `sdf`, `world` or `xml`).
+    /// A recording (a file, or a folder that rosbag2 recorded), a description (by its ending `urdf`, `sdf`, `world` or `xml`), or
+    /// a study (a folder with a `study.toml`).
     pub file: PathBuf,
     /// How a recording is opened.
     pub opening: OpenOptions,
@@ -25,6 +28,8 @@ pub struct InspectRequest {
     pub gap_factor: f64,
     /// Folders with the packages or models that a description names, besides those around it.
     pub packages: Vec<PathBuf>,
+    /// The physics library, for a study's simulations; without it scenes are looked into in the engine that is built in.
+    pub library: Option<PathBuf>,
 }
 
 impl InspectRequest {
@@ -35,6 +40,7 @@ impl InspectRequest {
             opening: OpenOptions::default(),
             gap_factor: 5.0,
             packages: Vec::new(),
+            library: None,
         }
     }
 }
@@ -46,6 +52,8 @@ pub enum Inspected {
     Recording(Box<Inspection>),
     /// A description's tree, with what of it is not carried over.
     Description(Box<Loaded>),
+    /// The signals that a study's simulations have.
+    Study(Box<StudySignals>),
 }
 
 impl Inspected {
@@ -60,7 +68,7 @@ impl Inspected {
                     false => Outcome::Holds,
                 }
             }
-            Self::Description(_) => Outcome::Holds,
+            Self::Description(_) | Self::Study(_) => Outcome::Holds,
         }
     }
 }
@@ -79,11 +87,15 @@ pub struct InspectReport {
     pub recording: Inspection,
 }
 
-/// Looks into a recording, or a description.
+/// Looks into a recording, a description, or a study.
 ///
 /// # Errors
-/// `bad-recording` and `bad-description`, with the place in a description's text.
+/// `bad-recording` and `bad-description`, with the place in a description's text; whatever is wrong in a study's files.
 pub fn inspect(request: &InspectRequest) -> Result<Inspected, Problem> {
+    if request.file.join("study.toml").is_file() {
+        let found = study::signals_of(&request.file, request.library.as_deref())?;
+        return Ok(Inspected::Study(Box::new(found)));
+    }
     if description::is_description(&request.file) {
         let loaded = description::load(&request.file, &request.packages)?;
         return Ok(Inspected::Description(Box::new(loaded)));

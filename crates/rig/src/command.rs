@@ -156,6 +156,10 @@ impl Rig for CommandRig {
         &[]
     }
 
+    fn truth(&self) -> Option<testbench::scene::TruthVocabulary> {
+        None
+    }
+
     fn stimulus(&self) -> &Stimulus {
         self.command.stimulus()
     }

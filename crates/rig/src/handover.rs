@@ -139,6 +139,10 @@ impl Rig for HandoverRig {
         &[]
     }
 
+    fn truth(&self) -> Option<testbench::scene::TruthVocabulary> {
+        None
+    }
+
     fn stimulus(&self) -> &Stimulus {
         &self.stimulus
     }

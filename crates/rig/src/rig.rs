@@ -13,6 +13,7 @@ use host::store::Inputs;
 use host::{BuildId, Cancel};
 use std::sync::Arc;
 use stimulus::{AbstractTest, Stimulus};
+use testbench::scene::TruthVocabulary;
 use testbench::{Drawn, Recorded, SimError, Watch};
 use toml::Table;
 use trace::Trace;
@@ -34,6 +35,9 @@ pub trait Rig: Send + Sync {
 
     /// What of robots' descriptions is not simulated.
     fn gaps(&self) -> &[DescriptionGap];
+
+    /// All truth that it can record because somebody reads it; `None` of a rig whose recordings always have the same signals.
+    fn truth(&self) -> Option<TruthVocabulary>;
 
     /// What is done in each episode of the ledger's entry.
     fn stimulus(&self) -> &Stimulus;

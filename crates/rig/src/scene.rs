@@ -1,6 +1,7 @@
 //! A scene as a rig: its files, its test, its controllers.
 
 mod rest;
+mod truth;
 
 use super::command::OutsideCommand;
 use super::place::{problem_of, span_of};
@@ -23,7 +24,8 @@ use study::Study;
 use testbench::controller::{Controller, ControllerError, RemoteController};
 use testbench::physics::RAPIER_VERSION;
 use testbench::scene::{
-    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, mujoco, rapier,
+    BuildPhysics, ControllerData, SceneBench, SceneGap, StartController, TruthVocabulary, mujoco,
+    rapier,
 };
 use testbench::{Bench, Drawn, Engine, Recorded, SimError, Watch};
 use toml::Table;
@@ -66,6 +68,8 @@ pub struct SceneRig {
     /// The files that the scene consists of.
     assets: Vec<Asset>,
     gaps: Vec<DescriptionGap>,
+    /// Signals of truth that the study reads and a scene does not record of itself.
+    truth: Vec<String>,
 }
 
 impl SceneRig {
@@ -94,6 +98,7 @@ impl SceneRig {
         check_ros2(source)?;
         let made = SceneBench::new(&source.text, &read, physics.build, starter(&folder));
         let (bench, gaps) = made.map_err(|error| scene_problem(source, &error))?;
+        let (bench, truth) = truth::declared(bench, study, source)?;
         let stimulus = Stimulus::of(chosen(&bench, test, source)?);
         for controller in &bench.data().controllers {
             // What of the command is a file is part of what is tested.
@@ -117,6 +122,7 @@ impl SceneRig {
             engine: (physics.name, physics.version),
             assets: assets.collect(),
             gaps: gaps.into_iter().map(|gap| in_study(beside, gap)).collect(),
+            truth,
         })
     }
 
@@ -126,6 +132,9 @@ impl SceneRig {
             .add("scene", self.text.as_bytes())
             .add("test", self.stimulus.to_json().as_bytes())
             .add_json("files", &self.assets);
+        if !self.truth.is_empty() {
+            inputs.add_json("truth", &self.truth);
+        }
     }
 }
 
@@ -165,6 +174,10 @@ impl Rig for SceneRig {
 
     fn gaps(&self) -> &[DescriptionGap] {
         &self.gaps
+    }
+
+    fn truth(&self) -> Option<TruthVocabulary> {
+        Some(self.bench.truth())
     }
 
     fn stimulus(&self) -> &Stimulus {

@@ -10,6 +10,7 @@ mod error;
 mod savable;
 mod scenario_error;
 
+use serde::{Deserialize, Serialize};
 use stimulus::Stimulus;
 use trace::Trace;
 
@@ -126,6 +127,56 @@ pub struct Recorded {
     pub end: End,
     /// What failed, if that ended it, or came with its end.
     pub failure: Option<Failure>,
+}
+
+/// A grasped thing that moved in the fingers that held it: a doubt of the simulation, or of the grip. A recording has them in
+/// its metadata, if there are any.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Creep {
+    /// The thing.
+    pub object: String,
+    /// Who held it.
+    pub holder: String,
+    /// How far it moved along the fingers.
+    pub moved_m: f64,
+    /// Within which time.
+    pub over_secs: f64,
+    /// What the fingers bore along their surfaces, over what they pressed.
+    pub load_over_grip: f64,
+    /// That over what friction bears, 0 to 1.
+    pub friction_used: f64,
+    /// Whether friction was used up, so that it would slide in reality, too.
+    pub slid: bool,
+    /// What to do about it, with the setting.
+    pub remedy: String,
+}
+
+impl Creep {
+    /// The key of a recording's metadata that has them, as JSON.
+    pub const KEY: &str = "crept";
+
+    /// Those of a recording; none of one that says nothing of them.
+    #[must_use]
+    pub fn of(trace: &Trace) -> Vec<Self> {
+        let text = trace.metadata.get(Self::KEY);
+        text.and_then(|text| serde_json::from_str(text).ok())
+            .unwrap_or_default()
+    }
+}
+
+impl std::fmt::Display for Creep {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let verb = if self.slid { "slid" } else { "crept" };
+        write!(
+            f,
+            "`{}` {verb} {:.1} mm in the fingers of `{}` in {:.1} s, with {:.0} % of friction used",
+            self.object,
+            1e3 * self.moved_m,
+            self.holder,
+            self.over_secs,
+            100.0 * self.friction_used.min(1.0)
+        )
+    }
 }
 
 /// A number that a run draws once from its seed, which a setting of its key would fix.

@@ -59,6 +59,6 @@ pub use replay::{Replay, Sample};
 pub use sampling::{Sampling, SamplingError, Valuations, ticks};
 pub use signal::{Cursor, SignalIndex, SignalValues, Trace};
 pub use snapshot::Snapshot;
-pub use suggest::nearest;
+pub use suggest::{nearest, nearest_few};
 pub use table::{Column, Table, TableError};
 pub use vocabulary::Vocabulary;

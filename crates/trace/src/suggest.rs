@@ -19,6 +19,22 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     best.map(|(_, candidate)| candidate.to_owned())
 }
 
+/// The names of `known` nearest to `name`, nearest first, at most `most` of them and as far away as [`nearest`] goes.
+#[must_use]
+pub fn nearest_few<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    most: usize,
+) -> Vec<String> {
+    let limit = name.chars().count().div_ceil(3);
+    let ranked = known.into_iter().map(|it| (edit_distance(name, it), it));
+    let mut ranked: Vec<_> = ranked.filter(|(distance, _)| *distance <= limit).collect();
+    // Stable, so that of equal ones the first stays first.
+    ranked.sort_by_key(|(distance, _)| *distance);
+    let names = ranked.into_iter().map(|(_, it)| it.to_owned());
+    names.take(most).collect()
+}
+
 fn edit_distance(left: &str, right: &str) -> usize {
     let right: Vec<char> = right.to_lowercase().chars().collect();
     let mut row: Vec<usize> = (0..=right.len()).collect();
@@ -56,5 +72,10 @@ mod tests {
         let words = ["shall", "satisfy"];
         assert_eq!(nearest("shal", words), Some("shall".to_owned()));
         assert_eq!(nearest("banana", words), None);
+        assert_eq!(nearest_few("shal", words, 3), ["shall"]);
+        assert_eq!(
+            nearest_few("speed", ["velocity", "sped", "speeds", "spend"], 2),
+            ["sped", "speeds"]
+        );
     }
 }

@@ -143,15 +143,17 @@ Examples:
   corroborate inspect bag_folder --draft-map topics.toml
   corroborate inspect run.bag --draft-map -
   corroborate inspect robot.urdf --packages ros_ws/src
+  corroborate inspect my-study
 
 Lists topics with their types, rates, jitter and gaps, and what does not fit.
 The draft has an entry for every value; delete what is not needed. Exits 3 if
 something of the recording is lost. Of a robot's or scene's description (URDF,
 SDF, MJCF: .urdf, .sdf, .world, .xml) shows the tree of links and joints, and
-what of it a simulation would not have.")]
+what of it a simulation would not have. Of a study lists the signals of its
+simulations with units and frames, and all truth that propositions may name.")]
 pub struct Inspect {
     /// The recording: a file, or a folder that rosbag2 recorded. Or a
-    /// description of a robot or a scene.
+    /// description of a robot or a scene. Or a study's folder.
     pub recording: PathBuf,
     /// A folder with the packages or models that a description names; may be
     /// repeated. The folders around the description are searched too.

@@ -1,31 +1,35 @@
 //! `corroborate inspect`: what is in a recording, and a draft of its topic
-//! map.
+//! map; which signals a study's simulations have.
 
 use super::{Done, json};
 use crate::args::{Format, Inspect};
 use corroborate::inspect::{
-    DescriptionReport, InspectReport, InspectRequest, Inspected, write_draft,
+    DescriptionReport, InspectReport, InspectRequest, Inspected, StudySignals, write_draft,
 };
 use diagnostic::Problem;
+use host::Host;
 use recording::Inspection;
 use robot_model::Loaded;
 use std::path::Path;
 
 mod description;
+mod study;
 
 /// Looks into a recording, or a description of a robot.
-pub fn inspect(arguments: &Inspect) -> Result<Done, Problem> {
+pub fn inspect(arguments: &Inspect, host: &Host) -> Result<Done, Problem> {
     let request = InspectRequest {
         file: arguments.recording.clone(),
         opening: arguments.opening.options(),
         gap_factor: arguments.gap_factor,
         packages: arguments.packages.clone(),
+        library: host.physics_library.clone(),
     };
     let found = corroborate::inspect(&request)?;
     let outcome = found.outcome();
     let output = match found {
         Inspected::Recording(found) => of_recording(arguments, *found)?,
         Inspected::Description(loaded) => of_description(arguments, &loaded)?,
+        Inspected::Study(found) => of_study(arguments, &found)?,
     };
     Ok(Done { output, outcome })
 }
@@ -39,6 +43,20 @@ fn of_description(arguments: &Inspect, loaded: &Loaded) -> Result<String, Proble
     match arguments.format {
         Format::Text => Ok(description::text(&name, loaded)),
         Format::Json => json(&DescriptionReport::new(name, loaded)),
+    }
+}
+
+fn of_study(arguments: &Inspect, found: &StudySignals) -> Result<String, Problem> {
+    if arguments.draft_map.is_some() {
+        let message = format!(
+            "{} is a study, which has no topics to draft a map of",
+            found.study
+        );
+        return Err(Problem::new("bad-recording", message).remedy("leave out --draft-map"));
+    }
+    match arguments.format {
+        Format::Text => Ok(study::text(found)),
+        Format::Json => json(found),
     }
 }
 
@@ -84,5 +102,7 @@ mod tests {
         let schema: serde_json::Value = schemars::schema_for!(DescriptionReport).into();
         let name = "inspect-description.schema.json";
         crate::command::tests::assert_schema_is_committed(name, &schema);
+        let schema: serde_json::Value = schemars::schema_for!(StudySignals).into();
+        crate::command::tests::assert_schema_is_committed("inspect-study.schema.json", &schema);
     }
 }

@@ -32,6 +32,7 @@ mod refine_simulation;
 mod refine_together;
 mod replay;
 mod requirement_forms;
+mod scene_truth;
 mod shrink;
 mod signals;
 mod simulation;

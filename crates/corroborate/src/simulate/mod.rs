@@ -162,6 +162,7 @@ impl Called<'_> {
             stage: &stage,
         };
         let finished = plan.run()?;
+        let description_gaps = plan.gaps(&finished);
         drop(stage);
         let met = until
             .as_ref()
@@ -194,6 +195,7 @@ impl Called<'_> {
             table: Some(finished.table.display().to_string()),
             estimates: self.estimates(&finished)?,
             failures: self.failures(&finished)?,
+            description_gaps,
             ..self.report(rig, finished.tally.runs(), &|number| {
                 request.out.join(rig.recording_name(number))
             })

@@ -6,6 +6,7 @@
 //! same at any number of threads. What is judged stands in a journal, so that an interrupted
 //! campaign goes on where it stopped.
 
+mod creeping;
 mod driver;
 mod ended;
 mod estimates;
@@ -21,6 +22,7 @@ mod tally;
 mod until;
 mod watched;
 
+pub use creeping::CreepTally;
 pub use driver::{Campaigning, Finished};
 pub use ended::{
     Ended, FailureCounts, ended, failure_of, in_words as failures_in_words, never_worked, stops,
@@ -35,10 +37,11 @@ pub use until::{Until, parse as parse_until};
 
 use crate::technique::Produced;
 use diagnostic::Problem;
+use evidence::DescriptionGap;
 use host::store::Inputs;
 use judging::inputs_of;
 use rig::Rig;
-use study::{Entry, Study};
+use study::{Entry, Simulated, Study};
 
 /// What the recordings of an entry's episodes depend on. Another simulator runs the same whichever build of this program
 /// calls it.
@@ -67,10 +70,23 @@ pub fn judged_by(study: &Study, rig: &dyn Rig, program: &str) -> String {
 }
 
 impl Campaigning<'_> {
+    /// What was not simulated as it is described, and what moved in a grip.
+    pub fn gaps(&self, finished: &Finished) -> Vec<DescriptionGap> {
+        let mut gaps = self.rig.gaps().to_vec();
+        let entry = self.study.entry(self.id).ok();
+        let scene = match entry.and_then(|entry| entry.work.simulated()) {
+            Some(Simulated::Scene { scene, .. }) => scene.display().to_string(),
+            _ => self.id.to_owned(),
+        };
+        gaps.extend(finished.crept.gaps(&scene));
+        gaps
+    }
+
     /// Runs it; gives what it shows.
     pub fn produce(&self) -> Result<Produced, Problem> {
         let finished = self.run()?;
         let mut tool = self.rig.tool();
+        let description_gaps = self.gaps(&finished);
         if self.early_end {
             tool.settings
                 .push_str("; an episode ends once all is decided");
@@ -83,7 +99,7 @@ impl Campaigning<'_> {
             tool,
             findings: finished.tally.findings(self.study, finished.intervals)?,
             form_differences: finished.form_differences,
-            description_gaps: self.rig.gaps().to_vec(),
+            description_gaps,
             failures: finished.tally.failures(self.study, finished.intervals)?,
             clusters: None,
             alike_trials: None,

@@ -42,6 +42,10 @@ pub(super) const CONTACTS: usize = 161_472;
 pub(super) const CONTACT_SIZE: usize = 584;
 /// `mjContact.dist`: `double`, negative when penetrating.
 pub(super) const CONTACT_DISTANCE: usize = 0;
+/// `mjContact.pos`: 3 doubles, the middle of the penetration.
+pub(super) const CONTACT_POSITION: usize = 8;
+/// `mjContact.frame`: 9 doubles; the first three point from the first shape to the second.
+pub(super) const CONTACT_FRAME: usize = 32;
 /// `mjContact.geom`: two `int`.
 pub(super) const CONTACT_GEOMS: usize = 540;
 

@@ -156,6 +156,8 @@ fn check_queries(simulation: &mut Simulation) -> Result<(), EngineError> {
 
 /// The contact carries the ball's weight.
 fn check_contact(simulation: &Simulation) -> Result<(), EngineError> {
+    let ball = simulation.body("ball");
+    let ball = ball.ok_or(EngineError::SelfCheck { what: "mj_name2id" })?;
     let contacts: Vec<_> = simulation.contacts().collect();
     require(contacts.len() == 1, "ncon")?;
     let geoms = [simulation.geom("ground"), simulation.geom("shell")];
@@ -164,6 +166,13 @@ fn check_contact(simulation: &Simulation) -> Result<(), EngineError> {
         contacts[0].distance_m < 0.0 && contacts[0].distance_m > -0.01,
         "contact.dist",
     )?;
+    let [x, y, _] = simulation.body_position(ball);
+    let [at_x, at_y, at_z] = contacts[0].point_m;
+    require(
+        (at_x - x).abs() < 1e-6 && (at_y - y).abs() < 1e-6 && at_z.abs() < 0.01,
+        "contact.pos",
+    )?;
+    require(contacts[0].normal == [0.0, 0.0, 1.0], "contact.frame")?;
     require(
         (contacts[0].normal_newtons - 2.0 * 9.81).abs() < 0.05,
         "mj_contactForce",

@@ -30,6 +30,10 @@ pub struct Contact {
     pub geoms: [GeomId; 2],
     /// Distance in metres; negative when the shapes overlap.
     pub distance_m: f64,
+    /// Where, in the world: the middle of the penetration, at the beginning of the step.
+    pub point_m: [f64; 3],
+    /// Unit vector from the first shape to the second, in the world.
+    pub normal: [f64; 3],
     /// Normal force in newtons, at least 0.
     pub normal_newtons: f64,
     /// Size of the friction force in newtons.
@@ -370,10 +374,15 @@ impl Simulation {
         let contacts: *const u8 = self.field(layout::CONTACTS);
         // SAFETY: `index < ncon`, so the record lies inside MuJoCo's contact array.
         let record = unsafe { contacts.add(index * layout::CONTACT_SIZE) };
-        // SAFETY: both fields lie inside the record, aligned as in the header.
-        let (distance_m, geoms) = unsafe {
+        // SAFETY: all four fields lie inside the record, aligned as in the header.
+        let (distance_m, point_m, normal, geoms) = unsafe {
             (
                 record.add(layout::CONTACT_DISTANCE).cast::<f64>().read(),
+                record
+                    .add(layout::CONTACT_POSITION)
+                    .cast::<[f64; 3]>()
+                    .read(),
+                record.add(layout::CONTACT_FRAME).cast::<[f64; 3]>().read(),
                 record
                     .add(layout::CONTACT_GEOMS)
                     .cast::<[c_int; 2]>()
@@ -396,6 +405,8 @@ impl Simulation {
                 GeomId(usize::try_from(geoms[1]).ok()?),
             ],
             distance_m,
+            point_m,
+            normal,
             normal_newtons: force[0],
             tangential_newtons: force[1].hypot(force[2]),
         })

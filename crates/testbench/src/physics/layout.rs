@@ -23,6 +23,75 @@ pub struct Layout {
     pub wrenches: Vec<usize>,
     /// Pairs of bodies that never touch.
     pub no_contact: Vec<[usize; 2]>,
+    /// How each engine solves contacts.
+    pub solver: Solver,
+}
+
+/// How each engine solves contacts; an engine reads its own.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Solver {
+    /// In MuJoCo.
+    pub mujoco: MujocoSolver,
+    /// In Rapier.
+    pub rapier: RapierSolver,
+}
+
+/// MuJoCo's settings; `None` leaves its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MujocoSolver {
+    /// Most iterations in a step.
+    pub iterations: Option<u32>,
+    /// Improvement below which iterations end.
+    pub tolerance: Option<f64>,
+    /// The form of the cone of friction.
+    pub cone: Cone,
+    /// How much harder friction is than contact along the normal.
+    pub impratio: f64,
+    /// Iterations after the solver that hold friction hard.
+    pub no_slip_iterations: u32,
+}
+
+impl Default for MujocoSolver {
+    fn default() -> Self {
+        Self {
+            iterations: None,
+            tolerance: None,
+            cone: Cone::Elliptic,
+            impratio: 10.0,
+            no_slip_iterations: 0,
+        }
+    }
+}
+
+/// The form of the cone within which the force of a contact lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Cone {
+    /// Coulomb's.
+    #[default]
+    Elliptic,
+    /// A pyramid in it: faster, and friction depends on its direction.
+    Pyramidal,
+}
+
+/// Rapier's settings; `None` leaves its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RapierSolver {
+    /// Substeps of the solver in a time step.
+    pub substeps: usize,
+    /// How stiff contacts are: the natural frequency of their springs.
+    pub contact_frequency_hz: Option<f64>,
+    /// How damped contacts are; 1 is critical.
+    pub contact_damping_ratio: Option<f64>,
+}
+
+impl Default for RapierSolver {
+    fn default() -> Self {
+        Self {
+            substeps: 4,
+            contact_frequency_hz: None,
+            contact_damping_ratio: None,
+        }
+    }
 }
 
 /// A rigid body.
@@ -79,6 +148,31 @@ pub struct ShapePlan {
     pub friction: f64,
     /// What it touches. Rays meet it in any case.
     pub touches: Touches,
+    /// What its surface is like besides its friction.
+    pub surface: Surface,
+}
+
+/// A surface besides its Coulomb friction. Of two shapes that of the smaller friction holds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Surface {
+    /// Friction against turning about the normal, in metres: the torque over the normal force.
+    pub torsional_m: Option<f64>,
+    /// Friction against rolling, in metres.
+    pub rolling_m: Option<f64>,
+    /// How soft it is.
+    pub softness: Option<Softness>,
+}
+
+/// How soft contacts are, in MuJoCo's terms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Softness {
+    /// `solref`'s time constant: within which a penetration goes back.
+    pub time_constant_secs: f64,
+    /// `solref`'s damping ratio; 1 is critical.
+    pub damping_ratio: f64,
+    /// `solimp`: least and greatest impedance (0 to 1), the penetration at which the greatest is reached, in metres, the
+    /// midpoint and the power of the curve between them.
+    pub impedance: Option<[f64; 5]>,
 }
 
 /// Which other shapes a shape touches.

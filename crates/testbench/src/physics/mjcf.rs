@@ -6,7 +6,8 @@
 use std::fmt::Write;
 
 use super::layout::{
-    BodyPlan, DriveKind, Form, Inertia, JointKind, Layout, Motion, ShapePlan, Touches,
+    BodyPlan, Cone, DriveKind, Form, Inertia, JointKind, Layout, Motion, MujocoSolver, ShapePlan,
+    Surface, Touches,
 };
 use crate::geometry::Pose;
 
@@ -15,8 +16,8 @@ macro_rules! put {
     ($text:expr, $($argument:tt)*) => {{ let _ = writeln!($text, $($argument)*); }};
 }
 
-/// Torsional and rolling friction in metres: small, so that wheels roll and feet turn.
-const OTHER_FRICTION: &str = "0.005 0.0001";
+/// Torsional and rolling friction in metres: MuJoCo's own, which count only where a surface gives one.
+const OTHER_FRICTION_M: [f64; 2] = [0.005, 0.0001];
 
 /// The layout as MJCF. Names are those of the layout, drives are in its order.
 #[must_use]
@@ -29,9 +30,10 @@ pub fn mjcf_of(layout: &Layout) -> String {
     );
     put!(
         text,
-        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" cone="elliptic" impratio="10"><flag energy="disable"/></option>"#,
+        r#"<option timestep="{}" gravity="0 0 {}" integrator="implicitfast" {}><flag energy="disable"/></option>"#,
         layout.time_step_secs,
-        -layout.gravity_m_s2
+        -layout.gravity_m_s2,
+        solver(&layout.solver.mujoco)
     );
     hulls(&mut text, layout);
     put!(text, "<worldbody>");
@@ -43,6 +45,26 @@ pub fn mjcf_of(layout: &Layout) -> String {
     no_contact(&mut text, layout);
     wrenches(&mut text, layout);
     put!(text, "</mujoco>");
+    text
+}
+
+/// The solver's settings as attributes; those that are not given are MuJoCo's own.
+fn solver(solver: &MujocoSolver) -> String {
+    let cone = match solver.cone {
+        Cone::Elliptic => "elliptic",
+        Cone::Pyramidal => "pyramidal",
+    };
+    let mut text = format!(r#"cone="{cone}" impratio="{}""#, solver.impratio);
+    if let Some(iterations) = solver.iterations {
+        text.push_str(&format!(r#" iterations="{iterations}""#));
+    }
+    if let Some(tolerance) = solver.tolerance {
+        text.push_str(&format!(r#" tolerance="{tolerance}""#));
+    }
+    if solver.no_slip_iterations > 0 {
+        let iterations = solver.no_slip_iterations;
+        text.push_str(&format!(r#" noslip_iterations="{iterations}""#));
+    }
     text
 }
 
@@ -173,15 +195,43 @@ fn shapes_of(text: &mut String, layout: &Layout, body: Option<usize>) {
     for shape in layout.shapes.iter().filter(|shape| shape.body == body) {
         put!(
             text,
-            r#"<geom name="{}" {} {} friction="{} {OTHER_FRICTION}" priority="{}" condim="3" mass="0" {}/>"#,
+            r#"<geom name="{}" {} {} friction="{} {}" priority="{}" {} mass="0" {}/>"#,
             escaped(&shape.name),
             place(&shape.pose),
             form_of(shape),
             shape.friction,
+            other_friction(&shape.surface),
             priority_of(shape.friction),
+            surface_of(&shape.surface),
             masks_of(shape.touches)
         );
     }
+}
+
+fn other_friction(surface: &Surface) -> String {
+    let [torsional_m, rolling_m] = OTHER_FRICTION_M;
+    numbers(&[
+        surface.torsional_m.unwrap_or(torsional_m),
+        surface.rolling_m.unwrap_or(rolling_m),
+    ])
+}
+
+/// How many dimensions its contacts have, and how soft they are.
+fn surface_of(surface: &Surface) -> String {
+    let dimensions = match (surface.torsional_m, surface.rolling_m) {
+        (_, Some(_)) => 6,
+        (Some(_), None) => 4,
+        (None, None) => 3,
+    };
+    let mut text = format!(r#"condim="{dimensions}""#);
+    if let Some(softness) = &surface.softness {
+        let reference = [softness.time_constant_secs, softness.damping_ratio];
+        text.push_str(&format!(r#" solref="{}""#, numbers(&reference)));
+        if let Some(impedance) = &softness.impedance {
+            text.push_str(&format!(r#" solimp="{}""#, numbers(impedance)));
+        }
+    }
+    text
 }
 
 /// MuJoCo takes the friction of the shape with the higher priority: the smaller friction's.

@@ -13,8 +13,8 @@ mod mujoco;
 mod rapier;
 
 pub use layout::{
-    BodyPlan, CouplingPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan, Layout,
-    Motion, ShapePlan, Touches,
+    BodyPlan, Cone, CouplingPlan, DriveKind, DrivePlan, Form, Inertia, JointKind, JointPlan,
+    Layout, Motion, MujocoSolver, RapierSolver, ShapePlan, Softness, Solver, Surface, Touches,
 };
 pub use mjcf::mjcf_of;
 pub use mujoco::MujocoPhysics;
@@ -32,6 +32,15 @@ pub struct JointState {
     pub position: f64,
     /// Its rate.
     pub velocity: f64,
+}
+
+/// What a drive is told.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DriveState {
+    /// What it is to reach; see [`Physics::set_drive`].
+    pub target: f64,
+    /// See [`Physics::set_drive_strength`].
+    pub strength: f64,
 }
 
 /// How a body moves: velocities of the origin of its frame.
@@ -52,6 +61,10 @@ pub struct Touch {
     pub normal_newtons: f64,
     /// Size of the friction force.
     pub tangential_newtons: f64,
+    /// Where they touch, in the world, at the beginning of the step.
+    pub point_m: Vector,
+    /// Unit vector from the first shape to the second, in the world.
+    pub normal: Vector,
 }
 
 /// What a ray meets.
@@ -101,6 +114,8 @@ pub trait Physics: Send {
     fn set_drive(&mut self, drive: usize, target: f64);
     /// The share of its gains and of its limit that a drive has, from 0 to 1, until changed.
     fn set_drive_strength(&mut self, drive: usize, strength: f64);
+    /// What a drive was told last, and the share of its gains and of its limit that it has.
+    fn drive(&self, drive: usize) -> DriveState;
     /// Applies a force and a torque at a body's centre of mass, until changed.
     fn apply(&mut self, body: usize, force_newtons: Vector, torque_nm: Vector);
     /// Where a body's frame is.

@@ -1,7 +1,7 @@
 //! MuJoCo as a [`Physics`].
 
 use super::layout::{Layout, Motion};
-use super::{Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
+use super::{DriveState, Hit, JointState, Physics, PhysicsState, Touch, Twist, mjcf_of};
 use crate::geometry::{Pose, Vector, add, scale};
 use crate::mujoco::{
     BodyId, DriveLaw, Engine, EngineError, GeomId, JointId, SavedState, Simulation,
@@ -100,6 +100,8 @@ impl MujocoPhysics {
                 shapes: [self.shape_of(a)?, self.shape_of(b)?],
                 normal_newtons: contact.normal_newtons,
                 tangential_newtons: contact.tangential_newtons,
+                point_m: contact.point_m,
+                normal: contact.normal,
             })
         });
         touches.extend(found);
@@ -171,6 +173,14 @@ impl Physics for MujocoPhysics {
         if self.strengths[drive] != strength {
             self.strengths[drive] = strength;
             self.simulation.set_drive(drive, &law.of_strength(strength));
+        }
+    }
+
+    fn drive(&self, drive: usize) -> DriveState {
+        let target = self.simulation.controls().get(drive).copied();
+        DriveState {
+            target: target.unwrap_or(0.0),
+            strength: self.strengths.get(drive).copied().unwrap_or(0.0),
         }
     }
 

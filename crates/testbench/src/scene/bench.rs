@@ -1,17 +1,19 @@
 //! A scene as a [`Bench`].
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use stimulus::{AbstractTest, Distribution, Settings, Stimulus};
 use toml::{Table, Value};
 use trace::Trace;
 
-use super::build::{Models, build, check_engine};
+use super::build::{Built, Models, build, check_engine};
 use super::data::{ControllerData, SceneData, resolve};
 use super::draws::Draws;
 use super::gaps::SceneGap;
 use super::recorder::Recorder;
 use super::run::{Run, known, unsuitable};
+use super::truth::{Declared, TruthVocabulary, UnknownTruth};
 use crate::bench::ScenarioError;
 use crate::bench::{Bench, Cancel, Drawn, End, Failure, Recorded, SimError, Watch};
 use crate::controller::{Controller, ControllerError, Description};
@@ -49,6 +51,8 @@ pub(super) struct Prepared {
     pub(super) models: Arc<Models>,
     pub(super) physics: BuildPhysics,
     pub(super) controllers: StartController,
+    /// Names of truth that is recorded because somebody reads it.
+    pub(super) truth: Arc<BTreeSet<String>>,
 }
 
 /// A scene: one stimulus and one seed give one recording.
@@ -56,6 +60,8 @@ pub struct SceneBench {
     table: Table,
     prepared: Arc<Prepared>,
     descriptions: Vec<Description>,
+    declared: Declared,
+    built: Built,
 }
 
 impl SceneBench {
@@ -89,6 +95,10 @@ impl SceneBench {
         let built = build(&data, &models, Draws { seed: 0 })?;
         let engine = physics(&built.layout)?;
         check_engine(&data, &built.layout, engine.as_ref())?;
+        check_tool_points(&data, &built)?;
+        let truth: BTreeSet<String> = data.truth.record.iter().cloned().collect();
+        let none = Declared::new(&data, &built, &Trace::new(), &BTreeSet::new());
+        let none = none.map_err(|unknown| of_scene(&unknown))?;
         let known = known(&data, &descriptions);
         for test in &data.abstract_tests {
             known.check(test).map_err(|problem| {
@@ -103,11 +113,70 @@ impl SceneBench {
                 models: Arc::new(models),
                 physics,
                 controllers,
+                truth: Arc::new(BTreeSet::new()),
             }),
             table,
             descriptions,
+            declared: none,
+            built,
         };
-        Ok((bench, gaps))
+        match bench.declare(truth)? {
+            Ok(bench) => Ok((bench, gaps)),
+            Err(unknown) => Err(of_scene(&unknown).into()),
+        }
+    }
+
+    /// The same scene, which records these signals of truth (`/truth/THING.QUANTITY`), too: those that somebody reads.
+    ///
+    /// # Errors
+    /// [`SimError`] where the engine cannot tell one of them; inside, the first name that the scene does not have.
+    pub fn record_truth(
+        self,
+        names: impl IntoIterator<Item = String>,
+    ) -> Result<Result<Self, UnknownTruth>, SimError> {
+        let known = self.prepared.truth.iter().cloned();
+        let all = known.chain(names).collect();
+        self.declare(all)
+    }
+
+    fn declare(mut self, truth: BTreeSet<String>) -> Result<Result<Self, UnknownTruth>, SimError> {
+        if truth == *self.prepared.truth {
+            return Ok(Ok(self));
+        }
+        let prepared = self.prepared.as_ref();
+        let always = Recorder::new(&prepared.data, &[], &[])?.trace;
+        let declared = match Declared::new(&prepared.data, &self.built, &always, &truth) {
+            Ok(declared) => declared,
+            Err(unknown) => return Ok(Err(unknown)),
+        };
+        let mut layout = self.built.layout.clone();
+        declared.ask_wrenches(&mut layout);
+        if layout.wrenches != self.built.layout.wrenches {
+            let engine = (prepared.physics)(&layout)?;
+            declared.check_engine(&layout, engine.as_ref())?;
+        }
+        self.prepared = Arc::new(Prepared {
+            data: prepared.data.clone(),
+            undrawn: prepared.undrawn,
+            models: Arc::clone(&prepared.models),
+            physics: Arc::clone(&prepared.physics),
+            controllers: Arc::clone(&prepared.controllers),
+            truth: Arc::new(truth),
+        });
+        self.declared = declared;
+        Ok(Ok(self))
+    }
+
+    /// Whether a name is of truth and begins with a thing of this scene.
+    #[must_use]
+    pub fn tells_of(&self, name: &str) -> bool {
+        self.declared.tells_of(name)
+    }
+
+    /// All truth that this scene can tell.
+    #[must_use]
+    pub fn truth(&self) -> TruthVocabulary {
+        self.declared.vocabulary(&self.prepared.data, &self.built)
     }
 
     /// The scene's data, on which a stimulus's settings act.
@@ -154,6 +223,7 @@ impl SceneBench {
             models,
             physics,
             controllers,
+            truth,
             ..
         } = self.prepared.as_ref();
         Ok(Arc::new(Prepared {
@@ -162,6 +232,7 @@ impl SceneBench {
             models: Arc::clone(models),
             physics: Arc::clone(physics),
             controllers: Arc::clone(controllers),
+            truth: Arc::clone(truth),
         }))
     }
 
@@ -211,6 +282,40 @@ impl SceneBench {
     }
 }
 
+/// What a scene's own list of signals names wrongly.
+fn of_scene(unknown: &UnknownTruth) -> ScenarioError {
+    ScenarioError::value(
+        "truth.record",
+        &format!("has a name that there is not: {unknown}"),
+    )
+}
+
+/// Points of tools are on links that there are, and none has a link's name.
+fn check_tool_points(data: &SceneData, built: &Built) -> Result<(), ScenarioError> {
+    for point in &data.tool_points {
+        let robot = data.robots.iter().position(|it| it.name == point.robot);
+        let Some(robot) = robot.and_then(|robot| built.robots.get(robot)) else {
+            continue;
+        };
+        let key = |field: &str| super::data::key_of("tool_point", &point.name, field);
+        if let Some(link) = point
+            .link
+            .as_ref()
+            .filter(|link| robot.body(Some(link)).is_none())
+        {
+            return Err(ScenarioError::UnknownName {
+                key: key("link"),
+                name: link.clone(),
+            });
+        }
+        if robot.added.links.contains_key(&point.name) {
+            let problem = "is the name of a link of the robot; choose another";
+            return Err(ScenarioError::value(&key("name"), problem));
+        }
+    }
+    Ok(())
+}
+
 /// Whether there are plain numbers in it that each episode draws.
 fn is_undrawn(table: &Table) -> bool {
     let mut drawn = table.clone();
@@ -242,7 +347,8 @@ fn distributions(key: &str, value: &Value, found: &mut dyn FnMut(String, &Distri
 
 impl Bench for SceneBench {
     fn layout(&self) -> Result<Trace, SimError> {
-        Ok(Recorder::new(&self.prepared.data, &self.descriptions)?.trace)
+        let blocks = self.declared.blocks();
+        Ok(Recorder::new(&self.prepared.data, &self.descriptions, &blocks)?.trace)
     }
 
     fn run(
@@ -255,9 +361,12 @@ impl Bench for SceneBench {
         let prepared = self.with_settings(&stimulus.settings, seed)?;
         let recorded = match Run::new(Arc::clone(&prepared), stimulus, seed) {
             Ok(run) => drive(run, watch, cancel)?,
-            Err(SimError::Controller(error)) => {
-                never_begun(&prepared, &self.descriptions, stimulus, seed, error)?
-            }
+            Err(SimError::Controller(error)) => never_begun(
+                (&prepared, &self.descriptions, &self.declared),
+                stimulus,
+                seed,
+                error,
+            )?,
             Err(other) => return Err(other),
         };
         // A controller that was ended with us did not fail.
@@ -288,14 +397,13 @@ fn drive(mut run: Run, watch: &mut dyn Watch, cancel: &Cancel) -> Result<Recorde
 
 /// What there is of an episode whose controller could not be started or set up: no row.
 fn never_begun(
-    prepared: &Prepared,
-    descriptions: &[Description],
+    (prepared, descriptions, declared): (&Prepared, &[Description], &Declared),
     stimulus: &Stimulus,
     seed: u64,
     error: ControllerError,
 ) -> Result<Recorded, SimError> {
     let failure = Failure::of_controller(&error, true);
-    let mut recorder = Recorder::new(&prepared.data, descriptions)?;
+    let mut recorder = Recorder::new(&prepared.data, descriptions, &declared.blocks())?;
     recorder.note("scene", &prepared.data.name);
     recorder.note("abstract_test", &stimulus.test.name);
     recorder.note("seed", seed);

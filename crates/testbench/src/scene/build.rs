@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::data::{Actuator, ActuatorKind, Object, Robot, SceneData, Sensor, SensorKind};
 use super::draws::Draws;
+use super::materials::coat;
 use super::person::body_of;
 use super::sensing::joints_of;
 use super::translate::{Added, add_model};
@@ -12,7 +13,8 @@ use super::vision::Marker;
 use crate::bench::ScenarioError;
 use crate::geometry::{IDENTITY, Pose, box_inertia, cylinder_inertia, sphere_inertia};
 use crate::physics::{
-    BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, Physics, ShapePlan, Touches,
+    BodyPlan, DriveKind, DrivePlan, Form, Inertia, Layout, Motion, Physics, ShapePlan, Solver,
+    Surface, Touches,
 };
 use crate::viewer::{Geometry, Role, VisibleShape};
 
@@ -25,6 +27,7 @@ pub(super) struct Built {
     pub(super) layout: Layout,
     pub(super) robots: Vec<BuiltRobot>,
     pub(super) people: Vec<BuiltPerson>,
+    pub(super) objects: Vec<BuiltObject>,
     /// Shapes of the ground.
     pub(super) ground: Range<usize>,
     /// For each actuator its drives, left before right.
@@ -88,6 +91,19 @@ impl BuiltRobot {
     }
 }
 
+/// Where an object is in the layout.
+#[derive(Debug, Clone)]
+pub(super) struct BuiltObject {
+    /// Its body; none of a plain one that is fixed to the world.
+    pub(super) body: Option<usize>,
+    /// Where it stands at the beginning.
+    pub(super) pose: Pose,
+    /// Bodies by the names of links, of one from a file.
+    pub(super) links: BTreeMap<String, usize>,
+    pub(super) joints: BTreeMap<String, usize>,
+    pub(super) shapes: Range<usize>,
+}
+
 /// Where a person is in the layout.
 #[derive(Debug, Clone)]
 pub(super) struct BuiltPerson {
@@ -110,6 +126,10 @@ pub(super) fn build(
     let mut layout = Layout {
         time_step_secs: data.simulation.time_step_secs,
         gravity_m_s2: data.simulation.gravity_m_s2,
+        solver: Solver {
+            mujoco: data.simulation.mujoco.solver(),
+            rapier: data.simulation.rapier.solver(),
+        },
         ..Layout::default()
     };
     ground(&mut layout, data, draws);
@@ -124,13 +144,15 @@ pub(super) fn build(
         .iter()
         .map(|robot| add_robot(&mut layout, robot, models, draws, next_group()))
         .collect::<Result<Vec<_>, _>>()?;
-    for object in &data.objects {
-        add_object(&mut layout, object, models, draws, next_group())?;
-    }
+    let objects = data.objects.iter();
+    let objects = objects
+        .map(|object| add_object(&mut layout, object, models, draws, next_group()))
+        .collect::<Result<Vec<_>, _>>()?;
     let people = data.people.iter();
-    let people = people
+    let people: Vec<BuiltPerson> = people
         .map(|person| body_of(&mut layout, person, draws, next_group()))
         .collect();
+    coat(&mut layout, data, (&robots, &objects, &people), draws)?;
     let drives = data
         .actuators
         .iter()
@@ -141,6 +163,7 @@ pub(super) fn build(
         layout,
         robots,
         people,
+        objects,
         ground,
         drives,
     };
@@ -161,6 +184,7 @@ fn ground(layout: &mut Layout, data: &SceneData, draws: Draws) {
             form: Form::Ground,
             friction: draws.number("ground.friction", &ground.friction),
             touches: Touches::AllButGroup(0),
+            surface: Surface::default(),
         });
     }
 }
@@ -226,13 +250,13 @@ fn add_object(
     models: &Models,
     draws: Draws,
     group: u8,
-) -> Result<(), ScenarioError> {
+) -> Result<BuiltObject, ScenarioError> {
     let pose = draws.place("object", &object.name, &object.place());
     let friction = draws.of("object", &object.name, "friction", &object.friction);
     if let Some(file) = &object.file {
         let key = super::data::key_of("object", &object.name, "file");
         let model = model_of(models, file, &key)?;
-        add_model(
+        let added = add_model(
             layout,
             &object.name,
             model,
@@ -241,7 +265,13 @@ fn add_object(
             friction,
             group,
         );
-        return Ok(());
+        return Ok(BuiltObject {
+            body: Some(added.root),
+            pose,
+            links: added.links,
+            joints: added.joints,
+            shapes: added.shapes,
+        });
     }
     let mass_kg = object.mass_kg.as_ref();
     let mass_kg = mass_kg.map(|mass| draws.of("object", &object.name, "mass_kg", mass));
@@ -275,8 +305,15 @@ fn add_object(
         form,
         friction,
         touches: Touches::AllButGroup(group),
+        surface: Surface::default(),
     });
-    Ok(())
+    Ok(BuiltObject {
+        body,
+        pose,
+        links: BTreeMap::new(),
+        joints: BTreeMap::new(),
+        shapes: layout.shapes.len() - 1..layout.shapes.len(),
+    })
 }
 
 /// The object's form and, for its mass, its moments of inertia.

@@ -9,6 +9,8 @@ mod body;
 mod drawn;
 mod person;
 mod sensor;
+mod solver;
+mod truth;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,6 +27,8 @@ pub use person::{
 };
 pub(super) use sensor::key_with_unit;
 pub use sensor::{Fault, FaultKind, Sensor, SensorKind};
+pub use solver::{ConeKind, Material, MujocoKeys, RapierKeys};
+pub use truth::{Region, ToolPoint, TruthKeys};
 
 use crate::bench::ScenarioError;
 
@@ -56,6 +60,18 @@ pub struct SceneData {
     /// Robots' code.
     #[serde(default, rename = "controller")]
     pub controllers: Vec<ControllerData>,
+    /// What surfaces are made of.
+    #[serde(default, rename = "material")]
+    pub materials: Vec<Material>,
+    /// Places in which things can be.
+    #[serde(default, rename = "region")]
+    pub regions: Vec<Region>,
+    /// Points of links that signals can speak of.
+    #[serde(default, rename = "tool_point")]
+    pub tool_points: Vec<ToolPoint>,
+    /// What counts as what in truth signals.
+    #[serde(default)]
+    pub truth: TruthKeys,
     /// The tests that can be enacted; the first is the one that a study runs.
     #[serde(default, rename = "abstract_test")]
     pub abstract_tests: Vec<AbstractTest>,
@@ -85,6 +101,12 @@ pub struct Simulation {
     /// Distances of more than this are recorded as this.
     #[serde(default = "ten")]
     pub longest_distance_m: f64,
+    /// How MuJoCo solves contacts.
+    #[serde(default)]
+    pub mujoco: MujocoKeys,
+    /// How Rapier solves contacts.
+    #[serde(default)]
+    pub rapier: RapierKeys,
 }
 
 /// The floor, at z = 0.
@@ -93,6 +115,8 @@ pub struct Simulation {
 pub struct Ground {
     /// Its Coulomb friction.
     pub friction: Distribution,
+    /// What it is made of: one of the scene's materials.
+    pub material: Option<String>,
 }
 
 /// A robot's code and how it is joined.
@@ -252,6 +276,8 @@ impl SceneData {
             within("ground.friction", &ground.friction, 0.0, 10.0)?;
         }
         self.check_names()?;
+        self.check_materials()?;
+        self.check_truth()?;
         self.robots.iter().try_for_each(Robot::check)?;
         self.objects.iter().try_for_each(Object::check)?;
         self.people.iter().try_for_each(Person::check)?;
@@ -279,9 +305,66 @@ impl SceneData {
         known(&key_of(list, name, "robot"), robot, robots)
     }
 
+    /// Materials are sound, and those that things are made of exist.
+    fn check_materials(&self) -> Result<(), ScenarioError> {
+        let time_step_secs = self.simulation.time_step_secs;
+        for material in &self.materials {
+            material.check(time_step_secs)?;
+        }
+        let is_known = |key: &str, name: &Option<String>| match name {
+            Some(name) => known(key, name, self.materials.iter().map(|it| it.name.as_str())),
+            None => Ok(()),
+        };
+        if let Some(ground) = &self.ground {
+            is_known("ground.material", &ground.material)?;
+        }
+        for robot in &self.robots {
+            is_known(&key_of("robot", &robot.name, "material"), &robot.material)?;
+            for (link, material) in &robot.materials {
+                let key = key_of("robot", &robot.name, &format!("materials.{link}"));
+                is_known(&key, &Some(material.clone()))?;
+            }
+        }
+        for object in &self.objects {
+            is_known(
+                &key_of("object", &object.name, "material"),
+                &object.material,
+            )?;
+        }
+        for person in &self.people {
+            is_known(
+                &key_of("person", &person.name, "material"),
+                &person.material,
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Regions and points of tools are sound, and what they are on exists.
+    fn check_truth(&self) -> Result<(), ScenarioError> {
+        self.truth.check()?;
+        self.regions.iter().try_for_each(Region::check)?;
+        self.tool_points.iter().try_for_each(ToolPoint::check)?;
+        for region in &self.regions {
+            let robots = self.robots.iter().map(|it| it.name.as_str());
+            let objects = self.objects.iter().map(|it| it.name.as_str());
+            if let Some(on) = &region.on {
+                known(
+                    &key_of("region", &region.name, "on"),
+                    on,
+                    robots.chain(objects),
+                )?;
+            }
+        }
+        for point in &self.tool_points {
+            self.check_robot("tool_point", &point.name, &point.robot)?;
+        }
+        Ok(())
+    }
+
     /// Names are part of topics and of keys.
     fn check_names(&self) -> Result<(), ScenarioError> {
-        let lists: [(&str, Vec<&str>); 6] = [
+        let lists: [(&str, Vec<&str>); 9] = [
             (
                 "robot",
                 self.robots.iter().map(|x| x.name.as_str()).collect(),
@@ -305,6 +388,18 @@ impl SceneData {
             (
                 "controller",
                 self.controllers.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "material",
+                self.materials.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "region",
+                self.regions.iter().map(|x| x.name.as_str()).collect(),
+            ),
+            (
+                "tool_point",
+                self.tool_points.iter().map(|x| x.name.as_str()).collect(),
             ),
         ];
         let mut seen = BTreeSet::new();
@@ -356,6 +451,8 @@ impl Simulation {
             0.1,
             1e4,
         )?;
+        self.mujoco.check()?;
+        self.rapier.check()?;
         for (field, hz) in [("record_hz", self.record_hz), ("people_hz", self.people_hz)] {
             whole_steps(&key(field), 1.0 / hz, self.time_step_secs)?;
         }

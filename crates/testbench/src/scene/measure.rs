@@ -12,7 +12,7 @@ use super::vision::{self, Marker, View};
 use super::walker::{Walker, wrapped};
 use super::wrench;
 use crate::geometry::{
-    Pose, Quaternion, Vector, add, compose, from_roll_pitch_yaw, rotate, scale, subtract,
+    Pose, Quaternion, Vector, add, compose, from_roll_pitch_yaw, norm, rotate, scale, subtract,
 };
 use crate::physics::{Layout, Physics, Touch};
 use crate::random::Stream;
@@ -48,7 +48,9 @@ enum Kind {
         joints: Vec<usize>,
         resolution: f64,
     },
-    Pose,
+    Pose {
+        forward_velocity: bool,
+    },
     Odometry(Odometry),
     Imu {
         before: Option<(f64, Vector)>,
@@ -87,6 +89,7 @@ struct Odometry {
     right: Vec<usize>,
     radius_m: f64,
     separation_m: f64,
+    forward_velocity: bool,
     x_m: f64,
     y_m: f64,
     yaw_rad: f64,
@@ -102,17 +105,23 @@ impl Instrument {
                 joints: joints_of(robot, joints),
                 resolution: *resolution,
             },
-            SensorKind::Pose { .. } => Kind::Pose,
+            SensorKind::Pose {
+                forward_velocity, ..
+            } => Kind::Pose {
+                forward_velocity: *forward_velocity,
+            },
             SensorKind::Odometry {
                 left_joints,
                 right_joints,
                 wheel_radius_m,
                 wheel_separation_m,
+                forward_velocity,
             } => Kind::Odometry(Odometry {
                 left: joints_of(robot, left_joints),
                 right: joints_of(robot, right_joints),
                 radius_m: drawn("wheel_radius_m", wheel_radius_m),
                 separation_m: drawn("wheel_separation_m", wheel_separation_m),
+                forward_velocity: *forward_velocity,
                 x_m: 0.0,
                 y_m: 0.0,
                 yaw_rad: 0.0,
@@ -261,14 +270,18 @@ impl Instrument {
         let one = |numbers: &[f64]| numbers.iter().map(|number| vec![*number]).collect();
         match &mut self.kind {
             Kind::Encoder { joints, resolution } => encoder(scenery, joints, *resolution),
-            Kind::Pose => {
+            Kind::Pose { forward_velocity } => {
                 let pose = scenery.physics.body_pose(self.mount.body);
                 let twist = scenery.physics.body_twist(self.mount.body);
                 let [x, y, z] = pose.position_m;
                 let yaw_rad = yaw_of(pose.orientation);
                 let (sine, cosine) = yaw_rad.sin_cos();
-                let speed = twist.linear_m_s[0] * cosine + twist.linear_m_s[1] * sine;
-                one(&[x, y, z, yaw_rad, speed, twist.angular_rad_s[2]])
+                let speed = norm(twist.linear_m_s);
+                let mut numbers = vec![x, y, z, yaw_rad, speed, twist.angular_rad_s[2]];
+                if *forward_velocity {
+                    numbers.push(twist.linear_m_s[0] * cosine + twist.linear_m_s[1] * sine);
+                }
+                one(&numbers)
             }
             Kind::Odometry(odometry) => one(&odometry.reckon(scenery)),
             Kind::Imu { before } => imu(scenery, self.mount.body, before),
@@ -427,7 +440,7 @@ fn detect(
             [walker.stance.x_m, walker.stance.y_m, height_m],
             at.position_m,
         );
-        let distance_m = crate::geometry::norm(towards);
+        let distance_m = norm(towards);
         let bearing_rad = wrapped(towards[1].atan2(towards[0]) - heading_rad);
         if !is_noticed || distance_m > longest_m || bearing_rad.abs() > half_view_rad {
             continue;
@@ -448,7 +461,7 @@ fn detect(
 impl Odometry {
     /// Advances the reckoned pose by the mean of the wheels' turns on either side, along an arc's
     /// chord at the middle heading.
-    fn reckon(&mut self, scenery: &Scenery<'_>) -> [f64; 5] {
+    fn reckon(&mut self, scenery: &Scenery<'_>) -> Vec<f64> {
         let mean = |joints: &[usize]| {
             let sum: f64 = joints
                 .iter()
@@ -457,7 +470,7 @@ impl Odometry {
             sum / joints.len().max(1) as f64
         };
         let now = [mean(&self.left), mean(&self.right)];
-        let (mut speed_m_s, mut turn_rate_rad_s) = (0.0, 0.0);
+        let (mut forwards_m_s, mut turn_rate_rad_s) = (0.0, 0.0);
         if let Some((then_secs, before)) = self.before {
             let left_m = self.radius_m * (now[0] - before[0]);
             let right_m = self.radius_m * (now[1] - before[1]);
@@ -471,11 +484,16 @@ impl Odometry {
             self.yaw_rad = wrapped(self.yaw_rad + turn_rad);
             let elapsed_secs = scenery.now_secs - then_secs;
             if elapsed_secs > 0.0 {
-                speed_m_s = ahead_m / elapsed_secs;
+                forwards_m_s = ahead_m / elapsed_secs;
                 turn_rate_rad_s = turn_rad / elapsed_secs;
             }
         }
         self.before = Some((scenery.now_secs, now));
-        [self.x_m, self.y_m, self.yaw_rad, speed_m_s, turn_rate_rad_s]
+        let speed_m_s = forwards_m_s.abs();
+        let mut numbers = vec![self.x_m, self.y_m, self.yaw_rad, speed_m_s, turn_rate_rad_s];
+        if self.forward_velocity {
+            numbers.push(forwards_m_s);
+        }
+        numbers
     }
 }

@@ -54,6 +54,9 @@
 //! | `/controller/CONTROLLER` | each tick | `finished`, `said.MESSAGE` for each message that it may send, and what it reports |
 //! | `/test` | `record_hz` | `actions_done`, `done` |
 //!
+//! Whatever else is true is recorded if somebody names it ([`SceneBench::record_truth`], [`SceneBench::truth`]): behind the fields
+//! of a topic above, or as topics of its own behind `/test`.
+//!
 //! # Tests
 //!
 //! `send_signal` sends a message to the controllers that receive it; `receive_signal` waits for a
@@ -89,7 +92,9 @@ mod data;
 mod draws;
 mod drive_errors;
 mod gaps;
+mod grip;
 mod load;
+mod materials;
 mod measure;
 mod person;
 mod piloting;
@@ -99,6 +104,7 @@ mod saving;
 mod script;
 mod sensing;
 mod translate;
+mod truth;
 mod vision;
 mod walker;
 mod wrench;
@@ -106,8 +112,10 @@ mod wrench;
 pub use bench::{BuildPhysics, SceneBench, StartController, mujoco, rapier};
 pub use data::{
     Activity, Actuator, ActuatorFault, ActuatorFaultKind, ActuatorKind, ArmAngles, ArmPose,
-    ControllerData, Fault, FaultKind, Ground, Object, Person, PersonBody, PlaceKeys, Reaction,
-    ReactionKind, Robot, SceneData, Sensor, SensorKind, Simulation, Waypoint,
+    ConeKind, ControllerData, Fault, FaultKind, Ground, Material, MujocoKeys, Object, Person,
+    PersonBody, PlaceKeys, RapierKeys, Reaction, ReactionKind, Region, Robot, SceneData, Sensor,
+    SensorKind, Simulation, ToolPoint, TruthKeys, Waypoint,
 };
 pub use gaps::{SceneGap, description_gaps};
 pub use saving::{RunningScene, SavedScene};
+pub use truth::{TruthPattern, TruthTopic, TruthVocabulary, UnknownTruth};

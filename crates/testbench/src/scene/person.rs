@@ -11,10 +11,12 @@ use super::build::BuiltPerson;
 use super::data::{Person, PersonBody};
 use super::draws::Draws;
 use crate::geometry::{IDENTITY, Pose, Vector, about, add, compose, from_roll_pitch_yaw, rotate};
-use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Touches};
+use crate::physics::{BodyPlan, Form, Layout, Motion, ShapePlan, Surface, Touches};
 
 /// A person's surface: skin and clothes.
 const FRICTION: f64 = 0.6;
+/// How far below the middle of a forearm the hand ends, for a height of 1.
+pub(super) const HAND_BELOW_FOREARM: f64 = 0.127;
 /// Length of a stride (two steps) for a height of 1.
 const STRIDE: f64 = 0.8;
 /// Largest angle of the legs at 1.4 m/s, and of the arms.
@@ -119,6 +121,7 @@ pub(super) fn body_of(
             form,
             friction: FRICTION,
             touches: Touches::AllButGroup(group),
+            surface: Surface::default(),
         });
     }
     BuiltPerson {
@@ -178,7 +181,7 @@ pub(super) fn hands_of(body: PersonBody, height_m: f64, stance: &Stance) -> Opti
         return None;
     };
     let end = |pose: &Pose| {
-        let along = rotate(pose.orientation, [0.0, 0.0, -0.127 * height_m]);
+        let along = rotate(pose.orientation, [0.0, 0.0, -HAND_BELOW_FOREARM * height_m]);
         add(pose.position_m, along)
     };
     (body == PersonBody::Articulated).then(|| [end(left), end(right)])

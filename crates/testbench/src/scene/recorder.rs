@@ -3,6 +3,7 @@
 use trace::{Field, Trace, TraceError};
 
 use super::data::{Activity, PersonBody, SceneData, Sensor, SensorKind};
+use super::truth::Block;
 use crate::bench::{Control, Watch};
 use crate::controller::Description;
 
@@ -15,6 +16,8 @@ pub(super) struct Topics {
     pub(super) actuators: Vec<usize>,
     pub(super) controllers: Vec<usize>,
     pub(super) test: usize,
+    /// Of declared truth, by block: its own topic; `None` where its fields are in one that is always there.
+    pub(super) declared: Vec<Option<usize>>,
 }
 
 /// A trace that is being written.
@@ -27,8 +30,13 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    /// An empty recording of a scene with these controllers.
-    pub(super) fn new(data: &SceneData, controllers: &[Description]) -> Result<Self, TraceError> {
+    /// An empty recording of a scene with these controllers, and with the truth that is declared. What always is recorded
+    /// keeps its place, whatever is declared.
+    pub(super) fn new(
+        data: &SceneData,
+        controllers: &[Description],
+        declared: &[Block],
+    ) -> Result<Self, TraceError> {
         let mut trace = Trace::new();
         trace.complete = false;
         let mut topics = Topics {
@@ -38,15 +46,20 @@ impl Recorder {
             actuators: Vec::new(),
             controllers: Vec::new(),
             test: 0,
+            declared: Vec::new(),
         };
         for robot in &data.robots {
-            let fields = robot_fields(&robot.recorded_joints);
-            let topic = trace.add_channel(format!("/truth/{}", robot.name), fields)?;
+            let topic = format!("/truth/{}", robot.name);
+            let mut fields = robot_fields(&robot.recorded_joints);
+            fields.extend(more(declared, &topic));
+            let topic = trace.add_channel(topic, fields)?;
             topics.robots.push(topic);
         }
         for person in &data.people {
-            let fields = person_fields(person.body);
-            let topic = trace.add_channel(format!("/truth/{}", person.name), fields)?;
+            let topic = format!("/truth/{}", person.name);
+            let mut fields = person_fields(person.body);
+            fields.extend(more(declared, &topic));
+            let topic = trace.add_channel(topic, fields)?;
             topics.people.push(topic);
         }
         for sensor in &data.sensors {
@@ -68,6 +81,13 @@ impl Recorder {
         }
         let test = vec![Field::number("actions_done", "1"), Field::bool("done")];
         topics.test = trace.add_channel("/test", test)?;
+        for block in declared {
+            let is_there = trace.channel(&block.topic).is_some();
+            topics.declared.push(match is_there {
+                true => None,
+                false => Some(trace.add_channel(&*block.topic, block.fields.clone())?),
+            });
+        }
         Ok(Self {
             trace,
             topics,
@@ -96,6 +116,12 @@ impl Recorder {
         }
         Ok(())
     }
+}
+
+/// What is declared of a topic that is always there.
+fn more(declared: &[Block], topic: &str) -> Vec<Field> {
+    let blocks = declared.iter().filter(|block| block.topic == topic);
+    blocks.flat_map(|block| block.fields.clone()).collect()
 }
 
 fn world(name: &str, unit: &str) -> Field {

@@ -18,15 +18,17 @@ use super::bench::Prepared;
 use super::build::{Built, build};
 use super::data::whole_steps;
 use super::draws::Draws;
+use super::grip::Grips;
 use super::measure::{Scenery, yaw_of};
 use super::person::poses_of;
 use super::piloting::Piloting;
 use super::recorder::{Recorder, sensor_row};
 use super::script::{Known, Reach, Script};
 use super::sensing::Sensing;
+use super::truth::{Declared, Witness};
 use super::walker::{RobotSeen, Walker};
 use crate::bench::ScenarioError;
-use crate::bench::{End, Failure, Recorded, SimError, Watch};
+use crate::bench::{Creep, End, Failure, Recorded, SimError, Watch};
 use crate::controller::ControllerError;
 use crate::physics::{Physics, Touch};
 
@@ -46,6 +48,8 @@ pub(super) struct Run {
     script: Script,
     known: Known,
     pub(super) recorder: Recorder,
+    witness: Witness,
+    grips: Grips,
     touches: Vec<Touch>,
     /// Largest forces since the last row, by robot: of people, of other things.
     forces: Vec<[f64; 2]>,
@@ -66,7 +70,14 @@ impl Run {
     ) -> Result<Self, SimError> {
         let data = &prepared.data;
         let draws = Draws { seed };
-        let built = build(data, &prepared.models, draws)?;
+        let mut built = build(data, &prepared.models, draws)?;
+        let always = Recorder::new(data, &[], &[])?.trace;
+        let declared = Declared::new(data, &built, &always, &prepared.truth);
+        let declared = declared.map_err(|unknown| SimError::Stimulus {
+            reason: format!("a signal of truth that is read is not there any more: {unknown}"),
+        })?;
+        declared.ask_wrenches(&mut built.layout);
+        let witness = Witness::new(&declared, data, &built.layout);
         let step_secs = data.simulation.time_step_secs;
         let steps = |key: &str, period_secs: f64| whole_steps(key, period_secs, step_secs);
         let physics = (prepared.physics)(&built.layout)?;
@@ -105,7 +116,9 @@ impl Run {
             .check(&stimulus.test)
             .map_err(|reason| SimError::Stimulus { reason })?;
         let mut run = Self {
-            recorder: Recorder::new(data, &descriptions)?,
+            recorder: Recorder::new(data, &descriptions, &witness.blocks)?,
+            witness,
+            grips: Grips::new(&built),
             script: Script::new(&stimulus.test),
             known,
             seed,
@@ -166,15 +179,17 @@ impl Run {
                 self.physics.set_joint(*joint, *position);
             }
         }
-        self.lead_people();
+        self.lead_people(None);
         self.physics.refresh();
     }
 
-    fn lead_people(&mut self) {
+    /// People are where they went in `secs`, or where they are placed at first.
+    fn lead_people(&mut self, secs: Option<f64>) {
         for (walker, body) in self.people.iter().zip(&self.built.people) {
             let poses = poses_of(walker.body, body.height_m, &walker.stance);
             for (body, pose) in body.bodies.clone().zip(&poses) {
                 self.physics.lead(body, pose);
+                self.witness.lead(body, pose, secs);
             }
         }
     }
@@ -208,10 +223,16 @@ impl Run {
         if (self.steps + 1).is_multiple_of(self.people_steps) {
             self.move_people();
         }
+        let data = &self.prepared.data;
+        let layout = &self.built.layout;
+        self.witness.look(data, layout, self.physics.as_ref());
         self.physics.step();
         self.steps += 1;
         self.touches.clear();
         self.physics.touches(&mut self.touches);
+        let now_secs = self.now_secs();
+        let data = &self.prepared.data;
+        self.witness.feel(data, now_secs, &self.touches);
         self.gather_forces();
         if self.steps.is_multiple_of(500) {
             self.check_sound()?;
@@ -359,7 +380,7 @@ impl Run {
         for walker in &mut self.people {
             walker.update(then_secs, period_secs, &robots);
         }
-        self.lead_people();
+        self.lead_people(Some(period_secs));
     }
 
     /// Ends the episode and closes the recording.
@@ -393,6 +414,10 @@ impl Run {
     fn recorded(mut self, end: End, failure: Option<Failure>) -> Recorded {
         if let Some(failure) = &failure {
             self.recorder.note("failed", failure.kind());
+        }
+        let crept = self.grips.crept(&self.prepared.data);
+        if let (false, Ok(text)) = (crept.is_empty(), serde_json::to_string(&crept)) {
+            self.recorder.note(Creep::KEY, text);
         }
         Recorded {
             sim_secs: self.now_secs(),

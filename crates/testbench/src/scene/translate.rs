@@ -7,7 +7,8 @@ use robot_model::{Geometry, JointKind as ModelJoint, Link, Model, Role, Shape};
 
 use crate::geometry::{Pose, add, compose, rotate};
 use crate::physics::{
-    BodyPlan, CouplingPlan, Form, Inertia, JointKind, JointPlan, Layout, Motion, ShapePlan, Touches,
+    BodyPlan, CouplingPlan, Form, Inertia, JointKind, JointPlan, Layout, Motion, ShapePlan,
+    Surface, Touches,
 };
 
 /// Where a model is in the layout.
@@ -183,6 +184,7 @@ fn add_shape(
         form,
         friction: shape.friction.map_or(friction, |friction| friction.sliding),
         touches,
+        surface: Surface::default(),
     });
 }
 

@@ -1,5 +1,6 @@
 //! Runs a campaign: goes on from the journal, runs what is missing, counts, and ends in time.
 
+use super::creeping::CreepTally;
 use super::failing::stopped_by;
 use super::one::{Bench, Effort, recorder};
 use super::ordered::in_order;
@@ -62,6 +63,8 @@ pub struct Finished {
     pub cost: Cost,
     /// The first episode that each kind of failure ended.
     pub first_failed: BTreeMap<FailureKind, u64>,
+    /// What moved in the fingers that held it.
+    pub crept: CreepTally,
     /// What came of the stopping rule.
     pub stopped: Option<String>,
     /// The table of all episodes.
@@ -192,6 +195,7 @@ struct Count<'a> {
     new_cpu_secs: f64,
     new_episodes: u64,
     first_failed: BTreeMap<FailureKind, u64>,
+    crept: CreepTally,
     began: Instant,
     decided: bool,
 }
@@ -210,6 +214,7 @@ impl<'a> Count<'a> {
             new_cpu_secs: 0.0,
             new_episodes: 0,
             first_failed: BTreeMap::new(),
+            crept: CreepTally::default(),
             began: Instant::now(),
             decided: false,
         }
@@ -235,6 +240,7 @@ impl<'a> Count<'a> {
             self.first_failed.entry(kind).or_insert(record.number);
         }
         self.differences.add(&name, &record.forms);
+        self.crept.add(record);
         if let Some(secs) = record.simulated_secs {
             *self.cost.simulated_secs.get_or_insert(0.0) += secs;
             if let Some(cpu_secs) = effort.cpu_secs {
@@ -290,6 +296,7 @@ impl<'a> Count<'a> {
             },
             form_differences: self.differences.finish(),
             first_failed: self.first_failed,
+            crept: self.crept,
             cost: self.cost,
             stopped,
             table,

@@ -15,6 +15,8 @@ use rig::processor::used_secs;
 use std::path::Path;
 use study::{Keep, OnFailure};
 use temporal::monitor::Verdict;
+use testbench::Creep;
+use trace::Trace;
 
 /// How episodes of a rig are run, judged and recorded.
 pub(super) trait Recorder: Sync {
@@ -63,6 +65,7 @@ pub(super) struct Shown {
     simulated_secs: Option<f64>,
     main: Vec<Judged>,
     of_forms: Vec<Verdict>,
+    crept: Vec<Creep>,
 }
 
 impl<'a> Bench<'a> {
@@ -111,6 +114,7 @@ impl<'a> Bench<'a> {
             simulated_secs: None,
             main: vec![unknown; self.monitors.len()],
             of_forms: vec![Verdict::Inconclusive; self.of_forms.monitors().count()],
+            crept: Vec::new(),
         };
         self.record(number, shown, None)
     }
@@ -140,6 +144,17 @@ impl<'a> Bench<'a> {
             recording,
             judged: shown.main,
             forms: shown.of_forms,
+            crept: shown.crept,
+        }
+    }
+}
+
+impl Shown {
+    /// With what a recording says of held things.
+    pub(super) fn with_crept(self, trace: &Trace) -> Self {
+        Self {
+            crept: Creep::of(trace),
+            ..self
         }
     }
 }
@@ -155,5 +170,6 @@ pub(super) fn shown(
         simulated_secs,
         main: main.iter().map(Judged::of).collect(),
         of_forms: of_forms.iter().map(|it| it.findings.verdict).collect(),
+        crept: Vec::new(),
     }
 }

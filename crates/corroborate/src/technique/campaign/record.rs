@@ -19,6 +19,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use temporal::monitor::Verdict;
+use testbench::Creep;
 
 /// An episode that is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,6 +41,9 @@ pub struct EpisodeRecord {
     pub judged: Vec<Judged>,
     /// The verdict of each form that is held against another.
     pub forms: Vec<Verdict>,
+    /// What moved in the fingers that held it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crept: Vec<Creep>,
 }
 
 /// What one monitor says of an episode.
@@ -367,6 +371,7 @@ mod tests {
                 decided_at_secs: Some(1e-17),
             }],
             forms: vec![Verdict::NotCovered],
+            crept: Vec::new(),
         }
     }
 

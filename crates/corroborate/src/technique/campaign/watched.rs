@@ -37,7 +37,8 @@ impl Recorder for WatchedEpisodes<'_> {
                 Some(trace.end_secs().unwrap_or(0.0)),
                 &bench.main.judge(&trace)?,
                 &bench.of_forms.judge(&trace)?,
-            );
+            )
+            .with_crept(&trace);
             let hash = hash_of_recording(&path)?;
             return Ok((bench.record(number, shown, Some(hash)), false));
         }
@@ -69,7 +70,7 @@ impl Recorder for WatchedEpisodes<'_> {
             _ => "incomplete",
         };
         let secs = run.trace.end_secs().unwrap_or(0.0);
-        let shown = shown(end, Some(secs), main, of_forms);
+        let shown = shown(end, Some(secs), main, of_forms).with_crept(&run.trace);
         let mut record = bench.record(number, shown, None);
         if bench.is_to_be_kept(&record) {
             let bytes = recording::to_mcap(&run.trace)

@@ -2,7 +2,7 @@
 //!
 //! Definition: bodies that hang on joints are multibodies in reduced coordinates, loose ones are
 //! rigid bodies; contacts are soft constraints at velocities, solved by projected Gauss-Seidel in
-//! substeps (TGS soft). A step of the layout is [`SUBSTEPS`] substeps.
+//! substeps (TGS soft). A step of the layout is four substeps, or what the layout's solver says.
 //!
 //! Source: the crate `rapier3d-f64` (Crozet and contributors); reduced coordinates after Featherstone,
 //! "Rigid Body Dynamics Algorithms" (2008); soft constraints after Catto, "Solver2D" (2024).
@@ -32,12 +32,10 @@ use self::build::{Bodies, Placed};
 use self::joints::Joints;
 use self::touching::Apart;
 use super::layout::{Layout, Motion};
-use super::{Hit, JointState, Physics, PhysicsState, Touch, Twist};
+use super::{DriveState, Hit, JointState, Physics, PhysicsState, Touch, Twist};
 use crate::bench::SimError;
 use crate::geometry::{Pose, Vector};
 
-/// Substeps of the solver in a time step.
-const SUBSTEPS: usize = 4;
 /// The release of Rapier that is built in, as `Cargo.toml` pins it.
 pub const VERSION: &str = "0.36.1";
 
@@ -102,7 +100,7 @@ impl RapierPhysics {
         let mut physics = Self {
             apart: Apart::new(layout, &placed),
             layout: Arc::new(layout.clone()),
-            parameters: parameters(layout.time_step_secs),
+            parameters: parameters(layout),
             pipeline: r::PhysicsPipeline::new(),
             placed,
             joints,
@@ -159,10 +157,20 @@ impl RapierPhysics {
 }
 
 /// The solver's settings; those that are not named are Rapier's own.
-fn parameters(time_step_secs: f64) -> r::IntegrationParameters {
+fn parameters(layout: &Layout) -> r::IntegrationParameters {
+    let solver = &layout.solver.rapier;
+    let own = r::IntegrationParameters::default();
+    let soften = |mut softness: r::SpringCoefficients<f64>| {
+        let own = &mut softness;
+        own.natural_frequency = solver.contact_frequency_hz.unwrap_or(own.natural_frequency);
+        own.damping_ratio = solver.contact_damping_ratio.unwrap_or(own.damping_ratio);
+        softness
+    };
     r::IntegrationParameters {
-        dt: time_step_secs,
-        num_solver_iterations: SUBSTEPS,
+        dt: layout.time_step_secs,
+        num_solver_iterations: solver.substeps,
+        contact_softness: soften(own.contact_softness),
+        static_contact_softness: soften(own.static_contact_softness),
         // Swept collision and merged manifolds trade exactness of forces for speed.
         max_ccd_substeps: 0,
         contact_clustering: false,
@@ -171,7 +179,7 @@ fn parameters(time_step_secs: f64) -> r::IntegrationParameters {
         // friction at once and shortens the result, so that the force of a sliding point is not
         // against its velocity. A cube of 0.2 m x 0.2 m x 0.1 m slides with 0.90 of the friction.
         friction_model: r::FrictionModel::Simplified,
-        ..r::IntegrationParameters::default()
+        ..own
     }
 }
 
@@ -221,7 +229,8 @@ impl Physics for RapierPhysics {
             &(),
         );
         world.steps += 1;
-        touching::collect(world, self.parameters.dt);
+        let substeps = self.layout.solver.rapier.substeps;
+        touching::collect(world, self.parameters.dt, substeps);
         world.is_sound &= world.bodies.iter().all(|(_, body)| {
             body.position().is_finite() && body.linvel().is_finite() && body.angvel().is_finite()
         });
@@ -255,6 +264,13 @@ impl Physics for RapierPhysics {
         if let Some(kept) = self.world.strengths.get_mut(drive) {
             *kept = strength;
             self.joints.aim(&self.layout, drive, &mut self.world);
+        }
+    }
+
+    fn drive(&self, drive: usize) -> DriveState {
+        DriveState {
+            target: self.world.targets.get(drive).copied().unwrap_or(0.0),
+            strength: self.world.strengths.get(drive).copied().unwrap_or(0.0),
         }
     }
 

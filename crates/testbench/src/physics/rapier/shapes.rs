@@ -8,7 +8,7 @@ use rapier3d_f64::prelude as r;
 use super::build::refused;
 use super::to_vector;
 use crate::bench::SimError;
-use crate::physics::layout::{Form, Layout};
+use crate::physics::layout::{Form, Layout, ShapePlan};
 
 /// Edges around an ellipsoid's polyhedron, and half as many from pole to pole: its surface lies at
 /// most 0.5 % of a radius inside the ellipsoid's.
@@ -26,6 +26,7 @@ pub(super) fn of(layout: &Layout) -> Result<Vec<Shape>, SimError> {
     let shapes = layout.shapes.iter();
     shapes
         .map(|shape| {
+            check_surface(shape)?;
             let form = form(&shape.form)
                 .ok_or_else(|| refused("shape", &shape.name, "it has no volume"))?;
             let turn = match shape.form {
@@ -35,6 +36,19 @@ pub(super) fn of(layout: &Layout) -> Result<Vec<Shape>, SimError> {
             Ok(Shape { form, turn })
         })
         .collect()
+}
+
+/// Rapier has one softness for all contacts, and friction along surfaces alone.
+fn check_surface(shape: &ShapePlan) -> Result<(), SimError> {
+    let surface = &shape.surface;
+    let reason = if surface.softness.is_some() {
+        "its material has a softness of its own, and contacts are equally stiff here: set `simulation.rapier`"
+    } else if surface.torsional_m.is_some() || surface.rolling_m.is_some() {
+        "its material has friction against turning or rolling, which is not known here"
+    } else {
+        return Ok(());
+    };
+    Err(refused("shape", &shape.name, reason))
 }
 
 /// `None` where the measures span no volume.

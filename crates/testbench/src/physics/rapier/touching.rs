@@ -6,7 +6,7 @@ use rapier3d_f64::prelude as r;
 
 use super::build::{Bodies, moves};
 use super::shapes::Shape;
-use super::{World, to_pose};
+use super::{World, of_vector, to_pose};
 use crate::physics::Touch;
 use crate::physics::layout::{Layout, Touches};
 
@@ -87,7 +87,7 @@ fn groups_of(touches: Touches) -> r::InteractionGroups {
 }
 
 /// Collects the contacts of the last step: the impulses of its substeps over its length.
-pub(super) fn collect(world: &mut World, step_secs: f64) {
+pub(super) fn collect(world: &mut World, step_secs: f64, substeps: usize) {
     let shape_of = |handle: r::ColliderHandle| {
         let collider = world.colliders.get(handle)?;
         usize::try_from(collider.user_data).ok()
@@ -97,8 +97,10 @@ pub(super) fn collect(world: &mut World, step_secs: f64) {
         let (Some(a), Some(b)) = (shape_of(pair.collider1), shape_of(pair.collider2)) else {
             continue;
         };
+        let first = world.colliders.get(pair.collider1).map(|it| *it.position());
         for manifold in pair.manifolds() {
-            add_manifold(manifold, [a, b], step_secs, &mut touches);
+            let first = first.unwrap_or(r::Pose::IDENTITY);
+            add_manifold(manifold, [a, b], &first, step_secs, substeps, &mut touches);
         }
     }
     // The order of pairs is that of Rapier's memory; ours does not depend on it.
@@ -114,7 +116,9 @@ pub(super) fn collect(world: &mut World, step_secs: f64) {
 fn add_manifold(
     manifold: &r::ContactManifold,
     shapes: [usize; 2],
+    first: &r::Pose,
     step_secs: f64,
+    substeps: usize,
     touches: &mut Vec<Touch>,
 ) {
     let points = manifold.points.iter();
@@ -128,7 +132,7 @@ fn add_manifold(
     };
     let has_own = active.iter().any(|point| of_point(point) > 0.0);
     let common = active.first().map_or(0.0, |point| {
-        point.data.warmstart_tangent_world.length() * super::SUBSTEPS as f64
+        point.data.warmstart_tangent_world.length() * substeps as f64
     });
     for point in active {
         let tangential = match (has_own, normal > 0.0) {
@@ -140,6 +144,8 @@ fn add_manifold(
             shapes,
             normal_newtons: point.data.impulse / step_secs,
             tangential_newtons: tangential / step_secs,
+            point_m: of_vector(*first * point.local_p1),
+            normal: of_vector(manifold.data.normal),
         });
     }
 }

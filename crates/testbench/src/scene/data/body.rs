@@ -79,6 +79,11 @@ pub struct Robot {
     /// Friction of shapes whose description gives none.
     #[serde(default = "half")]
     pub friction: Distribution,
+    /// What its shapes are made of: one of the scene's materials.
+    pub material: Option<String>,
+    /// What the shapes of single links are made of, by link.
+    #[serde(default)]
+    pub materials: BTreeMap<String, String>,
     /// What one joint's friction, damping and drive inertia are, over what the description says.
     #[serde(default)]
     pub joint_friction: BTreeMap<String, Distribution>,
@@ -109,6 +114,8 @@ pub struct Object {
     /// Its Coulomb friction.
     #[serde(default = "half")]
     pub friction: Distribution,
+    /// What it is made of: one of the scene's materials.
+    pub material: Option<String>,
     /// Where its centre (or its file's root) stands.
     #[serde(default = "zero")]
     #[allow(missing_docs, reason = "names carry quantity and unit")]

@@ -22,6 +22,8 @@ pub struct Person {
     /// Radius of the capsule or the trunk.
     #[serde(default = "stout")]
     pub radius_m: Distribution,
+    /// What clothes and skin are made of: one of the scene's materials.
+    pub material: Option<String>,
     /// Where the person stands at first.
     #[allow(missing_docs, reason = "names carry quantity and unit")]
     pub x_m: Distribution,

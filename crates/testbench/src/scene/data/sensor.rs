@@ -96,13 +96,16 @@ pub enum SensorKind {
         #[serde(default)]
         resolution: f64,
     },
-    /// `x`, `y`, `z`, `yaw` in the world, `speed` forwards and `turn_rate`: as motion capture has
+    /// `x`, `y`, `z`, `yaw` in the world, `speed` (the magnitude of the velocity) and `turn_rate`: as motion capture has
     /// it.
     Pose {
         /// The link on which it is mounted; the robot's root if left out.
         link: Option<String>,
+        /// Whether it measures `forward_velocity`, too: the signed component of the velocity along its heading.
+        #[serde(default)]
+        forward_velocity: bool,
     },
-    /// `x`, `y`, `yaw`, `speed`, `turn_rate` from wheels, by dead reckoning from where the episode
+    /// `x`, `y`, `yaw`, `speed` (a magnitude), `turn_rate` from wheels, by dead reckoning from where the episode
     /// began; it believes the radius and separation given here.
     Odometry {
         /// The joints of the wheels on the left.
@@ -113,6 +116,9 @@ pub enum SensorKind {
         wheel_radius_m: Distribution,
         /// The distance between left and right wheels, as the odometry believes it.
         wheel_separation_m: Distribution,
+        /// Whether it measures `forward_velocity`, too: the signed component of the velocity along its heading.
+        #[serde(default)]
+        forward_velocity: bool,
     },
     /// `angular_velocity` (3) and `acceleration` (3, with gravity) in the link's frame.
     Imu {
@@ -324,18 +330,25 @@ impl Sensor {
                 field("turn_rate", "rad/s", 1),
             ]
         };
+        let signed = |is_told: bool| is_told.then(|| field("forward_velocity", "m/s", 1));
         match &self.kind {
             SensorKind::JointEncoder { joints, .. } => vec![
                 field("position", "rad", joints.len()),
                 field("velocity", "rad/s", joints.len()),
             ],
-            SensorKind::Pose { .. } => {
+            SensorKind::Pose {
+                forward_velocity, ..
+            } => {
                 let place = ["x", "y", "z"].map(|axis| field(axis, "m", 1));
-                place.into_iter().chain(planar()).collect()
+                let place = place.into_iter().chain(planar());
+                place.chain(signed(*forward_velocity)).collect()
             }
-            SensorKind::Odometry { .. } => {
+            SensorKind::Odometry {
+                forward_velocity, ..
+            } => {
                 let place = ["x", "y"].map(|axis| field(axis, "m", 1));
-                place.into_iter().chain(planar()).collect()
+                let place = place.into_iter().chain(planar());
+                place.chain(signed(*forward_velocity)).collect()
             }
             SensorKind::Imu { .. } => vec![
                 field("angular_velocity", "rad/s", 3),
@@ -386,7 +399,7 @@ impl Sensor {
     #[must_use]
     pub fn link(&self) -> Option<&str> {
         match &self.kind {
-            SensorKind::Pose { link }
+            SensorKind::Pose { link, .. }
             | SensorKind::Imu { link }
             | SensorKind::Contact { link }
             | SensorKind::Lidar { link, .. }

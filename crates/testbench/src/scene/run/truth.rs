@@ -37,14 +37,24 @@ impl Run {
     pub(super) fn record(&mut self, watch: &mut dyn Watch) -> Result<(), SimError> {
         let now_secs = self.now_secs();
         let distances = self.distances();
+        let declared = self.witness.tell(
+            &self.prepared.data,
+            &self.built.layout,
+            self.physics.as_mut(),
+            &self.touches,
+        );
         for (index, to_people) in distances.iter().enumerate() {
-            let row = self.robot_row(index, to_people);
+            let mut row = self.robot_row(index, to_people);
+            let name = &self.prepared.data.robots[index].name;
+            row.extend(self.declared_of(name, &declared));
             let topic = self.recorder.topics.robots[index];
             self.recorder.row(topic, now_secs, &row, watch)?;
         }
         for index in 0..self.people.len() {
             let nearest = distances.iter().map(|of_robot| of_robot[index]);
-            let row = self.person_row(index, nearest.fold(f64::NAN, f64::min));
+            let mut row = self.person_row(index, nearest.fold(f64::NAN, f64::min));
+            let name = &self.prepared.data.people[index].name;
+            row.extend(self.declared_of(name, &declared));
             let topic = self.recorder.topics.people[index];
             self.recorder.row(topic, now_secs, &row, watch)?;
         }
@@ -54,11 +64,34 @@ impl Run {
         ];
         let topic = self.recorder.topics.test;
         self.recorder.row(topic, now_secs, &row, watch)?;
+        for (block, topic) in self
+            .witness
+            .blocks
+            .iter()
+            .zip(&self.recorder.topics.declared.clone())
+        {
+            if let Some(topic) = topic {
+                let row = &declared[block.signals.clone()];
+                self.recorder.row(*topic, now_secs, row, watch)?;
+            }
+        }
+        let physics = self.physics.as_ref();
+        let (data, built) = (&self.prepared.data, &self.built);
+        self.grips
+            .look(now_secs, data, built, physics, &self.touches);
         self.forces.fill([0.0; 2]);
         if let Some(viewer) = watch.viewer() {
             self.show(now_secs, viewer);
         }
         Ok(())
+    }
+
+    /// What is declared of a robot's or a person's own topic.
+    fn declared_of(&self, name: &str, declared: &[f64]) -> Vec<f64> {
+        let blocks = self.witness.blocks.iter();
+        let own = blocks.filter(|block| block.topic.strip_prefix("/truth/") == Some(name));
+        own.flat_map(|block| declared[block.signals.clone()].to_vec())
+            .collect()
     }
 
     /// Tells a viewer where the bodies are.

@@ -5,7 +5,7 @@ use testbench::Engine;
 use testbench::geometry::{IDENTITY, Pose, Vector, sphere_inertia};
 use testbench::physics::{
     BodyPlan, Form, Inertia, JointKind, JointPlan, Layout, Motion, MujocoPhysics, Physics,
-    RapierPhysics, ShapePlan, Touch, Touches,
+    RapierPhysics, ShapePlan, Surface, Touch, Touches,
 };
 
 pub(crate) use crate::common;
@@ -95,6 +95,7 @@ pub fn shape(
         form,
         friction,
         touches: Touches::All,
+        surface: Surface::default(),
     });
     number
 }
