@@ -336,6 +336,11 @@ impl<R: Read + Seek> Reader for CsvReader<R> {
         &self.metadata
     }
 
+    /// The format has no checksums.
+    fn checked(&self) -> bool {
+        false
+    }
+
     fn storage(&self) -> Vec<StoredFile> {
         vec![StoredFile::plain("CSV")]
     }

@@ -393,6 +393,11 @@ impl<R: BufRead + Seek> Reader for JsonLinesReader<R> {
         &self.metadata
     }
 
+    /// The format has no checksums.
+    fn checked(&self) -> bool {
+        false
+    }
+
     fn storage(&self) -> Vec<StoredFile> {
         vec![StoredFile::plain("JSON lines")]
     }

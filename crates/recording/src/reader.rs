@@ -155,21 +155,15 @@ pub trait Reader {
 
     /// When the last message of all topics was logged, selected or not, as far as known: up to then
     /// the recorder was at work. Final once [`Reader::next`] has given `None`.
-    fn end_nanos(&self) -> Option<i64> {
-        None
-    }
+    fn end_nanos(&self) -> Option<i64>;
 
     /// Whether every message given so far was guarded by a checksum of the format, and passed. If
     /// not, a flipped bit inside a message cannot be told from data.
-    fn checked(&self) -> bool {
-        false
-    }
+    fn checked(&self) -> bool;
 
     /// How its files are stored, as far as was seen so far; final once [`Reader::next`] has given
     /// `None`. Empty for what does not come from files.
-    fn storage(&self) -> Vec<StoredFile> {
-        Vec::new()
-    }
+    fn storage(&self) -> Vec<StoredFile>;
 }
 
 /// How to open a recording.

@@ -293,6 +293,11 @@ impl<R: Read + Seek> Reader for RosBagReader<R> {
         &self.metadata
     }
 
+    /// The format has no checksums.
+    fn checked(&self) -> bool {
+        false
+    }
+
     fn storage(&self) -> Vec<StoredFile> {
         let opened = self.compressions.iter();
         let opened = opened.flat_map(|(name, count)| (0..*count).map(|_| name.as_str()));

@@ -495,6 +495,9 @@ fn suspects(page: &mut Page, study: &StudyResult) {
     }
     for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
         let state = match &suspect.resolved_by {
+            Some(id) if suspect.differs_from_what_it_replaced() => {
+                format!("from evidence that {id} replaces")
+            }
             Some(id) => format!("mended in {id}"),
             None => "still open".to_owned(),
         };

@@ -6,8 +6,8 @@ use diagnostic::Problem;
 use host::Host;
 use live::{LiveError, Publisher, SchemaText, Source, Topic, TopicFilter, dds, foxglove};
 use recording::{
-    Loss, RawMessage, ReadError, Reader, SignalSource, SignalStream, TimeSource, TopicInfo,
-    TopicMap, TypeDefinitions,
+    Loss, RawMessage, ReadError, Reader, SignalSource, SignalStream, StoredFile, TimeSource,
+    TopicInfo, TopicMap, TypeDefinitions,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::IpAddr;
@@ -229,6 +229,19 @@ impl Reader for KnownTopics {
     }
     fn in_time_order(&self) -> bool {
         true
+    }
+
+    /// A running system has no end.
+    fn end_nanos(&self) -> Option<i64> {
+        None
+    }
+
+    fn checked(&self) -> bool {
+        false
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        Vec::new()
     }
 }
 

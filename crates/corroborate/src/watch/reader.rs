@@ -4,7 +4,9 @@
 use super::connection::info_of;
 use super::hub::{Hub, SharedHub, locked};
 use live::{Incoming, LiveError, Message, Source};
-use recording::{Loss, RawMessage, ReadError, Reader, TopicId, TopicInfo, TypeDefinitions};
+use recording::{
+    Loss, RawMessage, ReadError, Reader, StoredFile, TopicId, TopicInfo, TypeDefinitions,
+};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -168,5 +170,18 @@ impl Reader for LiveReader {
 
     fn in_time_order(&self) -> bool {
         true
+    }
+
+    /// A running system has no end.
+    fn end_nanos(&self) -> Option<i64> {
+        None
+    }
+
+    fn checked(&self) -> bool {
+        false
+    }
+
+    fn storage(&self) -> Vec<StoredFile> {
+        Vec::new()
     }
 }

@@ -269,6 +269,13 @@ impl Suspect {
         self.resolved_by.is_none()
     }
 
+    /// Whether it differs only from evidence that its own evidence has taken the place of: then nothing of it was mended.
+    #[must_use]
+    pub fn differs_from_what_it_replaced(&self) -> bool {
+        let by = self.resolved_by.as_ref();
+        by.is_some_and(|by| self.asset.evidence.contains(by))
+    }
+
     /// Whether what speaks against it is strong evidence: [`STRONG`] or more.
     #[must_use]
     pub fn is_strong(&self) -> bool {

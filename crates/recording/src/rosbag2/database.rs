@@ -37,6 +37,8 @@ pub(crate) struct DatabaseReader {
     /// How many messages there should be.
     expected: Option<u64>,
     found: u64,
+    /// The latest time of any row, of a selected topic or not.
+    end_nanos: Option<i64>,
     losses: Vec<Loss>,
     metadata: BTreeMap<String, String>,
     record_bytes: u64,
@@ -117,6 +119,7 @@ impl DatabaseReader {
             topic_of,
             expected,
             found: 0,
+            end_nanos: None,
             losses: Vec::new(),
             metadata,
             record_bytes: options.record_bytes,
@@ -164,9 +167,11 @@ impl DatabaseReader {
     /// The message in `row`; `None` if its topic is not selected.
     fn message(&mut self, row: Row) -> Result<Option<Found>, Damage> {
         let is_whole = self.locate_columns(&row)?;
-        let Some((topic, nanos)) = self.topic_and_time(&row, is_whole)? else {
+        let (topic, nanos) = self.topic_and_time(&row, is_whole)?;
+        self.end_nanos = self.end_nanos.max(Some(nanos));
+        if !self.selected[topic.index()] {
             return Ok(None);
-        };
+        }
         let data = self.fields.get(self.columns.data);
         let Some(&data) = data.filter(|field| field.is_bytes()) else {
             return Err(lost(&row, "has no data"));
@@ -212,7 +217,7 @@ impl DatabaseReader {
     }
 
     /// Topic and time of a row whose columns are located; `None` if the topic is not selected.
-    fn topic_and_time(&self, row: &Row, is_whole: bool) -> Result<Option<(TopicId, i64)>, Damage> {
+    fn topic_and_time(&self, row: &Row, is_whole: bool) -> Result<(TopicId, i64), Damage> {
         let bytes = match is_whole {
             true => &self.payload[..],
             false => self.scan.local(row),
@@ -226,7 +231,7 @@ impl DatabaseReader {
             let problem = format!("belongs to the topic {topic}, which is not described,");
             return Err(lost(row, &problem));
         };
-        Ok(self.selected[topic.index()].then_some((topic, nanos)))
+        Ok((topic, nanos))
     }
 
     /// Uncompresses a message that was compressed on its own.
@@ -309,6 +314,15 @@ impl Reader for DatabaseReader {
 
     fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    fn end_nanos(&self) -> Option<i64> {
+        self.end_nanos
+    }
+
+    /// The database has no checksums.
+    fn checked(&self) -> bool {
+        false
     }
 
     fn storage(&self) -> Vec<StoredFile> {

@@ -28,6 +28,8 @@ pub(crate) struct SplitReader {
     /// How many losses of the current part are in `losses` already.
     taken_losses: usize,
     is_complete: bool,
+    /// When the last message of the parts that were read was logged.
+    end_nanos: Option<i64>,
     stored: Vec<StoredFile>,
     /// What the present message holds.
     data: Vec<u8>,
@@ -67,6 +69,7 @@ impl SplitReader {
             losses,
             taken_losses: 0,
             is_complete: true,
+            end_nanos: None,
             stored: Vec::new(),
             data: Vec::new(),
         };
@@ -311,6 +314,7 @@ impl Reader for SplitReader {
                 Ok(PartStep::Lost(found)) => self.losses.push(found),
                 Ok(PartStep::End) => {
                     self.take_losses();
+                    self.end_nanos = self.end_nanos();
                     self.parts[self.current].reader = None;
                     self.current += 1;
                     self.taken_losses = 0;
@@ -337,6 +341,12 @@ impl Reader for SplitReader {
         for index in self.current..self.parts.len() {
             self.select_in_part(index);
         }
+    }
+
+    fn end_nanos(&self) -> Option<i64> {
+        let parts = self.parts[self.current.min(self.parts.len())..].iter();
+        let of_parts = parts.filter_map(|part| part.reader.as_ref()?.end_nanos());
+        of_parts.max().max(self.end_nanos)
     }
 
     fn storage(&self) -> Vec<StoredFile> {

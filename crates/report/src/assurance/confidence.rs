@@ -150,7 +150,10 @@ fn doubt(builder: &mut Builder, goal: usize, name: &str, suspect: &Suspect, ids:
     let text = format!("{} ({kind})", suspect.title);
     let counter = builder.challenge(goal, &name, text, false);
     if let Some(mended) = &suspect.resolved_by {
-        let text = format!("It is mended in {mended}");
+        let text = match suspect.differs_from_what_it_replaced() {
+            true => format!("It differs only from evidence that {mended} replaces"),
+            false => format!("It is mended in {mended}"),
+        };
         builder.challenge(counter, &format!("{name}-mended"), text, true);
     }
 }

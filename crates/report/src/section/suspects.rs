@@ -45,6 +45,9 @@ fn item(view: View, suspect: &Suspect) -> Markup {
             p class="kind" {
                 (words::inaccuracy(suspect.inaccuracy))
                 @match &suspect.resolved_by {
+                    Some(id) if suspect.differs_from_what_it_replaced() => {
+                        span class="status" { "from evidence that " (view.link(id)) " replaces" }
+                    }
                     Some(id) => span class="status" { "mended in " (view.link(id)) },
                     None => span class="status open" { "still open" },
                 }

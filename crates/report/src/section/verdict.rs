@@ -146,6 +146,9 @@ fn first_suspects(view: View, suspects: &[Suspect]) -> Markup {
                         span class="small" {
                             " " (words::inaccuracy(suspect.inaccuracy))
                             @match &suspect.resolved_by {
+                                Some(id) if suspect.differs_from_what_it_replaced() => {
+                                    ", from evidence that " (view.link(id)) " replaces"
+                                }
                                 Some(id) => { ", mended in " (view.link(id)) },
                                 None => ", still open",
                             }
