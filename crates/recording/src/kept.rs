@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::reader::{
-    Encoding, Loss, RawMessage, ReadError, Reader, StoredFile, TopicId, TopicInfo,
-};
+use crate::reader::{Encoding, Loss, RawMessage, ReadError, Reader, TopicId, TopicInfo};
 use crate::schema::{Dialect, Schema, parse_msg};
 use crate::storage::StoredFile;
 

@@ -83,6 +83,21 @@ fn every_container_gives_the_same_bytes_in_order() {
     }
 }
 
+/// How long a held value counts must not hang on which file it lies in, or on which topics are read.
+#[test]
+fn every_container_knows_when_its_recording_ended_whatever_is_selected() {
+    for name in ROS1_FILES.iter().chain(&ROS2_FILES) {
+        let (all, _) = read_file(name);
+        let last = all.iter().map(|(_, nanos, _)| *nanos).max();
+        let first = all[0].0.clone();
+        let mut reader = open(&file(name), &OpenOptions::default()).unwrap();
+        reader.select(&|topic| topic.name == first);
+        let selected = read(&mut *reader).unwrap();
+        assert!(selected.iter().all(|(topic, ..)| *topic == first), "{name}");
+        assert_eq!(reader.end_nanos(), last, "{name}");
+    }
+}
+
 /// A row of `expected.csv`: topic, time, path, value as Python writes it.
 fn expected_values() -> Vec<(String, i64, String, String)> {
     let text = fs::read_to_string(file("expected.csv")).unwrap();
