@@ -112,20 +112,17 @@ pub(super) fn signals_of(folder: &Path, library: Option<&Path>) -> Result<StudyS
 
 /// Whether two entries simulate the same files, in whatever test.
 fn is_same(a: &Simulated<'_>, b: &Simulated<'_>) -> bool {
-    match (a, b) {
-        (Simulated::Scene { scene: a, .. }, Simulated::Scene { scene: b, .. }) => a == b,
-        (
-            Simulated::Handover {
-                scenario,
-                parameters,
-            },
-            Simulated::Handover {
-                scenario: other,
-                parameters: of_other,
-            },
-        ) => scenario == other && parameters == of_other,
-        _ => false,
+    if let (Simulated::Scene { scene: a, .. }, Simulated::Scene { scene: b, .. }) = (a, b) {
+        return a == b;
     }
+    let texts = |it: &Simulated<'_>| match *it {
+        Simulated::Handover {
+            scenario,
+            parameters,
+        } => Some([scenario.to_owned(), parameters.to_owned()]),
+        Simulated::Scene { .. } | Simulated::Command(_) => None,
+    };
+    texts(a).is_some() && texts(a) == texts(b)
 }
 
 /// Signals do not depend on the engine, so that the one that is built in does where the library is not there.

@@ -74,10 +74,11 @@ impl Campaigning<'_> {
     pub fn gaps(&self, finished: &Finished) -> Vec<DescriptionGap> {
         let mut gaps = self.rig.gaps().to_vec();
         let entry = self.study.entry(self.id).ok();
-        let scene = match entry.and_then(|entry| entry.work.simulated()) {
-            Some(Simulated::Scene { scene, .. }) => scene.display().to_string(),
-            _ => self.id.to_owned(),
-        };
+        let mut scene = self.id.to_owned();
+        if let Some(Simulated::Scene { scene: path, .. }) = entry.and_then(|it| it.work.simulated())
+        {
+            scene = path.display().to_string();
+        }
         gaps.extend(finished.crept.gaps(&scene));
         gaps
     }

@@ -113,6 +113,9 @@ fn a_misspelt_name_gets_the_nearest_ones() {
     assert!(error.contains("/truth/arm/hand.speed"), "{error}");
     let error = refused("/truth/arm/hnd.speed");
     assert!(error.contains("/truth/arm/hand.speed"), "{error}");
+    // Names that are recorded in any case are among them.
+    let error = refused("/truth/arm.persn_distance");
+    assert!(error.contains("/truth/arm.person_distance"), "{error}");
     let error = refused("/truth/arm.contact.ana.normal_force");
     assert!(
         error.contains("/truth/arm.contact.anna.normal_force"),

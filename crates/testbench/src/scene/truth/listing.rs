@@ -54,6 +54,7 @@ impl Declared {
             data,
             layout: &built.layout,
             things: &self.things,
+            always: &trace::Trace::new(),
         };
         let parts = self.things.parts();
         let groups = GROUPS.map(str::to_owned);

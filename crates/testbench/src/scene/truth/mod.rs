@@ -67,6 +67,7 @@ impl Declared {
             data,
             layout: &built.layout,
             things: &things,
+            always,
         };
         let asked = names.iter().filter(|name| always.signal(name).is_none());
         let mut signals = asked

@@ -3,7 +3,7 @@
 //! `/truth/THING.QUANTITY` or `/truth/THING/PART.QUANTITY`, where a quantity may name another thing or part with dots
 //! (`distance_to.anna.left_forearm`), a joint (`elbow.drive_torque`) or a region (`in.tray`).
 
-use trace::{Field, nearest_few};
+use trace::{Field, Trace, nearest_few};
 
 use super::quantity::{
     DISTANCES, OF_CONTACT, OF_JOINT, OF_REGION, OfContact, OfJoint, OfRegion, PLAIN, PRESSURE,
@@ -67,6 +67,8 @@ pub(super) struct Lexicon<'a> {
     pub(super) data: &'a SceneData,
     pub(super) layout: &'a Layout,
     pub(super) things: &'a Things,
+    /// What is recorded in any case.
+    pub(super) always: &'a Trace,
 }
 
 /// Groups of things that can stand for another one.
@@ -94,7 +96,10 @@ impl Lexicon<'_> {
             }),
             Err(Some(reason)) => Err(unknown(&reason, Vec::new())),
             Err(None) => {
-                let fields = self.fields_of(part);
+                let mut fields = self.fields_of(part);
+                let always = self.always.channel(&part.topic()).into_iter();
+                let always = always.flat_map(|channel| &channel.fields);
+                fields.extend(always.map(|field| field.name.clone()));
                 let near = nearest_few(field, fields.iter().map(String::as_str), SIMILAR);
                 let similar = near.iter().map(|it| format!("{}.{it}", part.topic()));
                 let reason = format!("is no quantity of {}", part.label);
