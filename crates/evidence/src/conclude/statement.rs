@@ -58,7 +58,8 @@ impl Statement<'_> {
             Verdict::Violated => format!("{asked} is refuted {}.", by(self.step)),
             Verdict::Undecided => format!("{asked} is neither supported nor refuted."),
             Verdict::Conflicting if self.is_left_open_without_conflict() => format!(
-                "{asked} is neither supported nor refuted, and pieces of evidence that stand for the system conflict."
+                "{asked} is decided neither by trials of the system, which leave it open, nor by what stands for it, because \
+                 pieces of evidence conflict."
             ),
             Verdict::Conflicting => {
                 format!("{asked} is not decided, because pieces of evidence conflict.")

@@ -256,7 +256,7 @@ impl Diagnosing<'_> {
         edit: &TextEdit,
         known: &[Finding],
     ) -> Result<Vec<Finding>, Problem> {
-        let cannot = || Problem::new("bad-number", format!("`{}` is no time", edit.new));
+        let cannot = || Problem::new("bad-ledger", format!("`{}` is no time", edit.new));
         let time: f64 = edit.new.parse().map_err(|_| cannot())?;
         // What there is to warn of was said when the study ran.
         let host = Host {
