@@ -73,7 +73,7 @@ pub fn tally(study: &StudyResult) -> Vec<(Mark, Vec<&str>)> {
             }
         }
         // The strongest first.
-        of_verdict.sort_by(|a, b| b.0.cmp(&a.0));
+        of_verdict.sort_by_key(|(step, ..)| std::cmp::Reverse(*step));
         found.extend(of_verdict.into_iter().map(|(_, mark, ids)| (mark, ids)));
     }
     found
