@@ -273,7 +273,8 @@ impl Suspect {
     #[must_use]
     pub fn differs_from_what_it_replaced(&self) -> bool {
         let by = self.resolved_by.as_ref();
-        by.is_some_and(|by| self.asset.evidence.contains(by))
+        self.inaccuracy == Inaccuracy::SystemModel
+            && by.is_some_and(|by| self.asset.evidence.contains(by))
     }
 
     /// Whether what speaks against it is strong evidence: [`STRONG`] or more.
