@@ -99,10 +99,16 @@ impl Things {
     pub(super) fn new(data: &SceneData, built: &Built) -> Self {
         let layout = &built.layout;
         let robots = data.robots.iter().zip(&built.robots).map(|(robot, at)| {
+            // Of shapes that are fixed in the world there is no body.
+            let has_body = at.added.links.values().any(|body| *body == at.added.root);
+            let place = match has_body {
+                true => Place::Body(at.added.root, AT_ORIGIN),
+                false => Place::World(AT_ORIGIN),
+            };
             let mut thing = Thing::linked(
                 (&robot.name, Kind::Robot),
                 layout,
-                Place::Body(at.added.root, AT_ORIGIN),
+                place,
                 (&at.added.links, &at.added.joints),
                 at.added.shapes.clone(),
             );
