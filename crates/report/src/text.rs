@@ -494,11 +494,8 @@ fn suspects(page: &mut Page, study: &StudyResult) {
         page.heading("Suspects: where the evidence disagrees, and why");
     }
     for suspect in suspects.iter().take(SUSPECTS_SHOWN) {
-        let state = match &suspect.resolved_by {
-            Some(id) if suspect.differs_from_what_it_replaced() => {
-                format!("from evidence that {id} replaces")
-            }
-            Some(id) => format!("mended in {id}"),
+        let state = match words::resolution(suspect) {
+            Some((before, id, behind)) => format!("{before}{id}{behind}"),
             None => "still open".to_owned(),
         };
         let kind = words::inaccuracy(suspect.inaccuracy);

@@ -4,7 +4,7 @@
 use evidence::{
     AssetRole, CERTAINTY, Conclusion, Direction, ErrorFamily, Guarantee, Identification,
     Inaccuracy, Likeness, Measure, Outcome, RegionOutcome, Requirement, Standing, Step,
-    StudyResult, Technique, Threshold, Verdict,
+    StudyResult, Suspect, Technique, Threshold, Verdict,
 };
 
 use crate::number;
@@ -54,6 +54,15 @@ pub fn concluded(conclusion: &Conclusion) -> Mark {
         mark.tone = "open";
     }
     mark
+}
+
+/// What has resolved a suspect: words before the evidence that has, its identifier, and words behind it.
+pub fn resolution(suspect: &Suspect) -> Option<(&'static str, &str, &'static str)> {
+    let by = suspect.resolved_by.as_deref()?;
+    Some(match suspect.differs_from_what_it_replaced() {
+        true => ("from evidence that ", by, " replaces"),
+        false => ("mended in ", by, ""),
+    })
 }
 
 /// The requirements by what is concluded of them and on which step: what stands for a model alone is not told with what stands

@@ -7,8 +7,7 @@ use crate::support;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use support::program::Said;
-use support::simulation::library;
+use support::simulation::{driven, library};
 use support::{copy_study, root};
 
 /// The corridor's study with fewer episodes, and a change in one of its files.
@@ -30,20 +29,6 @@ fn change(file: &Path, old: &str, new: &str) {
     std::fs::write(file, text.replace(old, new)).expect("written");
 }
 
-/// What the program says that knows the physics library and the client for Python.
-fn simulating(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = support::program::command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .env("CORROBORATE_CLIENTS", root().join("clients"))
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
-}
-
 fn episodes(folder: &Path, out: &str, evidence: &str) -> Vec<Vec<u8>> {
     let episodes: PathBuf = folder.join(out).join("episodes").join(evidence);
     (1..=2)
@@ -60,7 +45,7 @@ fn a_robot_driven_by_python_is_judged_like_any_other_and_the_same_each_time() {
     let folder = study("simulation/carrier.urdf", mast, &format!("{bumper}{mast}"));
     for threads in ["1", "2"] {
         let arguments = ["run", ".", "-j", threads, "--out", threads];
-        let said = simulating(&library, folder.path(), &arguments);
+        let said = driven(&library, folder.path(), &arguments);
         assert!([0, 1, 3].contains(&said.code), "{said:?}");
     }
     for evidence in ["S1", "S2"] {
@@ -120,11 +105,11 @@ fn a_changed_controller_makes_its_evidence_stale() {
     let Some(library) = library() else { return };
     let folder = study("ledger.toml", "S1", "S1");
     let arguments = ["run", ".", "--only", "S1"];
-    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
+    assert_eq!(driven(&library, folder.path(), &arguments).code, 0);
     let before = episodes(folder.path(), "results", "S1");
     let controller = folder.path().join("controller/corridor.py");
     change(&controller, "-1.0, min(1.0, 1.5 *", "-1.0, min(1.0, 1.4 *");
-    assert_eq!(simulating(&library, folder.path(), &arguments).code, 0);
+    assert_eq!(driven(&library, folder.path(), &arguments).code, 0);
     assert!(episodes(folder.path(), "results", "S1") != before);
 }
 
@@ -178,7 +163,7 @@ fn what_goes_wrong_with_a_scene_or_its_controller_is_said() {
             "latency_secs = 0.02\n",
             "latency_secs = 0.02\nanswer_within_secs = 4\n",
         );
-        let said = simulating(&library, folder.path(), &["run", "."]);
+        let said = driven(&library, folder.path(), &["run", "."]);
         // A program that hangs is what was found out, not a mistake in the study; nothing is covered then.
         let code = if new == hang { 3 } else { 2 };
         assert_eq!(said.code, code, "{new}: {said:?}");

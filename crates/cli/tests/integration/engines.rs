@@ -6,10 +6,9 @@
 use crate::support;
 
 use serde_json::Value;
-use std::path::Path;
 use support::copy_study;
-use support::program::{Said, command};
-use support::simulation::{handover, library, simulating};
+use support::program::Said;
+use support::simulation::{driven, handover, library, simulating};
 
 /// The corridor's study in a folder of its own, with physics in longer steps and episodes of at most so many seconds:
 /// the second engine is built without optimisation for tests.
@@ -33,19 +32,6 @@ fn corridor(longest_secs: f64) -> tempfile::TempDir {
     }
     std::fs::write(&scene, text).expect("written");
     folder
-}
-
-fn driven(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .env("CORROBORATE_CLIENTS", support::root().join("clients"))
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
 }
 
 fn json(said: &Said) -> Value {

@@ -7,8 +7,8 @@ use crate::support;
 
 use serde_json::Value;
 use std::path::Path;
-use support::program::{Said, code_of_verdicts, command, contents, corroborate};
-use support::simulation::library;
+use support::program::{Said, code_of_verdicts, contents, corroborate};
+use support::simulation::{driven, library};
 
 /// A copy of a study of the repository, with changes: file, old, new.
 fn copy_of(study: &str, changes: &[(&str, &str, &str)]) -> tempfile::TempDir {
@@ -369,7 +369,7 @@ fn a_program_that_fails_is_counted_where_runs_are_split_and_engines_compared() {
         text = text.replace(old, new);
     }
     std::fs::write(&scene, text).expect("written");
-    let call = |arguments: &[&str]| with_physics(&library, folder.path(), arguments);
+    let call = |arguments: &[&str]| driven(&library, folder.path(), arguments);
     // Where the ledger says that a failure ends it all, it does, with the first one's words.
     let ledger = folder.path().join("ledger.toml");
     let counts = std::fs::read_to_string(&ledger).expect("a ledger");
@@ -425,19 +425,6 @@ fn corridor(failing: &str) -> tempfile::TempDir {
     )
 }
 
-fn with_physics(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .env("CORROBORATE_CLIENTS", support::root().join("clients"))
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
-}
-
 #[test]
 fn a_robots_program_that_fails_is_counted_and_the_campaign_goes_on() {
     let Some(library) = library() else { return };
@@ -463,7 +450,7 @@ fn a_robots_program_that_fails_is_counted_and_the_campaign_goes_on() {
                 "simulate", ".", "S2", "-n", episodes, "-j", threads, "--out", threads, "--format",
                 "json",
             ];
-            let said = with_physics(&library, folder.path(), &arguments);
+            let said = driven(&library, folder.path(), &arguments);
             let report = json(&said);
             assert_eq!(said.code, code_of_verdicts(&report), "{failing}: {said:?}");
             report
@@ -510,7 +497,7 @@ fn a_program_that_cannot_be_set_up_is_a_mistake() {
             "out",
         ],
     ] {
-        let said = with_physics(&library, folder.path(), arguments);
+        let said = driven(&library, folder.path(), arguments);
         assert_eq!((said.code, said.out.as_str()), (2, ""), "{said:?}");
         assert!(said.talk.contains("no map of this floor"), "{}", said.talk);
         assert!(said.talk.contains("controller-failed"), "{}", said.talk);
@@ -521,7 +508,7 @@ fn a_program_that_cannot_be_set_up_is_a_mistake() {
 fn a_robots_program_that_fails_is_found_shrunk_and_replayed() {
     let Some(library) = library() else { return };
     let folder = corridor("raise ValueError(\"no way to stop\")");
-    let call = |arguments: &[&str]| with_physics(&library, folder.path(), arguments);
+    let call = |arguments: &[&str]| driven(&library, folder.path(), arguments);
     let explored = call(&[
         "explore",
         ".",
@@ -596,7 +583,7 @@ fn physics_without_numbers_is_no_violation_of_the_robot_and_can_be_replayed() {
     let Some(library) = library() else { return };
     let folder = copy_of("case-studies/corridor", &[]);
     std::fs::write(folder.path().join("exploration.toml"), STIFF).expect("written");
-    let call = |arguments: &[&str]| with_physics(&library, folder.path(), arguments);
+    let call = |arguments: &[&str]| driven(&library, folder.path(), arguments);
     let explore = ["explore", ".", "exploration.toml", "--out", "out"];
     let explored = call(&[&explore[..], &["--format", "json"]].concat());
     // Data were lost; nothing is violated.

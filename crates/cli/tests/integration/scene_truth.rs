@@ -3,10 +3,8 @@
 
 use crate::support;
 
-use std::path::Path;
 use support::copy_study;
-use support::program::{Said, command};
-use support::simulation::library;
+use support::simulation::{driven, library};
 
 /// The corridor's study with another meaning of `moving`, in a folder of its own.
 fn corridor(moving: &str) -> tempfile::TempDir {
@@ -29,24 +27,11 @@ fn corridor(moving: &str) -> tempfile::TempDir {
     folder
 }
 
-fn said(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .env("CORROBORATE_CLIENTS", support::root().join("clients"))
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
-}
-
 #[test]
 fn a_study_s_signals_are_listed_with_units_frames_and_meanings() {
     let Some(library) = library() else { return };
     let folder = corridor("/truth/carrier.speed > standstill_speed");
-    let listed = said(&library, folder.path(), &["inspect", "."]);
+    let listed = driven(&library, folder.path(), &["inspect", "."]);
     assert_eq!(listed.code, 0, "{listed:?}");
     let has = |words: &[&str]| {
         let mut lines = listed.out.lines();
@@ -75,7 +60,7 @@ fn what_a_proposition_names_is_recorded() {
     let folder = corridor(
         "/truth/carrier.contact.people.caused_by_self | /truth/carrier.horizontal_speed > standstill_speed",
     );
-    let run = said(
+    let run = driven(
         &library,
         folder.path(),
         &["simulate", ".", "S1", "-n", "1", "--out", "out"],
@@ -97,7 +82,7 @@ fn what_a_proposition_names_is_recorded() {
 fn a_misspelt_quantity_is_told_at_its_place_with_the_nearest_names() {
     let Some(library) = library() else { return };
     let folder = corridor("/truth/carrier.horizontal_sped > standstill_speed");
-    let refused = said(
+    let refused = driven(
         &library,
         folder.path(),
         &["simulate", ".", "S1", "-n", "1", "--out", "out"],

@@ -72,7 +72,7 @@ impl Matter<'_> {
         subject: &Subject,
         whole: f64,
     ) -> Option<(Clue, f64)> {
-        let is_table = piece.technique.traits().is_counted_by_people || piece.published;
+        let is_table = super::exchanged::is_table(piece);
         let margin = |subject: &Subject| self.margin(subject);
         let is_requirement = matches!(subject, Subject::Requirement(_));
         if !is_table || !is_requirement || !has_columns_exchanged(self.evidence, piece, &margin) {

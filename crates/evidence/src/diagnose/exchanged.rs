@@ -11,14 +11,18 @@ use super::columns::has_columns_exchanged;
 use super::names::{MixedUp, mixed_up};
 use crate::{Evidence, Measure, Subject};
 
+/// Whether people wrote down what a piece counts: what they write can be the wrong way round.
+pub(super) fn is_table(piece: &Evidence) -> bool {
+    piece.technique.traits().is_counted_by_people || piece.published
+}
+
 /// The piece as its tables would give it if they were put right, if the other evidence says that they are not.
 pub fn put_right(
     evidence: &[Evidence],
     piece: &Evidence,
     margin: &dyn Fn(&Subject) -> f64,
 ) -> Option<Evidence> {
-    let is_table = piece.technique.traits().is_counted_by_people || piece.published;
-    if !is_table {
+    if !is_table(piece) {
         return None;
     }
     if has_columns_exchanged(evidence, piece, margin) {

@@ -127,7 +127,7 @@ impl Matter<'_> {
         subject: &Subject,
         whole: f64,
     ) -> Option<(Clue, f64)> {
-        let is_table = piece.technique.traits().is_counted_by_people || piece.published;
+        let is_table = super::exchanged::is_table(piece);
         let margin = |subject: &Subject| self.margin(subject);
         let found = is_table
             .then(|| mixed_up(self.evidence, piece, &margin))

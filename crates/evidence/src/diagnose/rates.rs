@@ -27,6 +27,7 @@
 //! Changing one thing at a time and taking the difference is the method of difference (J. S. Mill, 1843);
 //! the shares add up to the conflict. Each conflict gives at least one clue.
 
+use super::exchanged::is_table;
 use super::forms::SENTENCE;
 use super::matter::{Clue, Judged, Matter, name_of, rate_in_words, requirement_form};
 use super::strength::{CERTAIN, Rate, STRONG, ln_together, strength};
@@ -592,7 +593,6 @@ fn changed<'e>(
     b: &Judged,
 ) -> Option<(&'e Evidence, String)> {
     let is_reading = |judged: &Judged| !["property", "monitor"].contains(&judged.form.as_str());
-    let is_table = |e: &Evidence| e.technique.traits().is_counted_by_people || e.published;
     match (a.main, b.main) {
         (true, true) | (false, false) => None,
         // The form in which a table was counted is not known: any may be it.

@@ -44,11 +44,8 @@ fn item(view: View, suspect: &Suspect) -> Markup {
         article class="suspect" id={ "suspect-" (suspect.rank) } {
             p class="kind" {
                 (words::inaccuracy(suspect.inaccuracy))
-                @match &suspect.resolved_by {
-                    Some(id) if suspect.differs_from_what_it_replaced() => {
-                        span class="status" { "from evidence that " (view.link(id)) " replaces" }
-                    }
-                    Some(id) => span class="status" { "mended in " (view.link(id)) },
+                @match words::resolution(suspect) {
+                    Some((before, id, behind)) => span class="status" { (before) (view.link(id)) (behind) },
                     None => span class="status open" { "still open" },
                 }
             }

@@ -145,11 +145,8 @@ fn first_suspects(view: View, suspects: &[Suspect]) -> Markup {
                         a href={ "#suspect-" (suspect.rank) } { (suspect.title) }
                         span class="small" {
                             " " (words::inaccuracy(suspect.inaccuracy))
-                            @match &suspect.resolved_by {
-                                Some(id) if suspect.differs_from_what_it_replaced() => {
-                                    ", from evidence that " (view.link(id)) " replaces"
-                                }
-                                Some(id) => { ", mended in " (view.link(id)) },
+                            @match words::resolution(suspect) {
+                                Some((before, id, behind)) => { ", " (before) (view.link(id)) (behind) },
                                 None => ", still open",
                             }
                         }

@@ -29,9 +29,12 @@ pub fn command(folder: &Path, arguments: &[&str]) -> Command {
 
 /// Runs the program to its end.
 pub fn corroborate(folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .output()
-        .expect("the program starts");
+    said(&mut command(folder, arguments))
+}
+
+/// Runs a command to its end.
+pub fn said(command: &mut Command) -> Said {
+    let output = command.output().expect("the program starts");
     Said {
         code: output.status.code().unwrap_or(-1),
         out: String::from_utf8(output.stdout).expect("it prints text"),

@@ -1,6 +1,6 @@
 //! What tests need that simulate the handover: its folder, the physics library and a program that knows it.
 
-use super::program::{Said, command};
+use super::program::{Said, command, said};
 use super::{read, root};
 use std::path::{Path, PathBuf};
 
@@ -55,13 +55,14 @@ pub fn library() -> Option<PathBuf> {
 
 /// What the program says that is started in `folder` and simulates with `library`.
 pub fn simulating(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
-    let output = command(folder, arguments)
-        .env("CORROBORATE_MUJOCO", library)
-        .output()
-        .expect("the program starts");
-    Said {
-        code: output.status.code().unwrap_or(-1),
-        out: String::from_utf8(output.stdout).expect("it prints text"),
-        talk: String::from_utf8(output.stderr).expect("it says text"),
-    }
+    said(command(folder, arguments).env("CORROBORATE_MUJOCO", library))
+}
+
+/// The same, where a robot's program in Python imports the client.
+pub fn driven(library: &Path, folder: &Path, arguments: &[&str]) -> Said {
+    said(
+        command(folder, arguments)
+            .env("CORROBORATE_MUJOCO", library)
+            .env("CORROBORATE_CLIENTS", root().join("clients")),
+    )
 }

@@ -90,17 +90,17 @@ impl Technique for FaultTrees<'_> {
     }
 }
 
-/// What an entry's fault tree answers by its plain values, by subject; with another mission time, if one is given.
+/// What an entry's fault tree answers by its plain values with another mission time, by subject.
 ///
 /// # Errors
 /// What cannot be read or analysed; an entry of another technique answers nothing.
 pub(crate) fn tree_values(
     asked: Asked<'_>,
-    mission_time: Option<f64>,
+    mission_time: f64,
 ) -> Result<BTreeMap<Subject, Option<f64>>, Problem> {
     let Work::FaultTree {
         tree,
-        mission_time: own,
+        mission_time: _,
         events,
         is_triggered,
     } = &asked.entry.work
@@ -109,7 +109,7 @@ pub(crate) fn tree_values(
     };
     let trees = FaultTrees {
         tree,
-        mission_time: mission_time.or(*own),
+        mission_time: Some(mission_time),
         events,
         is_triggered: *is_triggered,
     };

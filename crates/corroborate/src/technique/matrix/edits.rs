@@ -249,14 +249,19 @@ impl Diagnosing<'_> {
         Ok(evidence)
     }
 
-    /// What a fault tree answers with another mission time.
+    /// What a fault tree answers with another mission time; its kept values are its plain ones.
     fn tree_with(
         &self,
         entry: &study::Entry,
         edit: &TextEdit,
         known: &[Finding],
     ) -> Result<Vec<Finding>, Problem> {
-        let cannot = || Problem::new("bad-ledger", format!("`{}` is no time", edit.new));
+        let cannot = || {
+            Problem::new(
+                "bad-ledger",
+                format!("`{}` cannot be read as a time", edit.new),
+            )
+        };
         let time: f64 = edit.new.parse().map_err(|_| cannot())?;
         // What there is to warn of was said when the study ran.
         let host = Host {
@@ -268,8 +273,17 @@ impl Diagnosing<'_> {
             entry,
             host: &host,
         };
-        let (now, then) = (tree_values(asked, None)?, tree_values(asked, Some(time))?);
-        Ok(answers(Some(&now), &then, known))
+        let now = known.iter().filter_map(|finding| match &finding.measure {
+            Measure::Probability { answer, .. } => {
+                Some((finding.subject.clone(), Some(answer.value)))
+            }
+            _ => None,
+        });
+        Ok(answers(
+            Some(&now.collect()),
+            &tree_values(asked, time)?,
+            known,
+        ))
     }
 
     /// What each formal model answers as the study is.

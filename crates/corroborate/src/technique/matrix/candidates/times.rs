@@ -42,8 +42,7 @@ pub(super) fn of_step(study: &Study) -> Vec<TextEdit> {
     };
     let text = source.text;
     let within = text.find("[model]").unwrap_or(0)..text.len();
-    let quoted = values(&text, within, "step").into_iter();
-    let Some((span, _)) = quoted
+    let Some((span, _)) = values(&text, within, "step")
         .into_iter()
         .find(|(_, value)| value.trim_matches(['"', '\'']) == written)
     else {
@@ -75,7 +74,7 @@ pub(super) fn of_missions(study: &Study) -> Vec<TextEdit> {
     let mut found = Vec::new();
     for entry in &study.ledger {
         let Work::FaultTree {
-            mission_time: Some(hours),
+            mission_time: Some(own),
             ..
         } = &entry.work
         else {
@@ -104,9 +103,9 @@ pub(super) fn of_missions(study: &Study) -> Vec<TextEdit> {
                 )
             })
         });
-        let slips = FACTORS.iter().map(|factor| (hours * factor, None));
+        let slips = FACTORS.iter().map(|factor| (own * factor, None));
         for (time, hint) in told.chain(slips) {
-            let is_other = (time - hours).abs() > SAME_PART * hours;
+            let is_other = (time - own).abs() > SAME_PART * own;
             let edit = of(time, hint);
             let mut known = found.iter();
             if is_other && known.all(|it: &TextEdit| it.new != edit.new || it.part != edit.part) {
