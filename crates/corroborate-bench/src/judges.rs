@@ -4,7 +4,7 @@
 
 use crate::requirements::{Forms, monitor_of};
 use crate::task::{Run, STEPS_PER_SEC, Task};
-use evidence::{Finding, FormDifference, Measure, Subject};
+use evidence::{Finding, FormDifference, Measure, RunVerdict, Subject};
 use stats::{Confidence, Sample};
 use std::collections::BTreeMap;
 use temporal::formula::{Ending, FormulaMonitor, TimeModel, Verdict};
@@ -187,7 +187,8 @@ impl Judges {
     /// What cannot be judged, in words.
     pub fn judge(&self, runs: &[Run], level: Confidence) -> Result<Judged, String> {
         let mut counts = vec![[0_u64; 4]; self.judges.len()];
-        let mut differing: BTreeMap<(usize, &str, &str), (u64, Vec<String>)> = BTreeMap::new();
+        let mut differing: BTreeMap<(usize, RunVerdict, RunVerdict), (u64, Vec<String>)> =
+            BTreeMap::new();
         for (number, run) in runs.iter().enumerate() {
             let verdicts = self.verdicts(run)?;
             let mut reference = 0;
@@ -199,8 +200,8 @@ impl Judges {
                 if differ(verdicts[reference], *verdict) {
                     let key = (
                         place,
-                        NAMES[kind(verdicts[reference])],
-                        NAMES[kind(*verdict)],
+                        run_verdict(verdicts[reference]),
+                        run_verdict(*verdict),
                     );
                     let (count, witnesses) = differing.entry(key).or_default();
                     *count += 1;
@@ -216,9 +217,9 @@ impl Judges {
                 |((place, reference, verdict), (count, witnesses))| FormDifference {
                     subject: self.judges[place].subject.clone(),
                     reference: "sentence".into(),
-                    reference_verdict: reference.into(),
+                    reference_verdict: reference,
                     form: self.judges[place].form.into(),
-                    verdict: verdict.into(),
+                    verdict,
                     count,
                     runs: runs.len() as u64,
                     witnesses,
@@ -290,7 +291,14 @@ pub(crate) fn finding(
     })
 }
 
-const NAMES: [&str; 4] = ["not-covered", "satisfied", "violated", "inconclusive"];
+fn run_verdict(verdict: Verdict) -> RunVerdict {
+    match verdict {
+        Verdict::NotCovered => RunVerdict::NotCovered,
+        Verdict::Satisfied => RunVerdict::Satisfied,
+        Verdict::Violated => RunVerdict::Violated,
+        Verdict::Inconclusive => RunVerdict::Inconclusive,
+    }
+}
 
 fn kind(verdict: Verdict) -> usize {
     match verdict {

@@ -14,11 +14,11 @@ pub(crate) use episode::{Episode, finding_file, hash_of_trace, no_finding};
 use crate::technique::campaign::kind_of;
 use crate::technique::exploration::{OpenBench, ShowsJudge, failed};
 use diagnostic::Problem;
-use evidence::FailureKind;
 use evidence::replay::Replay as Page;
+use evidence::{FailureKind, RunVerdict};
 use host::Host;
 use host::files::write_whole;
-use judging::verdict_name;
+use judging::run_verdict;
 use schemars::JsonSchema;
 use serde::Serialize;
 use shown::Judged;
@@ -92,7 +92,7 @@ pub struct VerdictReport {
     /// The requirement or failure mode.
     pub subject: String,
     /// The verdict.
-    pub verdict: String,
+    pub verdict: RunVerdict,
     /// Why, in sentences.
     pub reasons: Vec<String>,
 }
@@ -229,7 +229,7 @@ impl Replayed<'_> {
         let judgements = self.judged.judgements.iter();
         let verdicts = judgements.map(|judgement| VerdictReport {
             subject: judgement.subject.id().to_owned(),
-            verdict: verdict_name(judgement.findings.verdict).to_owned(),
+            verdict: run_verdict(judgement.findings.verdict),
             reasons: shown::reasons(judgement),
         });
         let failure = self.recorded.failure.as_ref();

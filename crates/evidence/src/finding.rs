@@ -1,6 +1,6 @@
 //! Findings: one number about one subject, never without its uncertainty.
 
-use crate::Interval;
+use crate::{Interval, RunVerdict};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -309,11 +309,11 @@ pub struct FormDifference {
     /// The form that the other is held against, for example `sentence`.
     pub reference: String,
     /// Its verdict.
-    pub reference_verdict: String,
+    pub reference_verdict: RunVerdict,
     /// The other form, for example `property`.
     pub form: String,
     /// Its verdict.
-    pub verdict: String,
+    pub verdict: RunVerdict,
     /// On how many runs they differ so.
     pub count: u64,
     /// How many runs were judged.

@@ -86,6 +86,6 @@ pub use synthesis::{Synthesis, synthesise};
 pub use technique::{AskedBy, Mark, Rerun, Technique, Traits, WitnessOf};
 pub use verdict::{
     ClusterSensitivity, Comparison, Conclusion, CoverageGap, ErrorFamily, ErrorRate, Excluded,
-    ExcludedTrials, ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, Standing,
-    TriggerComparison, Verdict,
+    ExcludedTrials, ExclusionReason, FurtherTrials, Inaccuracy, Outcome, PieceStanding, RunVerdict,
+    Standing, TriggerComparison, Verdict,
 };

@@ -95,6 +95,50 @@ pub struct Comparison {
     pub reason: String,
 }
 
+/// What a monitor says of one run.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum RunVerdict {
+    /// Its precondition was never met.
+    NotCovered,
+    /// All that was asked held. Of a failure mode: it did not occur.
+    Satisfied,
+    /// Something that was asked did not hold. Of a failure mode: it occurred.
+    Violated,
+    /// The run does not tell.
+    Inconclusive,
+}
+
+impl RunVerdict {
+    /// As it is written in results.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotCovered => "not-covered",
+            Self::Satisfied => "satisfied",
+            Self::Violated => "violated",
+            Self::Inconclusive => "inconclusive",
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::NotCovered => "not covered",
+            Self::Satisfied | Self::Violated | Self::Inconclusive => self.name(),
+        }
+    }
+}
+
+impl std::fmt::Display for RunVerdict {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
 /// What the study concludes about a requirement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

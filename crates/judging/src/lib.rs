@@ -30,7 +30,7 @@ pub use space_time::{SpaceTime, SpaceTimeSession};
 pub use valueless::valueless_of;
 
 use diagnostic::Problem;
-use evidence::Subject;
+use evidence::{RunVerdict, Subject};
 use host::store::Inputs;
 use std::collections::BTreeMap;
 use study::{Forms, FormulaRule, JudgingForm, Rule, Study, SubjectForm, Vocabulary};
@@ -475,12 +475,12 @@ pub fn inputs_of(study: &Study, inputs: &mut Inputs) {
     }
 }
 
-/// The name of a verdict in results.
-pub fn verdict_name(verdict: Verdict) -> &'static str {
+/// A monitor's verdict as it stands in results.
+pub fn run_verdict(verdict: Verdict) -> RunVerdict {
     match verdict {
-        Verdict::NotCovered => "not-covered",
-        Verdict::Satisfied => "satisfied",
-        Verdict::Violated => "violated",
-        Verdict::Inconclusive => "inconclusive",
+        Verdict::NotCovered => RunVerdict::NotCovered,
+        Verdict::Satisfied => RunVerdict::Satisfied,
+        Verdict::Violated => RunVerdict::Violated,
+        Verdict::Inconclusive => RunVerdict::Inconclusive,
     }
 }

@@ -31,13 +31,14 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// An event of a fault tree, and of what it is the failure.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct TreeEvent {
     /// The requirement that it violates, or the failure mode that it is.
     pub subject: evidence::Subject,
     /// Its name in the tree.
     pub event: String,
     /// Where the ledger names it.
+    #[serde(skip)]
     pub span: Range<usize>,
 }
 
@@ -179,7 +180,7 @@ impl Choice for Keep {
 }
 
 /// Another simulator, or a rig, as the ledger names it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct CommandText {
     /// The words of the command.
     pub command: Vec<String>,
@@ -193,8 +194,8 @@ pub struct CommandText {
     pub limit_secs: f64,
 }
 
-/// How a piece of evidence is produced.
-#[derive(Clone, Debug)]
+/// How a piece of evidence is produced. All that is serialized is part of what findings depend on.
+#[derive(Clone, Debug, Serialize)]
 pub enum Work {
     /// Check the properties of all requirements on a formal model.
     Check {
@@ -266,6 +267,7 @@ pub enum Work {
         /// Its name.
         producer: String,
         /// Where the ledger names it.
+        #[serde(skip)]
         span: Range<usize>,
         /// What it is told.
         with: toml::Table,

@@ -22,7 +22,7 @@ use crate::suggest::nearest;
 /// assert_eq!(table.column("subject")?.as_texts(), ["A", "B"]);
 ///
 /// let error = table.column("success").unwrap_err();
-/// assert_eq!(error.to_string(), "cohort.csv has no column \"success\"; did you mean successes?");
+/// assert_eq!(error.to_string(), "cohort.csv: it has no column \"success\"; did you mean successes?");
 /// # Ok::<(), trace::TableError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -131,6 +131,12 @@ impl Table {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
+    }
+
+    /// The line of the file at which row `row` begins, from 1; `None` if there is no such row.
+    #[must_use]
+    pub fn line(&self, row: usize) -> Option<u64> {
+        self.lines.get(row).copied()
     }
 
     /// The column with the header `header`.
@@ -363,8 +369,8 @@ mod tests {
 
     #[test]
     fn malformed_tables_are_refused_with_their_place() {
-        assert!(error("").contains("t.csv is empty"));
-        assert!(error("# nothing\n\n").contains("t.csv is empty"));
+        assert!(error("").contains("t.csv: it is empty"));
+        assert!(error("# nothing\n\n").contains("t.csv: it is empty"));
         assert!(error("a,,b\n").contains("column 2 has no header"));
         assert!(error("a,b,a\n").contains("two columns \"a\""));
         assert!(error("a,b\n1,2\n3\n").contains("line 3: found 1 cells under 2 headers"));

@@ -8,6 +8,7 @@ use crate::args::{Format, Replay};
 use corroborate::outcome::Outcome;
 use corroborate::replay::{ReplayReport, ReplayRequest, replay_with_page};
 use diagnostic::Problem;
+use evidence::RunVerdict;
 
 /// Replays.
 pub fn replay(arguments: &Replay, setting: &Host) -> Result<Done, Problem> {
@@ -77,10 +78,10 @@ fn verdicts(report: &ReplayReport, text: &mut String) {
     let covered = report
         .verdicts
         .iter()
-        .filter(|it| it.verdict != "not-covered");
+        .filter(|it| it.verdict != RunVerdict::NotCovered);
     for verdict in covered {
         text.push_str(&format!("{:<28} {}\n", verdict.subject, verdict.verdict));
-        if verdict.verdict == "violated" {
+        if verdict.verdict == RunVerdict::Violated {
             for reason in &verdict.reasons {
                 text.push_str(&format!("    {reason}\n"));
             }

@@ -7,8 +7,9 @@ use crate::technique::confidence;
 use crate::technique::simulation::Seeds;
 use diagnostic::Problem;
 use evidence::FailureKind;
+use evidence::RunVerdict;
 use host::Host;
-use judging::{Judges, verdict_name};
+use judging::{Judges, run_verdict};
 use rayon::prelude::*;
 use rig::Rig;
 use study::{Entry, Study};
@@ -117,16 +118,16 @@ impl Called<'_> {
                     differ: Vec::new(),
                 };
                 for (episode, number) in compared.iter().zip(&self.numbers) {
-                    let names = [0, 1].map(|engine| verdict_name(episode.verdicts[engine][index]));
+                    let names = [0, 1].map(|engine| run_verdict(episode.verdicts[engine][index]));
                     for (count, name) in report.violated.iter_mut().zip(names) {
-                        *count += u64::from(name == "violated");
+                        *count += u64::from(name == RunVerdict::Violated);
                     }
                     if names[0] != names[1] {
                         report.differ.push(VerdictPair {
                             episode: *number,
                             seed: self.seeds.of(*number),
-                            first: names[0].to_owned(),
-                            second: names[1].to_owned(),
+                            first: names[0],
+                            second: names[1],
                         });
                     }
                 }

@@ -1,7 +1,7 @@
 //! What two physics engines make of the same episodes.
 
 use super::determinism::Repeated;
-use evidence::{EpisodeFailures, Subject};
+use evidence::{EpisodeFailures, RunVerdict, Subject};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -94,7 +94,7 @@ pub struct VerdictPair {
     /// Its seed.
     pub seed: u64,
     /// The verdict in the first engine.
-    pub first: String,
+    pub first: RunVerdict,
     /// The verdict in the second.
-    pub second: String,
+    pub second: RunVerdict,
 }

@@ -4,7 +4,7 @@ use crate::technique::exploration::Plan;
 use diagnostic::Problem;
 use evidence::Subject;
 use evidence::replay::{Mark, Signal, SignalKind, Tone, Verdict as ShownVerdict};
-use judging::{Judgement, Judges, Shown, verdict_name};
+use judging::{Judgement, Judges, Shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use study::{Shows, Study};
@@ -107,7 +107,7 @@ fn in_words(verdict: Verdict, is_mode: bool) -> (&'static str, Tone) {
         (Verdict::Violated, _) => ("violated", Tone::Bad),
         (Verdict::Satisfied, _) => ("satisfied", Tone::Good),
         (Verdict::NotCovered, _) => ("not covered", Tone::Plain),
-        (Verdict::Inconclusive, _) => (verdict_name(verdict), Tone::Open),
+        (Verdict::Inconclusive, _) => ("inconclusive", Tone::Open),
     }
 }
 

@@ -91,21 +91,22 @@ impl<'a> Ready<'a> {
         inputs
             .add("program", self.program().as_bytes())
             .add("evidence", entry.id.as_bytes())
-            .add_json("confidence", &self.study.about.confidence);
+            .add_json("confidence", &self.study.about.confidence)
+            .add("seed", &self.study.about.seed.to_le_bytes())
+            // Whatever a technique says or forgets to say of its own keys.
+            .add_json("work", &entry.work);
         prepared.files.inputs(&mut inputs);
         prepared.work.settings(counted, &mut inputs)?;
-        if let Some(told) = entry.work.told() {
-            self.all_that_it_may_use(told, &mut inputs);
+        if entry.work.told().is_some() {
+            self.all_that_it_may_use(&mut inputs);
         }
         Ok(inputs.hash())
     }
 
     /// What a technique that is not built in is given beside files: which of it is used is not known here.
-    fn all_that_it_may_use(&self, told: &toml::Table, inputs: &mut Inputs) {
+    fn all_that_it_may_use(&self, inputs: &mut Inputs) {
         let study = self.study;
         inputs
-            .add_json("with", told)
-            .add("seed", &study.about.seed.to_le_bytes())
             .add("requirements", study.forms.source.text.as_bytes())
             .add("vocabulary", study.vocabulary.source.text.as_bytes());
     }

@@ -13,6 +13,7 @@
 mod alike;
 mod by_subject;
 pub mod groups;
+mod placed;
 pub mod renamed;
 pub mod repeated;
 mod tests_of_cohort;
@@ -27,9 +28,10 @@ use evidence::{
     AssetRole, Cost, Denominator, Finding, Measure, Subject, Technique, Tool, WitnessOf,
 };
 use host::store::Inputs;
+use placed::{in_row, table_problem};
 use std::collections::BTreeMap;
 use std::path::Path;
-use study::{Study, SubjectForm, TableFiles};
+use study::{Binding, Study, SubjectForm, TableFiles};
 use trace::Table;
 
 /// More trials than any experiment has, and few enough for exact sums.
@@ -45,7 +47,6 @@ pub struct Tables {
 
 #[derive(Debug)]
 struct Cohort {
-    name: String,
     attempts: Vec<u64>,
     table: Table,
 }
@@ -259,7 +260,11 @@ impl Tables {
             .propositions
             .get(proposition)
             .and_then(|p| p.column.as_ref());
-        binding.map(|b| cohort.counts(&b.text)).transpose()
+        let Some(binding) = binding else {
+            return Ok(None);
+        };
+        cohort.has_column(study, binding)?;
+        cohort.counts(&binding.text).map(Some)
     }
 
     /// The cohort and the other tables must not contradict each other.
@@ -286,7 +291,7 @@ impl Tables {
                 let cohort = self
                     .cohort
                     .as_ref()
-                    .map_or("the cohort", |c| c.name.as_str());
+                    .map_or("the cohort", |c| c.table.name());
                 return Err(Problem::new(
                     "tables-disagree",
                     format!("{cohort} counts {total} for `{id}`, another table of the same evidence {other}"),
@@ -343,11 +348,7 @@ impl Cohort {
         if let Some(first) = table.columns().next() {
             check_unique(&table, &first.as_texts())?;
         }
-        let cohort = Self {
-            name: table.name().to_owned(),
-            attempts,
-            table,
-        };
+        let cohort = Self { attempts, table };
         cohort.check_codes(study)?;
         Ok(cohort)
     }
@@ -368,13 +369,11 @@ impl Cohort {
             };
             for (row, cell) in column.cells().enumerate() {
                 if let Some(unknown) = cell.split_whitespace().find(|c| !codes.contains(c)) {
-                    return Err(Problem::new(
+                    return Err(in_row(
+                        &self.table,
+                        row,
                         "unknown-code",
-                        format!(
-                            "{}, line {}, column \"{header}\": no proposition counts the code `{unknown}`",
-                            self.name,
-                            row + 2
-                        ),
+                        format!("column \"{header}\": no proposition counts the code `{unknown}`"),
                     )
                     .remedy(format!(
                         "the vocabulary counts {}; correct the code, or bind it with `column = \"{header}: {unknown}\"`",
@@ -384,6 +383,18 @@ impl Cohort {
             }
         }
         Ok(())
+    }
+
+    /// A binding to a column that the table lacks is a mistake of either; it is shown where the column is named.
+    fn has_column(&self, study: &Study, binding: &Binding) -> Result<(), Problem> {
+        let text = &binding.text;
+        let header = text.split_once(':').map_or(text.as_str(), |it| it.0);
+        let Err(error) = self.table.column(header.trim()) else {
+            return Ok(());
+        };
+        Err(table_problem(error)
+            .about(self.table.name())
+            .at(&study.vocabulary.source, binding.span.clone()))
     }
 
     /// Counts by row of a binding: a column of counts, or `column: code`.
@@ -410,11 +421,8 @@ impl Cohort {
             .enumerate()
             .map(|(row, (count, attempts))| {
                 stats::Sample::new(*count, *attempts).map_err(|error| {
-                    Problem::new(
-                        "bad-counts",
-                        format!("{}, line {}: {error}", self.name, row + 2),
-                    )
-                    .remedy("correct the row")
+                    in_row(&self.table, row, "bad-counts", error.to_string())
+                        .remedy("correct the row")
                 })
             })
             .collect()
@@ -438,18 +446,11 @@ fn verdict_rows(study: &Study, table: &Table) -> Result<Vec<VerdictRow>, Problem
     for (row, id) in ids.iter().enumerate() {
         known_subject(study, table, row, &Subject::Requirement((*id).to_owned()))?;
         if passed[row].checked_add(failed[row]) != Some(covered[row]) {
-            return Err(Problem::new(
-                "bad-counts",
-                format!(
-                    "{}, line {}: {} passed and {} failed are not {} covered",
-                    table.name(),
-                    row + 2,
-                    passed[row],
-                    failed[row],
-                    covered[row]
-                ),
-            )
-            .remedy("correct the row"));
+            let message = format!(
+                "{} passed and {} failed are not {} covered",
+                passed[row], failed[row], covered[row]
+            );
+            return Err(in_row(table, row, "bad-counts", message).remedy("correct the row"));
         }
         rows.push(VerdictRow {
             requirement: (*id).to_owned(),
@@ -474,11 +475,7 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
     for (row, id) in ids.iter().enumerate() {
         known_subject(study, table, row, &Subject::FailureMode((*id).to_owned()))?;
         stats::Sample::new(occurrences[row], opportunities[row]).map_err(|error| {
-            Problem::new(
-                "bad-counts",
-                format!("{}, line {}: {error}", table.name(), row + 2),
-            )
-            .remedy("correct the row")
+            in_row(table, row, "bad-counts", error.to_string()).remedy("correct the row")
         })?;
         rows.push(ModeRow {
             mode: (*id).to_owned(),
@@ -493,16 +490,10 @@ fn mode_rows(study: &Study, table: &Table) -> Result<Vec<ModeRow>, Problem> {
 fn check_unique(table: &Table, ids: &[&str]) -> Result<(), Problem> {
     for (row, id) in ids.iter().enumerate() {
         if let Some(first) = ids[..row].iter().position(|other| other == id) {
-            return Err(Problem::new(
-                "duplicate-row",
-                format!(
-                    "{}, line {}: `{id}` stands in line {} already",
-                    table.name(),
-                    row + 2,
-                    first + 2
-                ),
-            )
-            .remedy("keep one row for each, with all its counts"));
+            let line = table.line(first).unwrap_or_default();
+            let message = format!("`{id}` stands in line {line} already");
+            return Err(in_row(table, row, "duplicate-row", message)
+                .remedy("keep one row for each, with all its counts"));
         }
     }
     Ok(())
@@ -517,24 +508,13 @@ fn known_subject(
     if study.forms.of(subject).is_some() {
         return Ok(());
     }
-    Err(Problem::new(
-        "unknown-subject",
-        format!(
-            "{}, line {}: requirements.toml does not declare `{}`",
-            table.name(),
-            row + 2,
-            subject.id()
-        ),
-    )
-    .remedy("correct the identifier, or declare it"))
+    let message = format!("requirements.toml does not declare `{}`", subject.id());
+    Err(in_row(table, row, "unknown-subject", message)
+        .remedy("correct the identifier, or declare it"))
 }
 
 fn not_covered(reason: &str) -> Measure {
     Measure::NotCovered {
         reason: reason.into(),
     }
-}
-
-fn table_problem(error: trace::TableError) -> Problem {
-    Problem::new("bad-table", error.to_string())
 }

@@ -75,8 +75,9 @@ pub trait Technique {
 
 /// An entry whose files were read, ready to be produced.
 pub trait Prepared {
-    /// Adds what findings depend on beside the files that were read: settings, and parts of the study's texts. Of a
-    /// technique that is not built in, what it is told, the study's seed, requirements and vocabulary are added already.
+    /// Adds what findings depend on beside what is added already: the files that were read, all keys of the entry's work,
+    /// the study's seed and level, and of a technique that is not built in the texts of requirements and vocabulary. Left are
+    /// constants with uncertain counts, and of a built-in technique the parts of these texts that it uses.
     ///
     /// # Errors
     /// What cannot be read.

@@ -1,7 +1,7 @@
 //! What happens while a system is watched, as JSON lines and as text.
 
-use evidence::Subject;
-use judging::{JudgedTrace, Judgement, Robustness, Violation, verdict_name};
+use evidence::{RunVerdict, Subject};
+use judging::{JudgedTrace, Judgement, Robustness, Violation, run_verdict};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -117,9 +117,8 @@ pub struct LiveVerdict {
     pub kind: String,
     /// The reading, if it is not the main one.
     pub reading: Option<String>,
-    /// `satisfied`, `violated`, `inconclusive` or `not-covered`. For a failure
-    /// mode, `violated` means that it occurred.
-    pub verdict: String,
+    /// The verdict. For a failure mode, `violated` means that it occurred.
+    pub verdict: RunVerdict,
     /// How often the precondition was met.
     pub covered: u64,
     /// How often all postconditions were.
@@ -179,7 +178,7 @@ impl LiveVerdict {
             }
             .into(),
             reading: judgement.reading.map(str::to_owned),
-            verdict: verdict_name(*verdict).into(),
+            verdict: run_verdict(*verdict),
             covered: *triggered,
             passed: *passed,
             failed: *failed,
@@ -268,11 +267,11 @@ impl WatchEvent {
             Self::Notice { text } => text.clone(),
             Self::Verdict { verdict, .. } => {
                 let (label, why) = (verdict.label(), verdict.why());
-                let said = match (verdict.kind.as_str(), verdict.verdict.as_str()) {
-                    ("failure-mode", "violated") => "occurred",
-                    ("failure-mode", "satisfied") => "does not occur",
-                    (_, "violated") => "VIOLATED",
-                    (_, other) => other,
+                let said = match (verdict.kind.as_str(), verdict.verdict) {
+                    ("failure-mode", RunVerdict::Violated) => "occurred",
+                    ("failure-mode", RunVerdict::Satisfied) => "does not occur",
+                    (_, RunVerdict::Violated) => "VIOLATED",
+                    (_, other) => other.name(),
                 };
                 format!("{label}: {said} {why}").trim_end().to_owned()
             }

@@ -12,6 +12,7 @@
 use super::connection::schema_of;
 use super::event::LiveVerdict;
 use diagnostic::Problem;
+use evidence::RunVerdict;
 use live::Message;
 use recording::{RawRecording, RawTopicId, ShownVerdict, TypeDefinitions, VerdictFile};
 use std::collections::BTreeMap;
@@ -171,11 +172,11 @@ fn verdict_bytes(told: &[(i64, LiveVerdict)]) -> Result<Vec<u8>, String> {
                 place
             }
         };
-        let shown = match verdict.verdict.as_str() {
-            "satisfied" => ShownVerdict::Satisfied,
-            "violated" => ShownVerdict::Violated,
-            "not-covered" => ShownVerdict::NotCovered,
-            _ => ShownVerdict::Inconclusive,
+        let shown = match verdict.verdict {
+            RunVerdict::Satisfied => ShownVerdict::Satisfied,
+            RunVerdict::Violated => ShownVerdict::Violated,
+            RunVerdict::NotCovered => ShownVerdict::NotCovered,
+            RunVerdict::Inconclusive => ShownVerdict::Inconclusive,
         };
         file.verdict(place, *log_nanos, shown, &verdict.why())
             .map_err(text)?;

@@ -165,7 +165,9 @@ fn judged_again(folder: &Path) -> Vec<Said> {
     let path = only_file(&folder.join("runs/recordings"));
     let judged = rules.judge(&judges, &path, &|| Ok(())).expect("judged");
     let pairs = judged.judgements.iter().map(LiveVerdict::of);
-    pairs.map(|it| (it.subject, it.verdict)).collect()
+    pairs
+        .map(|it| (it.subject, it.verdict.to_string()))
+        .collect()
 }
 
 fn pairs(of: &[(&str, &str)]) -> Vec<Said> {

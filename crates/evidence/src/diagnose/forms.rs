@@ -14,7 +14,7 @@
 use super::matter::{Clue, Matter, name_of, requirement_form};
 use super::strength::{Rate, strength};
 use super::suspect::Symptom;
-use crate::{Evidence, FormDifference, Inaccuracy, Measure, Subject};
+use crate::{Evidence, FormDifference, Inaccuracy, Measure, RunVerdict, Subject};
 
 /// The form that others are held against.
 pub(super) const SENTENCE: &str = "sentence";
@@ -34,17 +34,17 @@ pub(super) fn under_sentence(piece: &Evidence, subject: &Subject) -> Option<Rate
     let Measure::Counts { count, trials, .. } = piece.finding(subject)?.measure else {
         return None;
     };
-    let counts = |verdict: &str| match subject {
-        Subject::Requirement(_) => verdict == "satisfied",
-        Subject::FailureMode(_) => verdict == "violated",
+    let counts = |verdict: RunVerdict| match subject {
+        Subject::Requirement(_) => verdict == RunVerdict::Satisfied,
+        Subject::FailureMode(_) => verdict == RunVerdict::Violated,
     };
-    let decides = |verdict: &str| ["satisfied", "violated"].contains(&verdict);
+    let decides = |verdict| matches!(verdict, RunVerdict::Satisfied | RunVerdict::Violated);
     let (mut count, mut trials) = (count as f64, trials as f64);
     let mut differs = false;
     for difference in differences(piece, subject).filter(|d| d.form == "monitor") {
         differs = true;
         let runs = difference.count as f64;
-        let (sentence, monitor) = (&difference.reference_verdict, &difference.verdict);
+        let (sentence, monitor) = (difference.reference_verdict, difference.verdict);
         let weight = |holds: bool| if holds { runs } else { 0.0 };
         count += weight(counts(sentence)) - weight(counts(monitor));
         trials += weight(decides(sentence)) - weight(decides(monitor));

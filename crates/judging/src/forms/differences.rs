@@ -8,9 +8,9 @@
 //! undecided differs from none.
 
 use super::judged_on_traces;
-use crate::{Judgement, Judges, verdict_name};
+use crate::{Judgement, Judges, run_verdict};
 use diagnostic::Problem;
-use evidence::{FormDifference, Subject};
+use evidence::{FormDifference, RunVerdict, Subject};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -52,11 +52,11 @@ pub struct Difference {
     /// What the others are held against: `sentence` or `monitor`.
     pub reference: String,
     /// Its verdict.
-    pub reference_verdict: String,
+    pub reference_verdict: RunVerdict,
     /// The form that differs.
     pub form: String,
     /// Its verdict.
-    pub verdict: String,
+    pub verdict: RunVerdict,
     /// When the violation shows, in seconds of the judging form's clock.
     pub at_secs: Option<f64>,
 }
@@ -145,9 +145,9 @@ pub fn on_recording(recording: &str, judgements: &[Judgement<'_>]) -> Vec<Differ
             requirement: reference.subject.id().to_owned(),
             recording: recording.to_owned(),
             reference: reference.reading.unwrap_or_default().to_owned(),
-            reference_verdict: verdict_name(reference.findings.verdict).into(),
+            reference_verdict: run_verdict(reference.findings.verdict),
             form: other.reading.unwrap_or_default().to_owned(),
-            verdict: verdict_name(other.findings.verdict).into(),
+            verdict: run_verdict(other.findings.verdict),
             at_secs: [reference, other]
                 .into_iter()
                 .find_map(|judgement| judgement.findings.violation.as_ref().map(|v| v.to_secs)),
@@ -225,9 +225,9 @@ impl DifferenceTally {
                 |((place, of_reference, of_form), (count, witnesses))| FormDifference {
                     subject: self.forms[*place].0.clone(),
                     reference: reference(*place),
-                    reference_verdict: verdict_name(*of_reference).into(),
+                    reference_verdict: run_verdict(*of_reference),
                     form: self.forms[*place].1.clone(),
-                    verdict: verdict_name(*of_form).into(),
+                    verdict: run_verdict(*of_form),
                     count: *count,
                     runs: self.runs,
                     witnesses: witnesses.clone(),

@@ -2,8 +2,8 @@
 
 use super::asked::Asked;
 use crate::recording::JudgedRecording;
-use crate::{Judgement, Responsible, Robustness as FoundRobustness, Violation, verdict_name};
-use evidence::Subject;
+use crate::{Judgement, Responsible, Robustness as FoundRobustness, Violation, run_verdict};
+use evidence::{RunVerdict, Subject};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -51,9 +51,8 @@ pub struct SubjectVerdict {
     pub subject: String,
     /// The reading, if it is not the main one.
     pub reading: Option<String>,
-    /// `satisfied`, `violated`, `inconclusive` or `not-covered`. For a failure
-    /// mode, `violated` means that it occurred.
-    pub verdict: String,
+    /// The verdict. For a failure mode, `violated` means that it occurred.
+    pub verdict: RunVerdict,
     /// How often the precondition was met.
     pub covered: u64,
     /// How often all postconditions were.
@@ -187,7 +186,7 @@ impl RecordingVerdicts {
     /// Whether a requirement, in its main reading, has this verdict.
     fn comes_to(&self, verdict: Verdict) -> bool {
         let mut main = self.verdicts.iter().filter(|it| it.is_main);
-        main.any(|it| it.verdict == verdict_name(verdict))
+        main.any(|it| it.verdict == run_verdict(verdict))
     }
 
     /// What was found in `file`.
@@ -217,7 +216,7 @@ impl SubjectVerdict {
         Self {
             subject: judgement.subject.id().to_owned(),
             reading: judgement.reading.map(str::to_owned),
-            verdict: verdict_name(findings.verdict).into(),
+            verdict: run_verdict(findings.verdict),
             covered: findings.triggered,
             passed: findings.passed,
             failed: findings.failed,

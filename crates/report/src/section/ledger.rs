@@ -196,8 +196,8 @@ fn form_differences(view: View, evidence: &Evidence) -> Markup {
                 ul class="lines" {
                     @for found in &evidence.form_differences {
                         li {
-                            (view.title(&found.subject)) ": " (found.reference) " " (in_words(&found.reference_verdict))
-                            ", " b { (found.form) } " " (in_words(&found.verdict)) " on " (number::count(found.count))
+                            (view.title(&found.subject)) ": " (found.reference) " " (found.reference_verdict.words())
+                            ", " b { (found.form) } " " (found.verdict.words()) " on " (number::count(found.count))
                             " of " (number::count(found.runs)) " runs, such as "
                             span class="witnesses" { (found.witnesses.join(", ")) }
                         }
@@ -209,10 +209,6 @@ fn form_differences(view: View, evidence: &Evidence) -> Markup {
 }
 
 /// A verdict as the JSON has it, without hyphens.
-fn in_words(verdict: &str) -> String {
-    verdict.replace('-', " ")
-}
-
 fn detail(view: View, finding: &Finding) -> Markup {
     html! {
         @let is_plain = !finding.is_conditional() && finding.trigger.is_none();

@@ -94,7 +94,13 @@ fn literal(reader: &mut Reader<'_>, words: &[&str], span: Span) -> Amount {
         };
     }
     match words.join(" ").parse::<QuantityValue>() {
-        Ok(quantity) => seconds(reader, &quantity, span),
+        Ok(quantity) => seconds(&quantity).map_or_else(
+            |what| {
+                missing(reader, span, &what);
+                Amount::Missing
+            },
+            Amount::Secs,
+        ),
         Err(error) => {
             missing(
                 reader,
@@ -109,7 +115,15 @@ fn literal(reader: &mut Reader<'_>, words: &[&str], span: Span) -> Amount {
 fn parameter(reader: &mut Reader<'_>, name: &str, span: Span) -> Amount {
     let parameters = reader.context.parameters;
     if let Some(value) = parameters.and_then(|parameters| parameters.get(name)) {
-        return seconds(reader, value, span);
+        return seconds(value).map_or_else(
+            |what| {
+                let remedy =
+                    "Give it a time with its unit where it is declared, such as `2 s`; it is used here.";
+                reader.error("duration", span, format!("The parameter `{name}`: {what}"), remedy);
+                Amount::Missing
+            },
+            Amount::Secs,
+        );
     }
     let similar = parameters.and_then(|parameters| parameters.similar(name));
     let remedy = similar.map_or_else(
@@ -128,27 +142,17 @@ fn parameter(reader: &mut Reader<'_>, name: &str, span: Span) -> Amount {
     Amount::Missing
 }
 
-fn seconds(reader: &mut Reader<'_>, quantity: &QuantityValue, span: Span) -> Amount {
-    let Ok(second) = "s".parse::<Unit>() else {
-        return Amount::Missing;
-    };
-    match quantity.value_in(&second) {
-        Some(secs) if (0.0..=MAX_SECS).contains(&secs) => Amount::Secs(secs),
-        Some(secs) => {
-            missing(
-                reader,
-                span,
-                &format!("A duration is from 0 s to {MAX_SECS} s, and this is {secs} s."),
-            );
-            Amount::Missing
-        }
-        None => {
-            let what = match quantity.unit() {
-                Some(_) => format!("{quantity} is a {}, not a time.", quantity.dimension()),
-                None => format!("The duration {quantity} has no unit."),
-            };
-            missing(reader, span, &what);
-            Amount::Missing
-        }
+/// A quantity as a duration, or what is wrong with it.
+fn seconds(quantity: &QuantityValue) -> Result<f64, String> {
+    let second = "s".parse::<Unit>().ok();
+    match second.and_then(|second| quantity.value_in(&second)) {
+        Some(secs) if (0.0..=MAX_SECS).contains(&secs) => Ok(secs),
+        Some(secs) => Err(format!(
+            "A duration is from 0 s to {MAX_SECS} s, and this is {secs} s."
+        )),
+        None => Err(match quantity.unit() {
+            Some(_) => format!("{quantity} is a {}, not a time.", quantity.dimension()),
+            None => format!("The duration {quantity} has no unit."),
+        }),
     }
 }

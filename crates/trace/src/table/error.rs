@@ -79,89 +79,108 @@ pub enum TableError {
     },
 }
 
-impl fmt::Display for TableError {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl TableError {
+    /// The line of the file that is wrong, from 1; `None` where it is the headers or the whole.
+    #[must_use]
+    pub fn line(&self) -> Option<u64> {
         match self {
-            TableError::File(error) => error.fmt(out),
-            TableError::Empty { table } => {
-                write!(
-                    out,
-                    "{table} is empty; begin it with a line of column headers"
-                )
+            TableError::Ragged { line, .. } | TableError::BadCell { line, .. } => Some(*line),
+            TableError::File(_)
+            | TableError::Empty { .. }
+            | TableError::Delimiter { .. }
+            | TableError::EmptyHeader { .. }
+            | TableError::DuplicateHeader { .. }
+            | TableError::Malformed { .. }
+            | TableError::MissingColumn { .. } => None,
+        }
+    }
+
+    /// What is wrong, without the table and its line.
+    #[must_use]
+    pub fn what(&self) -> String {
+        match self {
+            TableError::File(error) => error.to_string(),
+            TableError::Empty { .. } => "it is empty".to_owned(),
+            TableError::Delimiter { delimiter, .. } => {
+                format!("the cells seem to be separated by {delimiter}")
             }
-            TableError::Delimiter { table, delimiter } => write!(
-                out,
-                "{table}: the cells seem to be separated by {delimiter}; save it separated by \
-                 commas, with decimal points"
-            ),
-            TableError::EmptyHeader { table, column } => {
-                write!(
-                    out,
-                    "{table}: column {column} has no header; name it in the first line"
-                )
-            }
-            TableError::DuplicateHeader { table, header } => {
-                write!(
-                    out,
-                    "{table} has two columns \"{header}\"; rename one of them"
-                )
+            TableError::EmptyHeader { column, .. } => format!("column {column} has no header"),
+            TableError::DuplicateHeader { header, .. } => {
+                format!("it has two columns \"{header}\"")
             }
             TableError::Ragged {
-                table,
-                line,
-                expected,
-                found,
-            } => write!(
-                out,
-                "{table}, line {line}: found {found} cells under {expected} headers; give each \
-                 row one cell for each header, and numbers a decimal point where they have a comma"
-            ),
-            TableError::Malformed { table, problem } => {
-                write!(
-                    out,
-                    "{table}: {problem}; save it as comma-separated UTF-8 text"
-                )
-            }
-            TableError::MissingColumn {
-                table,
-                header,
-                similar: Some(similar),
-                ..
-            } => {
-                write!(
-                    out,
-                    "{table} has no column \"{header}\"; did you mean {similar}?"
-                )
-            }
-            TableError::MissingColumn {
-                table,
-                header,
-                headers,
-                ..
-            } => write!(
-                out,
-                "{table} has no column \"{header}\"; it has {}",
-                headers.join(", ")
-            ),
+                expected, found, ..
+            } => format!("found {found} cells under {expected} headers"),
+            TableError::Malformed { problem, .. } => problem.clone(),
+            TableError::MissingColumn { header, .. } => format!("it has no column \"{header}\""),
             TableError::BadCell {
-                table,
-                line,
                 header,
                 text,
                 expected,
+                ..
+            } => format!("column \"{header}\": \"{text}\" is not {expected}"),
+        }
+    }
+
+    /// What to do about it.
+    #[must_use]
+    pub fn remedy(&self) -> Option<String> {
+        let remedy = match self {
+            TableError::File(_) => return None,
+            TableError::Empty { .. } => "begin it with a line of column headers",
+            TableError::Delimiter { .. } => "save it separated by commas, with decimal points",
+            TableError::EmptyHeader { .. } => "name it in the first line",
+            TableError::DuplicateHeader { .. } => "rename one of them",
+            TableError::Ragged { .. } => {
+                "give each row one cell for each header, and numbers a decimal point where they have a comma"
+            }
+            TableError::Malformed { .. } => "save it as comma-separated UTF-8 text",
+            TableError::MissingColumn {
+                similar, headers, ..
             } => {
-                let remedy = if text.contains(',') && text.replace(',', "").parse::<f64>().is_ok() {
+                return Some(match similar {
+                    Some(similar) => format!("did you mean {similar}?"),
+                    None => format!("it has {}", headers.join(", ")),
+                });
+            }
+            TableError::BadCell { text, .. } => {
+                if text.contains(',') && text.replace(',', "").parse::<f64>().is_ok() {
                     "write numbers with a decimal point and without other separators"
                 } else {
                     "correct the cell"
-                };
-                write!(
-                    out,
-                    "{table}, line {line}, column \"{header}\": \"{text}\" is not {expected}; \
-                     {remedy}"
-                )
+                }
             }
+        };
+        Some(remedy.to_owned())
+    }
+
+    /// What stands for the table: its path, if it was read from a file; `None` if that cannot be read.
+    #[must_use]
+    pub fn table(&self) -> Option<&str> {
+        match self {
+            TableError::File(_) => None,
+            TableError::Empty { table }
+            | TableError::Delimiter { table, .. }
+            | TableError::EmptyHeader { table, .. }
+            | TableError::DuplicateHeader { table, .. }
+            | TableError::Ragged { table, .. }
+            | TableError::Malformed { table, .. }
+            | TableError::MissingColumn { table, .. }
+            | TableError::BadCell { table, .. } => Some(table),
         }
+    }
+}
+
+impl fmt::Display for TableError {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.table(), self.line()) {
+            (Some(table), Some(line)) => write!(out, "{table}, line {line}: ")?,
+            (Some(table), None) => write!(out, "{table}: ")?,
+            (None, _) => {}
+        }
+        write!(out, "{}", self.what())?;
+        self.remedy()
+            .map_or(Ok(()), |remedy| write!(out, "; {remedy}"))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Verdicts as text for people.
 
+use evidence::RunVerdict;
 use judging::monitor::{
     DECIDED_BY_NO_NUMBER, MonitorReport, RecordingVerdicts, Robustness, ShownResponsible,
     ShownSignal, SubjectVerdict,
@@ -24,12 +25,16 @@ fn of_recording(output: &mut String, recording: &RecordingVerdicts) {
     for verdict in &recording.verdicts {
         let label = label(&verdict.subject, verdict.reading.as_deref());
         // Writing to a String cannot fail.
-        let _ = match verdict.verdict.as_str() {
-            "violated" => writeln!(output, "{file}: {label} {}", violated(verdict)),
-            word => match robustness(verdict) {
-                Some(robustness) => writeln!(output, "{file}: {label} {word}, {robustness}"),
-                None => Ok(()),
-            },
+        let _ = match verdict.verdict {
+            RunVerdict::Violated => writeln!(output, "{file}: {label} {}", violated(verdict)),
+            RunVerdict::Satisfied | RunVerdict::NotCovered | RunVerdict::Inconclusive => {
+                match robustness(verdict) {
+                    Some(robustness) => {
+                        writeln!(output, "{file}: {label} {}, {robustness}", verdict.verdict)
+                    }
+                    None => Ok(()),
+                }
+            }
         };
         for part in responsible(verdict) {
             let _ = writeln!(output, "    {part}");

@@ -3,6 +3,7 @@
 
 use crate::args::Format;
 use corroborate::watch::{Audience, LiveVerdict, WatchEvent};
+use evidence::RunVerdict;
 use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 
@@ -204,10 +205,11 @@ fn fitted(view: &str, window: Window) -> Vec<String> {
 
 /// A monitor's line in the view and in the summary.
 pub fn row(verdict: &LiveVerdict) -> String {
-    let state = match verdict.verdict.as_str() {
-        "inconclusive" => "open",
-        "not-covered" => "not covered",
-        other => other,
+    let state = match verdict.verdict {
+        RunVerdict::Inconclusive => "open",
+        RunVerdict::NotCovered | RunVerdict::Satisfied | RunVerdict::Violated => {
+            verdict.verdict.words()
+        }
     };
     let robustness = verdict.robustness.map_or(String::new(), |bounds| {
         let [low, high] = bounds.map(|b| b.map_or("?".to_owned(), |value| format!("{value:.4}")));

@@ -9,7 +9,7 @@ use crate::technique::rows::column_of_key;
 use crate::technique::simulation::problem_at;
 use diagnostic::Problem;
 use host::files::write_whole_by;
-use judging::verdict_name;
+use judging::run_verdict;
 use recording::{Cell, ParquetColumn, ParquetError, ParquetType, ParquetWriter};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -191,7 +191,7 @@ fn row<'a>(
     row.extend(drawn.iter().map(|value| double(*value)));
     let cells = |judged: &'a Judged| -> [Cell<'a>; OF_MONITOR] {
         [
-            Cell::Text(verdict_name(judged.verdict)),
+            Cell::Text(run_verdict(judged.verdict).name()),
             Cell::U64(judged.triggered),
             double(judged.robustness.as_ref().map(|bounds| bounds.low)),
             double(judged.robustness.as_ref().map(|bounds| bounds.high)),

@@ -12,7 +12,7 @@
 //! are found, too, where they repeat what they did; those trials are not independent either. Not found are fewer than ten
 //! rows, rows under other names, and rows of so few values that chance gives as many: 0 of 10 each time tells nothing.
 
-use super::table_problem;
+use super::placed::table_problem;
 use diagnostic::Problem;
 use evidence::{Evidence, RepeatedRows};
 use stats::SharedRows;

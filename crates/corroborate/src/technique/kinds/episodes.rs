@@ -115,8 +115,6 @@ impl Prepared for Ready<'_> {
         let (study, rig) = (self.asked.study, self.rig()?);
         rig.own_inputs(inputs);
         rig.reading_inputs(inputs);
-        inputs.add("seed", &study.about.seed.to_le_bytes());
-        inputs.add_json("episodes", &self.count);
         judging::inputs_of(study, inputs);
         self.asked.entry.sampling.inputs(inputs);
         Ok(())

@@ -63,7 +63,6 @@ struct Ready<'a> {
     own_counts: Vec<CountedConstant>,
     /// By subject.
     events: Vec<(Subject, NodeId)>,
-    mission_time: Option<f64>,
     is_triggered: bool,
 }
 
@@ -152,7 +151,6 @@ impl FaultTrees<'_> {
             tree: reading.tree.with_data(&rates)?,
             own_counts: own_counts.iter().map(own_constant).collect(),
             events,
-            mission_time: self.mission_time,
             is_triggered: self.is_triggered,
         };
         let names: Vec<&str> = ready.basic_events().map(|id| ready.tree.name(id)).collect();
@@ -448,16 +446,6 @@ impl Ready<'_> {
 
 impl Prepared for Ready<'_> {
     fn settings(&self, counted: &[CountedConstant], inputs: &mut Inputs) -> Result<(), Problem> {
-        let events = self.events.iter();
-        let events: Vec<(&Subject, &str)> = events
-            .map(|(subject, event)| (subject, self.tree.name(*event)))
-            .collect();
-        inputs
-            .add_json("events", &events)
-            .add_json("mission time", &self.mission_time)
-            .add_json("triggered", &self.is_triggered)
-            .add_json("confidence", &self.asked.study.about.confidence)
-            .add("seed", &self.asked.study.about.seed.to_le_bytes());
         counts_as_inputs(counted, inputs);
         Ok(())
     }

@@ -70,9 +70,6 @@ impl Technique for ModelChecking<'_> {
 impl Prepared for Ready<'_> {
     fn settings(&self, counted: &[CountedConstant], inputs: &mut Inputs) -> Result<(), Problem> {
         self.compiled.inputs(inputs);
-        inputs
-            .add_json("methods", &self.methods)
-            .add("seed", &self.asked.study.about.seed.to_le_bytes());
         counts_as_inputs(counted, inputs);
         Ok(())
     }

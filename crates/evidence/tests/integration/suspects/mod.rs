@@ -328,9 +328,9 @@ fn what_people_counted_comes_before_the_sentence() {
         simulated.form_differences = vec![FormDifference {
             subject: requirement("3"),
             reference: "sentence".into(),
-            reference_verdict: "satisfied".into(),
+            reference_verdict: RunVerdict::Satisfied,
             form: "property".into(),
-            verdict: "violated".into(),
+            verdict: RunVerdict::Violated,
             count: 51,
             runs: 500,
             witnesses: vec!["episode-00005.mcap".into()],

@@ -1,0 +1,56 @@
+//! Mistakes in a table, each shown at its line.
+
+use diagnostic::{Problem, Source};
+use std::ops::Range;
+use trace::{Table, TableError};
+
+/// What is wrong in a row of a table.
+pub(super) fn in_row(
+    table: &Table,
+    row: usize,
+    code: &'static str,
+    message: impl Into<String>,
+) -> Problem {
+    at_line(Problem::new(code, message), table.name(), table.line(row))
+}
+
+/// Why a table is none, or lacks what is read of it.
+pub(super) fn table_problem(error: TableError) -> Problem {
+    let problem = Problem::new("bad-table", error.what());
+    let placed = match (error.table(), error.line()) {
+        (Some(table), Some(line)) => at_line(problem, table, Some(line)),
+        (Some(table), None) => at_line(problem, table, None),
+        (None, _) => problem,
+    };
+    match error.remedy() {
+        Some(remedy) => placed.remedy(remedy),
+        None => placed,
+    }
+}
+
+/// At a line of the table's file, its headers if none is given. The file is read again, since tables keep no text: if it has
+/// gone meanwhile, the table is named alone.
+fn at_line(problem: Problem, table: &str, line: Option<u64>) -> Problem {
+    let Ok(text) = std::fs::read_to_string(table) else {
+        return problem.about(table);
+    };
+    // Headers are the first line that is neither empty nor a comment.
+    let said = |text: &str| !text.trim().is_empty() && !text.starts_with('#');
+    let span = first_line(&text, |number, text| match line {
+        Some(line) => number == line,
+        None => said(text),
+    });
+    problem.at(&Source::new(table, text), span)
+}
+
+/// The first line of which this holds, given its number from 1; the end of the text if there is none.
+fn first_line(text: &str, holds: impl Fn(u64, &str) -> bool) -> Range<usize> {
+    let mut start = 0;
+    for (line, number) in text.split_inclusive('\n').zip(1..) {
+        if holds(number, line) {
+            return start..start + line.trim_end().len();
+        }
+        start += line.len();
+    }
+    text.len()..text.len()
+}
