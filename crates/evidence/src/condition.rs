@@ -97,8 +97,8 @@ impl Finding {
     fn of_counts(&self, (count, trials): (u64, u64), words: &Words) -> String {
         let ended = match self.undecided {
             0 => String::new(),
-            1 => "; 1 more run ended before a verdict".to_owned(),
-            many => format!("; {many} more runs ended before a verdict"),
+            1 => "; 1 more run reached no verdict".to_owned(),
+            many => format!("; {many} more runs reached no verdict"),
         };
         match &self.denominator {
             Denominator::EveryRun | Denominator::NoTrigger => {
@@ -288,12 +288,12 @@ mod tests {
         assert_eq!(
             of(Denominator::Triggered, None).condition(None).as_deref(),
             Some(
-                "7 of the 9 runs that trigger it; 3 more runs ended before a verdict; how many runs there were in all is not known"
+                "7 of the 9 runs that trigger it; 3 more runs reached no verdict; how many runs there were in all is not known"
             )
         );
         assert_eq!(
             of(Denominator::EveryRun, None).condition(None).as_deref(),
-            Some("7 of all 9 runs; 3 more runs ended before a verdict")
+            Some("7 of all 9 runs; 3 more runs reached no verdict")
         );
     }
 

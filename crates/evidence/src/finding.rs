@@ -335,7 +335,7 @@ pub struct Finding {
     /// In what share of all runs the subject is triggered, where that is known and not certain: a quantity of its own.
     #[serde(default)]
     pub trigger: Option<Box<Measure>>,
-    /// Runs that ended before a verdict (inconclusive), if counted.
+    /// Runs that reached no verdict (inconclusive): they ended before it, or lack a signal.
     pub undecided: u64,
     /// Runs that show it, for replay: episode seeds or file names, few.
     pub witnesses: Vec<String>,

@@ -10,6 +10,7 @@
 
 mod at_work;
 pub mod forms;
+pub mod lacking;
 mod losses;
 pub mod monitor;
 pub mod recording;
@@ -55,7 +56,7 @@ pub struct Judges<'a> {
 }
 
 /// One compiled monitor.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct SubjectJudge<'a> {
     subject: &'a Subject,
     /// `None`: the main reading.
@@ -70,7 +71,7 @@ struct SubjectJudge<'a> {
 }
 
 /// A rule that is ready to judge.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum CompiledRule {
     Staged {
         monitor: Monitor,

@@ -8,7 +8,7 @@ mod losses;
 use crate::{Judgement, Judges, Losses, News, Session, Shown, valueless_of};
 use diagnostic::Problem;
 use recording::{Moment, OpenOptions, SignalStream, TimeSource, TopicMap};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use trace::{SignalIndex, Trace};
 
@@ -249,6 +249,28 @@ impl ReadingRules {
     pub fn stream(&self, judges: &Judges<'_>, path: &Path) -> Result<SignalStream, Problem> {
         let wanted: Vec<String> = judges.signals().into_iter().collect();
         self.stream_of(&wanted, path)
+    }
+
+    /// The signals of the judges that a recording does not have.
+    pub(crate) fn lacking(
+        &self,
+        judges: &Judges<'_>,
+        path: &Path,
+    ) -> Result<BTreeSet<String>, Problem> {
+        let wanted = judges.signals();
+        if let Some((trace, _)) = own_trace(path)? {
+            let lacks = |name: &String| trace.signal(name).is_none();
+            return Ok(wanted.into_iter().filter(lacks).collect());
+        }
+        let reader = recording::open(path, &self.options)
+            .map_err(|error| Problem::new("bad-recording", error.to_string()))?;
+        let wanted: Vec<String> = wanted.into_iter().collect();
+        let errors = SignalStream::new(reader, &self.map, &wanted).err();
+        let errors = errors.into_iter().flatten();
+        Ok(errors
+            .filter(|error| error.is_lacking)
+            .map(|error| error.signal)
+            .collect())
     }
 
     fn stream_of(&self, wanted: &[String], path: &Path) -> Result<SignalStream, Problem> {

@@ -18,7 +18,7 @@ use judging::verdicts::RunVerdicts;
 use judging::{Judgement, Judges};
 use rayon::prelude::*;
 use recording::TrialPath;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::Instant;
 use study::Study;
@@ -110,10 +110,30 @@ impl Recordings {
         if judges.monitors().next().is_none() {
             return Ok(vec![Vec::new(); self.trials.len()]);
         }
-        self.on_all(interrupt, |trial, go_on| {
-            let judged = self.rules.judge(judges, &trial.path, go_on)?;
-            Ok(verdicts_of(&counted(judged)))
-        })
+        let all = self.judged(judges, interrupt, |_, it| Ok(verdicts_of(&counted(it))))?;
+        Ok(all.into_iter().map(|(verdicts, _)| verdicts).collect())
+    }
+
+    /// Every recording, judged as far as it has the signals, with what `of` makes of that. A signal that none of them has is
+    /// a mistake.
+    fn judged<'a, T: Send>(
+        &self,
+        judges: &Judges<'a>,
+        interrupt: &Cancel,
+        of: impl Fn(&TrialPath, JudgedRecording<'a>) -> Result<T, Problem> + Sync,
+    ) -> Result<Vec<(T, BTreeSet<String>)>, Problem> {
+        let all = self.on_all(interrupt, |trial, go_on| {
+            let there = self.rules.judge_what_is_there(judges, &trial.path, go_on)?;
+            Ok((of(trial, there.judged)?, there.lacking))
+        })?;
+        let lacking = all.iter().map(|(_, lacking)| lacking.clone());
+        let by_all = lacking.reduce(|one, other| &one & &other);
+        if by_all.is_some_and(|signals| !signals.is_empty()) {
+            // Says where the signal is named.
+            let go_on = || Ok(());
+            self.rules.judge(judges, &self.trials[0].path, &go_on)?;
+        }
+        Ok(all)
     }
 
     /// Something of every recording, on all cores, in the order of the recordings.
@@ -149,14 +169,21 @@ impl Recordings {
     ) -> Result<(Produced, Vec<Vec<Verdict>>), Problem> {
         let began = Instant::now();
         let judges = Judges::new(study, |_| true)?;
-        let judged = self.on_all(interrupt, |trial, go_on| {
-            let judged = self.rules.judge(&judges, &trial.path, go_on)?;
+        let judged = self.judged(&judges, interrupt, |trial, judged| {
             let (said, begins) = said_of_itself(&trial.path, &self.rules)?;
             stage.advance();
             Ok((judged.complete, mixture_of(&said), begins, counted(judged)))
         })?;
         let (mut all, mut mixtures, mut all_begin) = (Vec::new(), BTreeMap::new(), Vec::new());
-        for (trial, (complete, mixture, begins, judgements)) in self.trials.iter().zip(judged) {
+        for (trial, (found, lacking)) in self.trials.iter().zip(judged) {
+            let (complete, mixture, begins, judgements) = found;
+            if !lacking.is_empty() {
+                let name = &trial.name;
+                let lacking = Vec::from_iter(lacking).join(" and no ");
+                say(&format!(
+                    "{id}: {name} has no {lacking}; what reads that reaches no verdict there"
+                ));
+            }
             all_begin.push(begins);
             if let Some(mixture) = mixture {
                 *mixtures.entry(mixture).or_insert(0_u64) += 1;

@@ -3,7 +3,7 @@
 //! # Definition
 //! Every piece of the ledger with a finding on a requirement either takes part in its conclusion or is listed here with the
 //! reason. One that takes part below the step that the requirement needs, and does not carry over to it, is listed, too: it
-//! is judged, and does not count there. Runs of a piece that ended before a verdict count neither way and are listed by
+//! is judged, and does not count there. Runs of a piece that reached no verdict count neither way and are listed by
 //! piece. For trials of the system that the study marks as intermediate, the verdict with them is found: they are not
 //! refined by what comes later, so leaving them out has to be seen.
 
@@ -52,7 +52,7 @@ pub(super) fn excluded(
         .collect()
 }
 
-/// Runs that ended before a verdict, and trials in whose place others came, by piece in the ledger's order.
+/// Runs that reached no verdict, and trials in whose place others came, by piece in the ledger's order.
 pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<ExcludedTrials> {
     let pieces = study.evidence.iter();
     let undecided = pieces.filter_map(|piece| {
@@ -62,11 +62,11 @@ pub(super) fn excluded_trials(study: &Study<'_>, asked: &Asked<'_>) -> Vec<Exclu
             trials,
             words: match trials {
                 1 => format!(
-                    "1 run of {} ended before a verdict and counts neither way.",
+                    "1 run of {} reached no verdict and counts neither way.",
                     piece.id
                 ),
                 many => format!(
-                    "{many} runs of {} ended before a verdict and count neither way.",
+                    "{many} runs of {} reached no verdict and count neither way.",
                     piece.id
                 ),
             },

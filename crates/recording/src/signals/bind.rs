@@ -115,7 +115,16 @@ impl Binder<'_> {
             signal: signal.to_owned(),
             line,
             message: message.into(),
+            is_lacking: false,
         });
+    }
+
+    /// That the recording has no such signal.
+    fn lacks(&mut self, signal: &str, message: String) {
+        self.error(signal, 0, message);
+        if let Some(error) = self.errors.last_mut() {
+            error.is_lacking = true;
+        }
     }
 
     /// A signal without an entry: the longest topic with which its name begins, and a path.
@@ -128,7 +137,7 @@ impl Binder<'_> {
                 "neither the topic map nor the recording has it; {}",
                 self.there()
             );
-            return self.error(name, 0, message);
+            return self.lacks(name, message);
         };
         let infos: Vec<&TopicInfo> = self
             .topics
@@ -137,7 +146,7 @@ impl Binder<'_> {
             .collect();
         let kind = match infos.first().map(|info| (self.kind_of)(info, path)) {
             Some(Ok(kind)) => kind,
-            Some(Err(problem)) => return self.error(name, 0, problem),
+            Some(Err(problem)) => return self.lacks(name, problem),
             None => return,
         };
         if let FieldKind::Enumeration(_) = kind {
@@ -334,6 +343,7 @@ impl Binder<'_> {
                 signal: entry.name.clone(),
                 line: entry.line,
                 message,
+                is_lacking: true,
             };
             self.binding.absent.push(error);
         }
@@ -355,6 +365,7 @@ impl Binder<'_> {
             signal: entry.name.clone(),
             line: entry.line,
             message,
+            is_lacking: true,
         });
         // Topics of an unfinished recording may still come.
         MappedSignal::split(from).map(|(topic, path)| (topic.to_owned(), path.to_owned()))

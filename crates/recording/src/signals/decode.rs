@@ -101,6 +101,7 @@ impl Paths {
                 signal: info.name.clone(),
                 line: 0,
                 message: error.to_string(),
+                is_lacking: false,
             }]
         })?;
         for (index, names) in self.names.into_iter().enumerate() {
@@ -220,6 +221,7 @@ impl Row {
                     signal: signal.clone(),
                     line: *line,
                     message,
+                    is_lacking: false,
                 });
             }));
         }

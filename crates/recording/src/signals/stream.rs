@@ -111,6 +111,7 @@ impl SignalStream {
                 message: "the time is to be that of /clock, which the recording does not have; \
                           use log, publish or header"
                     .to_owned(),
+                is_lacking: false,
             }]);
         }
         let kind = |info: &TopicInfo, path: &str| kind_of(info, path);

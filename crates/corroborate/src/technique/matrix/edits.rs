@@ -329,7 +329,9 @@ impl Diagnosing<'_> {
         let judged: Vec<_> = trials
             .par_iter()
             .map(|trial| {
-                let judged = rules.judge(&judges, &trial.path, &go_on)?;
+                let judged = rules
+                    .judge_what_is_there(&judges, &trial.path, &go_on)?
+                    .judged;
                 Ok(match judged.complete {
                     true => judged.judgements,
                     false => only_violations(judged.judgements),

@@ -11,6 +11,8 @@ pub struct BindError {
     pub line: usize,
     /// What is wrong, and what to do about it.
     pub message: String,
+    /// Whether the recording has nothing of this name, which another recording may have.
+    pub is_lacking: bool,
 }
 
 impl fmt::Display for BindError {

@@ -1,0 +1,116 @@
+//! Recordings of which some lack a signal: what reads it reaches no verdict there, all else is judged.
+
+use crate::support::program::{Said, corroborate};
+use std::path::Path;
+use tempfile::TempDir;
+
+const STUDY: &str = r#"
+title = "Recordings of two kinds"
+summary = "Some were made before the sensor of the gap was there."
+seed = 1
+confidence = 0.95
+agreement = 0.95
+[conditions]
+typical = "As usual."
+"#;
+
+const REQUIREMENTS: &str = r#"
+[[requirement]]
+id = "slow"
+text = "The robot is slow."
+shall = "The robot shall always satisfy slow."
+[[requirement]]
+id = "far"
+text = "The robot keeps its distance."
+shall = "The robot shall always satisfy far."
+"#;
+
+const VOCABULARY: &str = r#"
+[slow]
+meaning = "slower than 1 m/s"
+trace = "/robot.speed < 1 m/s"
+[far]
+meaning = "farther than 10 cm"
+trace = "/gap.distance > 10 cm"
+"#;
+
+const LEDGER: &str = r#"
+[[evidence]]
+id = "O"
+title = "A week of work"
+technique = "operation"
+conditions = "typical"
+recordings = "recordings"
+changed = "The first."
+"#;
+
+/// A recording of a trace in our own form, and one in JSON lines.
+const WHOLE: &str = "time_secs,/robot.speed [m/s],/gap.distance [m]\n0,0.1,1\n1,0.2,1\n2,0.1,1\n";
+const WITHOUT: &str = "time_secs,/robot.speed [m/s]\n0,0.1\n1,0.2\n2,0.1\n";
+
+fn run(recordings: &[(&str, &str)]) -> (TempDir, Said) {
+    let folder = TempDir::new().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        std::fs::write(path, text).expect("written");
+    };
+    write("study.toml", STUDY);
+    write("requirements.toml", REQUIREMENTS);
+    write("vocabulary.toml", VOCABULARY);
+    write("ledger.toml", LEDGER);
+    for (name, text) in recordings {
+        write(&format!("recordings/{name}"), text);
+    }
+    let said = corroborate(folder.path(), &["run", "."]);
+    (folder, said)
+}
+
+fn finding(folder: &Path, subject: &str) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join("results/study.json")).expect("a result");
+    let result: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let findings = result["evidence"][0]["findings"]
+        .as_array()
+        .expect("findings");
+    let is_wanted = |it: &&serde_json::Value| it["subject"]["requirement"] == subject;
+    findings.iter().find(is_wanted).expect("a finding").clone()
+}
+
+#[test]
+fn what_one_recording_lacks_leaves_its_requirements_without_a_verdict_there() {
+    let (folder, said) = run(&[("a.csv", WHOLE), ("b.csv", WITHOUT), ("c.csv", WHOLE)]);
+    assert_eq!(said.code, 3, "{said:?}");
+    let told = "O: b.csv has no /gap.distance; what reads that reaches no verdict there";
+    assert!(said.err.contains(told), "{said:?}");
+    let slow = finding(folder.path(), "slow");
+    assert_eq!(slow["measure"]["counts"]["trials"], 3, "{slow}");
+    assert_eq!(slow["undecided"], 0);
+    let far = finding(folder.path(), "far");
+    assert_eq!(far["measure"]["counts"]["trials"], 2, "{far}");
+    assert_eq!(far["undecided"], 1);
+    assert!(
+        said.out
+            .contains("1 run of O reached no verdict and counts neither way"),
+        "{said:?}"
+    );
+}
+
+/// A trace in JSON lines is read through its topics, a table of ours whole.
+#[test]
+fn recordings_of_any_format_may_lack_a_signal() {
+    let lines = "{\"time_secs\": 0, \"robot\": {\"speed\": 0.1}}\n{\"time_secs\": 1, \"robot\": {\"speed\": 2.0}}\n";
+    let (folder, said) = run(&[("a.csv", WHOLE), ("b.jsonl", lines)]);
+    let told = "b.jsonl has no /gap.distance";
+    assert!(said.err.contains(told), "{said:?}");
+    let slow = finding(folder.path(), "slow");
+    assert_eq!(slow["measure"]["counts"]["trials"], 2, "{slow}");
+    assert_eq!(slow["measure"]["counts"]["count"], 1, "{slow}");
+}
+
+#[test]
+fn a_signal_that_no_recording_has_is_a_mistake_at_its_place() {
+    let (_folder, said) = run(&[("a.csv", WITHOUT), ("b.csv", WITHOUT)]);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(said.err.contains("vocabulary.toml:7"), "{said:?}");
+    assert!(said.err.contains("/gap.distance"), "{said:?}");
+}
