@@ -44,7 +44,9 @@ recordings = "recordings"
 changed = "The first."
 "#;
 
-/// A recording of a trace in our own form, and one in JSON lines.
+const TOPICS: &str = "[\"/robot.speed\"]\nfrom = \"/robot.speed\"\nunit = \"m/s\"\n";
+
+/// Recordings in our own form.
 const WHOLE: &str = "time_secs,/robot.speed [m/s],/gap.distance [m]\n0,0.1,1\n1,0.2,1\n2,0.1,1\n";
 const WITHOUT: &str = "time_secs,/robot.speed [m/s]\n0,0.1\n1,0.2\n2,0.1\n";
 
@@ -59,6 +61,7 @@ fn run(recordings: &[(&str, &str)]) -> (TempDir, Said) {
     write("requirements.toml", REQUIREMENTS);
     write("vocabulary.toml", VOCABULARY);
     write("ledger.toml", LEDGER);
+    write("topics.toml", TOPICS);
     for (name, text) in recordings {
         write(&format!("recordings/{name}"), text);
     }
@@ -81,7 +84,7 @@ fn what_one_recording_lacks_leaves_its_requirements_without_a_verdict_there() {
     let (folder, said) = run(&[("a.csv", WHOLE), ("b.csv", WITHOUT), ("c.csv", WHOLE)]);
     assert_eq!(said.code, 3, "{said:?}");
     let told = "O: b.csv has no /gap.distance; what reads that reaches no verdict there";
-    assert!(said.err.contains(told), "{said:?}");
+    assert!(said.talk.contains(told), "{said:?}");
     let slow = finding(folder.path(), "slow");
     assert_eq!(slow["measure"]["counts"]["trials"], 3, "{slow}");
     assert_eq!(slow["undecided"], 0);
@@ -98,10 +101,12 @@ fn what_one_recording_lacks_leaves_its_requirements_without_a_verdict_there() {
 /// A trace in JSON lines is read through its topics, a table of ours whole.
 #[test]
 fn recordings_of_any_format_may_lack_a_signal() {
-    let lines = "{\"time_secs\": 0, \"robot\": {\"speed\": 0.1}}\n{\"time_secs\": 1, \"robot\": {\"speed\": 2.0}}\n";
+    let lines = r#"{"topic": "/robot", "time_secs": 0, "speed": 0.1}
+{"topic": "/robot", "time_secs": 1, "speed": 2.0}
+"#;
     let (folder, said) = run(&[("a.csv", WHOLE), ("b.jsonl", lines)]);
     let told = "b.jsonl has no /gap.distance";
-    assert!(said.err.contains(told), "{said:?}");
+    assert!(said.talk.contains(told), "{said:?}");
     let slow = finding(folder.path(), "slow");
     assert_eq!(slow["measure"]["counts"]["trials"], 2, "{slow}");
     assert_eq!(slow["measure"]["counts"]["count"], 1, "{slow}");
@@ -111,6 +116,6 @@ fn recordings_of_any_format_may_lack_a_signal() {
 fn a_signal_that_no_recording_has_is_a_mistake_at_its_place() {
     let (_folder, said) = run(&[("a.csv", WITHOUT), ("b.csv", WITHOUT)]);
     assert_eq!(said.code, 2, "{said:?}");
-    assert!(said.err.contains("vocabulary.toml:7"), "{said:?}");
-    assert!(said.err.contains("/gap.distance"), "{said:?}");
+    assert!(said.talk.contains("vocabulary.toml:7"), "{said:?}");
+    assert!(said.talk.contains("/gap.distance"), "{said:?}");
 }
