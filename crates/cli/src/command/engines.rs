@@ -18,6 +18,7 @@ pub fn engines(arguments: &Engines, setting: &Host) -> Result<Done, Problem> {
         episodes: arguments.episodes,
         seed: arguments.seed,
         determinism: arguments.determinism,
+        against: arguments.against.clone(),
     };
     let report = corroborate::engines(&request, setting)?;
     Ok(Done {

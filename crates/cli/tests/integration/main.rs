@@ -25,6 +25,7 @@ mod fault_trees;
 mod fuzz_inputs;
 mod language;
 mod licences;
+mod persistent_command;
 mod rare;
 mod recordings;
 mod refine;
