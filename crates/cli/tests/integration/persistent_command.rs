@@ -106,6 +106,28 @@ fn its_failures_count_as_those_of_a_process_for_each_episode() {
 }
 
 #[test]
+fn one_that_remembers_episodes_is_found_out() {
+    let remembers =
+        "    once.count = getattr(once, 'count', 0) + 1\n    seed = int(seed) + once.count\n";
+    for (fault, code, said) in [("", 0, "the same again\n"), (remembers, 1, "NOT the same")] {
+        let folder = staying(fault);
+        let arguments = [
+            "engines",
+            ".",
+            "sim",
+            "-n",
+            "3",
+            "--determinism",
+            "--threads",
+            "1",
+        ];
+        let told = corroborate(folder.path(), &arguments);
+        assert_eq!(told.code, code, "{told:?}");
+        assert!(told.out.contains(said), "{told:?}");
+    }
+}
+
+#[test]
 fn one_that_never_works_is_told_with_what_it_said() {
     for (fault, limit, reason) in [
         ("    print('ready')\n", "60", "`ready`, which is no answer"),
