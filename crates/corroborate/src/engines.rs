@@ -27,8 +27,11 @@ pub struct EnginesRequest {
     pub episodes: u64,
     /// The seed; by default the study's.
     pub seed: Option<u64>,
-    /// Compares the hashes of repeated and of continued episodes instead. An entry that is no scene can be asked for this alone.
+    /// Compares the hashes of repeated and of continued episodes instead. An entry that is no scene can be asked for this, and be
+    /// run against another.
     pub determinism: bool,
+    /// Another entry of the ledger, of any simulator, in place of the second engine.
+    pub against: Option<String>,
 }
 
 impl EnginesRequest {
@@ -40,12 +43,14 @@ impl EnginesRequest {
             episodes: 5,
             seed: None,
             determinism: false,
+            against: None,
         }
     }
 }
 
-/// Runs the same episodes (test, seeds, controllers) in MuJoCo and in Rapier and compares recordings and verdicts; or runs each
-/// episode again, and saves it in its middle and continues it, and compares the hashes.
+/// Runs the same episodes (test, seeds, controllers) in MuJoCo and in Rapier, or as two entries of the ledger have them, and
+/// compares recordings and verdicts; or runs each episode again, and saves it in its middle and continues it, and compares the
+/// hashes. Of two entries both have the seeds of the first.
 ///
 /// # Errors
 /// What the study's files say wrong; `one-engine` and `not-a-simulation` if the entry cannot be run so; `interrupted` if the
@@ -53,19 +58,23 @@ impl EnginesRequest {
 pub fn engines(request: &EnginesRequest, host: &Host) -> Result<EnginesReport, Problem> {
     let study = Study::load(&request.study)?;
     let entry = study.entry(&request.evidence)?;
-    let rigs = in_engines(&study, entry, request.determinism, host)?;
+    let (rigs, names) = match &request.against {
+        Some(other) => two_entries(&study, [entry, study.entry(other)?], host)?,
+        None => in_engines(&study, entry, request.determinism, host)?,
+    };
     let called = Called {
         study: &study,
         entry,
         rigs: &rigs,
+        names: &names,
         numbers: (1..=request.episodes).collect(),
-        seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), &entry.id),
+        seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), entry.seeded_as()),
         host,
     };
     let mut report = EnginesReport {
         format: "1.1".into(),
         evidence: entry.id.clone(),
-        engines: rigs.iter().map(|rig| name_of(rig.as_ref())).collect(),
+        engines: names.clone(),
         episodes: request.episodes,
         signals: Vec::new(),
         verdicts: Vec::new(),
@@ -86,25 +95,52 @@ fn in_engines(
     entry: &Entry,
     determinism: bool,
     host: &Host,
-) -> Result<Vec<Box<dyn Rig>>, Problem> {
+) -> Result<Named, Problem> {
     let is_simulation = match determinism {
         true => entry.work.simulated().is_some(),
         false => entry.work.is_simulated_here(),
     };
     if !is_simulation {
         let message = format!("`{}` is no simulation of this test bench", entry.id);
-        return Err(Problem::new("not-a-simulation", message)
-            .remedy("name an entry of the ledger with a scene"));
+        return Err(Problem::new("not-a-simulation", message).remedy(
+            "name an entry of the ledger with a scene, or a second entry to run it against (`--against`)",
+        ));
     }
     let second = match rigs::in_second_engine(study, entry) {
         Err(problem) if determinism && problem.code == "one-engine" => None,
         second => Some(second?),
     };
     let first = rigs::of_entry(study, entry, host.physics_library.as_deref())?;
-    for gap in first.gaps() {
+    say_gaps(first.as_ref(), host);
+    let rigs: Vec<Box<dyn Rig>> = std::iter::once(first).chain(second).collect();
+    let names = rigs.iter().map(|rig| name_of(rig.as_ref())).collect();
+    Ok((rigs, names))
+}
+
+/// Rigs, and what each is called.
+type Named = (Vec<Box<dyn Rig>>, Vec<String>);
+
+/// Two entries of the ledger, called by their identifiers.
+fn two_entries(study: &Study, entries: [&Entry; 2], host: &Host) -> Result<Named, Problem> {
+    let mut named = Named::default();
+    for entry in entries {
+        if entry.work.simulated().is_none() {
+            let message = format!("`{}` is no simulation", entry.id);
+            return Err(Problem::new("not-a-simulation", message)
+                .remedy("name entries of the ledger with a scene, a scenario or a command"));
+        }
+        let rig = rigs::of_entry(study, entry, host.physics_library.as_deref())?;
+        say_gaps(rig.as_ref(), host);
+        named.0.push(rig);
+        named.1.push(entry.id.clone());
+    }
+    Ok(named)
+}
+
+fn say_gaps(rig: &dyn Rig, host: &Host) {
+    for gap in rig.gaps() {
         host.events.say(&gap.to_string());
     }
-    Ok(std::iter::once(first).chain(second).collect())
 }
 
 fn name_of(rig: &dyn Rig) -> String {

@@ -6,9 +6,12 @@
 //! seen enough gets the part up to there, but the command has run to its end.
 //!
 //! A command cannot be stopped in the middle and continued, so rare events are not split on it; and
-//! it does not say what it draws from its seed, so no draw can be set.
+//! it does not say what it draws from its seed itself, so of all draws only those of the ledger's
+//! stimulus can be set.
 
+mod once;
 mod outside;
+mod persistent;
 
 use super::rest::Rest;
 use super::rig::Rig;
@@ -17,7 +20,7 @@ use diagnostic::{Problem, Source};
 use evidence::{Asset, DescriptionGap, Tool};
 use host::store::Inputs;
 use host::{BuildId, Cancel};
-pub use outside::{OutsideCommand, stimulus_in};
+pub use outside::OutsideCommand;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -64,7 +67,7 @@ impl CommandRig {
         Ok(Self {
             wanted: signals_of(study),
             tests: vec![command.stimulus().test.clone()],
-            data: table_of(&command.stimulus().settings),
+            data: table_of(&command.settings()),
             room: Room::default(),
             episodes: AtomicU64::new(0),
             layout: Mutex::new(None),
@@ -109,23 +112,17 @@ impl CommandRig {
         seed: u64,
         interrupt: &Cancel,
     ) -> Result<(Option<Trace>, Option<Failure>), Problem> {
-        let mut given = stimulus.clone();
-        for (key, value) in &self.command.stimulus().settings {
-            let own = given.settings.entry(key.clone());
-            own.or_insert_with(|| value.clone());
-        }
         let number = self.episodes.fetch_add(1, Ordering::Relaxed);
         let folder = self.room.folder()?;
-        let file = folder.join(format!("stimulus-{number}.json"));
-        host::files::write_whole(&file, given.to_json().as_bytes())?;
         let recording = folder.join(self.command.recording_name(number));
-        let failure = self.command.run(&file, seed, &recording, interrupt)?;
+        let failure = self
+            .command
+            .run(Some(stimulus), seed, &recording, interrupt)?;
         let read = match recording.exists() {
             true => Some(self.command.trace(&self.wanted, &recording)),
             false => None,
         };
         OutsideCommand::remove(&recording);
-        OutsideCommand::remove(&file);
         match (read, &failure) {
             // What a command left that failed may be no recording.
             (Some(Err(_)) | None, Some(_)) => Ok((None, failure)),
@@ -213,8 +210,9 @@ impl Rig for CommandRig {
         }
     }
 
-    fn drawn(&self, _: &Stimulus, _: u64) -> Result<Option<Vec<Drawn>>, SimError> {
-        Ok(None)
+    /// What the ledger's stimulus has drawn; what the command draws itself it does not say.
+    fn drawn(&self, stimulus: &Stimulus, seed: u64) -> Result<Option<Vec<Drawn>>, SimError> {
+        Ok(self.command.drawn(&stimulus.settings, seed))
     }
 
     fn refuses(&self, _: &Stimulus) -> Option<String> {

@@ -15,7 +15,7 @@ mod scene;
 
 pub use self::handover::{HandoverRig, HandoverTexts};
 pub use asset::asset;
-pub use command::{CommandRig, OutsideCommand, stimulus_in};
+pub use command::{CommandRig, OutsideCommand};
 pub use parameters::{check_keys, check_units, tried, unit_of};
 pub use rest::{Link, Pace, Rest};
 pub use rig::{Rig, episode_name, failed};

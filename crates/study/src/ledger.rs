@@ -69,6 +69,14 @@ pub struct Entry {
     pub sampling: Sampling,
 }
 
+impl Entry {
+    /// The identifier from which its episodes' seeds are made: its own, or that of the entry whose seeds it uses.
+    #[must_use]
+    pub fn seeded_as(&self) -> &str {
+        self.sampling.seeds.as_deref().unwrap_or(&self.id)
+    }
+}
+
 /// Why evidence is independent of other evidence from which it looks copied: a reason for all of it, or for each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Independent {
@@ -96,6 +104,8 @@ pub struct Sampling {
     pub early_end: bool,
     /// What is done when an episode is ended by a failure.
     pub on_failure: OnFailure,
+    /// The entry whose seeds it uses, if not its own.
+    pub seeds: Option<String>,
 }
 
 impl Sampling {
@@ -108,6 +118,9 @@ impl Sampling {
         // Results that counted failures are none where these are to end the campaign.
         if self.on_failure == OnFailure::Stop {
             inputs.add_json("on_failure", &self.on_failure);
+        }
+        if let Some(seeds) = &self.seeds {
+            inputs.add("seeds", seeds.as_bytes());
         }
     }
 }
@@ -192,6 +205,8 @@ pub struct CommandText {
     pub leaves: String,
     /// The longest that an episode may take, in seconds of real time.
     pub limit_secs: f64,
+    /// Whether a process takes many episodes, each by a line on its input.
+    pub persistent: bool,
 }
 
 /// How a piece of evidence is produced. All that is serialized is part of what findings depend on.

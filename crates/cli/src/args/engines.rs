@@ -21,10 +21,13 @@ Examples:
   corroborate engines case-studies/corridor S1
   corroborate engines case-studies/corridor S1 -n 50 --format json
   corroborate engines case-studies/corridor S1 -n 2 --determinism
+  corroborate engines case-studies/four-physics S1 --against P1
 
 Runs the same episodes (test, seeds, controllers) of a scene in MuJoCo and in
 Rapier and prints, for each signal, how far the recordings lie apart, then the
-verdicts. Exits 1 if a verdict on an episode differs. With --determinism each
+verdicts. Exits 1 if a verdict on an episode differs. With --against another
+entry takes the place of Rapier, whatever its simulator is, with the seeds of
+the first; signals of the same name are compared. With --determinism each
 episode is run again, and saved in its middle and continued, and the hashes of
 all its recordings are compared; exits 1 if two differ. An entry that is no
 scene (the handover) is run in MuJoCo alone, with --determinism.")]
@@ -42,6 +45,9 @@ pub struct Engines {
     /// Compare hashes of repeated and of continued episodes instead.
     #[arg(long)]
     pub determinism: bool,
+    /// Run another entry of the ledger in place of the second engine.
+    #[arg(long, value_name = "EVIDENCE", conflicts_with = "determinism")]
+    pub against: Option<String>,
     /// How many threads to use (results do not depend on it).
     #[arg(long, short = 'j', value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

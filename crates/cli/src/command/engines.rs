@@ -18,6 +18,7 @@ pub fn engines(arguments: &Engines, setting: &Host) -> Result<Done, Problem> {
         episodes: arguments.episodes,
         seed: arguments.seed,
         determinism: arguments.determinism,
+        against: arguments.against.clone(),
     };
     let report = corroborate::engines(&request, setting)?;
     Ok(Done {
@@ -99,7 +100,7 @@ fn verdict(verdict: &VerdictReport, episodes: u64, out: &mut String) {
 fn repeated(repeated: &[Repeated], out: &mut String) {
     for it in repeated {
         let said = match it.same {
-            true if it.failed.is_none() => "the same again and continued".to_owned(),
+            true if it.continued.is_some() => "the same again and continued".to_owned(),
             true => "the same again".to_owned(),
             false => format!(
                 "NOT the same: again {}, continued {}",

@@ -26,6 +26,7 @@ mod fuzz_inputs;
 mod lacking_signals;
 mod language;
 mod licences;
+mod persistent_command;
 mod rare;
 mod recordings;
 mod refine;

@@ -5,7 +5,7 @@ use super::file::{CODE, CalibrationText, merge, written};
 use diagnostic::{Problem, Source};
 use host::files::read_source;
 use std::path::Path;
-use stimulus::{Settings, Stimulus};
+use stimulus::{Settings, VariedStimulus};
 use study::placed::quoted;
 use study::{CommandText, Simulated, Study};
 use toml::Table;
@@ -101,10 +101,10 @@ impl<'a> Base<'a> {
                 }
             }
             Form::Stimulus => {
-                let fitted = Stimulus::read(self.file, &self.source.text);
+                let fitted = VariedStimulus::read(self.file, &self.source.text);
                 let mut fitted = fitted.map_err(bad_settings)?;
-                fitted.settings.extend(settings.clone());
-                Ok(fitted.to_toml())
+                fitted.fix(settings);
+                Ok(fitted.write(Path::new("stimulus.toml")))
             }
         }
     }
@@ -174,18 +174,20 @@ fn stimulus_with_known(
 ) -> Result<Source, Problem> {
     let source = read_source(&study.folder.join(path))?;
     let fail = |error| Problem::new("bad-stimulus", format!("{}: {error}", source.name));
-    let stimulus = Stimulus::read(path, &source.text).map_err(fail)?;
-    let mut table: Table = Table::try_from(&stimulus.settings)
+    let mut stimulus = VariedStimulus::read(path, &source.text).map_err(fail)?;
+    // Of what varies any number stands for its key.
+    let all = stimulus.at(&|_, from| from.quantile(0.5)).settings;
+    let mut table: Table = Table::try_from(&all)
         .map_err(|error| Problem::new("bad-stimulus", format!("{}: {error}", source.name)))?;
     merge(&mut table, &text.known).map_err(|key| unknown(&key, &source, file))?;
-    let settings = table.try_into();
-    let with_known = Stimulus {
-        settings: settings
-            .map_err(|error: toml::de::Error| Problem::new(CODE, error.to_string()))?,
-        ..stimulus
-    };
+    let settings: Settings = table
+        .try_into()
+        .map_err(|error: toml::de::Error| Problem::new(CODE, error.to_string()))?;
+    let known = settings.into_iter();
+    let known = known.filter(|(key, value)| all.get(key) != Some(value));
+    stimulus.fix(&known.collect());
     Ok(Source {
-        text: with_known.write(path),
+        text: stimulus.write(path),
         name: named(&source),
     })
 }

@@ -1,6 +1,5 @@
-//! The same episodes in two engines: how far their recordings lie apart, and where their verdicts differ.
+//! The same episodes in two engines, or of two entries: how far their recordings lie apart, and where their verdicts differ.
 
-use super::name_of;
 use super::report::{EngineFailures, EnginesReport, SignalReport, VerdictPair, VerdictReport};
 use crate::technique::campaign::{Ended, FailureCounts, ended, stops};
 use crate::technique::confidence;
@@ -21,6 +20,8 @@ pub struct Called<'a> {
     pub study: &'a Study,
     pub entry: &'a Entry,
     pub rigs: &'a [Box<dyn Rig>],
+    /// What each of them is called.
+    pub names: &'a [String],
     pub numbers: Vec<u64>,
     pub seeds: Seeds,
     pub host: &'a Host,
@@ -92,13 +93,13 @@ impl Called<'_> {
     fn failures(&self, compared: &[Compared]) -> Result<Vec<EngineFailures>, Problem> {
         let level = confidence(self.study.about.confidence)?;
         let mut all = Vec::new();
-        for (engine, rig) in self.rigs.iter().enumerate() {
+        for (engine, name) in self.names.iter().enumerate() {
             let numbered = self.numbers.iter().zip(compared);
             let counts =
                 FailureCounts::of(numbered.map(|(number, it)| (*number, it.failed[engine])));
             if !counts.is_empty() {
                 all.push(EngineFailures {
-                    engine: name_of(rig.as_ref()),
+                    engine: name.clone(),
                     failures: counts.shares(level)?,
                 });
             }

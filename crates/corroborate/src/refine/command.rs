@@ -34,7 +34,7 @@ use rayon::prelude::*;
 use refinement::{
     Counts, NamedNumber, Touch, Trial, Tried, anchors, fitted, is_all_named, named_numbers,
 };
-use rig::{OutsideCommand, stimulus_in};
+use rig::OutsideCommand;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{CommandText, Entry, Study};
@@ -434,15 +434,15 @@ impl<'a> Fitting<'a> {
     fn run(&self, command: &CommandText, episodes: u64) -> Result<Option<Vec<Finding>>, Problem> {
         let outside = OutsideCommand::new(self.study, command, None)?;
         outside.prepare(&self.folder)?;
-        let stimulus = stimulus_in(&self.folder)?;
         let judges = Judges::new(self.study, |_| true)?;
-        let seeds = Seeds::new(self.study.about.seed, &self.wanted.entry);
+        let entry = self.study.entry(&self.wanted.entry)?;
+        let seeds = Seeds::new(self.study.about.seed, entry.seeded_as());
         let go_on = || self.setting.go_on();
         let numbers: Vec<u64> = (1..=episodes).collect();
         let judged = numbers.par_iter().map(|number| {
             self.setting.go_on()?;
             let place = outside.room_for(&self.folder, &outside.recording_name(*number))?;
-            let failed = outside.run(&stimulus, seeds.of(*number), &place, &self.setting.cancel)?;
+            let failed = outside.run(None, seeds.of(*number), &place, &self.setting.cancel)?;
             let judged = match failed {
                 None => judge_left(&outside, &judges, &place, &go_on).ok(),
                 Some(_) => None,

@@ -93,7 +93,7 @@ impl Episode {
             origin: format!("episode {number} of {evidence}"),
             bench: bench.files.clone(),
             stimulus: Stimulus::of(test_of(entry, &bench)?),
-            seed: Seeds::new(study.about.seed, evidence).of(number),
+            seed: Seeds::new(study.about.seed, entry.seeded_as()).of(number),
             shows: None,
             // That of another simulator is kept as it left it.
             recording: match bench.is_outside() {

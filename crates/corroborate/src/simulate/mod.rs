@@ -108,7 +108,7 @@ pub fn simulate(request: &SimulateRequest, setting: &Host) -> Result<SimulatedEp
         entry,
         request,
         setting,
-        seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), &entry.id),
+        seeds: Seeds::new(request.seed.unwrap_or(study.about.seed), entry.seeded_as()),
         count: request.episodes.unwrap_or_else(|| entry.work.episodes()),
     };
     match request.form {

@@ -53,7 +53,7 @@ pub fn episode_inputs(study: &Study, entry: &Entry, rig: &dyn Rig, program: &str
     }
     inputs
         .add("seed", &study.about.seed.to_le_bytes())
-        .add("evidence", entry.id.as_bytes());
+        .add("evidence", entry.seeded_as().as_bytes());
     if entry.sampling.early_end {
         inputs.add_json("early_end", &true);
     }

@@ -146,7 +146,7 @@ impl Episodes<'_> {
             true => None,
             false => Some(rig.layout(&self.host.cancel)?),
         };
-        let seeds = Seeds::new(self.study.about.seed, &self.entry.id);
+        let seeds = Seeds::new(self.study.about.seed, self.entry.seeded_as());
         let rows: Vec<(Vec<Verdict>, Option<FailureKind>, String)> = numbers
             .into_par_iter()
             .map(|number| {

@@ -4,12 +4,18 @@
 //! `{stimulus}` becomes the path of a JSON file with what is to be done (crate `stimulus`),
 //! `{seed}` the episode's seed, a whole number below 2^64, and `{recording}` the path at which it
 //! has to leave a recording, in any format that is read here. It has to end with code 0 within a
-//! limit of real time. The recording is judged through the study's `topics.toml`.
+//! limit of real time. The recording is judged through the study's `topics.toml`. A persistent command
+//! gets the same by a line on its input (`persistent.rs`).
+//!
+//! What of the stimulus is a distribution is drawn here, from the random stream of its key under the
+//! episode's seed: as a scene draws, so that the same keys and seed are the same numbers in both.
 //!
 //! A command that fails or hangs is no error: it is what the episode shows, with what it left of a
 //! recording. The recording is moved to its place once the command has ended, so that nothing writes
 //! to what is there.
 
+use super::once;
+use super::persistent::{Episode, Pool, Program};
 use crate::asset;
 use diagnostic::{Problem, Source};
 use evidence::{Asset, AssetRole, Tool};
@@ -17,22 +23,14 @@ use host::Cancel;
 use host::files::write_whole;
 use host::store::Inputs;
 use judging::recording::ReadingRules;
-use std::fs::File;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
-use stimulus::{AbstractTest, Stimulus};
+use std::time::Duration;
+use stimulus::{AbstractTest, Settings, Stimulus, VariedStimulus};
 use study::{CommandText, Study};
-use testbench::{Failure, Part};
+use testbench::scene::drawn_number;
+use testbench::{Drawn, Failure, Part};
 use trace::Trace;
 
-/// How often a running command is looked at.
-const LOOK: Duration = Duration::from_millis(5);
-/// How long a command has to end by itself once it is asked to.
-const GRACE: Duration = Duration::from_secs(2);
-/// How many of the last lines that a failed command said are shown.
-const SHOWN_LINES: usize = 12;
 /// Where what is under way is kept; hidden, so that it is taken for no recording.
 const WORK: &str = ".work";
 
@@ -41,9 +39,11 @@ pub struct OutsideCommand {
     words: Vec<String>,
     /// The study's folder.
     folder: PathBuf,
-    stimulus: Stimulus,
+    stimulus: VariedStimulus,
     leaves: String,
     limit: Duration,
+    /// The processes of a persistent command.
+    pool: Option<Pool>,
     assets: Vec<Asset>,
     rules: ReadingRules,
     /// The topic map.
@@ -80,8 +80,11 @@ impl OutsideCommand {
                 (Some(path), None) => {
                     stimulus_of(path, &host::files::read_source(&study.folder.join(path))?)?
                 }
-                (None, _) => Stimulus::of(AbstractTest::new("as it is", Vec::new())),
+                (None, _) => {
+                    VariedStimulus::of(Stimulus::of(AbstractTest::new("as it is", Vec::new())))
+                }
             },
+            pool: text.persistent.then(Pool::default),
             leaves: text.leaves.clone(),
             limit: Duration::from_secs_f64(text.limit_secs),
             assets: assets.collect::<Result<_, _>>()?,
@@ -100,8 +103,12 @@ impl OutsideCommand {
             name: self.words.first().cloned().unwrap_or_default(),
             version: String::new(),
             settings: format!(
-                "`{}`, each episode a process; it is taken at its word that a seed fixes its run",
-                self.words.join(" ")
+                "`{}`, {}; it is taken at its word that a seed fixes its run",
+                self.words.join(" "),
+                match self.pool {
+                    None => "each episode a process",
+                    Some(_) => "many episodes a process",
+                }
             ),
         }
     }
@@ -111,9 +118,34 @@ impl OutsideCommand {
         &self.assets
     }
 
-    /// What is done in each episode.
+    /// What is done in each episode, with what all of them have set to the same value.
     pub fn stimulus(&self) -> &Stimulus {
-        &self.stimulus
+        &self.stimulus.fixed
+    }
+
+    /// All that its stimulus sets; of what is drawn the middle.
+    pub(super) fn settings(&self) -> Settings {
+        self.stimulus.at(&|_, from| from.quantile(0.5)).settings
+    }
+
+    /// What an episode's stimulus leaves to its seed; `None` if nothing of the ledger's stimulus is drawn.
+    pub(super) fn drawn(&self, own: &Settings, seed: u64) -> Option<Vec<Drawn>> {
+        let open = self.stimulus.varied.iter();
+        let open = open.filter(|(key, _)| !own.contains_key(*key));
+        let drawn = open.map(|(key, from)| Drawn {
+            key: key.clone(),
+            value: drawn_number(seed, key, from),
+            middle: from.quantile(0.5),
+        });
+        (!self.stimulus.varied.is_empty()).then(|| drawn.collect())
+    }
+
+    /// What an episode is given: its own stimulus, and where it says nothing what the ledger's sets and draws.
+    pub(super) fn given(&self, own: &Stimulus, seed: u64) -> Stimulus {
+        let mut given = self.stimulus.at(&|key, from| drawn_number(seed, key, from));
+        given.settings.extend(own.settings.clone());
+        given.test = own.test.clone();
+        given
     }
 
     /// What its episodes depend on, besides their seeds.
@@ -122,6 +154,9 @@ impl OutsideCommand {
             .add_json("command", &self.words)
             .add("leaves", self.leaves.as_bytes())
             .add("stimulus", self.stimulus.to_json().as_bytes());
+        if self.pool.is_some() {
+            inputs.add("persistent", b"true");
+        }
         for asset in &self.assets {
             inputs.add(&asset.path, asset.hash.as_bytes());
         }
@@ -144,8 +179,7 @@ impl OutsideCommand {
     pub fn prepare(&self, folder: &Path) -> Result<(), Problem> {
         self.tidy(folder);
         let work = work_in(folder);
-        std::fs::create_dir_all(&work).map_err(|error| Problem::cannot_write(&work, &error))?;
-        write_whole(&stimulus_in(folder)?, self.stimulus.to_json().as_bytes())
+        std::fs::create_dir_all(&work).map_err(|error| Problem::cannot_write(&work, &error))
     }
 
     /// Removes what is no longer needed.
@@ -170,26 +204,48 @@ impl OutsideCommand {
         Ok(recording)
     }
 
-    /// Runs the command once, in a room that was prepared; what went wrong, if it did not end well.
+    /// Runs an episode, in a room that was prepared: `own` is its stimulus where that is another than the ledger's. Gives what
+    /// went wrong, if it did not end well.
     pub fn run(
+        &self,
+        own: Option<&Stimulus>,
+        seed: u64,
+        recording: &Path,
+        interrupt: &Cancel,
+    ) -> Result<Option<Failure>, Problem> {
+        let given = self.given(own.unwrap_or(&self.stimulus.fixed), seed);
+        let stimulus = beside(recording, "stimulus.json");
+        write_whole(&stimulus, given.to_json().as_bytes())?;
+        let failed = match &self.pool {
+            None => self.run_once(&stimulus, seed, recording, interrupt),
+            Some(pool) => self.run_in(pool, &stimulus, seed, recording, interrupt),
+        };
+        Self::remove(&stimulus);
+        Ok(failed?.map(|(is_hung, reason)| Failure {
+            part: Part::Simulator,
+            is_hung,
+            words: format!("`{}`: {reason}", self.words.join(" ")),
+            in_setup: false,
+        }))
+    }
+
+    /// In a process of its own: whether it hung, and what went wrong.
+    fn run_once(
         &self,
         stimulus: &Path,
         seed: u64,
         recording: &Path,
         interrupt: &Cancel,
-    ) -> Result<Option<Failure>, Problem> {
-        let mut said = recording.as_os_str().to_owned();
-        said.push(".said");
-        let said = PathBuf::from(said);
+    ) -> Result<Option<(bool, String)>, Problem> {
+        let said = beside(recording, "said");
         let words = self.words.iter().map(|word| {
             word.replace("{stimulus}", &stimulus.to_string_lossy())
                 .replace("{seed}", &seed.to_string())
                 .replace("{recording}", &recording.to_string_lossy())
         });
         let words: Vec<String> = words.collect();
-        let child = self.start(&words, &said)?;
-        let ended = Running(child).wait(self.limit, interrupt)?;
-        let (is_hung, reason) = match ended {
+        let running = once::start(&words, &self.folder, &said)?;
+        let (is_hung, reason) = match running.wait(self.limit, interrupt)? {
             None => (
                 true,
                 format!("it did not end within {} s", self.limit.as_secs_f64()),
@@ -197,42 +253,44 @@ impl OutsideCommand {
             Some(status) if !status.success() => (false, format!("it ended with {status}")),
             Some(_) if !recording.exists() => (
                 false,
-                "it ended well but left no recording at `{recording}`".to_owned(),
+                format!("it ended well but {}", no_recording(recording)),
             ),
             Some(_) => {
                 Self::remove(&said);
                 return Ok(None);
             }
         };
-        let words = format!("`{}`: {reason}{}", self.words.join(" "), last_words(&said));
+        let reason = format!("{reason}{}", once::last_words(&said));
         Self::remove(&said);
-        Ok(Some(Failure {
-            part: Part::Simulator,
-            is_hung,
-            words,
-            in_setup: false,
-        }))
+        Ok(Some((is_hung, reason)))
     }
 
-    fn start(&self, words: &[String], said: &Path) -> Result<Child, Problem> {
-        let unwritable = |error: std::io::Error| Problem::cannot_write(said, &error);
-        let output = File::create(said).map_err(unwritable)?;
-        let errors = output.try_clone().map_err(unwritable)?;
-        let mut command = Command::new(&words[0]);
-        command
-            .args(&words[1..])
-            .current_dir(&self.folder)
-            .stdin(Stdio::null())
-            .stdout(output)
-            .stderr(errors)
-            // Ctrl-C is for us; we end what we have started.
-            .process_group(0);
-        command.spawn().map_err(|error| {
-            Problem::new(
-                "episode-failed",
-                format!("`{}` cannot be started: {error}", words[0]),
-            )
-            .remedy("check `command` in the ledger; it runs in the study's folder")
+    /// In a process that has others, too.
+    fn run_in(
+        &self,
+        pool: &Pool,
+        stimulus: &Path,
+        seed: u64,
+        recording: &Path,
+        interrupt: &Cancel,
+    ) -> Result<Option<(bool, String)>, Problem> {
+        let program = Program {
+            words: &self.words,
+            folder: &self.folder,
+            limit: self.limit,
+        };
+        let episode = Episode {
+            stimulus,
+            seed,
+            recording,
+        };
+        Ok(match pool.run(&program, &episode, interrupt)? {
+            Some(failed) => Some((failed.is_hung, failed.reason)),
+            None if !recording.exists() => Some((
+                false,
+                format!("it said `recorded` but {}", no_recording(recording)),
+            )),
+            None => None,
         })
     }
 
@@ -247,16 +305,16 @@ impl OutsideCommand {
     }
 }
 
-/// What a command said last.
-fn last_words(said: &Path) -> String {
-    let text = std::fs::read(said).unwrap_or_default();
-    let text = String::from_utf8_lossy(&text);
-    let lines: Vec<&str> = text.lines().collect();
-    let last = &lines[lines.len().saturating_sub(SHOWN_LINES)..];
-    match last.is_empty() {
-        true => "; it said nothing".to_owned(),
-        false => format!("; it said last\n    {}", last.join("\n    ")),
-    }
+/// A file of an episode, by its recording.
+fn beside(recording: &Path, what: &str) -> PathBuf {
+    let mut name = recording.as_os_str().to_owned();
+    name.push(".");
+    name.push(what);
+    PathBuf::from(name)
+}
+
+fn no_recording(recording: &Path) -> String {
+    format!("left no recording at `{}`", recording.display())
 }
 
 /// Where this process works. What an earlier one may still be writing does not get in its way.
@@ -264,65 +322,10 @@ fn work_in(folder: &Path) -> PathBuf {
     folder.join(WORK).join(std::process::id().to_string())
 }
 
-/// The stimulus of a campaign, for its command, which runs in another folder.
-pub fn stimulus_in(folder: &Path) -> Result<PathBuf, Problem> {
-    let folder =
-        std::fs::canonicalize(folder).map_err(|error| Problem::cannot_read(folder, &error))?;
-    Ok(work_in(&folder).join("stimulus.json"))
-}
-
-fn stimulus_of(path: &Path, source: &Source) -> Result<Stimulus, Problem> {
-    Stimulus::read(path, &source.text).map_err(|error| {
-        Problem::new("bad-stimulus", format!("{}: {error}", source.name))
-            .remedy("a stimulus has a `test` with `name` and `actions`, and `settings`")
+fn stimulus_of(path: &Path, source: &Source) -> Result<VariedStimulus, Problem> {
+    VariedStimulus::read(path, &source.text).map_err(|error| {
+        Problem::new("bad-stimulus", format!("{}: {error}", source.name)).remedy(
+            "a stimulus has a `test` with `name` and `actions`, and `settings`: values, or numbers that vary such as `{ uniform = [0.2, 0.4] }`",
+        )
     })
-}
-
-/// A process that is ended, with those that it started, if it is no longer waited for.
-struct Running(Child);
-
-impl Running {
-    /// How it ended; `None` if it did not within `limit`.
-    fn wait(mut self, limit: Duration, interrupt: &Cancel) -> Result<Option<ExitStatus>, Problem> {
-        let began = Instant::now();
-        loop {
-            match self.0.try_wait() {
-                Ok(Some(status)) => return Ok(Some(status)),
-                Ok(None) => {}
-                Err(error) => return Err(Problem::new("episode-failed", error.to_string())),
-            }
-            if interrupt.is_cancelled() {
-                return Err(Problem::interrupted());
-            }
-            if began.elapsed() >= limit {
-                return Ok(None);
-            }
-            std::thread::sleep(LOOK);
-        }
-    }
-
-    fn signal(&self, signal: rustix::process::Signal) {
-        let id = i32::try_from(self.0.id()).ok();
-        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
-            let _ = rustix::process::kill_process_group(group, signal);
-        }
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        if matches!(self.0.try_wait(), Ok(Some(_))) {
-            return;
-        }
-        self.signal(rustix::process::Signal::TERM);
-        let asked = Instant::now();
-        while asked.elapsed() < GRACE {
-            if matches!(self.0.try_wait(), Ok(Some(_))) {
-                break;
-            }
-            std::thread::sleep(LOOK);
-        }
-        self.signal(rustix::process::Signal::KILL);
-        let _ = self.0.wait();
-    }
 }

@@ -99,6 +99,13 @@ pub(super) struct EntryText {
     /// After how many seconds of wall-clock time a command is ended and counted as hanging.
     #[schemars(with = "Option<f64>")]
     pub(super) limit_secs: Option<Spanned<f64>>,
+    /// Whether the command is started once for many episodes, each of which it is asked for by a line on its input
+    /// (`corroborate explain command`). Default: `false`, a process for each episode.
+    #[schemars(with = "Option<bool>")]
+    pub(super) persistent: Option<Spanned<bool>>,
+    /// Another entry whose seeds its episodes have, in place of its own: then episode 7 of both draws from the same seed.
+    #[schemars(with = "Option<String>")]
+    pub(super) seeds: Option<Spanned<String>>,
     /// Ends a campaign as soon as a requirement is decided or a number is known well enough.
     #[schemars(with = "Option<UntilText>")]
     pub(super) until: Option<Spanned<UntilText>>,
@@ -241,7 +248,7 @@ pub(super) struct Reader<'a> {
     source: &'a Source,
     about: &'a About,
     forms: &'a Forms,
-    all: BTreeSet<String>,
+    pub(super) all: BTreeSet<String>,
 }
 
 impl Reader<'_> {
@@ -359,7 +366,7 @@ impl Reader<'_> {
         Ok(independent)
     }
 
-    fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
+    pub(super) fn unknown_evidence(&self, id: &Spanned<String>) -> Problem {
         self.problem(
             "unknown-evidence",
             format!("the ledger has no evidence `{}` there", id.get_ref()),

@@ -21,6 +21,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
                 "scenario",
                 "parameters",
                 "episodes",
+                "seeds",
                 "until",
                 "keep",
                 "early_end",
@@ -33,6 +34,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
                 "scene",
                 "test",
                 "episodes",
+                "seeds",
                 "until",
                 "keep",
                 "early_end",
@@ -47,7 +49,9 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
                 "stimulus",
                 "leaves",
                 "limit_secs",
+                "persistent",
                 "episodes",
+                "seeds",
                 "until",
                 "keep",
                 // Refused with a reason of its own.
@@ -62,7 +66,7 @@ fn keys_of(work: &Work) -> (&'static str, &'static [&'static str]) {
 }
 
 /// The keys of an entry that say how its work is done, with the place of each that is given.
-fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 24] {
+fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 26] {
     fn at<T>(value: &Option<Spanned<T>>) -> Option<Range<usize>> {
         value.as_ref().map(Spanned::span)
     }
@@ -84,6 +88,8 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 24] {
         stimulus,
         leaves,
         limit_secs,
+        persistent,
+        seeds,
         until,
         keep,
         early_end,
@@ -121,6 +127,8 @@ fn keys(text: &EntryText) -> [(&'static str, Option<Range<usize>>); 24] {
         ("stimulus", at(stimulus)),
         ("leaves", at(leaves)),
         ("limit_secs", at(limit_secs)),
+        ("persistent", at(persistent)),
+        ("seeds", at(seeds)),
         ("until", at(until)),
         ("keep", at(keep)),
         ("early_end", at(early_end)),
@@ -278,7 +286,19 @@ impl Reader<'_> {
         };
         let names = |place: &str| words.iter().any(|word| word.contains(place));
         let is_usable = words.first().is_some_and(|word| !word.is_empty());
-        if !is_usable || !names("{recording}") || !names("{seed}") {
+        let persistent = text.persistent.as_ref().is_some_and(|it| *it.get_ref());
+        if persistent {
+            let in_vain = ["{stimulus}", "{seed}", "{recording}"].into_iter();
+            if let Some(place) = in_vain.into_iter().find(|place| names(place)) {
+                return Err(self.problem(
+                    "bad-command",
+                    format!("a persistent command is not told `{place}` when it is started"),
+                    span,
+                    "leave it out: the command is asked for each episode by a line on its input (`corroborate explain command`)",
+                ));
+            }
+        }
+        if !is_usable || !persistent && (!names("{recording}") || !names("{seed}")) {
             return Err(self.problem(
                 "bad-command",
                 "the command has to be told where to leave its recording, and its seed".into(),
@@ -297,6 +317,7 @@ impl Reader<'_> {
                 .transpose()?,
             leaves: self.leaves(text)?,
             limit_secs: self.limit_secs(text)?,
+            persistent,
         };
         Ok(Work::Command {
             technique,
@@ -339,6 +360,26 @@ impl Reader<'_> {
         }
     }
 
+    /// Another entry of the ledger.
+    fn seeds(&self, text: &EntryText) -> Result<Option<String>, Problem> {
+        let Some(of) = &text.seeds else {
+            return Ok(None);
+        };
+        let own = text.id.get_ref();
+        if of.get_ref() == own || !self.all.contains(of.get_ref()) {
+            return Err(self.problem(
+                "unknown-evidence",
+                format!(
+                    "`seeds` names `{}`, which is no other entry of the ledger",
+                    of.get_ref()
+                ),
+                of.span(),
+                "name the entry whose episodes it is to repeat, or leave `seeds` out",
+            ));
+        }
+        Ok(Some(of.get_ref().clone()))
+    }
+
     /// How episodes are run; only what has episodes may say so.
     pub(super) fn sampling(&self, text: &EntryText) -> Result<Sampling, Problem> {
         let spans = [
@@ -346,13 +387,14 @@ impl Reader<'_> {
             text.keep.as_ref().map(Spanned::span),
             text.early_end.as_ref().map(Spanned::span),
             text.on_failure.as_ref().map(Spanned::span),
+            text.seeds.as_ref().map(Spanned::span),
         ];
         if let (None, Some(span)) = (&text.episodes, spans.into_iter().flatten().next()) {
             return Err(self.problem(
                 "bad-ledger",
                 format!("`{}` runs no episodes", text.id.get_ref()),
                 span,
-                "`until`, `keep`, `early_end` and `on_failure` belong to entries with `episodes`",
+                "`until`, `keep`, `early_end`, `on_failure` and `seeds` belong to entries with `episodes`",
             ));
         }
         if let (Some(_), Some(early)) = (&text.command, &text.early_end) {
@@ -364,6 +406,7 @@ impl Reader<'_> {
             ));
         }
         Ok(Sampling {
+            seeds: self.seeds(text)?,
             until: text.until.as_ref().map(|it| it.get_ref().clone()),
             keep: text
                 .keep

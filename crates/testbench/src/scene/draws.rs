@@ -13,13 +13,20 @@ pub(super) struct Draws {
     pub(super) seed: u64,
 }
 
+/// The number that an episode draws for a key from a distribution: the same seed and key, the same number, whatever else is
+/// drawn. Scenes draw so, and whoever wants the same numbers elsewhere.
+#[must_use]
+pub fn drawn_number(seed: u64, key: &str, distribution: &Distribution) -> f64 {
+    match distribution {
+        Distribution::Constant(value) => *value,
+        _ => distribution.quantile(Stream::named(seed, key).unit()),
+    }
+}
+
 impl Draws {
     /// The number of a key.
     pub(super) fn number(self, key: &str, distribution: &Distribution) -> f64 {
-        match distribution {
-            Distribution::Constant(value) => *value,
-            _ => distribution.quantile(Stream::named(self.seed, key).unit()),
-        }
+        drawn_number(self.seed, key, distribution)
     }
 
     /// The number of a field of something in a list.

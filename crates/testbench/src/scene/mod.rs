@@ -116,6 +116,7 @@ pub use data::{
     PersonBody, PlaceKeys, RapierKeys, Reaction, ReactionKind, Region, Robot, SceneData, Sensor,
     SensorKind, Simulation, ToolPoint, TruthKeys, Waypoint,
 };
+pub use draws::drawn_number;
 pub use gaps::{SceneGap, description_gaps};
 pub use saving::{RunningScene, SavedScene};
 pub use truth::{TruthPattern, TruthTopic, TruthVocabulary, UnknownTruth};

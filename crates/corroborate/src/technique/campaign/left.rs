@@ -8,7 +8,7 @@ use crate::technique::operation::only_violations;
 use diagnostic::Problem;
 use judging::Judges;
 use judging::recording::JudgedRecording;
-use rig::{OutsideCommand, stimulus_in};
+use rig::OutsideCommand;
 use std::path::{Path, PathBuf};
 use study::OnFailure;
 
@@ -88,10 +88,9 @@ impl LeftEpisodes<'_> {
         number: u64,
     ) -> Result<(PathBuf, Option<EpisodeFailure>), Problem> {
         let (plan, command) = (bench.plan, self.command);
-        let stimulus = stimulus_in(plan.folder)?;
         let run = |number: u64, name: &str| {
             let place = command.room_for(plan.folder, name)?;
-            let failure = command.run(&stimulus, plan.seeds.of(number), &place, plan.interrupt)?;
+            let failure = command.run(None, plan.seeds.of(number), &place, plan.interrupt)?;
             let failure = failure.as_ref().map(EpisodeFailure::of);
             Ok::<_, Problem>((place, failure))
         };

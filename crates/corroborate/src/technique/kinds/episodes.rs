@@ -146,7 +146,7 @@ impl Prepared for Ready<'_> {
             study,
             id: &entry.id,
             rig,
-            seeds: Seeds::new(study.about.seed, &entry.id),
+            seeds: Seeds::new(study.about.seed, entry.seeded_as()),
             numbers: 1..self.count + 1,
             keep: entry.sampling.keep,
             early_end: entry.sampling.early_end,

@@ -167,7 +167,7 @@ impl Diagnosing<'_> {
         run: &(dyn Fn(usize, u64) -> Result<Recorded, SimError> + Sync),
     ) -> Result<Vec<Pair>, Problem> {
         let judges = Judges::new(self.study, |_| true)?;
-        let seeds = Seeds::new(self.study.about.seed, &entry.id);
+        let seeds = Seeds::new(self.study.about.seed, entry.seeded_as());
         let title = format!("{}: {title}", entry.id);
         let stage = self.setting.events.begin(&title, episodes);
         let numbers = (1..=episodes).into_par_iter();

@@ -1,0 +1,109 @@
+//! A process for each episode.
+
+use diagnostic::Problem;
+use host::Cancel;
+use std::fs::File;
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// How often a running command is looked at.
+pub(super) const LOOK: Duration = Duration::from_millis(5);
+/// How long a command has to end by itself once it is asked to.
+const GRACE: Duration = Duration::from_secs(2);
+/// How many of the last lines that a failed command said are shown.
+const SHOWN_LINES: usize = 12;
+
+/// Starts a command in `folder`; what it prints goes to the file `said`.
+pub(super) fn start(words: &[String], folder: &Path, said: &Path) -> Result<Running, Problem> {
+    let unwritable = |error: std::io::Error| Problem::cannot_write(said, &error);
+    let output = File::create(said).map_err(unwritable)?;
+    let errors = output.try_clone().map_err(unwritable)?;
+    let mut command = Command::new(&words[0]);
+    command
+        .args(&words[1..])
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(output)
+        .stderr(errors)
+        // Ctrl-C is for us; we end what we have started.
+        .process_group(0);
+    let started = command.spawn();
+    let child = started.map_err(|error| cannot_start(&words[0], &error.to_string()))?;
+    Ok(Running(child))
+}
+
+/// The command is no program that can be started.
+pub(super) fn cannot_start(program: &str, error: &str) -> Problem {
+    Problem::new(
+        "episode-failed",
+        format!("`{program}` cannot be started: {error}"),
+    )
+    .remedy("check `command` in the ledger; it runs in the study's folder")
+}
+
+/// What a command said last.
+pub(super) fn last_words(said: &Path) -> String {
+    let text = std::fs::read(said).unwrap_or_default();
+    let text = String::from_utf8_lossy(&text);
+    let lines: Vec<&str> = text.lines().collect();
+    let last = &lines[lines.len().saturating_sub(SHOWN_LINES)..];
+    match last.is_empty() {
+        true => "; it said nothing".to_owned(),
+        false => format!("; it said last\n    {}", last.join("\n    ")),
+    }
+}
+
+/// A process that is ended, with those that it started, if it is no longer waited for.
+pub(super) struct Running(Child);
+
+impl Running {
+    /// How it ended; `None` if it did not within `limit`.
+    pub(super) fn wait(
+        mut self,
+        limit: Duration,
+        interrupt: &Cancel,
+    ) -> Result<Option<ExitStatus>, Problem> {
+        let began = Instant::now();
+        loop {
+            match self.0.try_wait() {
+                Ok(Some(status)) => return Ok(Some(status)),
+                Ok(None) => {}
+                Err(error) => return Err(Problem::new("episode-failed", error.to_string())),
+            }
+            if interrupt.is_cancelled() {
+                return Err(Problem::interrupted());
+            }
+            if began.elapsed() >= limit {
+                return Ok(None);
+            }
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    fn signal(&self, signal: rustix::process::Signal) {
+        let id = i32::try_from(self.0.id()).ok();
+        if let Some(group) = id.and_then(rustix::process::Pid::from_raw) {
+            let _ = rustix::process::kill_process_group(group, signal);
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if matches!(self.0.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        self.signal(rustix::process::Signal::TERM);
+        let asked = Instant::now();
+        while asked.elapsed() < GRACE {
+            if matches!(self.0.try_wait(), Ok(Some(_))) {
+                break;
+            }
+            std::thread::sleep(LOOK);
+        }
+        self.signal(rustix::process::Signal::KILL);
+        let _ = self.0.wait();
+    }
+}

@@ -1,0 +1,17 @@
+import sys
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests")]
+
+from physics_case import PhysicsCase  # noqa: E402
+from mujoco_world import World  # noqa: E402
+
+
+class TestMujoco(PhysicsCase, unittest.TestCase):
+    World = World
+
+
+if __name__ == "__main__":
+    unittest.main()
