@@ -121,7 +121,7 @@ pub enum Command {
     Assure(Assure),
     /// Check that every figure of a result follows from its evidence.
     Verify(Verify),
-    /// Make a new study from a template.
+    /// Make a new study: from a template, a robot's description or a recording.
     Init(Init),
     /// Show the keys of a study's files, or their JSON Schemas for an editor.
     Schema(SchemaOfFile),
@@ -250,11 +250,29 @@ pub struct Report {
 /// Arguments of `init`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Example:
-  corroborate init my-study && corroborate run my-study")]
+Templates, each of which runs at once:
+  docking      a formal model and a table of trials; the one without --template
+  cobot        a small arm works beside a person who reaches into its cell; simulated
+  mobile       a mobile robot drives to its goal past shelves and a person; simulated
+  gripper      a gripper lifts a part and places it in a tray; simulated
+  command      an outside simulator of a few lines, against a formal model and trials
+  formal       a formal model, requirements in sentences, a table of trials
+  recordings   recordings in CSV judged by monitors, and a table of trials
+  policy       a learned policy evaluated from many seeds, with a success rate
+Examples:
+  corroborate init my-study && corroborate run my-study
+  corroborate init my-cell --template cobot
+  corroborate init my-robot --from robot.urdf
+  corroborate init my-runs --from run.mcap")]
 pub struct Init {
     /// The folder to make.
     pub folder: PathBuf,
+    /// Which template it is made of; the list is below.
+    #[arg(long, value_name = "NAME", conflicts_with = "from")]
+    pub template: Option<String>,
+    /// Draft it from a robot's description (URDF, SDF, MJCF) or a recording (MCAP, a bag, CSV, JSON lines, ...) instead.
+    #[arg(long, value_name = "FILE")]
+    pub from: Option<PathBuf>,
 }
 
 /// Arguments of `explain`.

@@ -14,6 +14,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 pub use description::{DescriptionReport, collision_shapes};
+pub(crate) use description::{is_description, load};
 pub use study::{Quantity, Signal, SimulationSignals, StudySignals, Truth, TruthTopic};
 
 /// What is looked into, and how.

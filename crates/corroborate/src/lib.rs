@@ -2,7 +2,7 @@
 //!
 //! | to | there is |
 //! |---|---|
-//! | make a study that runs as it is | [`new_study()`] |
+//! | make a study that runs as it is | [`new_study()`]; from a template, a robot's description or a recording: [`init()`] |
 //! | open one and look into it, every mistake placed | [`Study::load`] |
 //! | check all of it, and see what is stale and why | [`plan()`] |
 //! | produce what is stale, compare, conclude; resume | [`run()`] |
@@ -35,6 +35,7 @@ mod compare;
 pub mod corroboration;
 pub mod engines;
 pub mod explore;
+pub mod init;
 pub mod inspect;
 pub mod kept;
 mod memory;
@@ -52,7 +53,6 @@ pub mod schemas;
 pub mod shrink;
 pub mod simulate;
 pub mod technique;
-mod template;
 mod test_bench;
 mod verify;
 pub mod watch;
@@ -72,6 +72,7 @@ pub use calibrate::{CalibrateRequest, calibrate};
 pub use compare::{CompareReport, CompareRequest, compare};
 pub use engines::{EnginesReport, EnginesRequest, engines};
 pub use explore::{ExploreRequest, explore};
+pub use init::{InitReport, InitRequest, InitSource, Template, init, new_study};
 pub use inspect::{InspectRequest, inspect};
 pub use plan::{Freshness, PlannedEvidence, RunPlan, plan};
 pub use rare::{RareReport, RareRequest, rare};
@@ -80,7 +81,6 @@ pub use replay::{ReplayReport, ReplayRequest, replay};
 pub use run::{EvidenceReport, RunReport, RunRequest, run, run_with_page};
 pub use shrink::{ShrinkReport, ShrinkRequest, shrink};
 pub use technique::Techniques;
-pub use template::new_study;
 pub use verify::{Audit, Checked, Drawing, Fault, NamedTexts, VerifyReport, VerifyRequest, verify};
 pub use what_if::{WhatIfRequest, what_if};
 

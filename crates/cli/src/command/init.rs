@@ -1,31 +1,74 @@
-//! `corroborate init`: a new study from a template that runs as it is.
+//! `corroborate init`: a new study, from a template or drafted from a robot's description or a recording.
 
 use super::{Done, json, schema};
 use crate::args::Init;
+use corroborate::init::{InitReport, InitRequest, InitSource, NewFile, Template};
 use corroborate::outcome::Outcome;
 use diagnostic::Problem;
-use host::files::write_whole;
+use std::fmt::Write as _;
+use std::path::Path;
 
 /// Makes the folder and its files, with the schemas of all files that a study may have.
 pub fn init(arguments: &Init) -> Result<Done, Problem> {
     let folder = &arguments.folder;
-    corroborate::new_study(folder)?;
-    // The first line of each file names its schema; editors that know TOML complete and check by it.
-    for file in schema::files() {
-        let path = folder.join(".schemas").join(schema::schema_name(file.name));
-        write_whole(&path, json(&file.schema)?.as_bytes())?;
-    }
-    let shown = folder.display();
+    let template = arguments.template.as_deref().map(Template::named);
+    let template = template.transpose()?.unwrap_or_default();
+    let report = corroborate::init(&InitRequest {
+        folder: folder.clone(),
+        source: match &arguments.from {
+            Some(file) => InitSource::File(file.clone()),
+            None => InitSource::Template(template),
+        },
+        extra: schemas()?,
+    })?;
     Ok(Done {
-        output: format!(
-            "A study is in {shown}:\n\
-             \x20 study.toml         what it is about\n\
-             \x20 requirements.toml  what is required\n\
-             \x20 vocabulary.toml    what its words mean to each technique\n\
-             \x20 ledger.toml        which evidence is to be produced\n\
-             \x20 .schemas           the keys of each file, for editors (`corroborate schema FILE` shows them)\n\
-             Next: corroborate run {shown}\n"
-        ),
+        output: text(folder, &report),
         outcome: Outcome::Holds,
     })
+}
+
+/// The first line of each file names its schema; editors that know TOML complete and check by it.
+fn schemas() -> Result<Vec<NewFile>, Problem> {
+    let files = schema::files().into_iter();
+    files
+        .map(|file| {
+            let path = Path::new(".schemas").join(schema::schema_name(file.name));
+            json(&file.schema).map(|text| NewFile::text(path, text))
+        })
+        .collect()
+}
+
+/// What is worth a line of its own, and what it says.
+const SHOWN: [(&str, &str); 6] = [
+    (
+        "README.md",
+        "what there is, what the first run shows, what to change first",
+    ),
+    ("study.toml", "what it is about"),
+    ("requirements.toml", "what is required"),
+    ("vocabulary.toml", "what its words mean to each technique"),
+    ("ledger.toml", "which evidence is to be produced"),
+    ("simulation/scene.toml", "what is simulated"),
+];
+
+fn text(folder: &Path, report: &InitReport) -> String {
+    let shown = folder.display();
+    let mut output = format!("A study is in {shown}: {}\n", report.is);
+    let mut line = |name: &str, says: &str| {
+        let _ = writeln!(output, "  {name:21}  {says}");
+    };
+    for (name, says) in SHOWN {
+        if report.files.iter().any(|file| file == Path::new(name)) {
+            line(name, says);
+        }
+    }
+    line(
+        ".schemas",
+        "the keys of each file, for editors (`corroborate schema FILE` shows them)",
+    );
+    for note in &report.notes {
+        let _ = writeln!(output, "{note}");
+    }
+    let _ = writeln!(output, "Next: corroborate run {shown}");
+    output
 }

@@ -23,6 +23,7 @@ mod explore_corridor;
 mod failing_programs;
 mod fault_trees;
 mod fuzz_inputs;
+mod init;
 mod lacking_signals;
 mod language;
 mod licences;

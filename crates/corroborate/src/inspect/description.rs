@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use testbench::scene::{SceneGap, description_gaps};
 
 /// Whether a file is a description, by the ending of its name.
-pub(super) fn is_description(path: &Path) -> bool {
+pub(crate) fn is_description(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     matches!(ending, Some("urdf" | "sdf" | "world" | "xml"))
 }
@@ -134,7 +134,7 @@ impl DescriptionReport {
 }
 
 /// Reads a description with what it names in packages of these folders and of those around it.
-pub(super) fn load(path: &Path, packages: &[PathBuf]) -> Result<Loaded, Problem> {
+pub(crate) fn load(path: &Path, packages: &[PathBuf]) -> Result<Loaded, Problem> {
     let source = host::files::read_source(path)?;
     let name = path.display().to_string();
     let mut resolve = |address: &str| resolved(path, packages, address);

@@ -1,0 +1,1 @@
+../../../../../clients/python/corroborate_controller/__init__.py

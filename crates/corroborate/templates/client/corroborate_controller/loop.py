@@ -1,0 +1,1 @@
+../../../../../clients/python/corroborate_controller/loop.py
