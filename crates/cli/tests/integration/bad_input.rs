@@ -121,7 +121,7 @@ fn a_missing_column() {
             s.edit("attempts.csv", "successes", "good");
         },
         "bad-table",
-        "study/attempts.csv",
+        "study/vocabulary.toml:",
     );
 }
 
@@ -133,7 +133,7 @@ fn counts_that_are_none() {
                 s.edit("attempts.csv", "\n1,4,", &format!("\n1,{count},"));
             },
             "bad-table",
-            "study/attempts.csv, line 2",
+            "study/attempts.csv:2:1",
         );
     }
     refuses(
@@ -141,14 +141,14 @@ fn counts_that_are_none() {
             s.edit("attempts.csv", "\n1,4,", "\n1,9,");
         },
         "bad-counts",
-        "study/attempts.csv, line 2",
+        "study/attempts.csv:2:1",
     );
     refuses(
         |s| {
             s.edit("failure_modes.csv", ",4,100", ",400,100");
         },
         "bad-counts",
-        "study/failure_modes.csv, line 2",
+        "study/failure_modes.csv:2:1",
     );
 }
 
@@ -159,7 +159,7 @@ fn a_row_with_too_few_cells() {
             s.edit("attempts.csv", "1,4,5,M\n", "1,4,5\n");
         },
         "bad-table",
-        "study/attempts.csv, line 2",
+        "study/attempts.csv:2:1",
     );
 }
 
@@ -175,14 +175,14 @@ fn a_row_that_stands_twice() {
             );
         },
         "duplicate-row",
-        "study/failure_modes.csv, line 3",
+        "study/failure_modes.csv:3:1",
     );
     refuses(
         |s| {
             s.edit("attempts.csv", "\n2,5,5,", "\n1,5,5,");
         },
         "duplicate-row",
-        "study/attempts.csv, line 3",
+        "study/attempts.csv:3:1",
     );
 }
 
@@ -194,7 +194,7 @@ fn a_code_that_nothing_counts() {
             s.edit("attempts.csv", "\n2,5,5,", "\n2,5,5,Q");
         },
         "unknown-code",
-        "study/attempts.csv, line 3, column \"failure_modes\"",
+        "study/attempts.csv:3:1",
     );
 }
 

@@ -92,9 +92,11 @@ impl<'a> Ready<'a> {
             .add("program", self.program().as_bytes())
             .add("evidence", entry.id.as_bytes())
             .add_json("confidence", &self.study.about.confidence)
-            .add("seed", &self.study.about.seed.to_le_bytes())
             // Whatever a technique says or forgets to say of its own keys.
             .add_json("work", &entry.work);
+        if entry.work.draws_at_random() {
+            inputs.add("seed", &self.study.about.seed.to_le_bytes());
+        }
         prepared.files.inputs(&mut inputs);
         prepared.work.settings(counted, &mut inputs)?;
         if entry.work.told().is_some() {

@@ -310,6 +310,19 @@ impl Work {
         self.parts().told
     }
 
+    /// Whether what it finds depends on the study's seed.
+    pub fn draws_at_random(&self) -> bool {
+        match self {
+            Self::Read { .. } | Self::Judge { .. } => false,
+            Self::Check { .. }
+            | Self::FaultTree { .. }
+            | Self::Simulate { .. }
+            | Self::SimulateScene { .. }
+            | Self::Command { .. }
+            | Self::Other { .. } => true,
+        }
+    }
+
     /// Whether counts are read instead of produced.
     pub fn is_read(&self) -> bool {
         self.tables().is_some()
