@@ -149,8 +149,10 @@ class World:
             of = {self.plant.GetBodyFromFrameId(frame).model_instance() for frame in frames}
             if of == pair:
                 mesh = surface.tri_mesh_W() if surface.is_triangle() else surface.poly_mesh_W()
-                # Where boxes touch, the area is flat.
-                total += abs(float(contact.F_Ac_W().translational() @ mesh.face_normal(0)))
+                # At the edges of boxes the area is bent; as a whole it faces this way.
+                facing = sum(mesh.area(face) * mesh.face_normal(face) for face in range(mesh.num_elements()))
+                facing /= numpy.linalg.norm(facing)
+                total += abs(float(contact.F_Ac_W().translational() @ facing))
         return total
 
     def close(self) -> None:
