@@ -136,7 +136,11 @@ fn refused(place: &Path, arguments: &[&str], code: &str) -> String {
 #[test]
 fn what_cannot_be_made_leaves_nothing() {
     let place = place();
-    let said = refused(place.path(), &["--template", "mobil"], "unknown-study-template");
+    let said = refused(
+        place.path(),
+        &["--template", "mobil"],
+        "unknown-study-template",
+    );
     assert!(said.contains("did you mean `mobile`?"), "{said}");
     refused(place.path(), &["--from", "nowhere.urdf"], "cannot-read");
     refused(place.path(), &["--from", "nowhere.mcap"], "bad-recording");

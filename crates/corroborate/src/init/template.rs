@@ -59,8 +59,10 @@ impl Template {
         let found = Self::ALL.into_iter().find(|known| known.name() == name);
         found.ok_or_else(|| {
             let names = Self::ALL.map(Self::name);
-            let problem =
-                Problem::new("unknown-study-template", format!("there is no template `{name}`"));
+            let problem = Problem::new(
+                "unknown-study-template",
+                format!("there is no template `{name}`"),
+            );
             match did_you_mean(name, names) {
                 Some(meant) => problem.remedy(format!("did you mean `{meant}`?")),
                 None => problem.remedy(format!("there are {}", names.join(", "))),
