@@ -109,7 +109,7 @@ fn a_formatted_model_is_the_same_model() {
     for model in [
         "case-studies/corridor/models/corridor.prism",
         "case-studies/handover/models/handover_v5.prism",
-        "crates/corroborate/src/template/model.prism",
+        "crates/corroborate/templates/docking/model.prism",
     ] {
         let text = read(&root().join(model));
         std::fs::write(folder.path().join("m.prism"), &text).expect("written");

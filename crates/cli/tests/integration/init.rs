@@ -136,7 +136,11 @@ fn refused(place: &Path, arguments: &[&str], code: &str) -> String {
 #[test]
 fn what_cannot_be_made_leaves_nothing() {
     let place = place();
-    let said = refused(place.path(), &["--template", "mobil"], "unknown-template");
+    let said = refused(
+        place.path(),
+        &["--template", "mobil"],
+        "unknown-study-template",
+    );
     assert!(said.contains("did you mean `mobile`?"), "{said}");
     refused(place.path(), &["--from", "nowhere.urdf"], "cannot-read");
     refused(place.path(), &["--from", "nowhere.mcap"], "bad-recording");
@@ -226,7 +230,7 @@ fn a_robot_is_drafted_with_its_limits_and_runs() {
         assert!(scene.contains(line), "{line}: {scene}");
     }
     let parameters = read(&place.path().join("study/parameters.toml"));
-    // 2.0 rad/s at 0.4 m twice (about z and y through the shoulder); the elbow is the end's own origin.
+    // 2.0 rad/s at 0.4 m from the vertical axis, and 2.0 rad/s at 0.4 m from the shoulder's; the elbow's is at the end itself.
     assert!(parameters.contains("value = \"1.6 m/s\""), "{parameters}");
     let run = installed(&library, place.path(), &["run", "study"]);
     assert_eq!(run.code, 3, "{run:?}");

@@ -4,6 +4,9 @@ use diagnostic::Problem;
 use host::files::write_whole;
 use std::path::{Path, PathBuf};
 
+/// What to do about a file that cannot be written.
+const REMEDY: &str = "name a folder that can be written, on a disk with space";
+
 /// What a new file holds.
 #[derive(Clone, Debug)]
 pub enum Content {
@@ -60,7 +63,7 @@ pub(super) fn write(folder: &Path, files: &[NewFile]) -> Result<(), Problem> {
 
 fn write_one(path: &Path, content: &Content) -> Result<(), Problem> {
     match content {
-        Content::Bytes(bytes) => write_whole(path, bytes),
+        Content::Bytes(bytes) => write_whole(path, bytes).map_err(|problem| problem.remedy(REMEDY)),
         Content::CopyOf(source) => copied(source, path).map_err(|error| cannot(path, &error)),
         Content::LinkTo(source) => linked(source, path).map_err(|error| cannot(path, &error)),
     }
@@ -68,7 +71,7 @@ fn write_one(path: &Path, content: &Content) -> Result<(), Problem> {
 
 fn cannot(path: &Path, error: &std::io::Error) -> Problem {
     let message = format!("{} cannot be written: {error}", path.display());
-    Problem::new("cannot-write", message).remedy("check the folder and the space on the disk")
+    Problem::new("cannot-write", message).remedy(REMEDY)
 }
 
 /// Copies a file, or a folder with all that is in it.

@@ -156,7 +156,13 @@ impl<'a> Facts<'a> {
             ("ADDRESS", quoted(self.address)),
             ("TITLE", quoted(&format!("A draft about {}", self.file))),
             ("LINK", quoted(&self.model.links[self.end].name)),
-            ("LINK_SHOWN", comment(&self.model.links[self.end].name)),
+            (
+                "END_MEANING",
+                quoted(&format!(
+                    "The robot's end ({}) is no faster than it may be.",
+                    comment(&self.model.links[self.end].name)
+                )),
+            ),
             ("END", self.end_name.clone()),
             ("FIXED", self.fixed.to_string()),
             ("Z", rounded(self.stance.height_m).to_string()),

@@ -54,13 +54,15 @@ impl Template {
     /// By its name.
     ///
     /// # Errors
-    /// `unknown-template`, with the name that may be meant.
+    /// `unknown-study-template`, with the name that may be meant.
     pub fn named(name: &str) -> Result<Self, Problem> {
         let found = Self::ALL.into_iter().find(|known| known.name() == name);
         found.ok_or_else(|| {
             let names = Self::ALL.map(Self::name);
-            let problem =
-                Problem::new("unknown-template", format!("there is no template `{name}`"));
+            let problem = Problem::new(
+                "unknown-study-template",
+                format!("there is no template `{name}`"),
+            );
             match did_you_mean(name, names) {
                 Some(meant) => problem.remedy(format!("did you mean `{meant}`?")),
                 None => problem.remedy(format!("there are {}", names.join(", "))),
@@ -198,7 +200,7 @@ mod tests {
     fn a_misspelt_name_gets_the_nearest_one() {
         assert_eq!(Template::named("cobot").expect("known"), Template::Cobot);
         let problem = Template::named("kobot").expect_err("unknown");
-        assert_eq!(problem.code, "unknown-template");
+        assert_eq!(problem.code, "unknown-study-template");
         assert!(
             format!("{problem:?}").contains("did you mean `cobot`?"),
             "{problem:?}"

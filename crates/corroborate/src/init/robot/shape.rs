@@ -1,7 +1,7 @@
 //! How a robot stands at first, and where its end is.
 
 use super::drives::Drive;
-use robot_model::pose::{length, rotate, subtract};
+use robot_model::pose::{cross, length, rotate, subtract};
 use robot_model::{Geometry, JointKind, Model, Pose, Role, Shape};
 
 /// How far above the floor what moves of a fixed robot begins, m.
@@ -146,7 +146,9 @@ pub(super) fn fastest(model: &Model, link: usize) -> Option<f64> {
             let highest = || joint.velocity_limit.filter(|limit| limit.is_finite());
             speed += match joint.kind {
                 JointKind::Revolute => {
-                    highest()? * length(subtract(end, poses[at].apply(joint.anchor_m)))
+                    let axis = rotate(poses[at].rotation, joint.axis);
+                    let from_anchor = subtract(end, poses[at].apply(joint.anchor_m));
+                    highest()? * length(cross(axis, from_anchor))
                 }
                 JointKind::Prismatic => highest()?,
                 JointKind::Fixed => 0.0,
