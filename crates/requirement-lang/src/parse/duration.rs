@@ -118,8 +118,13 @@ fn parameter(reader: &mut Reader<'_>, name: &str, span: Span) -> Amount {
         return seconds(value).map_or_else(
             |what| {
                 let remedy =
-                    "Give it a time with its unit where it is declared, such as `2 s`; it is used here.";
-                reader.error("duration", span, format!("The parameter `{name}`: {what}"), remedy);
+                    "Where it is declared, write a number with a unit of time, such as `2 s`.";
+                reader.error(
+                    "duration",
+                    span,
+                    format!("The parameter `{name}`: {what}"),
+                    remedy,
+                );
                 Amount::Missing
             },
             Amount::Secs,

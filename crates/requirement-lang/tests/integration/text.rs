@@ -159,7 +159,7 @@ fn mistakes_have_places_and_remedies() {
             "the robot shall within near satisfy hand_open",
             "duration",
             "near",
-            "unit of time",
+            "Where it is declared",
         ),
         (
             "the robot shall within 2 satisfy hand_open",

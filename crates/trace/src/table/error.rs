@@ -173,8 +173,13 @@ impl TableError {
 
 impl fmt::Display for TableError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // What is wrong with a cell begins with its column.
+        let then = match self {
+            TableError::BadCell { .. } => ", ",
+            _ => ": ",
+        };
         match (self.table(), self.line()) {
-            (Some(table), Some(line)) => write!(out, "{table}, line {line}: ")?,
+            (Some(table), Some(line)) => write!(out, "{table}, line {line}{then}")?,
             (Some(table), None) => write!(out, "{table}: ")?,
             (None, _) => {}
         }
