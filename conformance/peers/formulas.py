@@ -88,7 +88,7 @@ def ours(all_cases):
         samples = (",".join(map(str, sample)) for sample in zip(*values.values()))
         samples = [f"{time},{sample}" for time, sample in enumerate(samples)]
         lines.append("\t".join(["discrete", "finite", ",".join(values), text, *samples]))
-    command = ["cargo", "run", "--quiet", "--release", "--package", "temporal", "--example", "judge"]
+    command = ["cargo", "run", "--quiet", "--release", "--package", "corroborate-temporal", "--example", "judge"]
     done = subprocess.run(command, cwd=ROOT, input="\n".join(lines), capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)} failed:\n{done.stderr}")

@@ -91,7 +91,7 @@ def ours(all_cases):
         rows = [*zip(times, *values.values())]
         rows.append((END_SECS, *rows[-1][1:]))
         lines.append("\t".join(["dense", "finite", ",".join(values), text, *(",".join(map(str, row)) for row in rows)]))
-    command = ["cargo", "run", "--quiet", "--release", "--package", "temporal", "--example", "judge"]
+    command = ["cargo", "run", "--quiet", "--release", "--package", "corroborate-temporal", "--example", "judge"]
     done = subprocess.run(command, cwd=ROOT, input="\n".join(lines), capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"{' '.join(command)} failed:\n{done.stderr}")

@@ -1,6 +1,6 @@
 //! How long exploring and checking take on models of about ten thousand states.
 //!
-//! Run with `cargo bench -p checker`.
+//! Run with `cargo bench -p corroborate-checker`.
 
 use checker::explore::explore;
 use checker::{Method, Options, check_space};

@@ -7,7 +7,7 @@
 //! count. The default method's rounds are all that it takes beyond one round by name, so that copying the rows into its order and
 //! showing the bounds do count. All are measured in turns; medians of [`TURNS`] are printed.
 //!
-//! `cargo run --release -p checker --example bandwidth -- [N]` (a cube of N by N by N places; 90 if not given)
+//! `cargo run --release -p corroborate-checker --example bandwidth -- [N]` (a cube of N by N by N places; 90 if not given)
 
 use std::error::Error;
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! Answers properties of a model in the PRISM language, each with its guarantee.
 //!
-//! `cargo run --release -p checker --example check -- MODEL 'P=? [ F x=1 ]' [name=value,...]`
+//! `cargo run --release -p corroborate-checker --example check -- MODEL 'P=? [ F x=1 ]' [name=value,...]`
 
 use checker::explore::explore;
 use checker::{Options, check};

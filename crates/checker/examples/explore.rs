@@ -2,7 +2,7 @@
 //!
 //! With `NO_REWARDS` in the environment, reward structures are left out; `THREADS` is 1 or 2.
 //!
-//! `cargo run --release -p checker --example explore -- MODEL [name=value,...]`
+//! `cargo run --release -p corroborate-checker --example explore -- MODEL [name=value,...]`
 
 use std::time::Instant;
 

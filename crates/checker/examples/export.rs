@@ -1,7 +1,7 @@
 //! Writes a model's state space as PRISM's explicit files and as a graph: PREFIX.tra, .sta, .lab, .drn, .dot, and
 //! PREFIX1.srew, PREFIX1.trew and so on for reward structures.
 //!
-//! `cargo run --release -p checker --example export -- MODEL PREFIX [name=value,...] [exact]`
+//! `cargo run --release -p corroborate-checker --example export -- MODEL PREFIX [name=value,...] [exact]`
 
 use std::error::Error;
 use std::fs::File;

@@ -1,7 +1,7 @@
 //! A property's value as a function of constants that stay open: how large it is, and what it takes.
 //!
 //! ```text
-//! cargo run --release -p checker --example parametric -- MODEL.prism 'p=0:1,q' 'P=? [ F "done" ]' [N=5]
+//! cargo run --release -p corroborate-checker --example parametric -- MODEL.prism 'p=0:1,q' 'P=? [ F "done" ]' [N=5]
 //! ```
 
 use std::time::Instant;

@@ -2,7 +2,7 @@
 //! modes, 4 techniques with 10^6 episodes in all, clustered experiments and a model whose constants
 //! are uncertain.
 //!
-//! Run with `cargo bench -p evidence`.
+//! Run with `cargo bench -p corroborate-evidence`.
 
 use divan::Bencher;
 use evidence::*;

@@ -1,6 +1,6 @@
 //! A model and trials of one requirement: compared, concluded from, and what would decide.
 //!
-//! `cargo run -p evidence --example compare`
+//! `cargo run -p corroborate-evidence --example compare`
 
 use evidence::{
     Evidence, Finding, Influences, Levels, Measure, Requirement, Study, Subject, Technique,

@@ -1,6 +1,6 @@
 //! How often a study reports a conflict that is not there, by its number of requirements.
 //!
-//! `cargo run -p evidence --release --example false_conflicts` prints the table in the documentation of `compare/closed.rs`.
+//! `cargo run -p corroborate-evidence --release --example false_conflicts` prints the table in the documentation of `compare/closed.rs`.
 //!
 //! Each requirement has a model's exact value, a simulation and two experiments. All four have the same true rate, which
 //! is the threshold, so that every conflict is false. In the second half of the table every second requirement has one

@@ -1,6 +1,6 @@
 //! How often a requirement is called satisfied, or violated, that is not: on each step of the ladder.
 //!
-//! `cargo run -p evidence --release --example ladder` prints the tables of `conclude`. Seeded, so that it prints the same
+//! `cargo run -p corroborate-evidence --release --example ladder` prints the tables of `conclude`. Seeded, so that it prints the same
 //! each time.
 
 #[path = "../tests/integration/support/mod.rs"]

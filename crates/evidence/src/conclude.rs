@@ -37,7 +37,7 @@
 //!
 //! How often a requirement that the system does not meet is called satisfied on any step, and on one that is enough, beside
 //! a model with a typed-in constant or a simulator; in percent of 4000 seeded studies (standard error at most 0.4 at 5), by
-//! `cargo run -p evidence --release --example ladder`:
+//! `cargo run -p corroborate-evidence --release --example ladder`:
 //!
 //! | threshold | system | trials | beside it | satisfied on any step | and enough |
 //! |---|---|---|---|---|---|

@@ -1,6 +1,6 @@
 //! Runs episodes of the handover and prints how they ended and how fast they ran.
 //!
-//! `cargo run --release -p handover --example campaign -- tuned 100 [first seed] [abstract test]`
+//! `cargo run --release -p corroborate-handover --example campaign -- tuned 100 [first seed] [abstract test]`
 //!
 //! With `CAMPAIGN_FAST=1` in the fast physics, with `CAMPAIGN_FAST=0` in the full one; otherwise as the
 //! scenario has it.

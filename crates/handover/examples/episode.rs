@@ -1,7 +1,7 @@
 //! Runs one episode and prints one topic of its trace as CSV; or, for the topic `model`, prints the
 //! episode's physical model as MJCF, to look at in MuJoCo's viewer.
 //!
-//! `cargo run --release -p handover --example episode -- tuned 1 /truth [abstract test]`
+//! `cargo run --release -p corroborate-handover --example episode -- tuned 1 /truth [abstract test]`
 
 use std::path::Path;
 

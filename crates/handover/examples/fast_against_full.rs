@@ -1,7 +1,7 @@
 //! Compares the fast physics with the full one, episode by episode with the same seeds: how the
 //! episodes end, and how far hand and object are apart.
 //!
-//! `cargo run --release -p handover --example fast_against_full -- tuned 100 [first seed]`
+//! `cargo run --release -p corroborate-handover --example fast_against_full -- tuned 100 [first seed]`
 //!
 //! For every way an episode can end it prints how many show it in each physics, in how many only one
 //! of them does, and the exact p of McNemar's test ("Note on the sampling error of the difference

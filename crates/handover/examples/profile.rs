@@ -1,6 +1,6 @@
 //! Says how much processor time episodes take in each state of the robot, recording on.
 //!
-//! `cargo run --release -p handover --example profile -- tuned 20 [first seed]`
+//! `cargo run --release -p corroborate-handover --example profile -- tuned 20 [first seed]`
 //!
 //! The full physics alone; with `CAMPAIGN_FAST=1` the fast one alone. With `CAMPAIGN_FAST=both` the two take
 //! turns, seed by seed, with a third: the engine alone, which takes the steps of the full physics' episode with nothing

@@ -5,7 +5,7 @@
 //! parts may be left out. Files are relative to the folder in the environment variable `PRISM_TESTS`.
 //!
 //! ```text
-//! printf 'example.nm\texample.nm.props\n' | PRISM_TESTS=... cargo run -p prism-lang --example corpus
+//! printf 'example.nm\texample.nm.props\n' | PRISM_TESTS=... cargo run -p corroborate-prism-lang --example corpus
 //! ```
 //!
 //! Each line of the output is a property: `resolved`, or `refused` with the reason; the last line counts.

@@ -1,6 +1,6 @@
 //! How fast messages, and one field of each, come out of a recording in any format; one core.
 //!
-//!     cargo bench -p recording --bench any_file -- PATH TOPIC FIELD
+//!     cargo bench -p corroborate-recording --bench any_file -- PATH TOPIC FIELD
 //!
 //! Without arguments it measures a small table that it writes itself.
 

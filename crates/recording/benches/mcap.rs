@@ -1,7 +1,7 @@
 //! How fast values come out of an MCAP file of a robot: joint states of seven joints at 1 kHz, an IMU at 400 Hz, transforms
 //! at 100 Hz; one thread reads and decompresses, one decodes.
 //!
-//!     cargo bench -p recording --bench mcap [-- FOLDER [MINUTES [none|zstd]]]
+//!     cargo bench -p corroborate-recording --bench mcap [-- FOLDER [MINUTES [none|zstd]]]
 //!
 //! With a folder, the files stay there, and other readers can be measured on them; the program tells what it measured.
 //! With a compression, only that file is written, and nothing is read.

@@ -1,6 +1,6 @@
 //! Prints the numbers at places in a topic's messages as CSV, of a recording in any format.
 //!
-//! `cargo run -p recording --example read_signals -- case-studies/handover/recordings/episode-00002.mcap /person/distance data`
+//! `cargo run -p corroborate-recording --example read_signals -- case-studies/handover/recordings/episode-00002.mcap /person/distance data`
 
 use recording::{Extractor, FieldPath, OpenOptions, open};
 use std::error::Error;

@@ -23,7 +23,7 @@
 //! | others | see [`Format`] | [`Reader::in_time_order`] | no | [`Reader::losses`] |
 //!
 //! # Speed
-//! Two cores of a server, release build, `cargo bench -p recording --bench mcap`: joint states of
+//! Two cores of a server, release build, `cargo bench -p corroborate-recording --bench mcap`: joint states of
 //! seven joints at 1 kHz, an IMU and transforms, seven values read of them, 390 bytes each, 3 minutes
 //! (270,000 messages): 4.2 million messages a second from an MCAP file without compression, 2.4
 //! million with zstd. Chunks are read, decompressed and checked on a second thread; on one core it

@@ -1,6 +1,6 @@
 //! Loads a description and writes it as MJCF; what was not carried over goes to standard error.
 //!
-//!     cargo run -p robot-model --example to_mjcf -- robot.urdf [folder of packages]
+//!     cargo run -p corroborate-robot-model --example to_mjcf -- robot.urdf [folder of packages]
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 //! How often tests of clustered counts against a threshold err at each level: sums over all outcomes.
 //!
-//! `cargo run -p stats --release --example clustered_threshold` prints the tables in the documentation of `stats::clustered`.
+//! `cargo run -p corroborate-stats --release --example clustered_threshold` prints the tables in the documentation of `stats::clustered`.
 //! A row has clusters of one size. A figure is the largest probability, in percent, of showing at the level that the rate is
 //! on one side of a threshold at which it is: over rates, and over correlations of a beta distribution of them or two
 //! laws for which no test was made, in which all failures are of one kind of people.

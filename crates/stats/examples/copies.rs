@@ -1,6 +1,6 @@
 //! How often studies of independent evidence are asked whether something was copied, and which copies are found.
 //!
-//! `cargo run --release -p stats --example copies [STUDIES]`
+//! `cargo run --release -p corroborate-stats --example copies [STUDIES]`
 
 use stats::{Possible, Sample, Unnamed, coincidences, renamed_rows};
 

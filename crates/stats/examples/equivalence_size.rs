@@ -1,6 +1,6 @@
 //! How often tests of equivalence err, and how often they show it: sums over all outcomes.
 //!
-//! `cargo run -p stats --release --example equivalence_size` prints the tables in the documentation of
+//! `cargo run -p corroborate-stats --release --example equivalence_size` prints the tables in the documentation of
 //! `stats::exact_equivalence`: for each pair of sizes and margin the largest probability of showing equivalence over all
 //! boundary points, the chance of showing it of two equal rates, what happens to agreement when data become stronger, and
 //! what one p-value costs.

@@ -1,7 +1,7 @@
 //! How often tables of independent trials are asked about their trials, and which dependence is found; and the same for
 //! numbers of a model that are products of rates.
 //!
-//! `cargo run --release -p stats --example groups [STUDIES]`
+//! `cargo run --release -p corroborate-stats --example groups [STUDIES]`
 //!
 //! Two generators. With the *first* the tests were chosen: people of a beta-binomial rate, sessions with a common rate.
 //! The *second* is held out: logistic rates, sessions of unequal size, a drift or a slowly changing state in place of

@@ -1,6 +1,6 @@
 //! Two counted rates: their intervals, whether they differ, and whether they agree within a margin.
 //!
-//! `cargo run -p stats --example two_rates -- 88 100 439 500 0.1`
+//! `cargo run -p corroborate-stats --example two_rates -- 88 100 439 500 0.1`
 
 use stats::{Confidence, Sample, boschloo_exact, exact_equivalence, wilson};
 use std::error::Error;

@@ -1,7 +1,7 @@
 //! How often a few people show a mean rate of 0.9 to be higher than 0.9, at 5 %, by the model of people alone and if people of a kind
 //! that nobody met are allowed for; and how often they show a higher rate.
 //!
-//! `cargo run -p stats --release --example unmet_kind` (about a minute)
+//! `cargo run -p corroborate-stats --release --example unmet_kind` (about a minute)
 
 use stats::{
     BetaBinomial, Confidence, Interval, Sample, clustered_rate, clustered_test_above, wilson,

@@ -106,7 +106,7 @@
 //! Wrong decisions at levels of 5, 2.5, 1.25 and 0.5 % when the rate is the threshold, in percent, exact by all outcomes:
 //! the largest over rates 0.5, 0.7, 0.8, 0.9 and 0.95 and, *beta*, correlations 0, 0.05, 0.1, 0.2, 0.3, 0.5 and 0.7;
 //! *two kinds*, for which nothing was made: all failures are of one kind of people, who always fail or fail half of the time.
-//! (`cargo run -p stats --release --example clustered_threshold`)
+//! (`cargo run -p corroborate-stats --release --example clustered_threshold`)
 //!
 //! | clusters x trials | law | claim | at `n*` | by the likelihood | by both |
 //! |---|---|---|---|---|---|

@@ -28,7 +28,7 @@
 //! function over contents `v` that stand in `c_v` of all rows, `sum over x of C(c_v, x) s^x t^min(x, c_v - x)`.
 //!
 //! # How often it is asked
-//! Percent of 2000 studies of each kind (`cargo run --release -p stats --example copies`) in which a coincidence has a
+//! Percent of 2000 studies of each kind (`cargo run --release -p corroborate-stats --example copies`) in which a coincidence has a
 //! probability of at most 1 %, and in which a number is a rate with a probability of its own of at most 20 %. Rows "no" are
 //! false alarms. Numbers of trials are 20, 50, 100, 200 or 500; "the same, always of as many trials" breaks the assumption
 //! of [`SAME_TRIALS`].

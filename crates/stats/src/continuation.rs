@@ -44,7 +44,7 @@
 //! `evidence/ERROR_RATES.md`.
 //!
 //! Shares in percent of 4000 seeded studies that show the rate to be above 0.9 at a level of 5 %; 60 trials, doubled up to
-//! four times (`cargo run -p stats --release --example looking_again`; standard error at most 0.7). *Single*: each look is
+//! four times (`cargo run -p corroborate-stats --release --example looking_again`; standard error at most 0.7). *Single*: each look is
 //! tested as if it was the only one.
 //!
 //! | rate | first look, single | any look, single | first look, continued | any look, continued |

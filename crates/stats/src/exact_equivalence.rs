@@ -50,7 +50,7 @@
 //! Two rates that differ by the margin or more are said to agree with probability at most the level, whatever they are,
 //! at every pair of sample sizes. The largest probabilities in percent over all boundary points in steps of 1/400 of their
 //! range, at levels of 1, 5 and 10 %, beside those of the larger p-value of [`crate::tost`] with Agresti and Caffo's variance
-//! and [`crate::score_equivalence`] (`cargo run -p stats --release --example equivalence_size`; sums over all outcomes, of
+//! and [`crate::score_equivalence`] (`cargo run -p corroborate-stats --release --example equivalence_size`; sums over all outcomes, of
 //! which this is a part: twelve pairs of sizes from 5 and 5 to 100 and 100, margins of 1 to 30 points):
 //!
 //! | trials | margin | exact | approximate |

@@ -12,7 +12,7 @@
 //! shows little: `0.9^10`, or 35 %, of all groups of ten have nobody of a tenth of people who cannot do it.
 //!
 //! How often a mean rate of 0.9 is shown to be higher at a level of 5 %, in percent of 300 groups, and how often one of 0.97 is
-//! (`cargo run -p stats --release --example unmet_kind`):
+//! (`cargo run -p corroborate-stats --release --example unmet_kind`):
 //!
 //! | people x 10 | law | by the model | allowing for others |
 //! |---|---|---|---|

@@ -1,6 +1,6 @@
 //! How many samples a second the engine for discrete time judges.
 //!
-//! Run with `cargo bench -p temporal`. Every case judges a million samples, counts the triggers and
+//! Run with `cargo bench -p corroborate-temporal`. Every case judges a million samples, counts the triggers and
 //! keeps the last 10,000 samples to explain a violation; none is decided before the end, so nothing
 //! is skipped. Signals: `busy` changes at random at every
 //! sample; `calm` has a request every two windows, answered just before its deadline; `idle` never

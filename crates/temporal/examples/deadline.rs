@@ -1,6 +1,6 @@
 //! A requirement with a deadline, judged while time passes: the gripper has to open within two seconds of the release.
 //!
-//! `cargo run -p temporal --example deadline`
+//! `cargo run -p corroborate-temporal --example deadline`
 
 use std::error::Error;
 use temporal::formula::{Ending, FormulaMonitor, Settings, parse};

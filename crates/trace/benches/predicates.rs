@@ -1,6 +1,6 @@
 //! How many predicates are evaluated in a second, on a stream and on a recording.
 //!
-//! Run with `cargo bench -p trace`.
+//! Run with `cargo bench -p corroborate-trace`.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;

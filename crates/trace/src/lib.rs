@@ -28,7 +28,7 @@
 //! of which hold random digits, 12,600 rows: recording 1 ms; evaluating 11 propositions at 20 Hz
 //! 0.25 ms. `/robot.hand_speed < 250 mm/s` is evaluated 107 million times a second on a
 //! [`Snapshot`] and its robustness 90 million times; with the arrival of a row of five values before
-//! each evaluation, 23 million; a distance of two points takes 55 ns (`cargo bench -p trace`).
+//! each evaluation, 23 million; a distance of two points takes 55 ns (`cargo bench -p corroborate-trace`).
 
 mod channel;
 mod csv_trace;

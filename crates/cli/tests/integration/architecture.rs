@@ -274,8 +274,16 @@ fn the_crates_are_those_of_the_table() {
     let known: BTreeSet<&str> = CRATES.iter().map(|(name, ..)| *name).collect();
     let metadata = metadata();
     let packages = metadata.workspace_packages();
-    let found: BTreeSet<&str> = packages.iter().map(|p| p.name.as_str()).collect();
+    let found: BTreeSet<&str> = packages.iter().map(|p| crate_name(&p.name)).collect();
     assert_eq!(found, known);
+}
+
+/// What a package is called here: packages carry the prefix under which they can be published, crates and folders do not.
+fn crate_name(package: &str) -> &str {
+    if CRATES.iter().any(|(name, ..)| *name == package) {
+        return package;
+    }
+    package.strip_prefix("corroborate-").unwrap_or(package)
 }
 
 /// The fuzz targets are a workspace apart, whose lock file only a slow step of continuous integration would find stale.
@@ -331,7 +339,7 @@ fn find(name: &str) -> (usize, (&'static str, u8, &'static [&'static str])) {
 fn crates_use_only_what_the_table_allows() {
     let metadata = metadata();
     for package in metadata.workspace_packages() {
-        let (_, (name, _, allowed)) = find(&package.name);
+        let (_, (name, _, allowed)) = find(crate_name(&package.name));
         for used in ours(&metadata, package, |kind| {
             kind != DependencyKind::Development
         }) {
@@ -347,7 +355,7 @@ fn crates_use_only_what_the_table_allows() {
 fn tests_of_a_crate_use_no_floor_above_it() {
     let metadata = metadata();
     for package in metadata.workspace_packages() {
-        let (_, (name, floor, _)) = find(&package.name);
+        let (_, (name, floor, _)) = find(crate_name(&package.name));
         for used in ours(&metadata, package, |kind| {
             kind == DependencyKind::Development
         }) {
@@ -374,7 +382,7 @@ fn ours(
     let dependencies = package.dependencies.iter();
     dependencies
         .filter(|d| wanted(d.kind) && members.contains(d.name.as_str()))
-        .map(|d| d.name.clone())
+        .map(|d| crate_name(&d.name).to_owned())
         .collect()
 }
 
@@ -390,7 +398,7 @@ fn each_outside_thing_has_one_crate() {
             };
             used.insert(dependency.name.clone());
             assert_eq!(
-                package.name.as_str(),
+                crate_name(&package.name),
                 *home,
                 "{} names {}, which only {home} may",
                 package.name,
@@ -615,7 +623,10 @@ fn architecture_md_is_short_and_names_every_crate() {
 fn every_file_of_tests_is_declared() {
     let packages = metadata();
     for package in packages.workspace_packages() {
-        let folder = root().join("crates").join(&*package.name).join("tests");
+        let folder = root()
+            .join("crates")
+            .join(crate_name(&package.name))
+            .join("tests");
         let programs = package.targets.iter().filter(|target| target.is_test());
         let expected = usize::from(folder.join("integration").exists());
         assert_eq!(programs.count(), expected, "{}", package.name);
@@ -656,7 +667,7 @@ fn design_md_gives_a_reason_for_every_dependency() {
     let mut missing = BTreeSet::new();
     for package in metadata.workspace_packages() {
         for dependency in &package.dependencies {
-            let name = dependency.name.as_str();
+            let name = crate_name(&dependency.name);
             if !members.contains(&name) && !text.contains(&format!("`{name}`")) {
                 missing.insert(name.to_owned());
             }

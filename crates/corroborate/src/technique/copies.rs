@@ -12,7 +12,7 @@
 //! What is improbable for its own numbers but not for all that were looked at is *noted*: it changes no outcome.
 //!
 //! # Guarantee
-//! `cargo run --release -p stats --example copies` measures how often studies of independent evidence are asked about, and
+//! `cargo run --release -p corroborate-stats --example copies` measures how often studies of independent evidence are asked about, and
 //! which copies are found. A ledger's `independent` settles a question, whatever its probability.
 
 mod constants;

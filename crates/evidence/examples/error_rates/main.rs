@@ -1,6 +1,6 @@
 //! How often the statements of a study are wrong: every error rate that this crate promises, measured.
 //!
-//! `cargo run -p evidence --release --example error_rates` prints the tables of `ERROR_RATES.md`, with the names of
+//! `cargo run -p corroborate-evidence --release --example error_rates` prints the tables of `ERROR_RATES.md`, with the names of
 //! sections (`several`, `looks`, `looks-at-people`, `pairs`, `models`, `carried`, `people`, `cells`) only those, with a number so many studies. Each row is a simulation with a seed of
 //! its own, or a sum over all outcomes, so that it prints the same each time. `tests/integration/error_rates.rs` has a small version.
 

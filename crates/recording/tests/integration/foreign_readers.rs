@@ -1,7 +1,7 @@
 //! What is written here, read by libraries that are not ours.
 //!
 //! Needs Python with what `python/requirements.txt` names (`pip install --requirement` it), and the
-//! interpreter's path in `CORROBORATE_PYTHON`. Then `cargo test -p recording --test integration -- foreign_readers --ignored`.
+//! interpreter's path in `CORROBORATE_PYTHON`. Then `cargo test -p corroborate-recording --test integration -- foreign_readers --ignored`.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,6 +1,6 @@
 """Compares our properties with the formulas that FRET publishes, on all short infinite words.
 
-    cargo run -q -p requirement-lang --example forms > forms.tsv
+    cargo run -q -p corroborate-requirement-lang --example forms > forms.tsv
     python3 crates/requirement-lang/tests/peers/fret.py compare forms.tsv FRET/fret-electron/app/parser/semantics.json
     python3 crates/requirement-lang/tests/peers/fret.py record forms.tsv FRET/fret-electron/app/parser/semantics.json \
         > crates/requirement-lang/tests/peers/fret_answers.tsv

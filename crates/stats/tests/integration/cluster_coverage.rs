@@ -2,7 +2,7 @@
 //! `stats::clustered` and `stats::common_correlation`. Run the tables with
 //!
 //! ```text
-//! cargo test --release -p stats --test integration -- cluster_coverage --ignored --nocapture
+//! cargo test --release -p corroborate-stats --test integration -- cluster_coverage --ignored --nocapture
 //! ```
 
 use stats::*;

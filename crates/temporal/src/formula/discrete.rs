@@ -19,7 +19,7 @@
 //! changes of truth that are not decided yet, robustness for the samples within the windows;
 //! unbounded operators inside each other need a few numbers (file `robustness/endless.rs`).
 //!
-//! Measured with `cargo bench -p temporal` on one core of a busy cloud machine, in million samples a
+//! Measured with `cargo bench -p corroborate-temporal` on one core of a busy cloud machine, in million samples a
 //! second, triggers counted and 10,000 samples kept for explanations; from signals that change at
 //! random at every sample, to idle ones:
 //!

@@ -14,7 +14,7 @@
 //! (`stats::coincidences`), so that the more counts there are, the more digits a number needs to be asked about.
 //!
 //! # Guarantee
-//! None for a single probability, which is an approximation. Measured (`cargo run --release -p stats --example groups`),
+//! None for a single probability, which is an approximation. Measured (`cargo run --release -p corroborate-stats --example groups`),
 //! studies of independent evidence are asked in at most 1 % with two and four counts, and in 3.5 % with eight counts and
 //! numbers of six digits, which is above the limit. Numbers of two digits are never asked about, of three seldom. Not
 //! found: products of three rates or more, and of rates of two pieces.

@@ -11,7 +11,7 @@
 //! # Guarantee
 //! If the rows of all tables are exchangeable, anything at all is below [`super::super::copies::LIMIT`] in at most that
 //! share of studies. A column that says under which conditions a row was made is a group, too: then its rows are not of
-//! one rate. Not found: groups of one row each, and totals, which have no rows. Measured by `cargo run --release -p stats
+//! one rate. Not found: groups of one row each, and totals, which have no rows. Measured by `cargo run --release -p corroborate-stats
 //! --example groups`.
 
 use super::Cohort;

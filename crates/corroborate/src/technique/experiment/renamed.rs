@@ -6,7 +6,7 @@
 //!
 //! # Guarantee
 //! Few people with few outcomes repeat each other by chance; ten people with ten trials each are found in the same order,
-//! in another mostly from twenty on (`cargo run --release -p stats --example copies`).
+//! in another mostly from twenty on (`cargo run --release -p corroborate-stats --example copies`).
 
 use super::Cohort;
 use super::repeated::{Told, canonical, counted_columns, tables};
