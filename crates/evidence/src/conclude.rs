@@ -99,6 +99,7 @@ mod common;
 pub(crate) mod coverage;
 mod elsewhere;
 mod excluded;
+mod fewer;
 mod judge;
 mod ladder;
 mod levels;
@@ -228,7 +229,7 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
 fn rests_on(asked: &Asked<'_>, judged: &[ladder::Judged]) -> Vec<String> {
     let current = asked.pieces.iter().map(|piece| piece.evidence.id.clone());
     let elsewhere = judged.iter().filter(|it| it.standing.elsewhere);
-    let denied = elsewhere.filter(|it| it.standing.standing == Standing::Denies);
+    let denied = elsewhere.filter(|it| it.decides && it.standing.standing == Standing::Denies);
     current
         .chain(denied.map(|it| it.standing.evidence.clone()))
         .collect()

@@ -25,6 +25,7 @@ mod fault_trees;
 mod fuzz_inputs;
 mod language;
 mod licences;
+mod one_person;
 mod rare;
 mod recordings;
 mod refine;
