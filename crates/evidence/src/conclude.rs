@@ -319,7 +319,7 @@ fn stands_for_itself(piece: &Evidence) -> bool {
 
 /// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
 /// reproduced by another, under the conditions that most techniques share; of several such, those under which the system was
-/// tried.
+/// tried, with more than one person or session.
 pub(crate) fn latest_of_each_technique(
     evidence: &[Evidence],
     counts: impl Fn(&Evidence) -> bool,
@@ -333,7 +333,7 @@ pub(crate) fn latest_of_each_technique(
     }
     let is_tried = |conditions: &str| {
         let mut trials = evidence.iter().filter(|piece| is_trial(piece));
-        trials.any(|piece| piece.conditions == conditions)
+        trials.any(|piece| piece.conditions == conditions && !piece.is_of_one_subject())
     };
     let most = by_conditions
         .into_iter()

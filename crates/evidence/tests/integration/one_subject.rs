@@ -94,16 +94,18 @@ fn a_failure_of_one_person_refutes_certainty() {
     assert_eq!(conclusion.verdict, Verdict::Violated, "{conclusion:?}");
 }
 
-/// Beside trials with several people they neither share the level nor take their place; under other conditions they refute
-/// nothing; and no model carries over by its agreement with them.
+/// Beside trials with several people they neither share the level nor take their place; that both conflict is still said;
+/// and under other conditions they refute nothing.
 #[test]
 fn one_person_does_not_stand_beside_several() {
     let several = piece("F", Technique::Experiment, vec![(0, counts(97, 100))]);
     let alone = judged(std::slice::from_ref(&several), 0.9).conclusion;
-    let both = judged(&[of_one("E", 20, 400, None), several.clone()], 0.9).conclusion;
+    let both = judged(&[of_one("E", 380, 400, None), several.clone()], 0.9).conclusion;
     let own = |it: &Conclusion| it.standings.iter().find(|it| it.evidence == "F").cloned();
     assert_eq!(own(&alone), own(&both));
     assert_eq!(both.verdict, alone.verdict, "{both:?}");
+    let apart = judged(&[of_one("E", 20, 400, None), several.clone()], 0.9).conclusion;
+    assert_eq!(apart.verdict, Verdict::Conflicting, "{apart:?}");
 
     let mut elsewhere = of_one("E", 20, 400, None);
     elsewhere.conditions = "wet".into();
