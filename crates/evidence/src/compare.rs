@@ -55,6 +55,7 @@ mod relation;
 mod runs;
 mod shared_data;
 mod together;
+mod uncertain;
 pub(crate) mod words;
 
 pub(crate) use belief::{Belief, CountsAtLook};
@@ -274,8 +275,21 @@ fn draft(
     let mut comparison = blank(subject, left, right, margin);
     comparison.independent = fit.is_none();
     comparison.possibly_copied = lineage.is_possible_copy(&left.id, &right.id, subject);
-    let noted = lineage.noted(&left.id, &right.id, subject);
-    comparison.trigger = runs::triggers(sides.0, sides.1, margin, &study.levels);
+    let mut noted = lineage.noted(&left.id, &right.id, subject);
+    let of_one = [left, right]
+        .into_iter()
+        .filter(|it| it.technique.is_of_system() && it.is_of_one_subject());
+    noted.extend(of_one.map(|it| {
+        format!(
+            "all trials of {} are of one person or session, of whom alone this is said",
+            it.id
+        )
+    }));
+    match runs::triggers(sides.0, sides.1, margin, &study.levels) {
+        Some(Ok(shares)) => comparison.trigger = Some(shares),
+        Some(Err(reason)) => comparison.trigger_not_compared = Some(reason),
+        None => {}
+    }
     let (pair, obstacle) = match (Belief::of(measures.0), Belief::of(measures.1)) {
         (Ok(first), Ok(second)) => {
             let pair = paired(study, subject, margin, ((left, first), (right, second)));
@@ -398,6 +412,7 @@ fn blank(subject: &Subject, left: &Evidence, right: &Evidence, margin: f64) -> C
         possibly_copied: false,
         clustering: None,
         trigger: None,
+        trigger_not_compared: None,
         looking: None,
         further_trials: Vec::new(),
         reason: String::new(),

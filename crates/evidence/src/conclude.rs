@@ -99,6 +99,7 @@ mod common;
 pub(crate) mod coverage;
 mod elsewhere;
 mod excluded;
+mod fewer;
 mod judge;
 mod ladder;
 mod levels;
@@ -228,7 +229,7 @@ fn conclusion(study: &Study<'_>, asked: &Asked<'_>, level: &Level) -> Conclusion
 fn rests_on(asked: &Asked<'_>, judged: &[ladder::Judged]) -> Vec<String> {
     let current = asked.pieces.iter().map(|piece| piece.evidence.id.clone());
     let elsewhere = judged.iter().filter(|it| it.standing.elsewhere);
-    let denied = elsewhere.filter(|it| it.standing.standing == Standing::Denies);
+    let denied = elsewhere.filter(|it| it.decides && it.standing.standing == Standing::Denies);
     current
         .chain(denied.map(|it| it.standing.evidence.clone()))
         .collect()
@@ -318,7 +319,7 @@ fn stands_for_itself(piece: &Evidence) -> bool {
 
 /// Positions of the latest evidence of each technique that `counts`, neither intermediate nor
 /// reproduced by another, under the conditions that most techniques share; of several such, those under which the system was
-/// tried.
+/// tried, with more than one person or session.
 pub(crate) fn latest_of_each_technique(
     evidence: &[Evidence],
     counts: impl Fn(&Evidence) -> bool,
@@ -332,7 +333,7 @@ pub(crate) fn latest_of_each_technique(
     }
     let is_tried = |conditions: &str| {
         let mut trials = evidence.iter().filter(|piece| is_trial(piece));
-        trials.any(|piece| piece.conditions == conditions)
+        trials.any(|piece| piece.conditions == conditions && !piece.is_of_one_subject())
     };
     let most = by_conditions
         .into_iter()

@@ -22,6 +22,15 @@ impl Subject {
             Subject::Requirement(id) | Subject::FailureMode(id) => id,
         }
     }
+
+    /// What it is called within a sentence: `requirement 3`, `sensor blind`.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self {
+            Subject::Requirement(id) => format!("requirement {id}"),
+            Subject::FailureMode(id) => id.replace('_', " "),
+        }
+    }
 }
 
 /// The denominator of a finding: over which runs its number is taken. Numbers over different runs are not compared.

@@ -75,11 +75,26 @@ pub struct ClusterTests {
     /// Subjects or sessions with trials; 1 if all trials are of one, 0 where an older version did not count them.
     #[serde(default)]
     pub subjects: u64,
+    /// Why the one subject stands for all, where all trials are of one and the study declares it.
+    #[serde(default)]
+    pub one_for_all: Option<String>,
     /// Tests in words with their figures, one a line.
     pub tests: Vec<String>,
     /// What counts were given that cannot tell themselves how alike their trials are; `None` if all can.
     #[serde(default)]
     pub common: Option<TakenCorrelation>,
+}
+
+impl ClusterTests {
+    /// The same with the declaration that one subject stands for all, where there is one alone.
+    #[must_use]
+    pub fn with_one_for_all(self, because: Option<String>) -> Self {
+        let one_for_all = because.filter(|_| self.subjects == 1);
+        Self {
+            one_for_all,
+            ..self
+        }
+    }
 }
 
 /// The intraclass correlation that all columns of a cohort have in common, taken for counts that cannot tell their
@@ -252,6 +267,14 @@ impl Evidence {
     /// The finding about a subject.
     pub fn finding(&self, subject: &Subject) -> Option<&Finding> {
         self.findings.iter().find(|f| &f.subject == subject)
+    }
+
+    /// Whether all its trials are of one person or session, which the study does not declare to stand for all: its figures are
+    /// of this one alone, whatever their number, and say nothing of how others differ.
+    #[must_use]
+    pub fn is_of_one_subject(&self) -> bool {
+        let clusters = self.clusters.as_ref();
+        clusters.is_some_and(|it| it.subjects == 1 && it.one_for_all.is_none())
     }
 }
 

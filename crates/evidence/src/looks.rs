@@ -146,11 +146,10 @@ pub(crate) fn looking(id: &str, belief: &Belief, level: Confidence) -> Option<Lo
         interval: Some(all),
         single_look_interval: Some(once),
         statement: format!(
-            "{id}: look {look}. Trials may be added and judged again; the {} interval that allows for it is {}, instead \
-             of {} if this was the only look.",
+            "{id}: look {look}. Trials may be added and judged again; the limits of the verdict's tests that allow for it, \
+             two-sided at {}, are {} at every look. The interval beside the rate is of one look.",
             percent(level.level()),
-            in_words(all),
-            in_words(once)
+            in_words(all)
         ),
     })
 }

@@ -18,8 +18,8 @@
 
 use crate::compare::words::list;
 use crate::{
-    ClusterSensitivity, Comparison, Conclusion, Evidence, Measure, Outcome, Study, Verdict,
-    compare, conclude,
+    ClusterSensitivity, Comparison, Conclusion, Evidence, ExclusionReason, Measure, Outcome, Study,
+    Verdict, compare, conclude,
 };
 use stats::{Sample, kish_design_effect};
 
@@ -84,7 +84,12 @@ pub fn bear_clustering(
     }
     for (conclusion, found) in conclusions.iter_mut().zip(verdicts) {
         if matches!(conclusion.verdict, Verdict::Satisfied | Verdict::Violated) {
-            let on = |piece: &&Evidence| conclusion.rests_on.contains(&piece.id);
+            let decides = |id: &String| {
+                let mut excluded = conclusion.excluded.iter();
+                !excluded.any(|it| &it.evidence == id && it.reason == ExclusionReason::OneSubject)
+            };
+            let on =
+                |piece: &&Evidence| conclusion.rests_on.contains(&piece.id) && decides(&piece.id);
             let found = sensitivity(study.evidence, on, "The verdict", found);
             conclusion.clustering.extend(found);
         }
@@ -193,9 +198,14 @@ fn most_trials(piece: &Evidence) -> u64 {
 
 /// Whose trials they are, as far as is known.
 fn in_words((piece, (size, is_assumed)): (&&Evidence, &(u64, bool))) -> String {
+    let is_declared = !piece.is_of_one_subject();
     match is_assumed {
         true => format!(
             "{} (by people or sessions not known, {size} each assumed)",
+            piece.id
+        ),
+        false if is_declared => format!(
+            "{} (all {size} of one person or session, declared to stand for all)",
             piece.id
         ),
         false => format!(

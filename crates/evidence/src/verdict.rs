@@ -86,6 +86,10 @@ pub struct Comparison {
     /// How often both sides trigger the subject, where both know it.
     #[serde(default)]
     pub trigger: Option<TriggerComparison>,
+    /// Why these shares are not compared, where both sides know theirs and they are not known to be of the same population of
+    /// runs; `None` elsewhere.
+    #[serde(default)]
+    pub trigger_not_compared: Option<String>,
     /// The number of this look at the pair and what it costs; `None` where no trials can be added.
     #[serde(default)]
     pub looking: Option<Looking>,
@@ -242,6 +246,8 @@ pub enum ExclusionReason {
     OtherConditions(String),
     /// It rests on the counts of a piece that takes part: the reason.
     NotIndependent(String),
+    /// All its trials are of one person or session, and nothing says that this one stands for all.
+    OneSubject,
     /// It has a number on the requirement that cannot be judged: the reason.
     NoNumber(String),
     /// It cannot express the requirement: what is missing.
@@ -268,6 +274,7 @@ impl ExclusionReason {
             | Self::Reproduced(_)
             | Self::OtherConditions(_) => true,
             Self::NotIndependent(_)
+            | Self::OneSubject
             | Self::NoNumber(_)
             | Self::NotExpressible(_)
             | Self::NotCovered(_)

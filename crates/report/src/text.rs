@@ -239,7 +239,7 @@ fn matrix(page: &mut Page, view: View) {
         page.line(&format!("{id}{cells}"));
     }
     let words = format!(
-        "Intervals are {}; the marks are those of the one-sided limits above{}.",
+        "Intervals are {}, of computed values credible; the marks are those of the one-sided limits above{}.",
         words::intervals(view.study),
         words::at_looks(view.study)
     );

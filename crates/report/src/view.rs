@@ -2,8 +2,8 @@
 //! every section uses.
 
 use evidence::{
-    Combined, Conclusion, Evidence, Excluded, Finding, Interval, Measure, PieceStanding,
-    Requirement, Step, StudyResult, Subject, Technique, Together,
+    Combined, Conclusion, Evidence, Excluded, ExclusionReason, Finding, Interval, Measure,
+    PieceStanding, Requirement, Step, StudyResult, Subject, Technique, Together,
 };
 use maud::{Markup, html};
 
@@ -100,7 +100,11 @@ impl<'a> View<'a> {
         let conclusion = self.conclusion(&requirement.id)?;
         let takes_part = conclusion.rests_on.iter().any(|id| id == evidence);
         let mut excluded = conclusion.excluded.iter();
-        excluded.find(|it| it.evidence == evidence && !takes_part && !it.reason.is_silence())
+        // Trials of one person are current, and decide nothing of others.
+        let apart = |it: &Excluded| {
+            !takes_part && !it.reason.is_silence() || it.reason == ExclusionReason::OneSubject
+        };
+        excluded.find(|it| it.evidence == evidence && apart(it))
     }
 
     /// The mark of a piece of evidence on a requirement: as the conclusion judged it, else as its interval lies. What takes

@@ -157,11 +157,17 @@ impl PosteriorPlaces {
     /// The places of a posterior.
     #[must_use]
     pub fn new(posterior: &BetaPosterior) -> Self {
+        Self::of_quantiles(|level| posterior.quantile(level))
+    }
+
+    /// The places of any distribution, by its quantile function.
+    #[must_use]
+    pub fn of_quantiles(quantile: impl Fn(f64) -> f64) -> Self {
         let pieces = PIECES.windows(2);
         let levels = pieces.flat_map(|piece| kronrod_places(piece[0], piece[1]));
         Self(
             levels
-                .map(|(level, weight)| (posterior.quantile(level), weight))
+                .map(|(level, weight)| (quantile(level), weight))
                 .collect(),
         )
     }

@@ -267,6 +267,8 @@ pub enum Work {
         requirements: Option<PathBuf>,
         /// Occurrences by failure mode.
         failure_modes: Option<PathBuf>,
+        /// Why the one subject of a cohort stands for all, where the study declares it.
+        one_for_all: Option<String>,
     },
     /// Judge recordings with the monitors; each is a trial.
     Judge {

@@ -3,6 +3,7 @@
 
 mod carried;
 mod read;
+mod stated;
 mod threshold;
 mod trigger;
 
@@ -106,6 +107,8 @@ pub struct SubjectForm {
     pub experiment: Option<String>,
     /// The places of the declarations of what carries over to it.
     pub carried_at: Vec<Range<usize>>,
+    /// That its text states another rate than its threshold.
+    other_rate: Option<Problem>,
 }
 
 impl SubjectForm {
@@ -113,6 +116,7 @@ impl SubjectForm {
     fn warnings(&self, source: &Source) -> Vec<Problem> {
         let sentence = self.sentence.as_ref();
         let mut found = sentence.map_or_else(Vec::new, |sentence| sentence.warnings.clone());
+        found.extend(self.other_rate.clone());
         let said = found.iter().any(|warning| warning.code == "exact-instant");
         let main = self.monitor.iter();
         let judging = main.chain(self.readings.iter().map(|reading| &reading.monitor));

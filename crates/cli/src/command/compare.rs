@@ -39,6 +39,10 @@ fn text(report: &CompareReport) -> String {
         if let Some(trigger) = &comparison.trigger {
             output.push_str(&format!("  {:<44} {}\n", "", trigger.reason));
         }
+        if let Some(reason) = &comparison.trigger_not_compared {
+            let words = "How often it is triggered is not compared:";
+            output.push_str(&format!("  {:<44} {words} {reason}\n", ""));
+        }
     }
     if output.is_empty() {
         output.push_str("There is nothing to compare.\n");

@@ -116,7 +116,7 @@ pub fn requirements(arguments: &Requirements, setting: &Host) -> Result<Done, Pr
     let forms = forms_of(&study);
     let found = of_study(&study);
     let mut report = RequirementsReport {
-        format: "1.1".into(),
+        format: "1.2".into(),
         warnings: warn(&study, setting),
         requirements: study
             .forms
@@ -364,12 +364,14 @@ fn drift_text(out: &mut String, drift: &[Drift]) {
     for found in drift {
         let _ = writeln!(
             out,
-            "  {}, {}: {}: {}, where the requirement has {}",
+            "  {}, {}: {}: {}, where the requirement has {}\n    {}: {}",
             found.requirement,
             found.form,
             found.kind.words(),
             found.found,
-            found.declared
+            found.declared,
+            found.place,
+            found.remedy
         );
     }
 }

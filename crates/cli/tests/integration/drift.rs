@@ -385,3 +385,96 @@ fn limits_of_one_dimension_that_are_exchanged_are_drift() {
         .filter(|d| d["form"] == "lying");
     assert_eq!(of_box.count(), 2, "x and z: {report:#}");
 }
+
+/// The property by which requirement 4 is asked of the model, and the declared duration of a step.
+const PROPERTY: &str = "(F \"released_within_limit\")";
+const STEP: &str = "step = \"0.1 s\"\n";
+
+/// The drift of the property of requirement 4: kind, what is found, what is declared, place and remedy.
+fn of_property(changes: &[(&str, &str, &str)]) -> Vec<[String; 5]> {
+    let (report, _) = reported(changes);
+    let own = list(&report, "drift").iter();
+    let own = own.filter(|it| it["requirement"] == "4" && it["form"] == "property");
+    let text = |it: &Value, key: &str| it[key].as_str().expect("a text").to_owned();
+    let keys = ["kind", "found", "declared", "place", "remedy"];
+    own.map(|it| keys.map(|key| text(it, key))).collect()
+}
+
+/// A property that asks for no time is weaker than "within release_time", whether or not a step of the model has a duration.
+#[test]
+fn a_property_without_the_sentence_s_time_limit_is_drift() {
+    let unbounded = ("requirements.toml", PROPERTY, "(F \"released\")");
+    for changes in [&[unbounded][..], &[unbounded, ("study.toml", STEP, "")]] {
+        let found = of_property(changes);
+        assert_eq!(found.len(), 1, "{found:?}");
+        let [kind, seen, declared, place, remedy] = &found[0];
+        assert_eq!(kind, "left-out");
+        assert_eq!(seen, "no limit of the time to `released`");
+        assert!(declared.contains("release_time"), "{declared}");
+        assert!(place.ends_with("requirements.toml:9"), "{place}");
+        assert!(remedy.contains("F<=k"), "{remedy}");
+    }
+    // What has a bound in steps, or a label that may hold one, is not said to have none.
+    let bounded = ("requirements.toml", PROPERTY, "(F<=20 \"released\")");
+    let untimed = ("study.toml", STEP, "");
+    for changes in [&[bounded][..], &[bounded, untimed], &[untimed]] {
+        let found = of_property(changes);
+        assert!(found.is_empty(), "{changes:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_sentence_without_a_time_limit_asks_the_property_for_none() {
+    let untimed = (
+        "requirements.toml",
+        "within release_time satisfy",
+        "eventually satisfy",
+    );
+    let unbounded = ("requirements.toml", PROPERTY, "(F \"released\")");
+    let step = ("study.toml", STEP, "");
+    for changes in [&[untimed, unbounded][..], &[untimed, unbounded, step]] {
+        let found = of_property(changes);
+        assert!(found.is_empty(), "{changes:?}: {found:?}");
+    }
+}
+
+/// Without a sentence the property and the formula are held against each other, and the one without a limit is named.
+#[test]
+fn of_a_property_and_a_formula_the_one_without_a_time_limit_is_named() {
+    let sentence = "shall = \"Upon sensors_satisfied the robot shall within release_time satisfy released.\"\n";
+    let formula = |time: &str| {
+        format!("formula = \"always (rise(sensors_satisfied) => eventually{time} released)\"\n")
+    };
+    for (time, property, named) in [
+        (
+            "[0 s, 2 s]",
+            "(F \"released\")",
+            Some(("property", "2 s in its monitor")),
+        ),
+        (
+            "",
+            "(F<=20 \"released\")",
+            Some(("monitor", "as its property")),
+        ),
+        ("[0 s, 2 s]", "(F<=20 \"released\")", None),
+        ("", "(F \"released\")", None),
+    ] {
+        let written = formula(time);
+        let (report, _) = reported(&[
+            ("requirements.toml", sentence, &written),
+            ("requirements.toml", PROPERTY, property),
+        ]);
+        let drift = list(&report, "drift").iter();
+        let left_out: Vec<&Value> = drift
+            .filter(|it| it["requirement"] == "4" && it["kind"] == "left-out")
+            .collect();
+        match named {
+            None => assert!(left_out.is_empty(), "{time} {property}: {left_out:?}"),
+            Some((form, declared)) => {
+                assert_eq!(left_out.len(), 1, "{left_out:?}");
+                assert_eq!(left_out[0]["form"], form);
+                assert!(says(&left_out[0]["declared"], declared), "{left_out:?}");
+            }
+        }
+    }
+}

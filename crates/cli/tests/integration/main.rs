@@ -27,6 +27,7 @@ mod init;
 mod lacking_signals;
 mod language;
 mod licences;
+mod one_person;
 mod persistent_command;
 mod rare;
 mod recordings;

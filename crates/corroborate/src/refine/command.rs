@@ -210,10 +210,7 @@ fn others<'r>(result: &'r StudyResult, piece: &Evidence) -> impl Iterator<Item =
 }
 
 fn name_of(subject: &Subject) -> String {
-    match subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    }
+    subject.in_words()
 }
 
 fn rate_of(findings: &[Finding], subject: &Subject) -> Option<f64> {

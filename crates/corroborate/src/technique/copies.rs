@@ -173,10 +173,7 @@ fn is_declared(piece: &Evidence, other: &Evidence, subject: &Subject) -> bool {
 }
 
 fn subject_in_words(subject: &Subject) -> String {
-    match subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    }
+    subject.in_words()
 }
 
 /// A probability in few digits.

@@ -43,6 +43,8 @@ pub struct Tables {
     cohort: Option<Cohort>,
     requirements: Vec<VerdictRow>,
     failure_modes: Vec<ModeRow>,
+    /// Why the one subject of the cohort stands for all, where the study declares it.
+    one_for_all: Option<String>,
 }
 
 #[derive(Debug)]
@@ -94,8 +96,10 @@ impl Tables {
                 Some(path) => mode_rows(study, &open(path)?)?,
                 None => Vec::new(),
             },
+            one_for_all: files.one_for_all.map(str::to_owned),
         };
         tables.check_agreement(study)?;
+        tables.check_is_one()?;
         Ok(tables)
     }
 
@@ -127,6 +131,7 @@ impl Tables {
             (Some(cohort), Some(alike)) => cohort.tests(study, alike)?,
             _ => None,
         };
+        let clusters = clusters.map(|it| it.with_one_for_all(self.one_for_all.clone()));
         Ok(Produced {
             tool: Tool {
                 name: match technique.witness_of() {
@@ -302,6 +307,24 @@ impl Tables {
         Ok(())
     }
 
+    /// That one stands for all can be declared of one alone.
+    fn check_is_one(&self) -> Result<(), Problem> {
+        let (Some(_), Some(cohort)) = (&self.one_for_all, &self.cohort) else {
+            return Ok(());
+        };
+        match cohort.subjects() {
+            1 => Ok(()),
+            many => Err(Problem::new(
+                "one-for-all",
+                format!(
+                    "`one_for_all` is declared of {}, which has trials of {many}",
+                    cohort.name
+                ),
+            )
+            .remedy("leave `one_for_all` out: how they differ is taken from the table")),
+        }
+    }
+
     /// What the findings depend on.
     pub fn inputs(&self, study: &Study, inputs: &mut Inputs) {
         if let Some(cohort) = &self.cohort {
@@ -314,6 +337,10 @@ impl Tables {
         }
         for row in &self.failure_modes {
             inputs.add_json(&row.mode, &(row.occurrences, row.opportunities));
+        }
+        // An entry without it has the inputs that it had before there was the key.
+        if let Some(because) = &self.one_for_all {
+            inputs.add("one_for_all", because.as_bytes());
         }
         for form in &study.forms.subjects {
             inputs.add("subject", form.subject.id().as_bytes());
@@ -351,6 +378,11 @@ impl Cohort {
         let cohort = Self { attempts, table };
         cohort.check_codes(study)?;
         Ok(cohort)
+    }
+
+    /// Subjects with trials.
+    fn subjects(&self) -> u64 {
+        self.attempts.iter().filter(|trials| **trials > 0).count() as u64
     }
 
     /// Every code in a column of codes must be one that the vocabulary counts;

@@ -236,12 +236,14 @@ pub(crate) fn technique_of<'t>(
             cohort,
             requirements,
             failure_modes,
+            one_for_all,
         } => Box::new(tables::ReadTables {
             technique: *technique,
             files: study::TableFiles {
                 cohort: cohort.as_deref(),
                 requirements: requirements.as_deref(),
                 failure_modes: failure_modes.as_deref(),
+                one_for_all: one_for_all.as_deref(),
             },
         }),
         Work::Judge {

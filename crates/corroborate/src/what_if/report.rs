@@ -198,10 +198,7 @@ fn row_words(row: &Row, confidence: f64) -> String {
 }
 
 fn name_of(subject: &Subject) -> String {
-    match subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    }
+    subject.in_words()
 }
 
 #[cfg(test)]

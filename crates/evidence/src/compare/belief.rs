@@ -3,6 +3,7 @@
 use super::by_cluster::ByCluster;
 use super::ends::{End, Ends};
 use super::quantiles::Quantiles;
+use super::uncertain::Uncertain;
 use crate::{CredibleInterval, EndDistribution, Guarantee, Measure, MethodAnswer};
 use stats::{BetaPosterior, Confidence, EffectiveSample, Interval, Sample};
 use std::rc::Rc;
@@ -286,13 +287,15 @@ fn computed(answer: &MethodAnswer, credible: Option<&CredibleInterval>) -> Resul
 fn range(answer: &MethodAnswer, credible: &CredibleInterval) -> Option<Ends> {
     let (distributions, bounds) = (credible.ends.as_ref()?, answer.bounds()?);
     let end = |of: &EndDistribution, as_written: f64| {
-        beta_of(of.mean, &of.quantiles).map_or(End::Known(as_written), End::Uncertain)
+        let shape = beta_of(of.mean, &of.quantiles);
+        let drawn = |shape| End::Uncertain(Uncertain::of_draws(&of.quantiles, shape));
+        shape.map_or(End::Known(as_written), drawn)
     };
     let (least, greatest) = (
         end(&distributions.least, bounds.low),
         end(&distributions.greatest, bounds.high),
     );
-    let vary = [least, greatest]
+    let vary = [&least, &greatest]
         .iter()
         .any(|it| matches!(it, End::Uncertain(_)));
     vary.then_some(Ends {

@@ -2,7 +2,7 @@
 //!
 //! # Definition
 //! At constants `c` a model with choices has the range `[L(c), G(c)]`. The constants' posterior makes both ends random;
-//! each is taken as a beta distribution of its mean and variance, or as one number where it does not vary. The joint
+//! each is taken as the quantiles of its draws have it ([`super::uncertain`]), or as one number where it does not vary. The joint
 //! distribution of both is not used: what is said of both is bounded by Bonferroni's inequality,
 //!
 //! ```text
@@ -10,22 +10,23 @@
 //! ```
 //!
 //! # Guarantee
-//! What is said of the whole range holds with at least the posterior probability that is stated, as far as the ends are
-//! beta distributions. Two sides of a comparison are taken as independent.
+//! What is said of the whole range holds with at least the posterior probability that is stated, up to the error of the
+//! draws and, where two uncertain numbers are compared, what [`super::uncertain`] states. Two sides of a comparison are taken as independent.
 
-use stats::{BetaPosterior, Confidence, Interval, PosteriorPlaces, probability_exceeds};
+use super::uncertain::Uncertain;
+use stats::{BetaPosterior, Confidence, Interval, PosteriorPlaces};
 
 /// One end of the range.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum End {
     /// It is the same at all values of the constants.
     Known(f64),
     /// Its distribution.
-    Uncertain(BetaPosterior),
+    Uncertain(Uncertain),
 }
 
 /// Both ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Ends {
     /// The range with the constants as they are written.
     pub as_written: Interval,
@@ -59,9 +60,7 @@ impl End {
         match (self, other) {
             (_, Self::Known(other)) => self.at_least(other + by),
             (Self::Known(end), other) => other.at_most(end - by),
-            (Self::Uncertain(first), Self::Uncertain(second)) => {
-                probability_exceeds(first, second, by)
-            }
+            (Self::Uncertain(first), Self::Uncertain(second)) => first.exceeds(second, by),
         }
     }
 
@@ -110,7 +109,7 @@ impl Ends {
 }
 
 /// A side of a comparison, as ends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Side {
     /// Its lower end.
     pub least: End,
@@ -185,7 +184,7 @@ impl From<&End> for PlannedEnd {
     fn from(end: &End) -> Self {
         match end {
             End::Known(value) => Self::Known(*value),
-            End::Uncertain(posterior) => Self::Uncertain(PosteriorPlaces::new(posterior)),
+            End::Uncertain(posterior) => Self::Uncertain(posterior.places()),
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::Belief;
 use super::ends::{self, End, PlannedSide};
 use super::past::{Asked, Before, Past};
+use super::uncertain::Uncertain;
 use stats::{
     BetaPosterior, Confidence, DifferenceVariance, EffectiveSample, Interval, PosteriorPlaces,
     Sample, binomial_test_above, binomial_test_below, binomial_test_two_sided, boschloo_exact,
@@ -424,8 +425,15 @@ fn is_range(belief: &Belief) -> bool {
 /// A side as ends; counts by their posterior.
 fn side(belief: &Belief) -> ends::Side {
     let (least, greatest) = match (belief, belief.posterior()) {
-        (Belief::Range { ends, .. }, _) => (ends.least, ends.greatest),
-        (_, Some(posterior)) => (End::Uncertain(posterior), End::Uncertain(posterior)),
+        (Belief::Range { ends, .. }, _) => (ends.least.clone(), ends.greatest.clone()),
+        (_, Some(shape)) => {
+            let quantiles = match belief {
+                Belief::Distribution { quantiles, .. } => quantiles.clone(),
+                _ => None,
+            };
+            let end = End::Uncertain(Uncertain { shape, quantiles });
+            (end.clone(), end)
+        }
         (other, None) => {
             let bounds = other.interval(Confidence::P95);
             (End::Known(bounds.low), End::Known(bounds.high))

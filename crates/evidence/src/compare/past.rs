@@ -194,12 +194,12 @@ fn size_of(belief: &Belief) -> Option<f64> {
             Some(a + b)
         }
         Belief::Range { ends, .. } => {
-            let sizes = [ends.least, ends.greatest]
+            let sizes = [&ends.least, &ends.greatest]
                 .into_iter()
                 .filter_map(|end| match end {
                     End::Known(_) => None,
-                    End::Uncertain(posterior) => {
-                        let (a, b) = posterior.parameters();
+                    End::Uncertain(uncertain) => {
+                        let (a, b) = uncertain.shape.parameters();
                         Some(a + b)
                     }
                 });

@@ -31,6 +31,11 @@ impl Quantiles {
         })
     }
 
+    /// How many quantiles there are; at least two.
+    pub fn count(&self) -> usize {
+        self.at.len()
+    }
+
     /// The probability of at most this.
     pub fn cdf(&self, value: f64) -> f64 {
         match value < self.middle() {

@@ -5,9 +5,14 @@
 //! not compared: they answer different questions ([`Finding::is_over_the_same_runs`]). Nor is a number over
 //! all runs of which the study says no trigger ([`Denominator::NoTrigger`]): that some runs do not trigger it is what
 //! [`Denominator::Triggered`] says. Nor is a model's number given a trigger that was written by hand with anything that is
-//! counted by a monitor which is triggered in other runs ([`Denominator::OtherTrigger`]). The share of runs that trigger it is a quantity of its own. It is compared by the tests
-//! of a pair, at the requirement's margin, without correction for other comparisons and for looks before, and decides
-//! nothing: trials are often arranged so that the trigger comes.
+//! counted by a monitor which is triggered in other runs ([`Denominator::OtherTrigger`]).
+//!
+//! The share of runs that trigger it is a quantity of its own. It is compared by the tests of a pair, at the requirement's
+//! margin, without correction for other comparisons and for looks before, and decides nothing. It is compared only where both
+//! shares are known to be of the same population of runs: under the same conditions, of the same trigger, and of runs that come
+//! as the conditions have it, which are those of a model, of a simulator's own campaign, and of operation. Trials that people
+//! set up are often arranged so that the trigger comes, and what others counted in tables may be only such runs. Elsewhere the
+//! reason is said in place of the comparison.
 //!
 //! # Guarantee
 //! That of the tests of a pair ([`super::pair`]), for each trigger on its own.
@@ -16,7 +21,8 @@ use super::words::{p_value, points};
 use super::{Belief, Levels, Pair, Relation};
 use crate::condition::share;
 use crate::{
-    AskedBy, Denominator, Evidence, Finding, Interval, Subject, Technique, TriggerComparison,
+    AskedBy, AssetRole, Denominator, Evidence, Finding, Interval, Measure, Subject, Technique,
+    TriggerComparison,
 };
 
 impl Finding {
@@ -119,14 +125,70 @@ fn remedy(subject: &Subject, of_all: Technique) -> &'static str {
     }
 }
 
-/// How often both sides trigger the subject, if both know it.
+/// How often both sides trigger the subject, if both know it; or why that is not compared.
 pub(super) fn triggers(
     (left, first): (&Evidence, &Finding),
     (right, second): (&Evidence, &Finding),
     margin: f64,
     levels: &Levels,
+) -> Option<Result<TriggerComparison, String>> {
+    let (of_left, of_right) = (first.trigger.as_deref()?, second.trigger.as_deref()?);
+    let of_others = other_population((left, first), (right, second));
+    match of_others {
+        Some(reason) => Some(Err(reason)),
+        None => shares((left, of_left), (right, of_right), margin, levels).map(Ok),
+    }
+}
+
+/// Why two shares of triggers are not known to be of the same population of runs, if they are not.
+fn other_population(
+    (left, first): (&Evidence, &Finding),
+    (right, second): (&Evidence, &Finding),
+) -> Option<String> {
+    if left.conditions != right.conditions {
+        return Some(format!(
+            "{} and {} hold for other conditions, so that their runs are not the same.",
+            left.id, right.id
+        ));
+    }
+    let trigger = |finding: &Finding| match &finding.denominator {
+        Denominator::OtherTrigger { trigger, .. } => Some(trigger.clone()),
+        Denominator::EveryRun
+        | Denominator::NoTrigger
+        | Denominator::Triggered
+        | Denominator::Covered
+        | Denominator::AllRuns { .. } => None,
+    };
+    if trigger(first) != trigger(second) {
+        return Some(format!(
+            "The shares of {} and {} are of different triggers.",
+            left.id, right.id
+        ));
+    }
+    let arranged = [left, right].into_iter().find(|it| is_arranged(it))?;
+    Some(format!(
+        "The runs of {} were set up or chosen by people, perhaps so that it is triggered: nothing says that they are a sample of \
+         all runs.",
+        arranged.id
+    ))
+}
+
+/// Whether its runs may have been chosen by whether they trigger a subject: trials that people set up, and what others counted
+/// of a model or simulator that the study does not have.
+fn is_arranged(evidence: &Evidence) -> bool {
+    let of_system = evidence.technique.is_of_system();
+    let has_data = evidence.assets.iter().any(|it| it.role == AssetRole::Data);
+    let has_model = (evidence.assets.iter()).any(|it| it.role == AssetRole::SystemModel);
+    evidence.technique.traits().is_counted_by_people || !of_system && has_data && !has_model
+}
+
+/// The comparison of two shares.
+fn shares(
+    (left, first): (&Evidence, &Measure),
+    (right, second): (&Evidence, &Measure),
+    margin: f64,
+    levels: &Levels,
 ) -> Option<TriggerComparison> {
-    let (first, second) = (first.trigger.as_deref()?, second.trigger.as_deref()?);
     let beliefs = (Belief::of(first).ok()?, Belief::of(second).ok()?);
     let pair = Pair::new(beliefs.0, beliefs.1, margin);
     let p = pair.p_difference();
@@ -174,7 +236,6 @@ pub(super) fn triggers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Measure;
 
     fn finding(denominator: Denominator, trigger: Option<Measure>) -> Finding {
         Finding {

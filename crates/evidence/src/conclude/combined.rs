@@ -224,7 +224,16 @@ fn together_in_words(result: &Combined, conflict: bool, confidence: Confidence) 
         };
     };
     let level = percent(confidence.level());
-    let range = format!("{} to {} ({level} interval)", percent(low), percent(high));
+    // One piece stands with its own interval, several with that of a posterior; neither allows for looks.
+    let kind = match ids.len() {
+        1 => "interval",
+        _ => "credible interval",
+    };
+    let range = format!(
+        "{} to {} (two-sided {level} {kind} of one look)",
+        percent(low),
+        percent(high)
+    );
     if ids.len() == 1 {
         return format!("Only {who} is counted independently: {range}.");
     }
@@ -294,6 +303,9 @@ fn chosen<'a>(
         let weight = weights.of(&id);
         let reason = match piece.belief.worth_in_counts() {
             _ if weight <= 0.0 => "has a declared weight of 0",
+            Some(_) if is_trial(piece.evidence) && piece.evidence.is_of_one_subject() => {
+                "is of one person or session alone"
+            }
             Some(_) if !same_runs.contains(&id.as_str()) => "is over other runs",
             Some(_) if !free.contains(&index) => "rests on the counts of a piece that is combined",
             None if matches!(piece.belief, Belief::Known { .. } | Belief::Range { .. }) => {

@@ -139,6 +139,9 @@ fn reason(study: &Study<'_>, asked: &Asked<'_>, piece: &Evidence) -> Option<Excl
     if Piece::of(piece, asked.requirement, &asked.quantity).is_none() {
         return Some(silence(finding));
     }
+    if !asked.may_decide(piece) {
+        return Some(ExclusionReason::OneSubject);
+    }
     if asked.pieces.iter().any(|it| it.evidence.id == piece.id) {
         let why = dependence(study, asked, piece);
         return Some(ExclusionReason::NotIndependent(why));
@@ -233,6 +236,10 @@ fn words(id: &str, reason: &ExclusionReason) -> String {
         ExclusionReason::NotIndependent(why) => {
             format!("{id} does not decide beside the other trials: {why}.")
         }
+        ExclusionReason::OneSubject => format!(
+            "{id} does not decide: all its trials are of one person or session, and nothing says that this one stands for all. \
+             Add trials with others, or say why in ledger.toml: `tables.one_for_all = \"...\"`."
+        ),
         ExclusionReason::NoNumber(why) => format!("{id} has a number, but {why}."),
         ExclusionReason::NotExpressible(why) => because(&format!("{id} cannot express it"), why),
         ExclusionReason::NotCovered(why) => because(&format!("{id} never covered it"), why),

@@ -4,12 +4,15 @@ use super::ladder::Judged;
 use super::levels::{Test, divisors};
 use super::stand::{ClaimLevels, Named, can_err, doubts, stand};
 use super::transfer::{Transfer, transfers};
+use super::words::is_certainty;
 use super::{
     Piece, among_current, current, elsewhere, independent, is_trial, looked_at, quantity,
     threshold_of,
 };
 use crate::compare::{Lineage, Study};
-use crate::{Comparison, Direction, ErrorFamily, Outcome, Requirement, Step, Subject, Threshold};
+use crate::{
+    Comparison, Direction, ErrorFamily, Evidence, Outcome, Requirement, Step, Subject, Threshold,
+};
 
 /// A requirement with all that is judged on it.
 pub(crate) struct Asked<'a> {
@@ -18,7 +21,7 @@ pub(crate) struct Asked<'a> {
     pub threshold: Threshold,
     /// The current evidence.
     pub pieces: Vec<Piece<'a>>,
-    /// Of each of these whether it may decide: all but trials that rest on other trials.
+    /// Of each of these whether it may decide: all but trials that rest on other trials, and those of one subject alone.
     pub decides: Vec<bool>,
     /// Evidence under other conditions.
     pub elsewhere: Vec<Piece<'a>>,
@@ -75,9 +78,10 @@ impl<'a> Asked<'a> {
         let quantity = quantity(study.requirements, requirement);
         let pieces = current(study.evidence, requirement, &quantity);
         let pieces = looked_at(study, pieces, (requirement, &quantity));
+        let threshold = threshold_of(requirement);
         let trials: Vec<Piece> = pieces
             .iter()
-            .filter(|piece| is_trial(piece.evidence))
+            .filter(|piece| is_trial(piece.evidence) && may_decide(piece.evidence, threshold))
             .cloned()
             .collect();
         let free: Vec<&str> = independent(&trials, lineage, &quantity)
@@ -90,7 +94,7 @@ impl<'a> Asked<'a> {
             .collect();
         Self {
             requirement,
-            threshold: threshold_of(requirement),
+            threshold,
             elsewhere: looked_at(
                 study,
                 elsewhere::elsewhere(study.evidence, requirement, &quantity, &pieces),
@@ -121,11 +125,22 @@ impl<'a> Asked<'a> {
             .map(|(piece, _)| piece)
     }
 
+    /// Whether trials of a piece can decide it.
+    pub fn may_decide(&self, piece: &Evidence) -> bool {
+        may_decide(piece, self.threshold)
+    }
+
+    /// The pieces under other conditions that may decide in a group.
+    fn elsewhere_of(&self, group: Group) -> impl Iterator<Item = &Piece<'a>> {
+        let pieces = self.elsewhere.iter();
+        pieces.filter(move |it| group_of(it) == group && self.may_decide(it.evidence))
+    }
+
     /// How many tests share the level of "met" and of "missed" in a group.
     fn sharing(&self, group: Group) -> (usize, usize) {
         let can_err = |piece: &&Piece| can_err(&piece.belief, self.threshold);
         let here = self.of_group(group).filter(can_err).count();
-        let elsewhere = self.elsewhere.iter().filter(|it| group_of(it) == group);
+        let elsewhere = self.elsewhere_of(group);
         let carried = match group {
             Group::System => self.transfers.iter().filter(|it| it.anchor.is_ok()).count(),
             Group::Models => 0,
@@ -149,7 +164,7 @@ impl<'a> Asked<'a> {
             let carried = self.transfers.iter().filter(|it| it.anchor.is_ok());
             here.extend(carried.map(|it| it.doubts(self.threshold, margin)));
         }
-        let there = self.elsewhere.iter().filter(|it| group_of(it) == group);
+        let there = self.elsewhere_of(group);
         let there: Vec<(f64, f64)> = there.filter(can_err).map(of).collect();
         let not_met = here.iter().map(|p| p.0).collect();
         let is_met = here.iter().chain(&there).map(|p| p.1).collect();
@@ -163,6 +178,7 @@ impl<'a> Asked<'a> {
             let named = self.named(piece);
             let mut standing = stand(named, &piece.belief, self.threshold, levels);
             standing.elsewhere = elsewhere;
+            standing.words += &of_one_subject(piece.evidence);
             Judged {
                 standing,
                 decides,
@@ -179,7 +195,7 @@ impl<'a> Asked<'a> {
             conditions: transfer.piece.evidence.conditions.clone(),
         }));
         let there = self.elsewhere.iter();
-        all.extend(there.map(|piece| judged(piece, true, true)));
+        all.extend(there.map(|piece| judged(piece, self.may_decide(piece.evidence), true)));
         all
     }
 
@@ -207,6 +223,28 @@ impl<'a> Asked<'a> {
             units.push(unit);
             units.len() - 1
         })
+    }
+}
+
+/// Whether evidence may decide a requirement of the system: trials of one person or session tell of this one alone, but for
+/// certainty, which one violation refutes, whoever's it is.
+fn may_decide(piece: &Evidence, threshold: Threshold) -> bool {
+    !is_trial(piece) || !piece.is_of_one_subject() || is_certainty(threshold)
+}
+
+/// Whose figure it is, where all trials of the system are of one person or session.
+fn of_one_subject(piece: &Evidence) -> String {
+    let declared = piece
+        .clusters
+        .as_ref()
+        .and_then(|it| it.one_for_all.as_ref());
+    match declared {
+        _ if !is_trial(piece) => String::new(),
+        Some(because) => {
+            format!(", of one person or session, declared to stand for all (\"{because}\")")
+        }
+        None if piece.is_of_one_subject() => ", of one person or session alone".to_owned(),
+        None => String::new(),
     }
 }
 

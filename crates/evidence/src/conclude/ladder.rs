@@ -15,6 +15,9 @@
 //! | satisfied | in simulation, for the model | one supports it |
 //! | undecided | none | else |
 //!
+//! Trials that rest on other trials decide nothing beside these, and trials of one person or session alone nothing of the
+//! system, unless the study declares that this one stands for all ([`crate::Evidence::is_of_one_subject`]).
+//!
 //! A piece *conflicts* with another where the comparison of both says so (`compare`) and they are independent. That one
 //! supports and another denies is no conflict by itself: their rates may lie close on either side of the threshold.
 //!
@@ -30,7 +33,7 @@ pub(super) type Decided = (Verdict, Option<Step>);
 #[derive(Clone, Debug)]
 pub(super) struct Judged {
     pub standing: PieceStanding,
-    /// `false` for trials that rest on other trials which take part.
+    /// `false` for trials that rest on other trials which take part, and for those of one subject alone.
     pub decides: bool,
     /// Under which conditions.
     pub conditions: String,
@@ -133,12 +136,14 @@ pub(super) fn is_denial(piece: &Judged, judged: &[Judged]) -> bool {
     let overruled = || {
         judged.iter().any(|other| {
             other.standing.elsewhere
+                && other.decides
                 && other.conditions == piece.conditions
                 && other.standing.step == Step::System
                 && other.standing.standing == Standing::Supports
         })
     };
-    piece.standing.standing == Standing::Denies
+    piece.decides
+        && piece.standing.standing == Standing::Denies
         && (piece.standing.step == Step::System || !overruled())
 }
 

@@ -1,5 +1,6 @@
 //! How one piece of evidence stands to a threshold.
 
+use super::fewer::better_without_one;
 use super::{CERTAINTY, limits, words};
 use crate::compare::{Belief, CountsAtLook, End};
 use crate::looks::over_looks;
@@ -70,7 +71,8 @@ pub(super) fn stand(
             threshold,
             (p_not_met, p_met),
             (limits, levels),
-        ) + &all_kinds_met(belief, threshold, standing, levels),
+        ) + &all_kinds_met(belief, threshold, standing, levels)
+            + &better_without_one(belief, threshold, levels),
     }
 }
 

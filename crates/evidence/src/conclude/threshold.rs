@@ -120,6 +120,10 @@ fn why_not_planned(
             "No trials on the step \"{}\" that it needs cover it, so there is nothing to plan from.",
             requirement.needs.name()
         ),
+        Some(piece) if piece.evidence.is_of_one_subject() => format!(
+            "All trials of {} are of one person or session; more of the same one decide nothing of others.",
+            piece.evidence.id
+        ),
         Some(piece) => format!(
             "No trials can be added to {}: it is published or rests on other trials.",
             piece.evidence.id
@@ -159,7 +163,11 @@ fn plans(
         return Vec::new();
     }
     let quantity = quantity(study.requirements, requirement);
-    let enough = |piece: &Piece| Step::of(piece.evidence.technique) >= requirement.needs;
+    let enough = |piece: &Piece| {
+        // More trials of the same one tell no more of others.
+        Step::of(piece.evidence.technique) >= requirement.needs
+            && !piece.evidence.is_of_one_subject()
+    };
     let mut pieces = current(study.evidence, requirement, &quantity);
     pieces.retain(enough);
     let pieces = looked_at(study, pieces, (requirement, &quantity));

@@ -14,7 +14,7 @@
 //!
 //! Where several trials of the system are compared on the anchor, the smallest of their p-values is multiplied by their
 //! number. Nothing carries over where any of them conflicts with the model. A model that was calibrated on the trials
-//! only fits them: it is no anchor.
+//! only fits them: it is no anchor; nor are trials of one person or session alone, which tell of this one.
 //!
 //! For the requirement that is its own anchor this is never stronger than the trials' own counts, since equivalence with
 //! `q` within `m` shows no more of `p` than that it is above `q - m`. It is meant for what the trials did not cover.
@@ -100,7 +100,7 @@ fn anchor(
     }
     let independent: Vec<&(&Comparison, &str)> = with_trials
         .iter()
-        .filter(|(it, _)| it.independent)
+        .filter(|(it, other)| it.independent && !is_of_one_subject(study.evidence, other))
         .collect();
     let count = independent.len() as f64;
     let shown = independent
@@ -133,6 +133,11 @@ fn is_trial_in(evidence: &[Evidence], id: &str) -> bool {
     evidence
         .iter()
         .any(|piece| piece.id == id && is_trial(piece))
+}
+
+fn is_of_one_subject(evidence: &[Evidence], id: &str) -> bool {
+    let mut pieces = evidence.iter();
+    pieces.any(|piece| piece.id == id && piece.is_of_one_subject())
 }
 
 fn p_of_equivalence(comparison: &Comparison) -> f64 {

@@ -78,9 +78,8 @@ pub(super) fn piece(
             is_range: true,
             ..
         } => format!(
-            "{id}: computed {} to {} over all schedulers{given}",
-            percent(bounds.low),
-            percent(bounds.high)
+            "{id}: computed {} over all schedulers{given}",
+            span(*bounds)
         ),
         Belief::Known { value, bounds, .. } if bounds.high - bounds.low >= SHOWN => format!(
             "{id}: computed {}{given} (between {} and {})",
@@ -95,10 +94,9 @@ pub(super) fn piece(
                 false => (levels.missed, p_met),
             };
             format!(
-                "{id}: computed {} to {} over all schedulers{given}, {} under each of them ({} credible limit, probability {} of \
+                "{id}: computed {} over all schedulers{given}, {} under each of them ({} credible limit, probability {} of \
                  {} under each)",
-                percent(ends.as_written.low),
-                percent(ends.as_written.high),
+                span(ends.as_written),
                 limit(limits, threshold, leans_to_met),
                 percent(1.0 - level),
                 probability(1.0 - doubt),
@@ -120,6 +118,15 @@ pub(super) fn piece(
                 hypothesis(threshold, leans_to_met),
             )
         }
+    }
+}
+
+/// `86.5 % to 93 %`; one number where both ends are shown alike.
+fn span(ends: stats::Interval) -> String {
+    let (low, high) = (percent(ends.low), percent(ends.high));
+    match low == high {
+        true => low,
+        false => format!("{low} to {high}"),
     }
 }
 
@@ -264,6 +271,13 @@ pub(super) fn percent_up(bound: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_without_width_is_one_number() {
+        let of = |low, high| span(stats::Interval { low, high });
+        assert_eq!(of(1.0, 1.0), "100 %");
+        assert_eq!(of(0.865, 0.93), "86.5 % to 93 %");
+    }
 
     #[test]
     fn a_rounded_limit_stays_on_its_side_of_the_threshold() {

@@ -96,10 +96,11 @@ impl Matter<'_> {
             (share >= NAMED).then(|| self.of_system(shows, model, subject, (whole, share)))?;
         clue.title = format!("{} alone shows {}", shows.id, name_of(subject));
         clue.explanation = format!(
-            "{}, and {} has no such failure: a disagreement with a Bayes factor of 10^{whole:.1}, with probability {share:.2} the odd one \
-             out.",
+            "{}, and {} has no such failure: a disagreement on {} with a Bayes factor of 10^{whole:.1}, with probability {share:.2} \
+             the odd one out.",
             rate_in_words(shows, subject),
-            model.id
+            model.id,
+            name_of(subject)
         );
         Some(clue)
     }
@@ -141,7 +142,11 @@ impl Matter<'_> {
             subject: subject.clone(),
             score,
             title: format!("{} excludes {}", piece.id, name_of(subject)),
-            explanation: format!("It occurs: {}. {reason}", words.join(", ")),
+            explanation: format!(
+                "Occurrences of {}: {}. {reason}",
+                name_of(subject),
+                words.join(", ")
+            ),
             symptom: Symptom::MissingMode {
                 mode: mode.to_owned(),
                 shown: shown.iter().map(|(_, e)| counts_of(e, subject)).collect(),

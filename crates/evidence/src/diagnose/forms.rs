@@ -123,8 +123,10 @@ impl Matter<'_> {
                 name_of(subject)
             ),
             explanation: format!(
-                "On {differing} of {} runs of {} they do not agree.",
-                found.runs, piece.id
+                "On {differing} of {} runs of {} they do not agree on {}.",
+                found.runs,
+                piece.id,
+                name_of(subject)
             ),
             symptom: Symptom::FormsDiffer {
                 subject: subject.clone(),

@@ -366,10 +366,7 @@ pub(super) fn rate_in_words(piece: &Evidence, subject: &Subject) -> String {
 
 /// A subject for people.
 pub(super) fn name_of(subject: &Subject) -> String {
-    match subject {
-        Subject::Requirement(id) => format!("requirement {id}"),
-        Subject::FailureMode(id) => id.replace('_', " "),
-    }
+    subject.in_words()
 }
 
 impl Suspect {

@@ -313,8 +313,10 @@ impl<'a> Matter<'a> {
                 name_of(subject)
             ),
             explanation: format!(
-                "{rates}: a conflict with a Bayes factor of 10^{whole:.1}; judged by `{}` instead, 10^{:.1}.{said}{sided}",
-                like.form, like.left
+                "{rates}: a conflict on {} with a Bayes factor of 10^{whole:.1}; judged by `{}` instead, 10^{:.1}.{said}{sided}",
+                name_of(subject),
+                like.form,
+                like.left
             ),
             symptom: Symptom::FormsDiffer {
                 subject: subject.clone(),
@@ -420,9 +422,10 @@ impl<'a> Matter<'a> {
             score: left * share,
             title: format!("{} differs in {}", piece.id, name_of(subject)),
             explanation: format!(
-                "{} against {}: a conflict with a Bayes factor of 10^{left:.1}, with probability {share:.2} the odd one out.",
+                "{} against {}: a conflict on {} with a Bayes factor of 10^{left:.1}, with probability {share:.2} the odd one out.",
                 rate_in_words(piece, subject),
-                rate_in_words(against, subject)
+                rate_in_words(against, subject),
+                name_of(subject)
             ),
             symptom: Symptom::RateDiffers {
                 subject: subject.clone(),

@@ -105,6 +105,7 @@ fn trials_of_one_person_are_that_many_of_one_group() {
     let mut piece = experiment("E", 195, 200);
     piece.clusters = Some(ClusterTests {
         subjects: 1,
+        one_for_all: Some("the arm works alone".into()),
         effective_trials: 200.0,
         ..ClusterTests::default()
     });
@@ -112,9 +113,16 @@ fn trials_of_one_person_are_that_many_of_one_group() {
     assert_eq!(clustering[0].holds_up_to, expected(195, 200, 200));
     assert!(!clustering[0].is_assumed && clustering[0].group_size == 200.0);
     assert!(
-        clustering[0].statement.contains("of whom alone they tell"),
+        clustering[0]
+            .statement
+            .contains("one person or session, declared to stand for all"),
         "{clustering:?}"
     );
+    // Without the declaration they decide nothing of others.
+    if let Some(clusters) = &mut piece.clusters {
+        clusters.one_for_all = None;
+    }
+    assert_eq!(judged(&[piece.clone()]).0, Verdict::Undecided);
     // Of several people who did one trial each nothing is unknown.
     piece.clusters = Some(ClusterTests {
         subjects: 200,

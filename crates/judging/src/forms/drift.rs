@@ -6,7 +6,8 @@
 //!   requirement limits something else, of its dimension; or of a dimension of
 //!   which the requirement's sentence has none,
 //! * a limit that itself counts to the other side (`<` for `<=`),
-//! * a limit of the sentence that is left out (`left_out`),
+//! * a limit of the sentence that is left out (`left_out`); without a sentence, a time limit that one of property and monitor
+//!   has, where the other has none at all,
 //! * a number without a unit that is compared with what the requirement
 //!   limits, and that is not the limit in any unit in which that is known,
 //! * coordinates compared one by one (a box) where the requirement compares a
@@ -48,6 +49,10 @@ pub struct Drift {
     pub found: String,
     /// What the requirement declares.
     pub declared: String,
+    /// Where the form stands, as file and line.
+    pub place: String,
+    /// What mends it.
+    pub remedy: String,
 }
 
 /// Kinds of drift.
@@ -86,6 +91,26 @@ impl DriftKind {
             Self::Unit => "no unit",
         }
     }
+
+    /// What mends it.
+    fn remedy(self, form: &str) -> &'static str {
+        match (self, form) {
+            (Self::Limit, _) => {
+                "write the declared limit, by the parameter's name where it has one"
+            }
+            (Self::LeftOut, "property") => {
+                "bound the property (`F<=k`, in steps of the model, with their duration as `step` under [model] in \
+                 study.toml), or leave it out, so that it is made from the sentence"
+            }
+            (Self::LeftOut, _) => {
+                "add the limit, or leave the form out, so that it is made from the sentence"
+            }
+            (Self::Unit, _) => "write the unit",
+            (Self::Shape | Self::Signal | Self::Clock | Self::Instant | Self::Boundary, _) => {
+                "write it as the requirement has it, or leave the form out, so that it is made from the sentence"
+            }
+        }
+    }
 }
 
 /// What was found in the texts of a study.
@@ -115,20 +140,25 @@ pub fn of_study(study: &Study) -> Found {
 
 fn of_requirement(study: &Study, form: &SubjectForm) -> Found {
     let declared = Declared::of(study, form);
-    if declared.limits.is_empty() && form.sentence.is_none() {
-        return Found::default();
-    }
     let mut finder = Finder {
         requirement: form.subject.id(),
+        place: &|name: &str| place_of(study, form, name),
         declared,
         found: Found::default(),
     };
+    if form.sentence.is_none() {
+        finder.one_sided(left_out::between(study, form));
+    }
+    if finder.declared.limits.is_empty() && form.sentence.is_none() {
+        return finder.found;
+    }
     if let Some(property) = form.property.as_ref().filter(|p| !p.from_sentence) {
         let limits = of_property(study, &property.text);
         finder.limits("property", &limits);
         if let Some(sentence) = &form.sentence {
             let missing = left_out::of_property(study, sentence, &property.text, &limits);
             finder.left_out("property", missing);
+            finder.one_sided(left_out::untimed(study, sentence, &property.text));
         }
     }
     let main = form.monitor.iter().map(|monitor| ("monitor", monitor));
@@ -141,6 +171,15 @@ fn of_requirement(study: &Study, form: &SubjectForm) -> Found {
         }
     }
     finder.found
+}
+
+/// Where a form stands; a monitor at its requirement.
+fn place_of(study: &Study, form: &SubjectForm, name: &str) -> String {
+    let property = form.property.as_ref().filter(|_| name == "property");
+    let span = property.map_or(&form.span, |property| &property.span);
+    let source = &study.forms.source;
+    let (line, _) = diagnostic::line_and_column(&source.text, span.start);
+    format!("{}:{line}", source.name)
 }
 
 /// What a requirement declares.
@@ -198,6 +237,8 @@ impl Declared {
 
 struct Finder<'a> {
     requirement: &'a str,
+    /// Where a form of this name stands.
+    place: &'a dyn Fn(&str) -> String,
     declared: Declared,
     found: Found,
 }
@@ -210,6 +251,8 @@ impl Finder<'_> {
             kind,
             found,
             declared,
+            place: (self.place)(form),
+            remedy: kind.remedy(form).to_owned(),
         };
         let found = match kind {
             DriftKind::Unit => &mut self.found.hints,
@@ -228,6 +271,13 @@ impl Finder<'_> {
                 (None, None) => "no limit of that time".to_owned(),
             };
             self.add(form, DriftKind::LeftOut, found, in_words(&limit));
+        }
+    }
+
+    /// Time limits of another form where this one has none.
+    fn one_sided(&mut self, missing: Vec<left_out::OneSided>) {
+        for it in missing {
+            self.add(it.form, DriftKind::LeftOut, it.found, it.declared);
         }
     }
 

@@ -7,10 +7,30 @@
 //! that could hold the limit without showing it: a flag that is computed
 //! elsewhere, a variable of a model. So what is found is left out, but not all
 //! that is left out is found.
+//!
+//! Where a step of the model has no declared duration, the bounds of a property
+//! cannot be held against seconds. A property that has none at all has left out
+//! the sentence's nevertheless: it says less, at any duration of a step.
+//! Without a sentence, property and monitor are held against each other: which
+//! of both is meant is not known, so the one without a limit is named.
 
 use super::counterpart::{is_of_same, is_same_limit, same_signals};
-use super::limits::{self, Limit, counts_samples, of_proposition, of_sentence};
-use study::{JudgingForm, Rule, SentenceForm, Study, quoted_names};
+use super::limits::{self, Limit, counts_samples, of_proposition, of_sentence, operands};
+use prism_lang::ast::{Expr, ExprKind};
+use requirement_lang::expression::Expression;
+use study::{JudgingForm, Rule, SentenceForm, Study, SubjectForm, quoted_names};
+use trace::units::Dimension;
+
+/// A form without any time limit, where another has one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OneSided {
+    /// `property` or `monitor`.
+    pub form: &'static str,
+    /// What it has not.
+    pub found: String,
+    /// The limit that the other has.
+    pub declared: String,
+}
 
 /// The limits that a form for traces leaves out.
 pub fn of_judging(study: &Study, sentence: &SentenceForm, form: &JudgingForm) -> Vec<Limit> {
@@ -86,4 +106,95 @@ fn stands_for(found: &Limit, limit: &Limit, declared: &[Limit]) -> bool {
             _ => true,
         },
     }
+}
+
+/// The durations of a sentence of which a property of a model without declared time has none.
+pub fn untimed(study: &Study, sentence: &SentenceForm, text: &str) -> Vec<OneSided> {
+    let names = sentence.tree.propositions();
+    let is_timed = study.about.model.step_secs().is_some() || is_bounded(study, text);
+    if is_timed || !names_only(text, &names) {
+        return Vec::new();
+    }
+    let stages = sentence.tree.stages.iter();
+    let timed = stages.filter_map(|stage| Some((stage, stage.timing.duration()?)));
+    timed
+        .map(|(stage, duration)| OneSided {
+            form: "property",
+            found: match &stage.response {
+                Expression::Atom(atom) => format!("no limit of the time to `{}`", atom.text),
+                _ => "no limit of time".to_owned(),
+            },
+            declared: duration.text.clone(),
+        })
+        .collect()
+}
+
+/// What of a requirement without a sentence has no time limit, of its property and its monitor, where the other has one.
+pub fn between(study: &Study, form: &SubjectForm) -> Vec<OneSided> {
+    let (Some(property), Some(monitor)) = (&form.property, &form.monitor) else {
+        return Vec::new();
+    };
+    let (names, counts_samples) = match &monitor.rule {
+        Rule::Staged(spec) => (spec.propositions(), false),
+        Rule::Formula(rule) => (
+            rule.parsed.atoms.iter().map(|a| a.text.as_str()).collect(),
+            counts_samples(&rule.parsed.formula),
+        ),
+    };
+    let mut durations = limits::of_judging(study, monitor);
+    durations.retain(Limit::is_duration);
+    let is_timed = counts_samples || !durations.is_empty();
+    let labels = quoted_names(&property.text);
+    let is_label = |name: &&str| labels.iter().any(|(label, _)| label == name);
+    match is_bounded(study, &property.text) {
+        false if names_only(&property.text, &names) => of_durations(&durations),
+        true if !is_timed && names.iter().all(is_label) => vec![OneSided {
+            form: "monitor",
+            found: "no limit of time".to_owned(),
+            declared: format!("`{}` as its property", property.text),
+        }],
+        _ => Vec::new(),
+    }
+}
+
+/// That a property has none of the durations of its monitor.
+fn of_durations(durations: &[Limit]) -> Vec<OneSided> {
+    let mut found: Vec<OneSided> = durations
+        .iter()
+        .map(|limit| OneSided {
+            form: "property",
+            found: match &limit.awaited {
+                Some(awaited) => format!("no limit of the time to `{awaited}`"),
+                None => "no limit of time".to_owned(),
+            },
+            declared: format!("{} in its monitor", limit.text),
+        })
+        .collect();
+    found.dedup();
+    found
+}
+
+/// Whether all labels of a property are these propositions, and it has one.
+fn names_only(text: &str, names: &[&str]) -> bool {
+    let labels = quoted_names(text);
+    !labels.is_empty()
+        && labels
+            .iter()
+            .all(|(label, _)| names.contains(&label.as_str()))
+}
+
+/// Whether any operator of a property has a bound of steps or time, or a label of it compares a variable that is a time.
+fn is_bounded(study: &Study, text: &str) -> bool {
+    fn any(expr: &Expr) -> bool {
+        let own = matches!(&expr.kind, ExprKind::Temporal { bound: Some(_), .. });
+        own || operands(expr).into_iter().any(any)
+    }
+    let file = prism_lang::parse_properties(text).tree;
+    let mut limits = limits::of_property(study, text).into_iter();
+    let has_time = limits.any(|limit| limit.dimension == Some(Dimension::TIME));
+    has_time
+        || file
+            .properties
+            .iter()
+            .any(|property| any(&property.formula))
 }

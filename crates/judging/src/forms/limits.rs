@@ -67,6 +67,13 @@ pub struct Compared {
     pub signals: Vec<String>,
 }
 
+impl Limit {
+    /// Whether it limits time itself, and no quantity.
+    pub fn is_duration(&self) -> bool {
+        self.compared.is_none() && self.dimension == Some(Dimension::TIME)
+    }
+}
+
 /// The limits of a requirement's sentence.
 pub fn of_sentence(study: &Study, sentence: &SentenceForm) -> Vec<Limit> {
     let mut limits = Vec::new();
@@ -324,7 +331,7 @@ fn turned(operator: ComparisonOperator) -> ComparisonOperator {
     }
 }
 
-fn operands(expr: &Expr) -> Vec<&Expr> {
+pub fn operands(expr: &Expr) -> Vec<&Expr> {
     match &expr.kind {
         ExprKind::Unary(_, inner) => vec![inner],
         ExprKind::Binary(_, left, right) => vec![left, right],

@@ -3,7 +3,6 @@
 
 use super::node::{Argument, Builder, Kind};
 use super::words::{among, citation, cited, claim, claim_point, compared, quantity, rests_on};
-use crate::number;
 use crate::plan;
 use crate::view::View;
 use crate::words;
@@ -37,7 +36,7 @@ pub fn argument(view: View) -> Argument {
 /// Under which conditions and at which level all of it is said.
 fn surroundings(builder: &mut Builder, top: usize, view: View) {
     let study = view.study;
-    let level = format!("Intervals are at {}", number::level(study.confidence));
+    let level = format!("Intervals are {}", words::intervals(study));
     builder.context(top, Kind::Context, "level", level);
     let mut conditions: Vec<&str> = Vec::new();
     let current = |piece: &&Evidence| {

@@ -238,6 +238,9 @@ fn pair_row(view: View, axis: &Axis, pair: &Comparison) -> Markup {
                 @if let Some(trigger) = &pair.trigger {
                     span class="further" { "How often it is triggered, a quantity of its own: " (trigger.reason) }
                 }
+                @if let Some(reason) = &pair.trigger_not_compared {
+                    span class="further" { "How often it is triggered, a quantity of its own, is not compared: " (reason) }
+                }
                 @if !pair.further_trials.is_empty() {
                     span class="further" {
                         "Would decide: "

@@ -11,7 +11,7 @@ use crate::words;
 pub fn render(view: View) -> Markup {
     let lead = html! {
         "All evidence on each requirement, oldest first. A mark is the rate or the computed probability; "
-        "the line through it is its interval; the dashed line is what is required. Where no runs are named, all runs count."
+        "the line through it is its interval (" (words::intervals(view.study)) "); the dashed line is what is required. Where no runs are named, all runs count."
     };
     let body = html! {
         (key(view))

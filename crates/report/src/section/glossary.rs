@@ -2,7 +2,6 @@
 
 use maud::{Markup, html};
 
-use crate::number;
 use crate::view::{View, chip, section};
 use crate::words;
 use evidence::{Outcome, Verdict};
@@ -28,7 +27,7 @@ pub fn render(view: View) -> Markup {
         }
         h3 { "Numbers and their uncertainty" }
         dl class="glossary" {
-            (term("Interval", &format!("The range of rates with which the observed counts are compatible, at the level of {}. Few trials give a wide interval. Where trials by the same person resemble each other, it is widened to allow for that.", number::level(view.study.confidence))))
+            (term("Interval", &format!("The range of rates with which the observed counts are compatible, {}. Few trials give a wide interval. Where trials by the same person resemble each other, it is widened to allow for that. A verdict has limits of one side, at the level that its requirement has in the study, which hold at every look where they say so.", words::intervals(view.study))))
             (term("Credible interval", "A formal model gives one exact number, but some of its constants were estimated from counts. Their uncertainty, carried through the model, gives this range. It is drawn as a band; each thin line in it is equally probable."))
             (term("Guarantee", "How far a computed number can be trusted. Exact: no rounding. Bounded: the true value lies within stated bounds. Estimated: an iteration stopped, and nobody knows how far from the truth."))
             (term("1 − 1.1×10⁻⁵³", "A probability so near to one that its digits would all be nines: one minus the number shown."))

@@ -111,7 +111,9 @@ fn cluster_tests(clusters: &ClusterTests) -> Markup {
     html! {
         div class="note" {
             p {
-                @if clusters.subjects == 1 {
+                @if let Some(because) = &clusters.one_for_all {
+                    "All trials are of one person or session, declared to stand for all: " (because)
+                } @else if clusters.subjects == 1 {
                     "All trials are of one person or session, of whom alone they tell."
                 } @else {
                     "Trials are grouped: intraclass correlation " (number::decimal(clusters.intraclass_correlation, 3))
@@ -131,7 +133,9 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
             table class="findings cards" {
                 caption class="visually-hidden" { "All findings of " (evidence.id) }
                 thead { tr {
-                    th scope="col" { "Subject" } th scope="col" { "Found" } th scope="col" { "In detail" }
+                    th scope="col" { "Subject" }
+                    th scope="col" { "Found; intervals of counts are " (words::intervals(view.study)) }
+                    th scope="col" { "In detail" }
                 } }
                 tbody {
                     @for finding in &evidence.findings {
@@ -241,7 +245,7 @@ fn measure_detail(measure: &Measure) -> Markup {
     html! {
         @match measure {
             Measure::Counts { effective_trials: Some(effective), .. } => {
-                p { "Effective sample size: " (effective_size(*effective)) "; the interval is computed from it." }
+                p { "Effective sample size: " (effective_size(*effective)) ", which is as many independent trials as have an interval as wide." }
             },
             Measure::Counts { .. } => {},
             Measure::Probability { answer, others, credible } => {

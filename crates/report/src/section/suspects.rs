@@ -80,7 +80,7 @@ fn behind(view: View, diagnosis: &Diagnosis) -> Markup {
             div class="scroll" {
                 table {
                     thead { tr {
-                        th { "Cell" } th { "Traces of" } th { "Subject" } th { "Counts" } th { "Interval" }
+                        th { "Cell" } th { "Traces of" } th { "Subject" } th { "Counts" } th { "Interval (" (words::intervals(view.study)) ")" }
                     } }
                     tbody { @for cell in &diagnosis.cells { (row(view, cell)) } }
                 }

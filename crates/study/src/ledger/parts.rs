@@ -39,6 +39,8 @@ pub struct TableFiles<'w> {
     pub requirements: Option<&'w Path>,
     /// Occurrences by failure mode.
     pub failure_modes: Option<&'w Path>,
+    /// Why the one subject of a cohort stands for all, where the study declares it.
+    pub one_for_all: Option<&'w str>,
 }
 
 impl<'w> TableFiles<'w> {
@@ -197,6 +199,7 @@ impl Work {
                 cohort,
                 requirements,
                 failure_modes,
+                one_for_all,
             } => Parts {
                 technique: *technique,
                 model: None,
@@ -207,6 +210,7 @@ impl Work {
                     cohort: cohort.as_deref(),
                     requirements: requirements.as_deref(),
                     failure_modes: failure_modes.as_deref(),
+                    one_for_all: one_for_all.as_deref(),
                 }),
                 recordings: None,
                 uses_topics: false,

@@ -145,6 +145,9 @@ pub(super) struct TablesText {
     /// Counts by failure mode.
     #[schemars(with = "Option<PathBuf>")]
     pub(super) failure_modes: Option<Spanned<PathBuf>>,
+    /// Why the one person or session of a cohort stands for all: without it, trials of one alone decide nothing of others.
+    #[schemars(with = "Option<String>")]
+    pub(super) one_for_all: Option<Spanned<String>>,
 }
 
 /// A value that only the technique that takes it knows.

@@ -1,6 +1,6 @@
 //! What an entry of the ledger does, out of the keys that say so; keys that belong to other work are refused.
 
-use super::read::{EntryText, Reader};
+use super::read::{EntryText, Reader, TablesText};
 use super::{CommandText, Method, Sampling, TreeEvent, Work};
 use diagnostic::Problem;
 use std::ops::Range;
@@ -498,12 +498,38 @@ impl Reader<'_> {
                 "add `cohort`, `requirements` or `failure_modes`",
             ));
         }
+        let one_for_all = self.declared_for_all(tables)?;
         Ok(Work::Read {
             technique,
+            one_for_all,
             cohort: file(&tables.cohort)?,
             requirements: file(&tables.requirements)?,
             failure_modes: file(&tables.failure_modes)?,
         })
+    }
+
+    /// Why one subject stands for all: a reason in words, of a cohort.
+    fn declared_for_all(&self, tables: &TablesText) -> Result<Option<String>, Problem> {
+        let Some(because) = &tables.one_for_all else {
+            return Ok(None);
+        };
+        if tables.cohort.is_none() {
+            return Err(self.problem(
+                "one-for-all",
+                "`one_for_all` speaks of a cohort, and there is none".into(),
+                because.span(),
+                "add `cohort`, or leave `one_for_all` out: a total does not say whose trials it counts",
+            ));
+        }
+        match because.get_ref().trim() {
+            "" => Err(self.problem(
+                "one-for-all",
+                "`one_for_all` gives no reason".into(),
+                because.span(),
+                "write why the one person or session of the cohort stands for all others",
+            )),
+            reason => Ok(Some(reason.to_owned())),
+        }
     }
 }
 

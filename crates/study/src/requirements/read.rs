@@ -1,6 +1,7 @@
 //! Reads `requirements.toml` and holds it against the vocabulary and the declared parameters.
 
 use super::carried::{CarryOverText, carried};
+use super::stated::other_rate;
 use super::{FormText, Forms, ReadingForm, SubjectForm, TriggerForm};
 use crate::judging_form::{JudgingForm, JudgingText, Rule};
 use crate::sentence_form::{SentenceForm, SentenceReader};
@@ -34,7 +35,8 @@ struct RequirementText {
     #[schemars(with = "String")]
     id: Spanned<String>,
     /// The requirement verbatim, as its source has it.
-    text: String,
+    #[schemars(with = "String")]
+    text: Spanned<String>,
     /// What is asked of the probability, for example `"at least 0.95"`; without it every run has to satisfy the requirement.
     #[schemars(with = "Option<String>")]
     threshold: Option<Spanned<String>>,
@@ -269,6 +271,7 @@ impl Reader<'_> {
             readings: self.readings(text.reading)?,
             experiment: self.experiment(text.experiment)?,
             carried_at: text.carries_over.iter().map(Spanned::span).collect(),
+            other_rate: None,
             sentence,
         };
         form.complete_from_sentence();
@@ -282,11 +285,12 @@ impl Reader<'_> {
                 ..(*other).clone()
             };
         }
+        form.other_rate = other_rate(self.source, &text.text, threshold);
         self.check_property(&form)?;
         let carries_over = carried(text.carries_over, &id);
         let requirement = Requirement {
             id,
-            text: text.text,
+            text: text.text.into_inner(),
             threshold,
             // The other's sentence asks for the other's probability.
             sentence: match same {
@@ -376,6 +380,7 @@ impl Reader<'_> {
             readings: Vec::new(),
             experiment: self.experiment(text.experiment)?,
             carried_at: Vec::new(),
+            other_rate: None,
         };
         self.check_property(&form)?;
         form.monitored = self.monitored(&form);

@@ -89,7 +89,10 @@ pub(super) fn in_words(form: &SubjectForm) -> Option<String> {
     };
     match said {
         TriggerForm::Always => None,
-        TriggerForm::Runs(text) => text_in_words(&text.text).map(str::to_owned),
+        // What becomes true in every run triggers nothing.
+        TriggerForm::Runs(text) => text_in_words(&text.text)
+            .filter(|words| *words != "F true")
+            .map(str::to_owned),
         TriggerForm::Unknown(_) => match &form.monitor.as_ref()?.rule {
             Rule::Staged(spec) => Some(spec.when.clone()),
             Rule::Formula(rule) => rule.trigger_text.clone(),

@@ -41,7 +41,7 @@ impl Cohort {
             found.tests.push(in_words(study, common));
         }
         let mut found = found.unwrap_or_else(|| self.plain());
-        found.subjects = self.attempts.iter().filter(|trials| **trials > 0).count() as u64;
+        found.subjects = self.subjects();
         found.tests.extend(self.in_order(first)?);
         found.tests.extend(self.rank_tests());
         found.common = common;
@@ -51,7 +51,7 @@ impl Cohort {
     /// Of one subject, or one trial of each: independent trials, of that subject alone in the first case.
     fn plain(&self) -> ClusterTests {
         let trials: u64 = self.attempts.iter().sum();
-        let is_one = self.attempts.iter().filter(|it| **it > 0).count() == 1;
+        let is_one = self.subjects() == 1;
         let one = "All trials are of one subject: their interval is of that subject's rate, and says nothing of \
                    how subjects differ.";
         ClusterTests {
@@ -124,16 +124,18 @@ impl Cohort {
             return tests;
         };
         tests.push(format!(
-            "{column} by the beta-binomial model of {} subjects: interval {}, effective sample size {}; \
-             intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
+            "{column} by the beta-binomial model of {} subjects: two-sided {:.0} % interval of one look {}, effective \
+             sample size {}; intraclass correlation {:.3} (likelihood ratio p = {:.3}).",
             rate.clusters,
+            100.0 * level.level(),
             rate.interval,
             evidence::effective_size(rate.worth.trials),
             fit.intraclass_correlation,
             fit.p_value
         ));
         tests.push(format!(
-            "{column} by the variance between subjects, without a model: interval {}.",
+            "{column} by the variance between subjects, without a model: two-sided {:.0} % interval of one look {}.",
+            100.0 * level.level(),
             robust.interval(level)
         ));
         tests

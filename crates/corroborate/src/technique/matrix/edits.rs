@@ -417,7 +417,7 @@ impl Diagnosing<'_> {
                     edit.new,
                     edit.old,
                     words.join(", "),
-                    subject.id()
+                    subject.in_words()
                 ),
                 symptom: Symptom::EditExplains {
                     subject: subject.clone(),

@@ -274,7 +274,7 @@ impl Diagnosing<'_> {
             explanation: format!(
                 "For {}, it computes {}; {count} of {trials} sampled paths show it (exact binomial test, \
                  corrected p {p_value:.2e}).{cut}{estimated}",
-                subject.id(),
+                subject.in_words(),
                 it.computed
             ),
             symptom: Symptom::SampledOtherwise {

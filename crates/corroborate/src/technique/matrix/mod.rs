@@ -167,8 +167,8 @@ fn drifts(study: &Study) -> Vec<Clue> {
                     drift.form, drift.requirement
                 ),
                 explanation: format!(
-                    "It has {}, where {} is declared.",
-                    drift.found, drift.declared
+                    "It has {}, where requirement {} declares {}.",
+                    drift.found, drift.requirement, drift.declared
                 ),
                 symptom: Symptom::Drifted {
                     subject: subject.clone(),

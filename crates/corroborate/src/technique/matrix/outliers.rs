@@ -110,7 +110,7 @@ impl Counted<'_> {
         let all = [sum(|it| it.occurrences), sum(|it| it.attempts)];
         let without = [all[0] - row.occurrences, all[1] - row.attempts];
         let what = match self.subject {
-            Subject::Requirement(_) => "violations of requirement",
+            Subject::Requirement(_) => "violations of",
             Subject::FailureMode(_) => "occurrences of",
         };
         let shown = |[count, trials]: [u64; 2]| {
@@ -140,7 +140,7 @@ impl Counted<'_> {
                  allowing for clustering and for the choice among {} rows. With this row {}, without it {}. Look at the \
                  original of the row and at what was otherwise then; leaving it out is a decision, which the report has to say.",
                 row.subject,
-                self.subject.id(),
+                self.subject.in_words(),
                 self.rows.len() - 1,
                 shown(without),
                 self.rows.len(),

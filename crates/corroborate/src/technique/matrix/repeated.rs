@@ -287,8 +287,8 @@ impl Diagnosing<'_> {
             score,
             title: format!("{} comes out otherwise with {changed}", entry.id),
             explanation: format!(
-                "{}: violated (or occurring) in {before} of {of} episodes as they are, in {after} with {changed}.",
-                subject.id()
+                "Episodes in which {} is violated (or occurs): {before} of {of} as they are, {after} with {changed}.",
+                subject.in_words()
             ),
             symptom: Symptom::RunsOtherwise {
                 subject: subject.clone(),
@@ -303,7 +303,10 @@ impl Diagnosing<'_> {
                 .take(3)
                 .map(|number| Witness {
                     name: format!("{} episode {number}", entry.id),
-                    shows: format!("{} with another verdict than with {changed}", subject.id()),
+                    shows: format!(
+                        "{} with another verdict than with {changed}",
+                        subject.in_words()
+                    ),
                     replay: format!("corroborate replay {ANY_STUDY} {}:{number}", entry.id),
                 })
                 .collect(),

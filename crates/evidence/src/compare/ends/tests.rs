@@ -7,8 +7,8 @@ fn beta(successes: u64, trials: u64) -> BetaPosterior {
 
 fn one(posterior: BetaPosterior) -> Side {
     Side {
-        least: End::Uncertain(posterior),
-        greatest: End::Uncertain(posterior),
+        least: End::Uncertain(posterior.into()),
+        greatest: End::Uncertain(posterior.into()),
         is_range: false,
     }
 }
@@ -55,8 +55,8 @@ fn a_range_is_near_a_count_with_no_more_than_the_probability_that_both_ends_leav
         let size = draws.mean() * (1.0 - draws.mean()) / draws.variance() - 1.0;
         let least = BetaPosterior::new(draws.mean() * size, (1.0 - draws.mean()) * size);
         let side = range(
-            End::Uncertain(least.expect("a distribution")),
-            End::Uncertain(p),
+            End::Uncertain(least.expect("a distribution").into()),
+            End::Uncertain(p.into()),
         );
         let within = probability_within(&side, &one(other), margin);
         assert!((within - near[0]).abs() < 5e-3, "{within} {near:?}");
@@ -90,7 +90,7 @@ fn known_ends_agree_for_certain_or_not_at_all() {
 #[test]
 fn a_range_without_width_is_its_distribution() {
     let (p, other) = (beta(87, 100), beta(80, 90));
-    let side = range(End::Uncertain(p), End::Uncertain(p));
+    let side = range(End::Uncertain(p.into()), End::Uncertain(p.into()));
     let within = probability_within(&side, &one(other), 0.08);
     assert!((within - stats::probability_within(&p, &other, 0.08)).abs() < 1e-9);
     let above = stats::probability_greater(&p, &other);
@@ -105,8 +105,8 @@ fn the_nearest_value_may_be_anywhere_that_the_ends_leave_open() {
             low: 0.7,
             high: 0.9,
         },
-        least: End::Uncertain(beta(70, 100)),
-        greatest: End::Uncertain(beta(90, 100)),
+        least: End::Uncertain(beta(70, 100).into()),
+        greatest: End::Uncertain(beta(90, 100).into()),
         is_range: true,
     };
     let inside = ends.interval_of_nearest(0.8, Confidence::P95);
@@ -124,7 +124,10 @@ fn ends_of_very_different_widths_are_compared_as_their_limit() {
     for size in [1e6, 1e10, 1e14] {
         let narrow = BetaPosterior::new(0.8 * size, 0.2 * size).expect("a distribution");
         for by in [0.0, 0.03, -0.03] {
-            let (narrow, wide) = (End::Uncertain(narrow), End::Uncertain(counted));
+            let (narrow, wide) = (
+                End::Uncertain(narrow.into()),
+                End::Uncertain(counted.into()),
+            );
             let limit = counted.cdf(0.8 - by);
             let found = narrow.exceeds(&wide, by);
             assert!((found - limit).abs() < 1e-3, "{size} {by}: {found} {limit}");
@@ -140,25 +143,25 @@ fn ends_of_very_different_widths_are_compared_as_their_limit() {
 fn a_planned_side_says_nearly_what_the_sides_say() {
     let ends = [
         End::Known(0.82),
-        End::Uncertain(beta(41, 50)),
-        End::Uncertain(beta(850, 1000)),
+        End::Uncertain(beta(41, 50).into()),
+        End::Uncertain(beta(850, 1000).into()),
     ];
     let greatest = [
         End::Known(0.93),
-        End::Uncertain(beta(46, 50)),
-        End::Uncertain(beta(930, 1000)),
+        End::Uncertain(beta(46, 50).into()),
+        End::Uncertain(beta(930, 1000).into()),
     ];
-    for least in ends {
-        for greatest in greatest {
+    for least in &ends {
+        for greatest in &greatest {
             for is_range in [true, false] {
                 let side = Side {
-                    least,
-                    greatest,
+                    least: least.clone(),
+                    greatest: greatest.clone(),
                     is_range,
                 };
                 let planned = PlannedSide::Ends {
-                    least: (&least).into(),
-                    greatest: (&greatest).into(),
+                    least: least.into(),
+                    greatest: greatest.into(),
                     is_range,
                 };
                 for (successes, trials) in [(16, 20), (19, 20), (175, 200), (700, 1000)] {
@@ -180,4 +183,40 @@ fn a_planned_side_says_nearly_what_the_sides_say() {
             }
         }
     }
+}
+
+/// A model's ends are held against a threshold by their draws: none of `min(p, 0.9)` lies above 0.9, where the beta distribution
+/// of its mean and variance has more than a hundredth.
+#[test]
+fn the_ends_of_a_model_have_the_tails_of_their_draws() {
+    use super::super::Belief;
+    use crate::{CredibleInterval, Guarantee, Measure, MethodAnswer, Worst};
+    let p = BetaPosterior::new(18.5, 2.5).expect("a distribution");
+    let design = stats::SharesDesign::new(&[p], 4000, 1);
+    let of_rows =
+        |of: fn(f64) -> f64| -> Vec<f64> { design.rows().iter().map(|x| of(x[0])).collect() };
+    let (least, greatest) = (of_rows(|p| p.powi(9)), of_rows(|p| p.min(0.9)));
+    let ends = (least.as_slice(), greatest.as_slice());
+    let credible = CredibleInterval::of_ends(&["p"], &design, ends, Worst::Least, Confidence::P95);
+    let guarantee = Guarantee::Schedulers {
+        low: 0.88_f64.powi(9),
+        high: 0.88,
+        worst: None,
+    };
+    let measure = Measure::Probability {
+        answer: MethodAnswer {
+            method: "sound".into(),
+            value: 0.88_f64.powi(9),
+            complement: None,
+            guarantee,
+            iterations: None,
+        },
+        others: vec![],
+        credible: Some(credible.expect("an interval")),
+    };
+    let Ok(Belief::Range { ends, .. }) = Belief::of(&measure) else {
+        panic!("no range");
+    };
+    let found = ends.greatest.at_least(0.92);
+    assert!(found <= 0.005, "{found}");
 }

@@ -131,6 +131,7 @@ fn conflict(subject: Subject, left: &str, right: &str) -> Comparison {
         possibly_copied: false,
         clustering: None,
         trigger: None,
+        trigger_not_compared: None,
         looking: None,
         further_trials: vec![],
         reason: String::new(),
@@ -399,6 +400,35 @@ fn a_wrong_rate_accuses_the_one_that_differs_from_all_others() {
             "{suspects:?}"
         );
         assert!(suspects[0].score > 2.0);
+    }
+}
+
+/// A suspect may be read without its headline, and be found on several requirements.
+#[test]
+fn an_argument_names_the_requirement_that_it_was_found_on() {
+    let of = |id: &str, technique, file: &str, kept: [u64; 2]| {
+        let findings = [("1a", kept[0]), ("3", kept[1])];
+        let findings = findings.map(|(subject, count)| counted(requirement(subject), count, 200));
+        piece(id, technique, file, findings.to_vec())
+    };
+    let mut simulated = of("S", Technique::Simulation, "sim.toml", [120, 110]);
+    simulated.form_differences = vec![FormDifference {
+        subject: requirement("3"),
+        reference: "sentence".into(),
+        reference_verdict: "satisfied".into(),
+        form: "monitor".into(),
+        verdict: "violated".into(),
+        count: 60,
+        runs: 200,
+        witnesses: vec![],
+    }];
+    let people = of("X", Technique::Experiment, "x.csv", [190, 190]);
+    let conflicts = ["1a", "3"].map(|id| conflict(requirement(id), "S", "X"));
+    for suspect in ranked(&[simulated, people], &conflicts, &[]) {
+        for subject in &suspect.subjects {
+            let name = subject.in_words();
+            assert!(suspect.explanation.contains(&name), "{name}: {suspect:?}");
+        }
     }
 }
 

@@ -171,7 +171,7 @@ fn who_alone_shows_a_failure_may_be_the_one_that_is_wrong() {
     assert!(found[0].is_strong() && found[0].odd_one_out() > Some(0.9));
     let argument = "15 of 85 in S, and M has no such failure";
     assert!(
-        found[0].explanation.starts_with(argument),
+        found[0].explanation.starts_with(argument) && found[0].explanation.contains(" on grip "),
         "{}",
         found[0].explanation
     );

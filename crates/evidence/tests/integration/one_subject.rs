@@ -1,0 +1,151 @@
+//! Trials of one person tell of this person: they decide a requirement of the system only where the study declares that this
+//! one stands for all, and where one violation refutes certainty.
+
+use crate::support::{at_least, counts, exact, piece, requirement, subject};
+use evidence::*;
+
+fn of_one(id: &str, count: u64, trials: u64, because: Option<&str>) -> Evidence {
+    let mut piece = piece(id, Technique::Experiment, vec![(0, counts(count, trials))]);
+    let one = ClusterTests {
+        effective_trials: trials as f64,
+        subjects: 1,
+        ..ClusterTests::default()
+    };
+    piece.clusters = Some(one.with_one_for_all(because.map(str::to_owned)));
+    piece
+}
+
+struct Judged {
+    conclusion: Conclusion,
+    pooled: Combined,
+    synthesis: Synthesis,
+}
+
+fn judged(ledger: &[Evidence], threshold: f64) -> Judged {
+    let influences = Influences::learn(ledger);
+    let study = Study {
+        requirements: &[requirement(0, at_least(threshold))],
+        failure_modes: &[],
+        evidence: ledger,
+        influences: &influences,
+        looks: None,
+        levels: Levels::new(0.95, 0.95).expect("levels"),
+    };
+    let comparisons = compare(&study);
+    let conclusions = conclude(&study, &comparisons);
+    let pooled = combine(&study, &comparisons, &Weights::default()).swap_remove(0);
+    let costs = TrialCosts::default();
+    let synthesis = synthesise(
+        &study,
+        (&comparisons, vec![]),
+        &conclusions,
+        costs,
+        &Weights::default(),
+    );
+    Judged {
+        conclusion: conclusions[0].clone(),
+        pooled,
+        synthesis,
+    }
+}
+
+#[test]
+fn four_hundred_trials_of_one_person_decide_nothing_of_others() {
+    for (count, word) in [(398, "398/400"), (200, "200/400")] {
+        let found = judged(&[of_one("E", count, 400, None)], 0.9);
+        let conclusion = &found.conclusion;
+        assert_eq!(conclusion.verdict, Verdict::Undecided, "{conclusion:?}");
+        let said = &conclusion.statement;
+        assert!(
+            said.contains(word) && said.contains("of one person or session alone"),
+            "{said}"
+        );
+        let left_out = &conclusion.excluded[0];
+        assert_eq!(left_out.reason, ExclusionReason::OneSubject);
+        assert!(left_out.words.contains("one_for_all"), "{}", left_out.words);
+        assert!(found.pooled.interval.is_none(), "{:?}", found.pooled);
+        assert!(
+            found.synthesis.deciding.is_empty(),
+            "{:?}",
+            found.synthesis.deciding
+        );
+        let why = &found.synthesis.not_planned[0].reason;
+        assert!(why.contains("more of the same one"), "{why}");
+    }
+}
+
+#[test]
+fn a_declared_assumption_lets_one_decide_and_stands_beside_the_verdict() {
+    let because = "the arm works alone";
+    let conclusion = judged(&[of_one("E", 398, 400, Some(because))], 0.9).conclusion;
+    assert_eq!(conclusion.verdict, Verdict::Satisfied, "{conclusion:?}");
+    let said = "declared to stand for all (\"the arm works alone\")";
+    assert!(
+        conclusion.statement.contains(said),
+        "{}",
+        conclusion.statement
+    );
+    assert!(conclusion.excluded.is_empty());
+}
+
+#[test]
+fn a_failure_of_one_person_refutes_certainty() {
+    let conclusion = judged(&[of_one("E", 399, 400, None)], 1.0).conclusion;
+    assert_eq!(conclusion.verdict, Verdict::Violated, "{conclusion:?}");
+}
+
+/// Beside trials with several people they neither share the level nor take their place; that both conflict is still said;
+/// and under other conditions they refute nothing.
+#[test]
+fn one_person_does_not_stand_beside_several() {
+    let several = piece("F", Technique::Experiment, vec![(0, counts(97, 100))]);
+    let alone = judged(std::slice::from_ref(&several), 0.9).conclusion;
+    let both = judged(&[of_one("E", 380, 400, None), several.clone()], 0.9).conclusion;
+    let own = |it: &Conclusion| it.standings.iter().find(|it| it.evidence == "F").cloned();
+    assert_eq!(own(&alone), own(&both));
+    assert_eq!(both.verdict, alone.verdict, "{both:?}");
+    let apart = judged(&[of_one("E", 20, 400, None), several.clone()], 0.9).conclusion;
+    assert_eq!(apart.verdict, Verdict::Conflicting, "{apart:?}");
+
+    let mut elsewhere = of_one("E", 20, 400, None);
+    elsewhere.conditions = "wet".into();
+    let there = judged(&[several, elsewhere], 0.9).conclusion;
+    assert_eq!(there.verdict, alone.verdict, "{there:?}");
+}
+
+#[test]
+fn no_agreement_with_one_person_carries_a_model_over_to_the_system() {
+    let ledger = |because| {
+        [
+            piece(
+                "M",
+                Technique::ModelChecking,
+                vec![(0, exact(0.97)), (1, exact(0.97))],
+            ),
+            of_one("E", 388, 400, because),
+        ]
+    };
+    let decided = |because| {
+        let ledger = ledger(because);
+        let influences = Influences::learn(&ledger);
+        let mut asked = requirement(1, at_least(0.8));
+        asked.carries_over = vec![CarryOver {
+            evidence: "M".into(),
+            shown_by: "M".into(),
+            on: subject(0),
+            because: "the same arm".into(),
+        }];
+        let study = Study {
+            requirements: &[requirement(0, None), asked],
+            failure_modes: &[],
+            evidence: &ledger,
+            influences: &influences,
+            looks: None,
+            levels: Levels::new(0.95, 0.95).expect("levels"),
+        };
+        let comparisons = compare(&study);
+        conclude(&study, &comparisons)[1].step
+    };
+    assert_eq!(decided(Some("one arm")), Some(Step::Corroborated));
+    assert_eq!(decided(None), Some(Step::Model));
+}

@@ -1,0 +1,213 @@
+//! A rate that a requirement's text states in words, held against the threshold that is declared.
+//!
+//! # Definition
+//! A text states a rate where it has one percentage alone, with a comparison right before it ("at least", "no more than", ...)
+//! and "of" with what is counted right after it ("of attempts", "of all journeys"). Any other number may be something else: a
+//! charge, a speed, a share of a time; nothing is said of it. A rate and its complement ask for the same: "at most 5 % of runs
+//! fail" and a threshold of at least 0.95.
+
+use diagnostic::{Problem, Source};
+use evidence::{Direction, Threshold};
+use std::ops::Range;
+use toml::Spanned;
+
+/// Two shares that are the same number, written otherwise.
+const SAME: f64 = 1e-9;
+
+/// Words before a percentage, and what they ask for. Longer ones before those that end alike.
+const COMPARISONS: [(&str, Direction); 10] = [
+    ("no more than", Direction::AtMost),
+    ("not more than", Direction::AtMost),
+    ("no less than", Direction::AtLeast),
+    ("not less than", Direction::AtLeast),
+    ("no fewer than", Direction::AtLeast),
+    ("at least", Direction::AtLeast),
+    ("at most", Direction::AtMost),
+    ("more than", Direction::AtLeast),
+    ("less than", Direction::AtMost),
+    ("fewer than", Direction::AtMost),
+];
+
+/// Words between "of" and what is counted.
+const ARTICLES: [&str; 4] = ["the", "all", "its", "their"];
+
+/// What a text states, and where in it.
+#[derive(Clone, Debug, PartialEq)]
+struct Stated {
+    threshold: Threshold,
+    place: Range<usize>,
+}
+
+/// That a text states another rate than the requirement asks for.
+pub(super) fn other_rate(
+    source: &Source,
+    text: &Spanned<String>,
+    threshold: Option<Threshold>,
+) -> Option<Problem> {
+    let stated = stated(text.get_ref())?;
+    if threshold.is_some_and(|asked| is_same(stated.threshold, asked)) {
+        return None;
+    }
+    let asked = match threshold {
+        Some(asked) => format!("the threshold is {}", in_words(asked)),
+        None => "no threshold is declared, so that it is asked of every run".to_owned(),
+    };
+    let problem = Problem::new(
+        "text-threshold",
+        format!(
+            "the text states {}, and {asked}",
+            in_words(stated.threshold)
+        ),
+    );
+    // Where the text has escapes its parts stand elsewhere than in the source.
+    let phrase = &text.get_ref()[stated.place.clone()];
+    let within = source.text.get(text.span()).and_then(|it| it.find(phrase));
+    let place = match within {
+        Some(at) => text.span().start + at..text.span().start + at + phrase.len(),
+        None => text.span(),
+    };
+    Some(problem.at(source, place).remedy(format!(
+        "write `threshold = \"{} {}\"`, or correct the text: results are judged by the threshold alone",
+        direction(stated.threshold),
+        stated.threshold.value
+    )))
+}
+
+fn is_same(stated: Threshold, asked: Threshold) -> bool {
+    let value = match stated.direction == asked.direction {
+        true => stated.value,
+        false => 1.0 - stated.value,
+    };
+    (value - asked.value).abs() <= SAME
+}
+
+fn direction(threshold: Threshold) -> &'static str {
+    match threshold.direction {
+        Direction::AtLeast => "at least",
+        Direction::AtMost => "at most",
+    }
+}
+
+/// `at least 95 %`.
+fn in_words(threshold: Threshold) -> String {
+    // Without the digits that the factor leaves behind.
+    let percent = (threshold.value * 1e8).round() / 1e6;
+    format!("{} {percent} %", direction(threshold))
+}
+
+/// The one rate that a text states without doubt.
+fn stated(text: &str) -> Option<Stated> {
+    let mut signs = text
+        .match_indices('%')
+        .map(|(at, sign)| at..at + sign.len());
+    let words = ["percent", "per cent"].into_iter();
+    let mut in_letters =
+        words.flat_map(|word| text.match_indices(word).map(|(at, it)| at..at + it.len()));
+    let sign = match (signs.next(), in_letters.next()) {
+        (Some(sign), None) | (None, Some(sign)) => sign,
+        _ => return None,
+    };
+    if signs.next().is_some() || in_letters.next().is_some() || !counts_something(&text[sign.end..])
+    {
+        return None;
+    }
+    let before = text[..sign.start].trim_end();
+    let digits = |it: char| it.is_ascii_digit() || it == '.';
+    let start = before.len() - before.chars().rev().take_while(|it| digits(*it)).count();
+    let percent: f64 = before[start..].parse().ok()?;
+    let compared = before[..start].trim_end().to_lowercase();
+    let (words, direction) = COMPARISONS
+        .iter()
+        .find(|(words, _)| compared.ends_with(words))?;
+    let begin = before[..start].trim_end().len().checked_sub(words.len())?;
+    let value = percent / 100.0;
+    (0.0..=1.0).contains(&value).then_some(Stated {
+        threshold: Threshold {
+            direction: *direction,
+            value,
+        },
+        place: begin..sign.end,
+    })
+}
+
+/// Whether "of" and a plural follow: what is counted.
+fn counts_something(after: &str) -> bool {
+    let mut words = after.split_whitespace();
+    if words.next() != Some("of") {
+        return false;
+    }
+    let end = |word: &str| word.ends_with([',', '.', ';', ':']);
+    let mut noun = words.skip_while(|word| ARTICLES.contains(word));
+    // An adjective may stand between: `of handover attempts`.
+    let mut phrase = Vec::new();
+    for word in noun.by_ref().take(3) {
+        phrase.push(word.trim_end_matches([',', '.', ';', ':']));
+        if end(word) {
+            break;
+        }
+    }
+    phrase
+        .iter()
+        .any(|word| word.len() > 3 && word.ends_with('s') && !word.ends_with("ss"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn threshold(direction: Direction, value: f64) -> Threshold {
+        Threshold { direction, value }
+    }
+
+    fn warned(text: &str, asked: Option<Threshold>) -> Option<String> {
+        let source = Source::new("requirements.toml", format!("text = \"{text}\""));
+        let spanned = Spanned::new(7..9 + text.len(), text.to_owned());
+        other_rate(&source, &spanned, asked).map(|it| it.warning_line())
+    }
+
+    #[test]
+    fn a_text_that_states_another_rate_is_placed_with_both_values() {
+        let asked = Some(threshold(Direction::AtLeast, 0.9));
+        let text = "The arm shall dock in at least 95 % of attempts.";
+        let line = warned(text, asked).expect("a warning");
+        assert!(
+            line.contains("states at least 95 %") && line.contains("is at least 90 %"),
+            "{line}"
+        );
+        assert!(line.contains("requirements.toml:1:31"), "{line}");
+        let line = warned("At least 60% of handover attempts succeed.", None).expect("a warning");
+        assert!(line.contains("no threshold is declared"), "{line}");
+        let opposite = warned("No more than 2.5 percent of the journeys fail.", asked);
+        assert!(opposite.is_some_and(|it| it.contains("at most 2.5 %")));
+    }
+
+    #[test]
+    fn the_same_rate_and_its_complement_are_no_contradiction() {
+        let asked = Some(threshold(Direction::AtLeast, 0.95));
+        for text in [
+            "At least 95 % of attempts succeed.",
+            "At least 95% of all attempts succeed.",
+            "Attempts fail in at most 5 % of cases.",
+        ] {
+            assert_eq!(warned(text, asked), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_that_may_be_something_else_is_left_alone() {
+        let asked = Some(threshold(Direction::AtLeast, 0.9));
+        for text in [
+            "The battery keeps at least 20 % of its charge.",
+            "The battery keeps at least 20 %.",
+            "It is slower than 80 % of full speed.",
+            "95 % of attempts succeed.",
+            "At least 95 % of attempts succeed, at least 99 % of them in time.",
+            "It docks within at least 3 s of arrivals.",
+            "At least 995 % of attempts succeed.",
+            "At least 95 percent of attempts succeed, 3 % late.",
+            "Nine of ten attempts succeed.",
+        ] {
+            assert_eq!(warned(text, asked), None, "{text}");
+        }
+    }
+}
