@@ -318,7 +318,7 @@ impl Tables {
                 "one-for-all",
                 format!(
                     "`one_for_all` is declared of {}, which has trials of {many}",
-                    cohort.name
+                    cohort.table.name()
                 ),
             )
             .remedy("leave `one_for_all` out: how they differ is taken from the table")),
