@@ -415,9 +415,9 @@ fn an_argument_names_the_requirement_that_it_was_found_on() {
     simulated.form_differences = vec![FormDifference {
         subject: requirement("3"),
         reference: "sentence".into(),
-        reference_verdict: "satisfied".into(),
+        reference_verdict: RunVerdict::Satisfied,
         form: "monitor".into(),
-        verdict: "violated".into(),
+        verdict: RunVerdict::Violated,
         count: 60,
         runs: 200,
         witnesses: vec![],
