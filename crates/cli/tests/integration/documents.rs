@@ -243,7 +243,11 @@ fn an_output_is_compared_line_by_line() {
 fn every_crate_has_a_readme_and_every_library_an_example_in_it() {
     let metadata = support::metadata();
     for package in metadata.workspace_packages() {
-        let folder = root().join("crates").join(&*package.name);
+        let folder = package
+            .manifest_path
+            .parent()
+            .expect("a folder")
+            .as_std_path();
         let readme = read(&folder.join("README.md"));
         let library = folder.join("src/lib.rs");
         if library.exists() {
