@@ -106,7 +106,15 @@ impl Finding {
                     true => format!(", each of which {}", words.one),
                     false => String::new(),
                 };
-                format!("{count} of all {trials} runs{every}{ended}")
+                let all = match self.undecided {
+                    0 => "of all",
+                    _ => "of the",
+                };
+                let judged = match self.undecided {
+                    0 => "",
+                    _ => " with a verdict",
+                };
+                format!("{count} {all} {trials} runs{judged}{every}{ended}")
             }
             Denominator::Triggered | Denominator::Covered => {
                 let unknown = || "how many runs there were in all is not known".to_owned();
@@ -293,7 +301,7 @@ mod tests {
         );
         assert_eq!(
             of(Denominator::EveryRun, None).condition(None).as_deref(),
-            Some("7 of all 9 runs; 3 more runs reached no verdict")
+            Some("7 of the 9 runs with a verdict; 3 more runs reached no verdict")
         );
     }
 

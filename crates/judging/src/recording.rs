@@ -267,10 +267,14 @@ impl ReadingRules {
         let wanted: Vec<String> = wanted.into_iter().collect();
         let errors = SignalStream::new(reader, &self.map, &wanted).err();
         let errors = errors.into_iter().flatten();
-        Ok(errors
-            .filter(|error| error.is_lacking)
-            .map(|error| error.signal)
-            .collect())
+        let entries = errors.filter(|error| error.is_lacking);
+        let entries: BTreeSet<String> = entries.map(|error| error.signal).collect();
+        // A signal may be a part of what an entry of the map names.
+        let lacks = |name: &String| {
+            let entry = self.map.find(name).map(|(entry, _)| &entry.name);
+            entries.contains(name) || entry.is_some_and(|entry| entries.contains(entry))
+        };
+        Ok(wanted.into_iter().filter(lacks).collect())
     }
 
     fn stream_of(&self, wanted: &[String], path: &Path) -> Result<SignalStream, Problem> {

@@ -337,8 +337,8 @@ fn shared(tests: &[Test], family: ErrorFamily) -> Vec<usize> {
     units.sort_unstable();
     units.dedup();
     let count = match family {
-        ErrorFamily::Study => units.len().max(1),
-        ErrorFamily::Requirement => 1,
+        ErrorFamily::Study => units.len(),
+        ErrorFamily::Requirement => units.len().min(1),
     };
     vec![count; tests.len()]
 }

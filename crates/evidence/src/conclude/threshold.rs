@@ -124,6 +124,11 @@ fn why_not_planned(
             "All trials of {} are of one person or session; more of the same one decide nothing of others.",
             piece.evidence.id
         ),
+        Some(piece) if is_open(piece.evidence) => format!(
+            "Trials of {} are alike within people, and what decides weighs each person's counts and the looks before: how many \
+             more would decide cannot be said beforehand. Further people tell more than further trials of the same.",
+            piece.evidence.id
+        ),
         Some(piece) => format!(
             "No trials can be added to {}: it is published or rests on other trials.",
             piece.evidence.id
@@ -183,6 +188,9 @@ fn plans(
         let effect = piece.belief.design_effect()?;
         let id = &piece.evidence.id;
         let looks = Looked::of(&piece.belief);
+        if is_decided_already((*effective, looks), effect, threshold, level) {
+            return None;
+        }
         let found = least(
             (*effective, looks),
             effect,
@@ -232,6 +240,20 @@ impl<'a> Looked<'a> {
         );
         Self(is_looked_at.then_some(belief))
     }
+}
+
+/// Whether the test of a plan decides without a further trial. The conclusion, which is open, then weighs what that test does
+/// not have (people's own counts, and what looks before them cost there), and a plan by it would promise a decision by the
+/// next trial.
+fn is_decided_already(
+    (known, looks): (EffectiveSample, Looked<'_>),
+    effect: f64,
+    threshold: f64,
+    level: Confidence,
+) -> bool {
+    let none = Predictive::new(&BetaPosterior::jeffreys(known), 0);
+    let (below, above) = chances((known, looks), effect > 1.0, &none, threshold, level);
+    below + above > 0.0
 }
 
 /// Trials with at least this chance of settling it, and the chances of showing the rate to be below and to be above.
@@ -356,6 +378,18 @@ mod tests {
             let found = below + above;
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
+    }
+
+    /// 36 of 36 at the effective size show more than 0.9; a conclusion that is open all the same has another reason.
+    #[test]
+    fn nothing_is_planned_by_a_test_that_decides_already() {
+        let decided = |successes, trials| {
+            let known = (sample(successes, trials), Looked(None));
+            is_decided_already(known, 1.0, 0.9, Confidence::P95)
+        };
+        assert!(decided(36, 36));
+        assert!(decided(10, 36));
+        assert!(!decided(34, 36));
     }
 
     #[test]

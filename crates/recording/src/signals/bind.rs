@@ -34,6 +34,20 @@ pub(super) enum ColumnPlan {
     Frame { name: Option<String> },
 }
 
+impl ColumnPlan {
+    /// The paths of a message that it reads.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &str> {
+        let paths = match self {
+            ColumnPlan::Number { path, .. }
+            | ColumnPlan::Bool { path }
+            | ColumnPlan::Name { path, .. } => std::slice::from_ref(path),
+            ColumnPlan::Norm { paths, .. } => paths.as_slice(),
+            ColumnPlan::Frame { .. } => &[],
+        };
+        paths.iter().map(String::as_str)
+    }
+}
+
 /// A row that is made of each message of a topic.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RowPlan {

@@ -221,7 +221,7 @@ impl Row {
                     signal: signal.clone(),
                     line: *line,
                     message,
-                    is_lacking: false,
+                    is_lacking: column.paths().any(|path| kind_of(info, path).is_err()),
                 });
             }));
         }

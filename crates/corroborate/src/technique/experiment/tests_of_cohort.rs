@@ -232,8 +232,13 @@ fn kruskal_wallis_in_words(
 
 fn spearman_in_words(left: &str, x: &[f64], right: &str, y: &[f64]) -> Option<String> {
     let test = stats::spearman(x, y).ok()?;
+    // The approximation is rough for few pairs, and 0 for three in order.
+    let p = match stats::spearman_exact(x, y) {
+        Ok(p) => format!("exact p = {p:.3}"),
+        Err(_) => format!("p = {:.3}", test.p_value),
+    };
+    let rho = test.rho;
     Some(format!(
-        "Spearman of {left} and {right}: rho = {:.3}, p = {:.3}.",
-        test.rho, test.p_value
+        "Spearman of {left} and {right}: rho = {rho:.3}, {p}."
     ))
 }
