@@ -51,6 +51,10 @@ const WHOLE: &str = "time_secs,/robot.speed [m/s],/gap.distance [m]\n0,0.1,1\n1,
 const WITHOUT: &str = "time_secs,/robot.speed [m/s]\n0,0.1\n1,0.2\n2,0.1\n";
 
 fn run(recordings: &[(&str, &str)]) -> (TempDir, Said) {
+    run_with(TOPICS, recordings)
+}
+
+fn run_with(topics: &str, recordings: &[(&str, &str)]) -> (TempDir, Said) {
     let folder = TempDir::new().expect("a folder");
     let write = |name: &str, text: &str| {
         let path = folder.path().join(name);
@@ -61,7 +65,7 @@ fn run(recordings: &[(&str, &str)]) -> (TempDir, Said) {
     write("requirements.toml", REQUIREMENTS);
     write("vocabulary.toml", VOCABULARY);
     write("ledger.toml", LEDGER);
-    write("topics.toml", TOPICS);
+    write("topics.toml", topics);
     for (name, text) in recordings {
         write(&format!("recordings/{name}"), text);
     }
@@ -110,6 +114,30 @@ fn recordings_of_any_format_may_lack_a_signal() {
     let slow = finding(folder.path(), "slow");
     assert_eq!(slow["measure"]["trials"], 2, "{slow}");
     assert_eq!(slow["measure"]["count"], 1, "{slow}");
+}
+
+/// As above, where the topic map says in which field the signal is.
+#[test]
+fn a_recording_may_lack_a_field_that_the_map_names() {
+    let map = "[\"/robot.speed\"]\nfrom = \"/robot.speed\"\nunit = \"m/s\"\n\
+               [\"/gap.distance\"]\nfrom = \"/robot.gap\"\nunit = \"m\"\n";
+    let whole = r#"{"topic": "/robot", "time_secs": 0, "speed": 0.1, "gap": 1.0}
+{"topic": "/robot", "time_secs": 1, "speed": 0.1, "gap": 1.0}
+"#;
+    let without = r#"{"topic": "/robot", "time_secs": 0, "speed": 0.1}
+{"topic": "/robot", "time_secs": 1, "speed": 0.1}
+"#;
+    let (folder, said) = run_with(map, &[("a.jsonl", whole), ("b.jsonl", without)]);
+    assert!(
+        said.talk.contains("b.jsonl has no /gap.distance"),
+        "{said:?}"
+    );
+    assert_eq!(finding(folder.path(), "slow")["measure"]["trials"], 2);
+    let far = finding(folder.path(), "far");
+    assert_eq!(
+        (&far["measure"]["trials"], &far["undecided"]),
+        (&1.into(), &1.into())
+    );
 }
 
 #[test]
