@@ -1,6 +1,7 @@
 //! Recordings that lack some of the signals that are judged.
 //!
-//! What reads a signal that a recording does not have reaches no verdict there, and everything else is judged. Whether a name
+//! What reads a signal that a recording does not have reaches no verdict there, and everything else is judged. Of a signal that
+//! it has without any value, violations are seen all the same, and count. Whether a name
 //! is one at all shows only in other recordings: whoever judges several says whether any of them has it.
 
 use super::recording::{JudgedRecording, ReadingRules};
@@ -11,8 +12,8 @@ use std::path::Path;
 use temporal::monitor::Verdict;
 
 impl<'a> Judges<'a> {
-    /// Those that read none of these signals, and for each of all whether it is among them.
-    fn without(&self, lacking: &BTreeSet<String>) -> (Self, Vec<bool>) {
+    /// For each of them whether it reads none of these signals.
+    fn hears(&self, lacking: &BTreeSet<String>) -> Vec<bool> {
         let is_deaf = |judge: &SubjectJudge<'_>| {
             let places = judge.propositions.iter();
             let read = places.map(|place| self.predicates[*place].signals());
@@ -20,7 +21,12 @@ impl<'a> Judges<'a> {
             read.chain(clock)
                 .any(|signals| !signals.is_disjoint(lacking))
         };
-        let hears: Vec<bool> = self.judges.iter().map(|judge| !is_deaf(judge)).collect();
+        self.judges.iter().map(|judge| !is_deaf(judge)).collect()
+    }
+
+    /// Those that read none of these signals, and for each of all whether it is among them.
+    fn without(&self, lacking: &BTreeSet<String>) -> (Self, Vec<bool>) {
+        let hears = self.hears(lacking);
         let judges = self.judges.iter().zip(&hears).filter(|(_, hears)| **hears);
         let mut judges: Vec<SubjectJudge<'a>> = judges.map(|(judge, _)| judge.clone()).collect();
         // Those that nobody reads any more are left out: they would be looked for all the same.
@@ -87,10 +93,7 @@ impl ReadingRules {
         go_on: &dyn Fn() -> Result<(), Problem>,
     ) -> Result<JudgedWithLack<'a>, Problem> {
         let whole = match self.judge(judges, path, go_on) {
-            Ok(judged) => {
-                let lacking = BTreeSet::new();
-                return Ok(JudgedWithLack { judged, lacking });
-            }
+            Ok(judged) => return Ok(without_passes(judges, judged)),
             Err(problem) if problem.is_interruption() => return Err(problem),
             Err(problem) => problem,
         };
@@ -99,7 +102,11 @@ impl ReadingRules {
         if lacking.is_empty() || rest.judges.is_empty() {
             return Err(whole);
         }
-        let mut judged = self.judge(&rest, path, go_on)?;
+        let JudgedWithLack {
+            mut judged,
+            lacking: valueless,
+        } = without_passes(&rest, self.judge(&rest, path, go_on)?);
+        let lacking = &lacking | &valueless;
         let mut said = std::mem::take(&mut judged.judgements).into_iter();
         let all = judges.judges.iter().zip(hears);
         let all = all.filter_map(|(judge, hears)| match hears {
@@ -109,6 +116,20 @@ impl ReadingRules {
         judged.judgements = all.collect();
         Ok(JudgedWithLack { judged, lacking })
     }
+}
+
+/// A signal without any value is lacking, too. What reads it may pass by what else it reads, where it could not be seen to
+/// fail: were such passes counted, and what is not known left out, recordings with a lack would count where they pass alone.
+fn without_passes<'a>(judges: &Judges<'a>, mut judged: JudgedRecording<'a>) -> JudgedWithLack<'a> {
+    let lacking = judged.valueless.clone();
+    let hears = judges.hears(&lacking);
+    for (judgement, hears) in judged.judgements.iter_mut().zip(hears) {
+        let findings = &mut judgement.findings;
+        if !hears && findings.verdict != Verdict::Violated {
+            findings.verdict = Verdict::Inconclusive;
+        }
+    }
+    JudgedWithLack { judged, lacking }
 }
 
 /// What is known of a monitor whose signals a recording does not have.

@@ -44,6 +44,8 @@ pub struct JudgedRecording<'a> {
     pub lost: Vec<String>,
     /// What else is to be known about how it was read.
     pub notes: Vec<String>,
+    /// The signals that are judged and have no value in it, `/topic.field`.
+    pub valueless: BTreeSet<String>,
     /// Instants that were judged.
     pub instants: u64,
     /// The signals that were read.
@@ -203,6 +205,7 @@ impl ReadingRules {
             lost,
             notes,
             signals: signals_of(judges, stream.layout()),
+            valueless: valueless.into_iter().collect(),
             complete,
             instants,
         };
@@ -381,6 +384,7 @@ fn of_trace<'a>(
         complete: trace.complete,
         lost: lost.into_iter().collect(),
         notes: valueless.iter().map(without_value).collect(),
+        valueless: valueless.into_iter().collect(),
         instants: trace::ticks(trace, trace::Sampling::EveryRow)
             .map_or(0, |times| times.len() as u64),
     })

@@ -23,6 +23,10 @@ shall = "The robot shall always satisfy slow."
 id = "far"
 text = "The robot keeps its distance."
 shall = "The robot shall always satisfy far."
+[[requirement]]
+id = "either"
+text = "The robot is slow or keeps its distance."
+shall = "The robot shall always satisfy slow_or_far."
 "#;
 
 const VOCABULARY: &str = r#"
@@ -32,6 +36,9 @@ trace = "/robot.speed < 1 m/s"
 [far]
 meaning = "farther than 10 cm"
 trace = "/gap.distance > 10 cm"
+[slow_or_far]
+meaning = "one of both"
+trace = "/robot.speed < 1 m/s | /gap.distance > 10 cm"
 "#;
 
 const LEDGER: &str = r#"
@@ -138,6 +145,20 @@ fn a_recording_may_lack_a_field_that_the_map_names() {
         (&far["measure"]["trials"], &far["undecided"]),
         (&1.into(), &1.into())
     );
+}
+
+/// By its speed alone the second would pass, and could not fail: counted, it would make the rate of passes too high.
+#[test]
+fn a_recording_that_lacks_a_signal_does_not_pass_by_what_else_is_read() {
+    let whole = r#"{"topic": "/robot", "time_secs": 0, "speed": 0.1, "gap": 1.0}
+{"topic": "/robot", "time_secs": 1, "speed": 0.1, "gap": 1.0}
+"#;
+    let slow = whole.replace(", \"gap\": 1.0", "");
+    let map = format!("{TOPICS}[\"/gap.distance\"]\nfrom = \"/robot.gap\"\nunit = \"m\"\n");
+    let (folder, _) = run_with(&map, &[("a.jsonl", whole), ("b.jsonl", &slow)]);
+    let either = finding(folder.path(), "either");
+    assert_eq!(either["measure"]["trials"], 1, "{either}");
+    assert_eq!(either["undecided"], 1, "{either}");
 }
 
 #[test]

@@ -65,7 +65,9 @@ pub fn of_property(
     let names = sentence.tree.propositions();
     let mut labels = quoted_names(text).into_iter();
     let only_the_sentence_s = labels.all(|(label, _)| names.contains(&label.as_str()));
-    if !only_the_sentence_s || study.about.model.step_secs().is_none() {
+    // A bound that is no number (a constant, a sum) may be the limit.
+    let is_read = study.about.model.step_secs().is_some() && !limits::has_other_bounds(text);
+    if !only_the_sentence_s || !is_read {
         return Vec::new();
     }
     missing(study, sentence, found, |limit| limit.compared.is_none())

@@ -255,6 +255,23 @@ pub fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
         .collect()
 }
 
+/// Whether a property has bounds of steps or time that are not written as numbers, or stands within a filter: their size is
+/// not known here.
+pub(super) fn has_other_bounds(text: &str) -> bool {
+    fn any(expr: &Expr) -> bool {
+        let is_other = match &expr.kind {
+            ExprKind::Temporal {
+                bound: Some(bound), ..
+            } => steps_of(bound).is_none(),
+            ExprKind::Filter(_) => true,
+            _ => false,
+        };
+        is_other || operands(expr).into_iter().any(any)
+    }
+    let properties = prism_lang::parse_properties(text).tree.properties;
+    properties.iter().any(|property| any(&property.formula))
+}
+
 fn step_bounds(study: &Study, expr: &Expr, limits: &mut Vec<Limit>) {
     if let ExprKind::Temporal {
         bound: Some(bound), ..

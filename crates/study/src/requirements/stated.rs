@@ -95,6 +95,11 @@ fn in_words(threshold: Threshold) -> String {
     format!("{} {percent} %", direction(threshold))
 }
 
+/// Words with which a comparison may say the contrary.
+const NEGATIONS: [&str; 9] = [
+    "not", "no", "never", "cannot", "can't", "mustn't", "without", "nor", "too",
+];
+
 /// The one rate that a text states without doubt.
 fn stated(text: &str) -> Option<Stated> {
     let mut signs = text
@@ -120,6 +125,14 @@ fn stated(text: &str) -> Option<Stated> {
         .iter()
         .find(|(words, _)| compared.ends_with(words))?;
     let begin = before[..start].trim_end().len().checked_sub(words.len())?;
+    // "Must not fail in more than 5 % of attempts" bounds the rate from the other side.
+    let is_negated = |part: &str| {
+        let mut words = part.split(|it: char| !it.is_alphabetic() && it != '\'');
+        words.any(|word| NEGATIONS.contains(&word.to_lowercase().as_str()))
+    };
+    if is_negated(&text[..begin]) || is_negated(&text[sign.end..]) {
+        return None;
+    }
     let value = percent / 100.0;
     (0.0..=1.0).contains(&value).then_some(Stated {
         threshold: Threshold {
@@ -146,9 +159,9 @@ fn counts_something(after: &str) -> bool {
             break;
         }
     }
-    phrase
-        .iter()
-        .any(|word| word.len() > 3 && word.ends_with('s') && !word.ends_with("ss"))
+    phrase.iter().any(|word| {
+        word.len() > 3 && word.ends_with('s') && !word.ends_with("ss") && !word.ends_with("'s")
+    })
 }
 
 #[cfg(test)]
@@ -206,6 +219,10 @@ mod tests {
             "At least 995 % of attempts succeed.",
             "At least 95 percent of attempts succeed, 3 % late.",
             "Nine of ten attempts succeed.",
+            "It must not fail in more than 5 % of attempts.",
+            "It never fails in more than 5 % of attempts.",
+            "More than 5 % of runs need help; that is too many.",
+            "It keeps at least 20 % of the battery's capacity.",
         ] {
             assert_eq!(warned(text, asked), None, "{text}");
         }
