@@ -331,15 +331,24 @@ pub(crate) fn latest_of_each_technique(
             latest.insert(piece.technique, index);
         }
     }
+    // Trials of one person or session, which decide nothing of the system, choose no conditions either.
+    let tells = |piece: &Evidence| !is_trial(piece) || !piece.is_of_one_subject();
     let is_tried = |conditions: &str| {
         let mut trials = evidence.iter().filter(|piece| is_trial(piece));
-        trials.any(|piece| piece.conditions == conditions && !piece.is_of_one_subject())
+        trials.any(|piece| piece.conditions == conditions && tells(piece))
+    };
+    let telling = |conditions: &str, latest: &BTreeMap<Technique, usize>| {
+        let mut pieces: Vec<&Evidence> = evidence.iter().collect();
+        pieces.retain(|piece| piece.conditions == conditions && tells(piece));
+        let has = |technique: &&Technique| pieces.iter().any(|it| it.technique == **technique);
+        latest.keys().filter(has).count()
     };
     let most = by_conditions
         .into_iter()
         .max_by_key(|(conditions, latest)| {
             let last = latest.values().max().copied();
-            (latest.len(), is_tried(conditions), last)
+            let techniques = telling(conditions, latest);
+            (techniques, is_tried(conditions), latest.len(), last)
         });
     let latest = most.map(|(_, latest)| latest).unwrap_or_default();
     let mut indices: Vec<usize> = latest.into_values().collect();

@@ -113,6 +113,22 @@ fn one_person_does_not_stand_beside_several() {
     assert_eq!(there.verdict, alone.verdict, "{there:?}");
 }
 
+/// A model in the dry beside several people in the wet: they are tried there, whoever alone was in the dry.
+#[test]
+fn one_person_does_not_choose_the_conditions() {
+    let model = piece("M", Technique::ModelChecking, vec![(0, exact(0.97))]);
+    let mut several = piece("F", Technique::Experiment, vec![(0, counts(97, 100))]);
+    several.conditions = "wet".into();
+    let alone = judged(&[model.clone(), several.clone()], 0.9).conclusion;
+    let one = of_one("E", 380, 400, None);
+    let both = judged(&[model, several, one], 0.9).conclusion;
+    assert_eq!(
+        (both.verdict, both.step),
+        (alone.verdict, alone.step),
+        "{both:?}"
+    );
+}
+
 #[test]
 fn no_agreement_with_one_person_carries_a_model_over_to_the_system() {
     let ledger = |because| {
