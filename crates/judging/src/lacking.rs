@@ -125,7 +125,7 @@ fn without_passes<'a>(judges: &Judges<'a>, mut judged: JudgedRecording<'a>) -> J
     let hears = judges.hears(&lacking);
     for (judgement, hears) in judged.judgements.iter_mut().zip(hears) {
         let findings = &mut judgement.findings;
-        if !hears && findings.verdict != Verdict::Violated {
+        if !hears && findings.verdict == Verdict::Satisfied {
             findings.verdict = Verdict::Inconclusive;
         }
     }

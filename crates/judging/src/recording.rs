@@ -168,10 +168,17 @@ impl ReadingRules {
         let mut session = judges.start_lossy(&layout, &losses)?;
         let mut instants = 0_u64;
         let mut failed = None;
+        // Those that have had no value yet.
+        let mut unseen: Vec<(String, SignalIndex)> = judges
+            .signals()
+            .into_iter()
+            .filter_map(|name| stream.layout().signal(&name).map(|at| (name, at)))
+            .collect();
         loop {
             match stream.next_instant() {
                 Ok(Some(moment)) => {
                     take(&mut session, &stream, moment, shown.as_deref_mut())?;
+                    unseen.retain(|(_, at)| stream.snapshot().value(*at).is_none());
                     instants += u64::from(!moment.more);
                 }
                 Ok(None) => break,
@@ -205,7 +212,7 @@ impl ReadingRules {
             lost,
             notes,
             signals: signals_of(judges, stream.layout()),
-            valueless: valueless.into_iter().collect(),
+            valueless: unseen.into_iter().map(|(name, _)| name).collect(),
             complete,
             instants,
         };

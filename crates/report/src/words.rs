@@ -134,7 +134,7 @@ pub fn error_rates(study: &StudyResult) -> Option<String> {
     let rates = study.conclusions.iter().map(|one| one.error_rate);
     let rate = rates.max_by_key(|rate| rate.quantities)?;
     if rate.quantities == 0 {
-        let nothing = "Error rates: nothing of the system was tested. Verdicts in simulation and for the model speak of these alone.";
+        let nothing = "Error rates: no rate of the system was tested against a threshold. Verdicts in simulation and for the model speak of these alone.";
         return Some(nothing.to_owned());
     }
     let level = number::level(rate.level);
