@@ -106,13 +106,9 @@ impl Finding {
                     true => format!(", each of which {}", words.one),
                     false => String::new(),
                 };
-                let all = match self.undecided {
-                    0 => "of all",
-                    _ => "of the",
-                };
-                let judged = match self.undecided {
-                    0 => "",
-                    _ => " with a verdict",
+                let (all, judged) = match self.undecided {
+                    0 => ("of all", ""),
+                    _ => ("of the", " with a verdict"),
                 };
                 format!("{count} {all} {trials} runs{judged}{every}{ended}")
             }

@@ -107,13 +107,17 @@ pub fn standing(requirement: &Requirement, standing: Standing, measure: &Measure
 /// Of what the intervals are that stand beside rates: `two-sided at 95 % and of one look`. They stand beside the limits of
 /// verdicts, which are of one side and may hold at every look: two statements, each of which has to be named.
 pub fn intervals(study: &StudyResult) -> String {
+    let fixed = match study.synthesis.looks {
+        Some(_) => "",
+        None => " at numbers of trials that were fixed before",
+    };
+    intervals_in_short(study) + fixed
+}
+
+/// The same at the head of a column, which stands once for each piece of evidence.
+pub fn intervals_in_short(study: &StudyResult) -> String {
     let level = number::level(study.confidence);
-    match study.synthesis.looks {
-        Some(_) => format!("two-sided at {level} and of one look"),
-        None => format!(
-            "two-sided at {level} and of one look at numbers of trials that were fixed before"
-        ),
-    }
+    format!("two-sided at {level} and of one look")
 }
 
 /// At which looks the one-sided limits hold that decide a verdict, as the end of a sentence.

@@ -7,29 +7,11 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
+use support::command_study;
 use support::program::{Said, code_of_verdicts, command, corroborate};
-use support::root;
 
 /// A simulation that is slow enough to be interrupted.
 const SLOWLY: &str = "    stimulus, seed, recording = sys.argv[1:]\n";
-
-/// The study with another simulator, in a folder of its own.
-fn study(changes: &[(&str, &str, &str)]) -> tempfile::TempDir {
-    let folder = tempfile::TempDir::new().expect("a folder");
-    let from = root().join("conformance/command");
-    for entry in std::fs::read_dir(from).expect("a study").flatten() {
-        if entry.path().is_file() {
-            std::fs::copy(entry.path(), folder.path().join(entry.file_name())).expect("copied");
-        }
-    }
-    for (file, old, new) in changes {
-        let path = folder.path().join(file);
-        let text = std::fs::read_to_string(&path).expect("a text");
-        assert!(text.contains(old), "{file} has no `{old}`");
-        std::fs::write(&path, text.replace(old, new)).expect("written");
-    }
-    folder
-}
 
 fn json(said: &Said) -> Value {
     serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {said:?}"))
@@ -55,7 +37,7 @@ fn simulate(folder: &Path, more: &[&str]) -> Said {
 
 #[test]
 fn another_simulator_counts_like_ours_at_any_number_of_threads() {
-    let folder = study(&[]);
+    let folder = command_study(&[]);
     for threads in ["1", "3"] {
         let said = corroborate(
             folder.path(),
@@ -149,7 +131,7 @@ fn a_campaign_that_is_killed_goes_on_without_losing_or_repeating_an_episode() {
         "{SLOWLY}    open(\"begun\", \"a\").write(seed + \"\\n\")\n    __import__(\"time\").sleep(0.02)\n"
     );
     for keep in ["all", "none"] {
-        let undisturbed = study(&[]);
+        let undisturbed = command_study(&[]);
         let arguments = ["--out", "out", "-n", "40", "--keep", keep];
         // Six in ten stop where nine are asked for; that they are all clear is asked for with certainty.
         let said = simulate(undisturbed.path(), &arguments);
@@ -160,7 +142,7 @@ fn a_campaign_that_is_killed_goes_on_without_losing_or_repeating_an_episode() {
             "{judged}"
         );
         assert_eq!(judged[0]["verdict"], "violated", "{judged}");
-        let folder = study(&[("simulate.py", SLOWLY, &slowly)]);
+        let folder = command_study(&[("simulate.py", SLOWLY, &slowly)]);
         let killed = killed_and_finished(folder.path(), keep);
         assert!(killed > 0, "every call ended before it could be killed");
         let [found, wanted] = [&folder, &undisturbed].map(|folder| {
@@ -188,7 +170,7 @@ fn a_campaign_that_is_killed_goes_on_without_losing_or_repeating_an_episode() {
 
 #[test]
 fn a_rule_ends_a_campaign_at_the_same_episode_at_any_number_of_threads() {
-    let folder = study(&[]);
+    let folder = command_study(&[]);
     // Some forty episodes: six in ten stop.
     let rule = "requirement stops is decided against 0.3 at 90 %";
     let mut ended = Vec::new();
@@ -224,7 +206,7 @@ fn a_rule_ends_a_campaign_at_the_same_episode_at_any_number_of_threads() {
 
 #[test]
 fn rules_that_cannot_be_are_refused_before_anything_runs() {
-    let folder = study(&[]);
+    let folder = command_study(&[]);
     for (rule, reason) in [
         ("soon", "is no rule"),
         ("requirement x is decided at 99 %", "no requirement `x`"),
@@ -252,7 +234,7 @@ fn a_simulator_that_never_works_is_told_with_what_it_said() {
     ] {
         let changed = format!("{SLOWLY}{change}");
         let limit = format!("limit_secs = {limit}");
-        let folder = study(&[
+        let folder = command_study(&[
             ("simulate.py", SLOWLY, &changed),
             ("ledger.toml", "limit_secs = 60", &limit),
         ]);
@@ -261,7 +243,7 @@ fn a_simulator_that_never_works_is_told_with_what_it_said() {
         assert!(said.talk.contains(reason), "{}", said.talk);
         assert!(said.talk.contains("seed"), "{}", said.talk);
     }
-    let folder = study(&[("ledger.toml", "\"python3\"", "\"no-such-program\"")]);
+    let folder = command_study(&[("ledger.toml", "\"python3\"", "\"no-such-program\"")]);
     let said = simulate(folder.path(), &["--out", "out"]);
     assert_eq!(said.code, 2, "{said:?}");
     assert!(said.talk.contains("cannot be started"), "{}", said.talk);
@@ -300,7 +282,7 @@ fn a_ledger_that_names_a_command_wrongly_is_refused_with_its_line() {
             "no requirement `x`",
         ),
     ] {
-        let folder = study(&[("ledger.toml", old, new)]);
+        let folder = command_study(&[("ledger.toml", old, new)]);
         let said = corroborate(folder.path(), &["run", "."]);
         assert_eq!((said.code, said.out.as_str()), (2, ""), "{new}: {said:?}");
         assert!(said.talk.contains(reason), "{new}: {}", said.talk);

@@ -6,17 +6,11 @@ use crate::support;
 use serde_json::Value;
 use std::path::Path;
 use support::program::{Said, corroborate};
-use support::{read, root, schema};
+use support::{command_study, read, root, schema};
 
 /// The study with another simulator, in a folder of its own, with one more file.
 fn study(file: &str, text: &str) -> tempfile::TempDir {
-    let folder = tempfile::TempDir::new().expect("a folder");
-    let from = root().join("conformance/command");
-    for entry in std::fs::read_dir(from).expect("a study").flatten() {
-        if entry.path().is_file() {
-            std::fs::copy(entry.path(), folder.path().join(entry.file_name())).expect("copied");
-        }
-    }
+    let folder = command_study(&[]);
     std::fs::write(folder.path().join(file), text).expect("written");
     folder
 }

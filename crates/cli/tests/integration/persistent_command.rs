@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use support::program::{Said, corroborate};
-use support::root;
+use support::{command_study, root};
 
 /// The beginning of the simulator's `main`, and how it becomes one that is asked line by line.
 const ONCE: &str = "    stimulus, seed, recording = sys.argv[1:]\n";
@@ -17,26 +17,9 @@ const ASKED: &str = "def main() -> None:\n    for line in sys.stdin:\n        as
     except ValueError as error:\n            print(json.dumps({'type': 'error', 'message': str(error)}), flush=True)\n\n\ndef once(stimulus, seed, recording) -> None:\n";
 const WORDS: &str = ", \"{stimulus}\", \"{seed}\", \"{recording}\"]";
 
-fn study(changes: &[(&str, &str, &str)]) -> tempfile::TempDir {
-    let folder = tempfile::TempDir::new().expect("a folder");
-    let from = root().join("conformance/command");
-    for entry in std::fs::read_dir(from).expect("a study").flatten() {
-        if entry.path().is_file() {
-            std::fs::copy(entry.path(), folder.path().join(entry.file_name())).expect("copied");
-        }
-    }
-    for (file, old, new) in changes {
-        let path = folder.path().join(file);
-        let text = std::fs::read_to_string(&path).expect("a text");
-        assert!(text.contains(old), "{file} has no `{old}`");
-        std::fs::write(&path, text.replace(old, new)).expect("written");
-    }
-    folder
-}
-
 /// The same study with a simulator that stays; `fault` is what it does at the beginning of an episode.
 fn staying(fault: &str) -> tempfile::TempDir {
-    study(&[
+    command_study(&[
         ("simulate.py", MAIN, ASKED),
         ("simulate.py", ONCE, fault),
         ("ledger.toml", WORDS, "]\npersistent = true"),
@@ -64,7 +47,7 @@ fn recordings(folder: &Path) -> BTreeMap<String, String> {
 
 #[test]
 fn a_command_that_stays_gives_the_same_recordings() {
-    let once = study(&[]);
+    let once = command_study(&[]);
     let said = simulate(once.path(), "sim", &[]);
     let expected = recordings(&once.path().join("out"));
     assert_eq!(expected.len(), 40, "{said:?}");
@@ -81,7 +64,7 @@ fn its_failures_count_as_those_of_a_process_for_each_episode() {
     let fault = "    if int(seed) % 4 == 0: raise ValueError('it tipped over')\n";
     let mut shown = Vec::new();
     for folder in [
-        study(&[("simulate.py", ONCE, &format!("{ONCE}{fault}"))]),
+        command_study(&[("simulate.py", ONCE, &format!("{ONCE}{fault}"))]),
         staying(fault),
         // It takes the process with it.
         staying("    if int(seed) % 4 == 0: sys.exit('it tipped over')\n"),
@@ -156,7 +139,7 @@ fn entries_that_share_seeds_have_the_same_episodes() {
     let entry = &entry[entry.find("[[evidence]]").expect("an entry")..];
     let shared = entry.replace("id = \"sim\"", "id = \"again\"\nseeds = \"sim\"");
     let own = entry.replace("id = \"sim\"", "id = \"other\"");
-    let folder = study(&[("ledger.toml", entry, &format!("{entry}\n{shared}\n{own}"))]);
+    let folder = command_study(&[("ledger.toml", entry, &format!("{entry}\n{shared}\n{own}"))]);
     let of = |id: &str| {
         let _ = std::fs::remove_dir_all(folder.path().join("out"));
         simulate(folder.path(), id, &["--episodes", "3"]);
@@ -176,7 +159,7 @@ fn two_entries_are_held_against_each_other_with_the_same_seeds() {
     let again = entry.replace("id = \"sim\"", "id = \"again\"");
     let other = entry.replace("id = \"sim\"", "id = \"other\"");
     let other = other.replace("stimulus.toml", "other.toml");
-    let folder = study(&[("ledger.toml", entry, &format!("{entry}\n{again}\n{other}"))]);
+    let folder = command_study(&[("ledger.toml", entry, &format!("{entry}\n{again}\n{other}"))]);
     let stimulus = std::fs::read_to_string(folder.path().join("stimulus.toml")).expect("a text");
     let stronger = stimulus.replace("= 60", "= 600");
     std::fs::write(folder.path().join("other.toml"), stronger).expect("written");
@@ -217,7 +200,7 @@ fn two_entries_are_held_against_each_other_with_the_same_seeds() {
 
 #[test]
 fn numbers_of_a_stimulus_vary_as_the_seed_draws_them() {
-    let folder = study(&[
+    let folder = command_study(&[
         ("stimulus.toml", "= 150", "= { uniform = [100.0, 200.0] }"),
         ("simulate.py", "draws.uniform(0.8, 1.2)", "1.0"),
     ]);
@@ -243,7 +226,7 @@ fn numbers_of_a_stimulus_vary_as_the_seed_draws_them() {
     assert!((1..25).contains(&slow), "{all:?}");
     assert_eq!(speeds(&["--threads", "1"]), all);
     assert_ne!(speeds(&["--seed", "5"]), all);
-    let wrong = study(&[("stimulus.toml", "= 150", "= { uniform = [200.0, 100.0] }")]);
+    let wrong = command_study(&[("stimulus.toml", "= 150", "= { uniform = [200.0, 100.0] }")]);
     let said = simulate(wrong.path(), "sim", &[]);
     assert_eq!(said.code, 2, "{said:?}");
     assert!(said.talk.contains("cart.speed_cm_per_s"), "{}", said.talk);
@@ -260,7 +243,7 @@ fn keys_that_do_not_fit_are_refused() {
         ("limit_secs = 60", "seeds = \"none\"", "no other entry"),
         ("limit_secs = 60", "seeds = \"sim\"", "no other entry"),
     ] {
-        let folder = study(&[("ledger.toml", old, new)]);
+        let folder = command_study(&[("ledger.toml", old, new)]);
         let said = corroborate(folder.path(), &["run", "."]);
         assert_eq!((said.code, said.out.as_str()), (2, ""), "{new}: {said:?}");
         assert!(said.talk.contains(reason), "{new}: {}", said.talk);

@@ -15,8 +15,8 @@
 //! of both is meant is not known, so the one without a limit is named.
 
 use super::counterpart::{is_of_same, is_same_limit, same_signals};
-use super::limits::{self, Limit, counts_samples, of_proposition, of_sentence, operands};
-use prism_lang::ast::{Expr, ExprKind};
+use super::limits::{self, Limit, counts_samples, of_proposition, of_sentence};
+use prism_lang::ast::ExprKind;
 use requirement_lang::expression::Expression;
 use study::{JudgingForm, Rule, SentenceForm, Study, SubjectForm, quoted_names};
 use trace::units::Dimension;
@@ -34,13 +34,7 @@ pub struct OneSided {
 
 /// The limits that a form for traces leaves out.
 pub fn of_judging(study: &Study, sentence: &SentenceForm, form: &JudgingForm) -> Vec<Limit> {
-    let (names, waits_in_samples): (Vec<&str>, bool) = match &form.rule {
-        Rule::Staged(spec) => (spec.propositions(), false),
-        Rule::Formula(rule) => (
-            rule.parsed.atoms.iter().map(|a| a.text.as_str()).collect(),
-            counts_samples(&rule.parsed.formula),
-        ),
-    };
+    let (names, waits_in_samples) = spoken_of(form);
     let of_sentence_itself = sentence.tree.propositions();
     let shows_limits =
         |name: &str| of_sentence_itself.contains(&name) || !of_proposition(study, name).is_empty();
@@ -51,6 +45,17 @@ pub fn of_judging(study: &Study, sentence: &SentenceForm, form: &JudgingForm) ->
     missing(study, sentence, &found, |limit| {
         limit.compared.is_some() || !waits_in_samples
     })
+}
+
+/// The propositions of a form for traces, and whether it waits in samples instead of seconds.
+fn spoken_of(form: &JudgingForm) -> (Vec<&str>, bool) {
+    match &form.rule {
+        Rule::Staged(spec) => (spec.propositions(), false),
+        Rule::Formula(rule) => (
+            rule.parsed.atoms.iter().map(|a| a.text.as_str()).collect(),
+            counts_samples(&rule.parsed.formula),
+        ),
+    }
 }
 
 /// The durations that a property leaves out. What it limits of other
@@ -136,16 +141,10 @@ pub fn between(study: &Study, form: &SubjectForm) -> Vec<OneSided> {
     let (Some(property), Some(monitor)) = (&form.property, &form.monitor) else {
         return Vec::new();
     };
-    let (names, counts_samples) = match &monitor.rule {
-        Rule::Staged(spec) => (spec.propositions(), false),
-        Rule::Formula(rule) => (
-            rule.parsed.atoms.iter().map(|a| a.text.as_str()).collect(),
-            counts_samples(&rule.parsed.formula),
-        ),
-    };
+    let (names, waits_in_samples) = spoken_of(monitor);
     let mut durations = limits::of_judging(study, monitor);
     durations.retain(Limit::is_duration);
-    let is_timed = counts_samples || !durations.is_empty();
+    let is_timed = waits_in_samples || !durations.is_empty();
     let labels = quoted_names(&property.text);
     let is_label = |name: &&str| labels.iter().any(|(label, _)| label == name);
     match is_bounded(study, &property.text) {
@@ -187,16 +186,10 @@ fn names_only(text: &str, names: &[&str]) -> bool {
 
 /// Whether any operator of a property has a bound of steps or time, or a label of it compares a variable that is a time.
 fn is_bounded(study: &Study, text: &str) -> bool {
-    fn any(expr: &Expr) -> bool {
-        let own = matches!(&expr.kind, ExprKind::Temporal { bound: Some(_), .. });
-        own || operands(expr).into_iter().any(any)
-    }
-    let file = prism_lang::parse_properties(text).tree;
     let mut limits = limits::of_property(study, text).into_iter();
     let has_time = limits.any(|limit| limit.dimension == Some(Dimension::TIME));
     has_time
-        || file
-            .properties
-            .iter()
-            .any(|property| any(&property.formula))
+        || limits::any_part(text, |part| {
+            matches!(part, ExprKind::Temporal { bound: Some(_), .. })
+        })
 }

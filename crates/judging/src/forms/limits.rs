@@ -258,18 +258,23 @@ pub fn of_proposition(study: &Study, text: &str) -> Vec<Limit> {
 /// Whether a property has bounds of steps or time that are not written as numbers, or stands within a filter: their size is
 /// not known here.
 pub(super) fn has_other_bounds(text: &str) -> bool {
-    fn any(expr: &Expr) -> bool {
-        let is_other = match &expr.kind {
-            ExprKind::Temporal {
-                bound: Some(bound), ..
-            } => steps_of(bound).is_none(),
-            ExprKind::Filter(_) => true,
-            _ => false,
-        };
-        is_other || operands(expr).into_iter().any(any)
+    any_part(text, |part| match part {
+        ExprKind::Temporal {
+            bound: Some(bound), ..
+        } => steps_of(bound).is_none(),
+        ExprKind::Filter(_) => true,
+        _ => false,
+    })
+}
+
+/// Whether this holds of any part of a property.
+pub(super) fn any_part(text: &str, holds: fn(&ExprKind) -> bool) -> bool {
+    fn any(expr: &Expr, holds: fn(&ExprKind) -> bool) -> bool {
+        holds(&expr.kind) || operands(expr).into_iter().any(|it| any(it, holds))
     }
     let properties = prism_lang::parse_properties(text).tree.properties;
-    properties.iter().any(|property| any(&property.formula))
+    let mut properties = properties.iter();
+    properties.any(|property| any(&property.formula, holds))
 }
 
 fn step_bounds(study: &Study, expr: &Expr, limits: &mut Vec<Limit>) {
@@ -348,7 +353,7 @@ fn turned(operator: ComparisonOperator) -> ComparisonOperator {
     }
 }
 
-pub fn operands(expr: &Expr) -> Vec<&Expr> {
+fn operands(expr: &Expr) -> Vec<&Expr> {
     match &expr.kind {
         ExprKind::Unary(_, inner) => vec![inner],
         ExprKind::Binary(_, left, right) => vec![left, right],
@@ -367,5 +372,24 @@ pub fn operands(expr: &Expr) -> Vec<&Expr> {
             .chain([right.as_ref()])
             .collect(),
         _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::has_other_bounds;
+
+    #[test]
+    fn a_bound_that_is_no_number_is_of_unknown_size() {
+        for text in [
+            "P=? [ F<=K \"done\" ]",
+            "P=? [ F<=3*10 \"done\" ]",
+            "filter(avg, P=? [ F<=30 \"done\" ], s=1)",
+        ] {
+            assert!(has_other_bounds(text), "{text}");
+        }
+        for text in ["P=? [ F<=30 \"done\" ]", "P=? [ F \"done\" ]"] {
+            assert!(!has_other_bounds(text), "{text}");
+        }
     }
 }

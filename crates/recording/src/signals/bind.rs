@@ -135,10 +135,12 @@ impl Binder<'_> {
 
     /// That the recording has no such signal.
     fn lacks(&mut self, signal: &str, message: String) {
-        self.error(signal, 0, message);
-        if let Some(error) = self.errors.last_mut() {
-            error.is_lacking = true;
-        }
+        self.errors.push(BindError {
+            signal: signal.to_owned(),
+            line: 0,
+            message,
+            is_lacking: true,
+        });
     }
 
     /// A signal without an entry: the longest topic with which its name begins, and a path.

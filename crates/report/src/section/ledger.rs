@@ -134,7 +134,7 @@ fn findings(view: View, evidence: &Evidence) -> Markup {
                 caption class="visually-hidden" { "All findings of " (evidence.id) }
                 thead { tr {
                     th scope="col" { "Subject" }
-                    th scope="col" { "Found; intervals of counts are " (words::intervals(view.study)) }
+                    th scope="col" { "Found; intervals of counts are " (words::intervals_in_short(view.study)) }
                     th scope="col" { "In detail" }
                 } }
                 tbody {

@@ -86,6 +86,19 @@ pub fn copy_study(from: &Path, to: &Path) {
     }
 }
 
+/// A copy of the study of `conformance/command`, in whose files texts are replaced: the file, the old text, the new one.
+pub fn command_study(changes: &[(&str, &str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    copy_study(&root().join("conformance/command"), folder.path());
+    for (file, old, new) in changes {
+        let path = folder.path().join(file);
+        let text = read(&path);
+        assert!(text.contains(old), "{file} has no `{old}`");
+        std::fs::write(&path, text.replace(old, new)).expect("written");
+    }
+    folder
+}
+
 /// A file's text.
 pub fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

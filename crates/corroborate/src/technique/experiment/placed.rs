@@ -17,10 +17,9 @@ pub(super) fn in_row(
 /// Why a table is none, or lacks what is read of it.
 pub(super) fn table_problem(error: TableError) -> Problem {
     let problem = Problem::new("bad-table", error.what());
-    let placed = match (error.table(), error.line()) {
-        (Some(table), Some(line)) => at_line(problem, table, Some(line)),
-        (Some(table), None) => at_line(problem, table, None),
-        (None, _) => problem,
+    let placed = match error.table() {
+        Some(table) => at_line(problem, table, error.line()),
+        None => problem,
     };
     match error.remedy() {
         Some(remedy) => placed.remedy(remedy),
