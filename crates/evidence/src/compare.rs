@@ -41,6 +41,7 @@
 
 mod belief;
 mod by_cluster;
+mod by_likelihood;
 mod closed;
 mod decide;
 mod ends;

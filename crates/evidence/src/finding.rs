@@ -260,8 +260,8 @@ pub enum Measure {
         /// Independent trials that say as much, once clustering is allowed for and for how few
         /// clusters it is known from; `None` if runs are independent.
         effective_trials: Option<f64>,
-        /// What was counted of each subject or session, and of how many trials, where that tells how alike trials of
-        /// one are; `None` otherwise.
+        /// What was counted of each subject or session, and of how many trials; `None` where that is not known, or each
+        /// has a single trial.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         by_subject: Option<Vec<[u64; 2]>>,
         /// How many subjects or sessions have trials, where those of one may be alike; `None` if runs are independent.

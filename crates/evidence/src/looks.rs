@@ -58,8 +58,8 @@ pub struct LookedAt {
     /// Independent trials that say as much; `None` if all are independent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effective_trials: Option<f64>,
-    /// `[count, trials]` of each subject or session, where they tell how alike trials of one are. Files of older versions
-    /// call it `clusters`.
+    /// `[count, trials]` of each subject or session, where one has several trials and it is known whose. Files of older
+    /// versions call it `clusters`, and have none of people whose trials all came out alike.
     #[serde(default, skip_serializing_if = "Option::is_none", alias = "clusters")]
     pub by_subject: Option<Vec<[u64; 2]>>,
 }

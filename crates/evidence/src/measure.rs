@@ -94,8 +94,10 @@ impl Measure {
     fn of_rate(rate: &ClusteredRate, by_subject: &[Sample]) -> Self {
         let with_trials = by_subject.iter().filter(|one| one.trials > 0);
         let counts = with_trials.map(|one| [one.successes, one.trials]);
+        let counts: Vec<[u64; 2]> = counts.collect();
+        let has_several = counts.iter().any(|one| one[1] > 1);
         Self::Counts {
-            by_subject: (rate.method == ClusterMethod::Profile).then(|| counts.collect()),
+            by_subject: has_several.then_some(counts),
             subjects: (rate.method != ClusterMethod::Independent).then_some(rate.clusters as u64),
             count: rate.total.successes,
             trials: rate.total.trials,

@@ -15,9 +15,14 @@
 //! hypothesis is rejected at the first look with `b' = 1`. The *p-value under continuation* is the least `a` at which it
 //! would be rejected by now; `b'` grows with `a` at every `u`, so that the tests of all levels are nested.
 //!
-//! `r = 1 - (1 - R)^g` and `s = S sqrt(g)`, where `g` is the stage's information relative to all before it, at most 1 (1
-//! for the first stage); `R = 0.8` and `S = 1.8`. A first look at which a study ends costs a fifth of its level: its
-//! p-value is `u / R`. `k u^-s` is near to the conditional error of a test at the end of a stage as large as all so far.
+//! `r = 1 - (1 - R)^g` and `s = S sqrt(g)`, where `g` is the stage's information relative to all before it, at most 1;
+//! `R = 0.8` and `S = 1.8`. Of the first stage `g` is 1, so that a first look at which a study ends costs a fifth of its level: its
+//! p-value is `u / R`. Where no outcome of it could come out at 5 % (two trials), `g` is the less, and later stages are held
+//! against what a first look would need: a glance at few trials leaves the level to those that follow.
+//! `k u^-s` is near to the conditional error of a test at the end of a stage as large as all so far.
+//!
+//! No p-value is below the one that all trials would have if this was the only look: what an early look showed and all trials
+//! together do not is not claimed. That takes claims away and adds none.
 //!
 //! # Stages
 //! * *Counts against a threshold* ([`continued_above`], [`continued_below`]): the stage's own trials are binomial at the
@@ -63,11 +68,18 @@ use crate::special::{normal_cdf, normal_quantile};
 /// Share of the conditional error that a look spends when it doubles the information, or is the first.
 pub const SHARE_OF_A_LOOK: f64 = 0.8;
 
+/// A first look at which no p-value can be as low cannot come out at a level of 5 %.
+pub const LEAST_OF_A_FIRST: f64 = SHARE_OF_A_LOOK * 0.05;
+
 /// The exponent `s` of such a look.
 const STEEPNESS: f64 = 1.8;
 
 /// Deviates beyond this are no better evidence: their p-value is about 1e-300.
 const MOST_DEVIATE: f64 = 37.0;
+
+/// Deviates to the contrary beyond this are taken for it. A p-value of 1 says that no outcome could be further from showing the
+/// claim, of two trials as of two hundred; and what is added later would get the credit for all by which it is better.
+const LEAST_DEVIATE: f64 = -2.0;
 
 /// The trials between two looks, as far as a test sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,9 +218,7 @@ fn rejects(stages: &[Stage], level: f64) -> bool {
     }
 }
 
-/// The p-value under continuation of these stages: 1 without any.
-///
-/// It never rises from look to look, as a hypothesis once rejected stays so.
+/// The p-value under continuation of these stages alone: 1 without any. It never rises from look to look.
 #[must_use]
 pub fn p_of_stages(stages: &[Stage]) -> f64 {
     if stages.is_empty() || !rejects(stages, LESS_THAN_CERTAIN) {
@@ -245,22 +255,27 @@ pub fn continued_above(looks: &[Sample], threshold: f64) -> f64 {
     if threshold >= 1.0 {
         return 1.0;
     }
-    p_of_stages(&stages_of_counts(looks, threshold))
+    p_of_stages(&stages_of_counts(looks, threshold)).max(once_above(looks, threshold))
 }
 
 /// Whether "the rate is at most the threshold" is rejected at this level by the last look: as `continued_above(looks,
 /// threshold) <= level`, quicker.
 fn is_shown_above(looks: &[Sample], threshold: f64, level: f64) -> bool {
-    threshold < 1.0 && rejects(&stages_of_counts(looks, threshold), level)
+    threshold < 1.0
+        && once_above(looks, threshold) <= level
+        && rejects(&stages_of_counts(looks, threshold), level)
+}
+
+/// The p-value of all trials, as if the last look was the only one.
+fn once_above(looks: &[Sample], threshold: f64) -> f64 {
+    let now = looks.iter().rev().find(|look| look.is_informative());
+    now.map_or(1.0, |now| outcome(*now, threshold).1)
 }
 
 /// The same of "the rate is at least the threshold".
 #[must_use]
 pub fn continued_below(looks: &[Sample], threshold: f64) -> f64 {
-    if threshold <= 0.0 {
-        return 1.0;
-    }
-    p_of_stages(&stages_of_counts(&failures(looks), 1.0 - threshold))
+    continued_above(&failures(looks), 1.0 - threshold)
 }
 
 /// The looks with failures for successes.
@@ -279,22 +294,47 @@ fn stages_of_counts(looks: &[Sample], threshold: f64) -> Vec<Stage> {
         trials: 0,
     };
     let mut stages = Vec::new();
+    let mut growing: Option<Growing> = None;
     for look in sequence(looks) {
         let own = Sample {
             successes: look.successes - before.successes,
             trials: look.trials - before.trials,
         };
-        let growth = match before.trials {
-            0 => 1.0,
-            trials => (own.trials as f64 / trials as f64).min(1.0),
-        };
+        let own_trials = own.trials as f64;
+        let growing = growing
+            .get_or_insert_with(|| Growing::from_first(own_trials, own_trials * threshold.ln()));
         stages.push(Stage {
-            growth,
+            growth: growing.by(own_trials),
             outcome: outcome(own, threshold),
         });
         before = look;
     }
     stages
+}
+
+/// By how much the information grows from stage to stage.
+struct Growing {
+    /// What there is, or what a first look would need.
+    information: f64,
+    before: f64,
+}
+
+impl Growing {
+    /// From a first stage with this information and the logarithm of the least p-value that it can have.
+    fn from_first(information: f64, ln_least: f64) -> Self {
+        let share = (ln_least / LEAST_OF_A_FIRST.ln()).min(1.0);
+        Self {
+            information: information / share.max(f64::MIN_POSITIVE),
+            before: 0.0,
+        }
+    }
+
+    /// A stage with so much information of its own: relative to all before it, at most 1.
+    fn by(&mut self, own: f64) -> f64 {
+        let relative = (own / self.information.max(self.before)).min(1.0);
+        self.before += own;
+        relative
+    }
 }
 
 /// `P(X > x)` and `P(X >= x)` at the threshold.
@@ -352,13 +392,15 @@ fn sequence(looks: &[Sample]) -> Vec<Sample> {
 /// ```
 #[must_use]
 pub fn continued_p(looks: &[ScoredLook]) -> f64 {
-    p_of_stages(&stages_of_scores(looks))
+    let once = looks.last().map_or(1.0, |now| now.p);
+    p_of_stages(&stages_of_scores(looks)).max(once)
 }
 
 /// Whether a test at this level has rejected by the last of these looks: as `continued_p(looks) <= level`, quicker.
 #[must_use]
 pub fn continued_rejects(looks: &[ScoredLook], level: f64) -> bool {
-    rejects(&stages_of_scores(looks), level)
+    let once = looks.last().is_some_and(|now| now.p <= level);
+    once && rejects(&stages_of_scores(looks), level)
 }
 
 fn stages_of_scores(looks: &[ScoredLook]) -> Vec<Stage> {
@@ -407,9 +449,9 @@ fn deviate(p: f64) -> f64 {
     if p <= 0.0 {
         MOST_DEVIATE
     } else if p >= 1.0 {
-        -MOST_DEVIATE
+        LEAST_DEVIATE
     } else {
-        (-normal_quantile(p)).clamp(-MOST_DEVIATE, MOST_DEVIATE)
+        (-normal_quantile(p)).clamp(LEAST_DEVIATE, MOST_DEVIATE)
     }
 }
 

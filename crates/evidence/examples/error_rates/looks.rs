@@ -131,6 +131,16 @@ pub struct Case {
     pub first: u64,
 }
 
+impl Case {
+    /// How many people there are at the first look, where they are few.
+    fn beginning(&self) -> String {
+        match self.first < 60 {
+            true => format!(" from {} people", self.first / 10),
+            false => String::new(),
+        }
+    }
+}
+
 /// The p-value over all looks of what denies a verdict: that the rate is below the threshold, or at least as high.
 pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
     let is_above = verdict == Verdict::Satisfied;
@@ -155,6 +165,7 @@ pub fn doubt(looks: &[Measure], verdict: Verdict, threshold: f64) -> f64 {
         );
         let fit = clusters
             .as_ref()
+            .filter(|_| sample.successes > 0 && sample.failures() > 0)
             .and_then(|clusters| BetaBinomial::fit(clusters).ok());
         let by_people = fit.map_or(0.0, |people| {
             let (above, below) = people.threshold_tests(threshold);
@@ -274,9 +285,10 @@ fn row(case: &Case, wanted: Verdict, studies: u64) -> Row {
     };
     let (rate, threshold) = (case.rate, case.threshold);
     let name = format!(
-        "{name}{}, {}: rate {rate}, threshold {threshold}",
+        "{name}{}, {}{}: rate {rate}, threshold {threshold}",
         case.trials.name(),
-        case.going.name()
+        case.going.name(),
+        case.beginning()
     );
     let is_power = (rate - threshold).abs() > 1e-9;
     let statement = match (wanted, is_power) {
@@ -331,7 +343,15 @@ pub fn rows_of_people(studies: u64) -> Vec<Row> {
             first: 100,
         })
     });
-    let jobs = cases.flat_map(|case| {
+    let few = [2, 4].map(|people| Case {
+        going: Going::Double,
+        trials: Trials::People(0.3),
+        requirements: 1,
+        rate: 0.9,
+        threshold: 0.9,
+        first: 10 * people,
+    });
+    let jobs = cases.chain(few).flat_map(|case| {
         let verdicts = [Verdict::Satisfied, Verdict::Violated];
         verdicts.map(|wanted| -> Job<'_> { Box::new(move || vec![row(&case, wanted, studies)]) })
     });

@@ -73,11 +73,29 @@ impl ByCluster {
         (!self.found.is_empty()).then_some(&self.found)
     }
 
+    /// Whether these counts tell how alike trials of one are: of several subjects, and not all with one outcome.
+    fn tells_how_alike(&self) -> bool {
+        let has = |of: fn(&Sample) -> u64| self.found.iter().any(|it| of(it) > 0);
+        self.subjects.is_some() && has(|it| it.successes) && has(Sample::failures)
+    }
+
     /// p-values of "the rate is below the threshold" and "the rate is at least as high"; 0, which claims nothing by
     /// itself, where no model can be fitted.
     pub fn doubts(&self, threshold: f64) -> (f64, f64) {
-        let fit = self.fit.get_or_init(|| BetaBinomial::fit(&self.found).ok());
-        fit.as_ref()
-            .map_or((0.0, 0.0), |fit| fit.threshold_tests(threshold))
+        let fit = self.fit();
+        fit.map_or((0.0, 0.0), |fit| fit.threshold_tests(threshold))
+    }
+
+    /// The most likely mean of all subjects; `None` where no model can be fitted.
+    pub fn mean(&self) -> Option<f64> {
+        self.fit().map(|fit| fit.mean)
+    }
+
+    fn fit(&self) -> Option<&BetaBinomial> {
+        let fitted = || {
+            let fit = || BetaBinomial::fit(&self.found).ok();
+            self.tells_how_alike().then(fit).flatten()
+        };
+        self.fit.get_or_init(fitted).as_ref()
     }
 }

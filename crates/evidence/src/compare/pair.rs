@@ -1,6 +1,7 @@
 //! The statistics of one pair of rates.
 
 use super::Belief;
+use super::by_likelihood::PairByLikelihood;
 use super::ends::{self, End, PlannedSide};
 use super::past::{Asked, Before, Past};
 use super::uncertain::Uncertain;
@@ -28,6 +29,8 @@ pub(super) struct Pair {
     /// Where a plan asks what more counts would show against a side that is uncertain otherwise: that side, for means over
     /// it that are taken thousands of times. A conclusion has none and integrates.
     places: Option<Rc<PlannedSide>>,
+    /// What counts by subject say of it, if it is the only look.
+    by_likelihood: OnceCell<PairByLikelihood>,
     /// This pair's uncertain side, for plans.
     places_of_next: OnceCell<Option<Rc<PlannedSide>>>,
 }
@@ -41,6 +44,7 @@ impl Pair {
             past: None,
             past_of_next: OnceCell::new(),
             places: None,
+            by_likelihood: OnceCell::new(),
             places_of_next: OnceCell::new(),
         }
     }
@@ -200,6 +204,17 @@ impl Pair {
 
     /// The same if this was the only look.
     pub fn p_difference_once(&self) -> f64 {
+        self.p_difference_at_size()
+            .max(self.by_likelihood().difference)
+    }
+
+    /// What counts by subject say of it, if it is the only look.
+    pub fn by_likelihood(&self) -> &PairByLikelihood {
+        let of = || PairByLikelihood::of(&self.first, &self.second, self.margin);
+        self.by_likelihood.get_or_init(of)
+    }
+
+    fn p_difference_at_size(&self) -> f64 {
         use Belief::{Counts, Known};
         if let Some((places, counts)) = self.planned() {
             return places.p_difference(&counts);
@@ -269,7 +284,10 @@ impl Pair {
                     effective: eb,
                     ..
                 },
-            ) => Some(at_effective_size(fisher_exact, (*a, *ea), (*b, *eb))),
+            ) => {
+                let at_size = at_effective_size(fisher_exact, (*a, *ea), (*b, *eb));
+                Some(at_size.max(self.by_likelihood().difference))
+            }
             _ => None,
         }
     }
@@ -290,6 +308,11 @@ impl Pair {
 
     /// The same p-value if this was the only look.
     pub fn p_equivalence_once(&self) -> Option<f64> {
+        let at_size = self.p_equivalence_at_size();
+        at_size.map(|p| p.max(self.by_likelihood().equivalence))
+    }
+
+    fn p_equivalence_at_size(&self) -> Option<f64> {
         use Belief::{Counts, Known};
         match (&self.first, &self.second) {
             (
@@ -342,8 +365,13 @@ impl Pair {
             .then(|| (side(&self.first), side(&self.second)))
     }
 
-    /// Posterior probability that the difference is below the margin.
+    /// Posterior probability that the difference is below the margin, no more than counts by subject let it be.
     pub fn probability_within(&self) -> f64 {
+        let by_likelihood = 1.0 - self.by_likelihood().equivalence;
+        self.probability_within_at_size().min(by_likelihood)
+    }
+
+    fn probability_within_at_size(&self) -> f64 {
         if let Some((places, counts)) = self.planned() {
             return places.probability_within(&counts, self.margin);
         }

@@ -7,7 +7,7 @@
 //! `1 / (1/n1 + 1/n2)` at the effective sizes, those of earlier looks at the design effect of today; a known rate has
 //! infinite size. What they amount to over all looks is `stats::continuation`'s p-value from scores. Equivalence of
 //! independent counts with a known rate is asked of the counts against the two ends of the margin, exactly
-//! (`stats::continued_above` and `continued_below`).
+//! (`stats::continued_above` and `continued_below`), and of all counts by subject ([`super::by_likelihood`]).
 //!
 //! # Guarantee
 //! At the first look the level is kept exactly as the tests keep it, and equivalence with a known rate at every look.
@@ -133,7 +133,8 @@ impl Past {
             true => 0.0,
             false => continued_below(&samples, ceiling),
         };
-        Some(not_below.max(not_above))
+        let by_likelihood = pair.by_likelihood().equivalence;
+        Some(not_below.max(not_above).max(by_likelihood))
     }
 
     /// The looks with their p-values in one direction.

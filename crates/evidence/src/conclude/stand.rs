@@ -114,8 +114,7 @@ fn all_kinds_met(
     }
 }
 
-/// What p-values against "not met" and "met" show. Looks that show both contradict each other, and decide nothing: what an
-/// early one showed is not taken back by later ones, and what all trials show is not hidden by it.
+/// What p-values against "not met" and "met" show.
 pub(super) fn standing(p_not_met: f64, p_met: f64, levels: ClaimLevels) -> Standing {
     match (p_not_met <= levels.met, p_met <= levels.missed) {
         (true, false) => Standing::Supports,

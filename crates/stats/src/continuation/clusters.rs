@@ -5,22 +5,31 @@
 //! rates have a beta distribution of intraclass correlation `rho`, the successes of these people are a sum `X` of
 //! beta-binomial numbers, and an outcome `x` stands for the p-values between `P(X > x)` and `P(X >= x)`, as in
 //! [`continued_above`](super::continued_above). `rho` is the most likely one of all people seen so far if the mean is the
-//! threshold. The first stage has the p-value of its look, whatever test that is of; so has, as the difference of two scores
-//! ([`continued_p`](super::continued_p)), a stage of more than [`MOST_CLUSTERS`] people, whose sum is near to normal, and
-//! one that is not a stage of new people: those who were there have made further trials.
+//! threshold. Judged so are, each if of at most [`MOST_CLUSTERS`] people,
+//! * the first stage, once there are others, and
+//! * stages of new people against a claim towards the middle (that a rate is below a threshold above one half).
+//!
+//! All other stages have the p-value of the difference of two scores ([`continued_p`](super::continued_p)): those of more
+//! people, whose sum is near to normal, those in which people who were there have made further trials, and those against a
+//! claim towards the end. The score of a first stage that is judged by its distribution is that of the middle of its p-values.
+//! The only look has its own p-value, whatever test that is of, and no p-value is below that of the last look.
 //!
 //! # Why
 //! One person more is far from a normal increment: where 9 of 10 succeed and attempts of one person are alike (0.3), a person
-//! who fails ten times comes along once in 480 and is five standard deviations away.
+//! who fails ten times comes along once in 480 and is five standard deviations away. Towards the end no person is far away, and
+//! the likelihood of all people, on which scores rest, tells more than the distribution at the `rho` that is most likely if
+//! the claim is false: people who hardly ever fail would have to differ much to have the mean of the threshold.
+//! Two people who never fail have no p-value but a range of them: taken for its upper end they would leave next to nothing
+//! to those who come later.
 //!
 //! # Source
 //! J. G. Skellam (1948) and D. A. Williams (1975) for the model, `crate::beta_binomial`; stages are those of
 //! [`continuation`](super).
 //!
 //! # Guarantee
-//! Exact for stages of new people if `rho` is theirs; it is estimated. Measured rates are in `evidence/ERROR_RATES.md`.
+//! Exact for stages that are judged by their distribution if `rho` is theirs; it is estimated. Measured rates are in `evidence/ERROR_RATES.md`.
 
-use super::{ScoredLook, Stage, p_of_stages, scored_stage};
+use super::{Growing, ScoredLook, Stage, p_of_stages, scored_stage};
 use crate::beta_binomial::Model;
 use crate::counts::Sample;
 use std::collections::BTreeMap;
@@ -49,6 +58,16 @@ enum Side {
     Below,
 }
 
+impl Side {
+    /// Whether what speaks against the hypothesis is rare if it is true.
+    fn is_towards_the_middle(self, threshold: f64) -> bool {
+        match self {
+            Side::Above => threshold < 0.5,
+            Side::Below => threshold > 0.5,
+        }
+    }
+}
+
 /// The p-value under continuation of "the mean rate is at most the threshold", oldest look first.
 #[must_use]
 pub fn continued_clusters_above(looks: &[ClusteredLook<'_>], threshold: f64) -> f64 {
@@ -67,25 +86,69 @@ fn continued(looks: &[ClusteredLook<'_>], threshold: f64, side: Side) -> f64 {
         .and_then(|look| look.clusters)
         .filter(|_| threshold > 0.0 && threshold < 1.0)
         .map(|clusters| Model::new(clusters).most_likely_correlation(threshold));
-    let mut stages: Vec<Stage> = Vec::new();
-    let mut before: Option<&ClusteredLook<'_>> = None;
-    for look in looks {
-        let Some(mut stage) = scored_stage(before.map(|it| it.scored), look.scored) else {
+    let looks = informative(looks);
+    let Some((first, later)) = looks.split_first() else {
+        return 1.0;
+    };
+    let once = looks.last().map_or(1.0, |now| now.scored.p);
+    let by_distribution = |before: Option<&ClusteredLook<'_>>, look: &ClusteredLook<'_>| {
+        let added = added(before, look)?;
+        Some(outcome(&added, threshold, correlation?, side))
+    };
+    let exact = by_distribution(None, first).filter(|_| !later.is_empty());
+    let (mut stages, mut growing, mut before) = first_stage(first.scored, exact);
+    let mut last = *first;
+    for look in later {
+        let Some(mut stage) = scored_stage(Some(before), look.scored) else {
             continue;
         };
-        if let (Some(correlation), Some(added)) = (correlation, added(before, look)) {
-            stage.outcome = outcome(&added, threshold, correlation, side);
+        if side.is_towards_the_middle(threshold)
+            && let Some(exact) = by_distribution(Some(last), look)
+        {
+            stage.outcome = exact.p_values;
         }
+        stage.growth = growing.by(look.scored.information - before.information);
         stages.push(stage);
-        before = Some(look);
+        (last, before) = (look, look.scored);
     }
-    p_of_stages(&stages)
+    p_of_stages(&stages).max(once)
+}
+
+/// The first stage, how it makes the information grow, and the score from which later ones differ.
+fn first_stage(scored: ScoredLook, exact: Option<Outcome>) -> (Vec<Stage>, Growing, ScoredLook) {
+    let (p_values, least) = match &exact {
+        Some(exact) => (exact.p_values, exact.least),
+        None => ((scored.p, scored.p), 0.0),
+    };
+    let mut growing = Growing::from_first(scored.information, least.ln());
+    let stage = Stage {
+        growth: growing.by(scored.information),
+        outcome: p_values,
+    };
+    let middle = ScoredLook {
+        p: f64::midpoint(p_values.0, p_values.1),
+        ..scored
+    };
+    (vec![stage], growing, middle)
+}
+
+/// The looks that hold new trials.
+fn informative<'a, 'l>(looks: &'a [ClusteredLook<'l>]) -> Vec<&'a ClusteredLook<'l>> {
+    let mut kept: Vec<&ClusteredLook<'_>> = Vec::with_capacity(looks.len());
+    for look in looks {
+        let before = kept.last().map(|it| it.scored);
+        if scored_stage(before, look.scored).is_some() {
+            kept.push(look);
+        }
+    }
+    kept
 }
 
 /// The clusters that a look has and the one before had not, if it has all of those unchanged, and they are few.
 fn added(before: Option<&ClusteredLook<'_>>, look: &ClusteredLook<'_>) -> Option<Vec<Sample>> {
     let mut times: BTreeMap<(u64, u64), usize> = BTreeMap::new();
-    for cluster in before?.clusters? {
+    let known = before.map_or(Some(&[][..]), |before| before.clusters)?;
+    for cluster in known.iter().filter(|it| it.trials > 0) {
         *times
             .entry((cluster.successes, cluster.trials))
             .or_default() += 1;
@@ -103,8 +166,15 @@ fn added(before: Option<&ClusteredLook<'_>>, look: &ClusteredLook<'_>) -> Option
         .then_some(new)
 }
 
-/// `P(X > x)` and `P(X >= x)` of what speaks against the hypothesis.
-fn outcome(added: &[Sample], threshold: f64, correlation: f64, side: Side) -> (f64, f64) {
+/// What a stage of these clusters amounts to.
+struct Outcome {
+    /// `P(X > x)` and `P(X >= x)` of what speaks against the hypothesis.
+    p_values: (f64, f64),
+    /// The least p-value that it could have had.
+    least: f64,
+}
+
+fn outcome(added: &[Sample], threshold: f64, correlation: f64, side: Side) -> Outcome {
     let (mean, found): (f64, u64) = match side {
         Side::Above => (threshold, added.iter().map(|it| it.successes).sum()),
         Side::Below => (1.0 - threshold, added.iter().map(Sample::failures).sum()),
@@ -114,7 +184,10 @@ fn outcome(added: &[Sample], threshold: f64, correlation: f64, side: Side) -> (f
         sum = convolved(&sum, &beta_binomial(cluster.trials, mean, correlation));
     }
     let above: f64 = sum[found as usize + 1..].iter().sum();
-    (above.min(1.0), (above + sum[found as usize]).min(1.0))
+    Outcome {
+        p_values: (above.min(1.0), (above + sum[found as usize]).min(1.0)),
+        least: sum.last().copied().unwrap_or(1.0),
+    }
 }
 
 fn convolved(one: &[f64], other: &[f64]) -> Vec<f64> {
@@ -184,7 +257,7 @@ mod tests {
     #[test]
     fn a_stage_is_the_sum_of_its_clusters() {
         let added = samples(&[(2, 3), (1, 2)]);
-        let (above, at_least) = outcome(&added, 0.6, 0.25, Side::Above);
+        let (above, at_least) = outcome(&added, 0.6, 0.25, Side::Above).p_values;
         let (one, other) = (beta_binomial(3, 0.6, 0.25), beta_binomial(2, 0.6, 0.25));
         let sum = |from: usize| -> f64 {
             let pairs = (0..4).flat_map(|i| (0..3).map(move |j| (i, j)));
@@ -194,6 +267,28 @@ mod tests {
                 .sum()
         };
         assert!((above - sum(4)).abs() < 1e-14 && (at_least - sum(3)).abs() < 1e-14);
+    }
+
+    /// Two people who never fail cannot show 95 %, and leave the level to the ten who come later; so does one of whom it was
+    /// not known then how alike attempts are.
+    #[test]
+    fn a_look_at_few_people_does_not_spend_the_level() {
+        let ten = [20, 20, 19, 20, 20, 19, 20, 20, 20, 19];
+        let ten = ten.map(|it| (it, 20));
+        for (first, p) in [(&[(20, 20); 2][..], 0.9), (&[(19, 20); 1], 0.74)] {
+            let first = samples(first);
+            let all: Vec<Sample> = first.iter().copied().chain(samples(&ten)).collect();
+            let again = continued_clusters_above(&[look(&first, p), look(&all, 0.003)], 0.95);
+            assert!(again < 0.06, "{first:?}: {again}");
+        }
+    }
+
+    #[test]
+    fn no_looks_show_what_all_people_together_do_not() {
+        let (first, more) = (samples(&[(8, 10); 20]), samples(&[(10, 10); 20]));
+        let all: Vec<Sample> = first.iter().chain(&more).copied().collect();
+        let looks = [look(&first, 1.0), look(&all, 0.4)];
+        assert!(continued_clusters_above(&looks, 0.89) >= 0.4);
     }
 
     /// Successes against "at most" are failures against "at least".
@@ -241,10 +336,26 @@ mod tests {
                 trials: 10,
             }))
             .collect();
+        let correlation = |clusters: &[Sample]| Model::new(clusters).most_likely_correlation(0.7);
         for later in [more_of_the_same, many] {
             let looks = [look(&first, 0.6), look(&later, 0.1)];
-            let by_scores = continued_p(&looks.clone().map(|it| it.scored));
-            assert_eq!(continued_clusters_above(&looks, 0.7), by_scores);
+            let exact = outcome(&first, 0.7, correlation(&later), Side::Above);
+            let middle = ScoredLook {
+                p: f64::midpoint(exact.p_values.0, exact.p_values.1),
+                ..looks[0].scored
+            };
+            let by_scores = scored_stage(Some(middle), looks[1].scored).expect("new");
+            let stages = |second: Stage| {
+                let information = looks[0].scored.information;
+                let mut growing = Growing::from_first(information, exact.least.ln());
+                let stage = Stage {
+                    growth: growing.by(information),
+                    outcome: exact.p_values,
+                };
+                p_of_stages(&[stage, second])
+            };
+            let found = continued_clusters_above(&looks, 0.7);
+            assert_eq!(found, stages(by_scores).max(0.1));
         }
         let unknown = [
             look(&first, 0.6),

@@ -148,7 +148,7 @@ fn looking_again_without_it_errs_too_often() {
 
 #[test]
 fn one_look_costs_a_fifth_of_the_level() {
-    for (x, n, threshold) in [(59, 59, 0.95), (98, 100, 0.9), (1000, 1500, 0.6)] {
+    for (x, n, threshold) in [(73, 73, 0.95), (98, 100, 0.9), (1000, 1500, 0.6)] {
         let raw = binomial_test_above(look(x, n), threshold);
         let continued = continued_above(&[look(x, n)], threshold);
         assert!((continued / (raw / SHARE_OF_A_LOOK) - 1.0).abs() < 1e-9);
@@ -156,7 +156,7 @@ fn one_look_costs_a_fifth_of_the_level() {
 }
 
 #[test]
-fn p_values_never_rise_and_do_not_see_empty_looks() {
+fn p_values_of_stages_never_rise_and_do_not_see_empty_looks() {
     let looks = [
         look(50, 60),
         look(50, 60),
@@ -166,12 +166,65 @@ fn p_values_never_rise_and_do_not_see_empty_looks() {
     ];
     let mut last = 1.0;
     for end in 1..=looks.len() {
-        let now = continued_above(&looks[..end], 0.8);
+        let now = p_of_stages(&stages_of_counts(&looks[..end], 0.8));
         assert!(now <= last + 1e-12, "{end}: {now} {last}");
         last = now;
     }
     let without = [looks[0], looks[2], looks[3], looks[4]];
     assert_eq!(continued_above(&looks, 0.8), continued_above(&without, 0.8));
+}
+
+/// Of 360/400 the last 200 alone would show more than all of them; what all show is shown.
+#[test]
+fn no_looks_show_what_all_trials_together_do_not() {
+    for looks in [
+        &[look(160, 200), look(360, 400)][..],
+        &[look(3, 3), look(10, 12)],
+        &[look(200, 200), look(360, 400)],
+    ] {
+        let now = looks[looks.len() - 1];
+        for rate in [0.5, 0.6, 0.8, 0.87, 0.885, 0.895, 0.95] {
+            let once = (
+                binomial_test_above(now, rate),
+                crate::binomial_test_below(now, rate),
+            );
+            assert!(continued_above(looks, rate) >= once.0, "{looks:?} {rate}");
+            assert!(continued_below(looks, rate) >= once.1, "{looks:?} {rate}");
+        }
+        let once = crate::clopper_pearson(now, Confidence::P95);
+        let found = continued_interval(looks, Confidence::P95);
+        let wider = found.low <= once.low + 1e-9 && found.high >= once.high - 1e-9;
+        assert!(wider, "{looks:?}: {found} {once}");
+        let scored = looks.iter().map(|look| ScoredLook {
+            p: binomial_test_above(*look, 0.87),
+            information: look.trials as f64,
+        });
+        let scored: Vec<ScoredLook> = scored.collect();
+        let once = binomial_test_above(now, 0.87);
+        assert!(continued_p(&scored) >= once && !continued_rejects(&scored, 0.99 * once));
+    }
+}
+
+/// A glance at trials that cannot show anything costs next to nothing.
+#[test]
+fn a_first_look_that_cannot_come_out_leaves_the_level_to_the_next() {
+    let later = look(237, 240);
+    let once = continued_above(&[later], 0.95);
+    for first in [look(2, 2), look(1, 2), look(4, 5)] {
+        let again = continued_above(&[first, later], 0.95);
+        assert!(again < 2.5 * once, "{first}: {again} {once}");
+    }
+    // One that could have come out costs.
+    let again = continued_above(&[look(77, 80), later], 0.95);
+    assert!(again > 3.0 * once, "{again} {once}");
+}
+
+/// A p-value of 1 at first says that nothing was shown, not that what follows is all the better.
+#[test]
+fn the_worst_first_look_is_no_credit_to_the_next() {
+    let at = |p: f64, information: f64| ScoredLook { p, information };
+    let worst = continued_p(&[at(1.0, 2.0), at(0.1, 100.0)]);
+    assert!(worst > 0.1, "{worst}");
 }
 
 /// The p-value rises with the threshold, so that the limits bound all rates that are not excluded.

@@ -1,0 +1,430 @@
+//! A pair of rates by the likelihood of counts by subject, beside the test at the effective size.
+//!
+//! # Definition
+//! A side has a deviate `z(r)` at each rate `r`, positive where its rate lies above: of counts by subject that of Student's
+//! test of their likelihood ([`super::by_cluster`]), of other counts the root of their deviance at the effective size, of a
+//! distribution its normal quantile at `r`; with the distance `d`
+//!
+//! ```text
+//! S(d) = min over r of  z1(r)^2 + z2(r + d)^2
+//! ```
+//!
+//! "No difference" has the p-value `P(chi-squared_1 > S(0))`, "second minus first is at least d" that of a normal deviate of
+//! size `S(d)^(1/2)`, on the side on which the estimates lie. Against a known number the p-values are those of the counts
+//! at that number, and at the ends of the margin. Against a range that is uncertain each direction has the end that it meets.
+//!
+//! # Why
+//! A verdict asks the counts by subject, too ([`super::by_cluster`] says why); a comparison that did not could call different,
+//! or within the margin, what the same counts do not show against a threshold. A claim needs both: the greater p-value counts.
+//!
+//! # Source
+//! The profile of a difference: S. G. Self and K.-Y. Liang (1987), S. S. Wilks (1938). Deviation: each side's ratio of likelihoods
+//! enters as the normal deviate of its own p-value, which knows how few the subjects are.
+//!
+//! # Guarantee
+//! Never more claims than by the effective size alone. Asymptotic in the number of subjects; `ERROR_RATES.md` has measured rates.
+
+use super::Belief;
+use super::ends::{End, Ends};
+use super::pair::to_agree_with;
+use super::uncertain::Uncertain;
+use stats::special::{chi_squared_sf, normal_quantile, normal_sf};
+use stats::{EffectiveSample, Interval};
+
+/// Deviates beyond this are no better evidence.
+const MOST_DEVIATE: f64 = 37.0;
+
+/// Places at which the smallest sum is sought before it is refined, and how often it is.
+const PLACES: u32 = 8;
+const REFINEMENTS: u32 = 16;
+
+/// Both p-values of a pair; 0, which claims nothing by itself, where no side has counts by subject that tell how alike they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PairByLikelihood {
+    /// Of "no difference".
+    pub difference: f64,
+    /// Of "the difference is the margin or more".
+    pub equivalence: f64,
+}
+
+impl PairByLikelihood {
+    pub fn of(first: &Belief, second: &Belief, margin: f64) -> Self {
+        if !tells_how_alike(first) && !tells_how_alike(second) {
+            return Self::default();
+        }
+        let (one, other) = (Side::of(first), Side::of(second));
+        match (one, other) {
+            (Some(one), Some(other)) => Self::of_two(&one, &other, margin),
+            (Some(counts), None) => Self::beside(&counts, second, margin),
+            (None, Some(counts)) => Self::beside(&counts, first, margin),
+            (None, None) => Self::default(),
+        }
+    }
+
+    fn of_two(one: &Side<'_>, other: &Side<'_>, margin: f64) -> Self {
+        let (least, greatest) = (
+            p_at_least(one, other, margin),
+            p_at_least(other, one, margin),
+        );
+        Self {
+            difference: chi_squared_sf(sum_of_squares(one, other, 0.0), 1.0),
+            equivalence: least.max(greatest),
+        }
+    }
+
+    /// Counts beside numbers between bounds, or between ends that are uncertain.
+    fn beside(counts: &Side<'_>, other: &Belief, margin: f64) -> Self {
+        match other {
+            Belief::Known { bounds, .. } => {
+                let nearest = counts.centre().clamp(bounds.low, bounds.high);
+                let far = counts.deviate(nearest).abs();
+                let Interval { low, high } = to_agree_with(other);
+                Self {
+                    difference: (2.0 * normal_sf(far)).min(1.0),
+                    equivalence: counts
+                        .p_above(high - margin)
+                        .max(counts.p_below(low + margin)),
+                }
+            }
+            Belief::Range { ends, .. } => Self::beside_ends(counts, ends, margin),
+            Belief::Counts { .. } | Belief::Distribution { .. } => Self::default(),
+        }
+    }
+
+    fn beside_ends(counts: &Side<'_>, ends: &Ends, margin: f64) -> Self {
+        let beyond =
+            p_not_below(counts, &ends.least, 0.0).min(p_not_above(counts, &ends.greatest, 0.0));
+        let (floor, ceiling) = match ends.is_range {
+            true => (&ends.least, &ends.greatest),
+            false => (&ends.greatest, &ends.least),
+        };
+        Self {
+            difference: (2.0 * beyond).min(1.0),
+            equivalence: p_not_above(counts, floor, margin)
+                .max(p_not_below(counts, ceiling, margin)),
+        }
+    }
+}
+
+/// p-value of "the counts lie below the end by the distance or more".
+fn p_not_above(counts: &Side<'_>, end: &End, distance: f64) -> f64 {
+    match end {
+        End::Known(end) => counts.p_above(end - distance),
+        End::Uncertain(end) => p_at_least(counts, &Side::Distributed(end.clone()), distance),
+    }
+}
+
+/// p-value of "the counts lie above the end by the distance or more".
+fn p_not_below(counts: &Side<'_>, end: &End, distance: f64) -> f64 {
+    match end {
+        End::Known(end) => counts.p_below(end + distance),
+        End::Uncertain(end) => p_at_least(&Side::Distributed(end.clone()), counts, distance),
+    }
+}
+
+fn tells_how_alike(belief: &Belief) -> bool {
+    matches!(belief, Belief::Counts { clusters: Some(clusters), .. } if clusters.mean().is_some())
+}
+
+/// A side with a deviate at each rate.
+enum Side<'b> {
+    Counted(&'b Belief, EffectiveSample),
+    Distributed(Uncertain),
+}
+
+impl<'b> Side<'b> {
+    fn of(belief: &'b Belief) -> Option<Self> {
+        match belief {
+            Belief::Counts { effective, .. } => Some(Self::Counted(belief, *effective)),
+            Belief::Distribution {
+                posterior,
+                quantiles,
+                ..
+            } => Some(Self::Distributed(Uncertain {
+                shape: *posterior,
+                quantiles: quantiles.clone(),
+            })),
+            Belief::Known { .. } | Belief::Range { .. } => None,
+        }
+    }
+
+    /// Positive where its rate lies above.
+    fn deviate(&self, rate: f64) -> f64 {
+        let found = match self {
+            Self::Counted(belief, effective) => {
+                by_subject(belief, rate).unwrap_or_else(|| root_of_deviance(*effective, rate))
+            }
+            Self::Distributed(number) => deviate_of(number.cdf(rate), number.sf(rate)),
+        };
+        found.clamp(-MOST_DEVIATE, MOST_DEVIATE)
+    }
+
+    /// Where its deviate is 0.
+    fn centre(&self) -> f64 {
+        match self {
+            Self::Counted(Belief::Counts { clusters, .. }, effective) => {
+                let mean = clusters.as_ref().and_then(|it| it.mean());
+                mean.unwrap_or(effective.successes / effective.trials)
+            }
+            Self::Counted(belief, _) => belief.estimate(),
+            Self::Distributed(number) => number.quantile(0.5),
+        }
+    }
+
+    /// p-value of "the rate is at most this".
+    fn p_above(&self, rate: f64) -> f64 {
+        if rate < 0.0 {
+            0.0
+        } else {
+            normal_sf(self.deviate(rate))
+        }
+    }
+
+    /// p-value of "the rate is at least this".
+    fn p_below(&self, rate: f64) -> f64 {
+        if rate > 1.0 {
+            0.0
+        } else {
+            normal_sf(-self.deviate(rate))
+        }
+    }
+}
+
+fn by_subject(belief: &Belief, rate: f64) -> Option<f64> {
+    let Belief::Counts { clusters, .. } = belief else {
+        return None;
+    };
+    let clusters = clusters.as_ref()?;
+    clusters.mean()?;
+    let (at_most, at_least) = clusters.doubts(rate);
+    Some(deviate_of(at_most, at_least))
+}
+
+/// The deviate of which these are the tails beyond and before it.
+fn deviate_of(above: f64, below: f64) -> f64 {
+    if above <= below {
+        -normal_quantile(above.max(f64::MIN_POSITIVE))
+    } else {
+        normal_quantile(below.max(f64::MIN_POSITIVE))
+    }
+}
+
+fn root_of_deviance(sample: EffectiveSample, rate: f64) -> f64 {
+    let (found, trials) = (sample.successes / sample.trials, sample.trials);
+    let part = |own: f64, expected: f64| match own > 0.0 {
+        true => own * (own / expected).ln(),
+        false => 0.0,
+    };
+    let deviance = 2.0 * trials * (part(found, rate) + part(1.0 - found, 1.0 - rate));
+    deviance.max(0.0).sqrt().copysign(found - rate)
+}
+
+/// p-value of "the second lies above the first by the distance or more".
+fn p_at_least(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
+    if distance > 1.0 {
+        return 0.0;
+    }
+    let size = sum_of_squares(first, second, distance).sqrt();
+    match second.centre() - first.centre() < distance {
+        true => normal_sf(size),
+        false => normal_sf(-size),
+    }
+}
+
+/// The least `z1(r)^2 + z2(r + distance)^2` over all rates: it lies between the rates at which one of both is 0.
+fn sum_of_squares(first: &Side<'_>, second: &Side<'_>, distance: f64) -> f64 {
+    let inside = |rate: f64| rate.clamp((-distance).max(0.0), (1.0 - distance).min(1.0));
+    let ends = [first.centre(), second.centre() - distance].map(inside);
+    let (low, high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let at = |rate: f64| first.deviate(rate).powi(2) + second.deviate(rate + distance).powi(2);
+    let step = (high - low) / f64::from(PLACES);
+    let mut best = (low, f64::INFINITY);
+    for place in 0..=PLACES {
+        let rate = low + f64::from(place) * step;
+        let sum = at(rate);
+        if sum < best.1 {
+            best = (rate, sum);
+        }
+    }
+    let (mut low, mut high) = ((best.0 - step).max(low), (best.0 + step).min(high));
+    for _ in 0..REFINEMENTS {
+        let third = (high - low) / 3.0;
+        let (left, right) = (at(low + third), at(high - third));
+        best.1 = best.1.min(left).min(right);
+        if left <= right {
+            high -= third;
+        } else {
+            low += third;
+        }
+    }
+    best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::by_cluster::ByCluster;
+    use super::super::pair::Pair;
+    use super::*;
+    use crate::Measure;
+    use crate::uniform::Uniform;
+    use stats::{Confidence, Sample};
+
+    fn of_people(counts: &[(u64, u64)]) -> Belief {
+        let sample = |&(successes, trials): &(u64, u64)| Sample { successes, trials };
+        let people: Vec<Sample> = counts.iter().map(sample).collect();
+        belief(&people)
+    }
+
+    fn belief(people: &[Sample]) -> Belief {
+        let measure = Measure::of_clusters(people, Confidence::P95).expect("counts");
+        Belief::of(&measure).expect("a belief")
+    }
+
+    fn independent(successes: u64, trials: u64) -> Belief {
+        Belief::of_counts(successes, trials, None).expect("counts")
+    }
+
+    fn known(value: f64) -> Belief {
+        Belief::Known {
+            value,
+            bounds: Interval {
+                low: value,
+                high: value,
+            },
+            is_range: false,
+        }
+    }
+
+    const TEN: [(u64, u64); 10] = [
+        (9, 10),
+        (10, 10),
+        (8, 10),
+        (7, 10),
+        (9, 10),
+        (10, 10),
+        (10, 10),
+        (6, 10),
+        (9, 10),
+        (10, 10),
+    ];
+
+    /// What a verdict asks of the counts by subject at a threshold, a pair asks at the known number and at its margin.
+    #[test]
+    fn beside_a_known_number_it_is_what_a_verdict_asks() {
+        let people = of_people(&TEN);
+        let clusters = ByCluster::new(&TEN.map(|(count, trials)| [count, trials]));
+        let found = PairByLikelihood::of(&people, &known(0.95), 0.1);
+        let (_, at_least) = clusters.doubts(0.95);
+        assert!(
+            (found.difference - 2.0 * at_least).abs() < 1e-9,
+            "{found:?}"
+        );
+        let (at_most, _) = clusters.doubts(0.95 - 0.1);
+        assert!((found.equivalence - at_most).abs() < 1e-9, "{found:?}");
+        let swapped = PairByLikelihood::of(&known(0.95), &people, 0.1);
+        assert_eq!(found, swapped);
+    }
+
+    /// Of many people who do not differ it is the ratio of likelihoods of two binomial counts.
+    #[test]
+    fn of_many_who_do_not_differ_it_is_that_of_two_counts() {
+        let mut people = vec![(1, 2); 300];
+        people.extend(vec![(2, 2); 350]);
+        people.extend(vec![(0, 2); 50]);
+        let first = of_people(&people);
+        let (a, n, b, m) = (1000.0, 1400.0, 330.0, 500.0);
+        let found = PairByLikelihood::of(&first, &independent(330, 500), 0.1);
+        let ln = |k: f64, n: f64, rate: f64| k * rate.ln() + (n - k) * (1.0 - rate).ln();
+        let pooled = (a + b) / (n + m);
+        let ratio = ln(a, n, a / n) + ln(b, m, b / m) - ln(a, n, pooled) - ln(b, m, pooled);
+        let expected = chi_squared_sf(2.0 * ratio, 1.0);
+        assert!(
+            (found.difference / expected - 1.0).abs() < 0.03,
+            "{found:?} {expected}"
+        );
+        let swapped = PairByLikelihood::of(&independent(330, 500), &first, 0.1);
+        assert!((swapped.difference / found.difference - 1.0).abs() < 1e-3);
+        assert!((swapped.equivalence / found.equivalence - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn without_counts_by_subject_it_claims_nothing() {
+        let none = PairByLikelihood::default();
+        assert_eq!((none.difference, none.equivalence), (0.0, 0.0));
+        for other in [independent(80, 100), known(0.9)] {
+            assert_eq!(
+                PairByLikelihood::of(&independent(90, 100), &other, 0.1),
+                none
+            );
+        }
+        // Of people whose trials all came out alike nothing tells how alike they are.
+        let alike = of_people(&[(10, 10), (10, 10), (10, 10)]);
+        assert_eq!(PairByLikelihood::of(&alike, &known(0.9), 0.1), none);
+    }
+
+    /// Estimates that are the margin or more apart speak for no agreement.
+    #[test]
+    fn what_lies_beyond_the_margin_does_not_agree() {
+        for other in [independent(70, 100), known(0.7)] {
+            let found = PairByLikelihood::of(&of_people(&TEN), &other, 0.1);
+            assert!(found.equivalence > 0.5, "{found:?}");
+        }
+    }
+
+    /// A model whose constants are nearly certain is a known number, as a range, too.
+    #[test]
+    fn a_narrow_distribution_is_a_known_number() {
+        let people = of_people(&TEN);
+        let shape = stats::BetaPosterior::new(95_000.0, 5_000.0).expect("a distribution");
+        let distribution = Belief::Distribution {
+            value: 0.95,
+            posterior: shape,
+            quantiles: None,
+        };
+        let range = Belief::Range {
+            value: 0.95,
+            ends: Ends {
+                as_written: Interval {
+                    low: 0.95,
+                    high: 0.95,
+                },
+                least: End::Uncertain(shape.into()),
+                greatest: End::Known(0.95),
+                is_range: false,
+            },
+        };
+        let expected = PairByLikelihood::of(&people, &known(0.95), 0.1);
+        for other in [distribution, range] {
+            let found = PairByLikelihood::of(&people, &other, 0.1);
+            for (found, expected) in [
+                (found.difference, expected.difference),
+                (found.equivalence, expected.equivalence),
+            ] {
+                assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+            }
+        }
+    }
+
+    /// Between people and a simulation neither difference nor agreement is shown in more than 5 % of studies where it is
+    /// false; and a comparison never says more than the counts by subject, or the effective size, alone.
+    #[test]
+    fn false_claims_about_people_are_rare() {
+        let mut uniform = Uniform(11);
+        let studies = 200;
+        let (mut differ, mut agree) = (0, 0);
+        for _ in 0..studies {
+            let them = belief(&uniform.people(12, 10, 0.85, 0.3));
+            let mut simulated = |rate: f64| {
+                let sample = uniform.sample(400, rate);
+                independent(sample.successes, sample.trials)
+            };
+            let same = Pair::new(them.clone(), simulated(0.85), 0.1);
+            differ += u32::from(same.p_difference() <= 0.05);
+            assert!(same.p_difference() >= same.by_likelihood().difference);
+            let apart = Pair::new(them, simulated(0.75), 0.1);
+            agree += u32::from(apart.shows_agreement(Confidence::P95));
+        }
+        // 5 % of 200 and three standard deviations.
+        assert!(differ <= 19 && agree <= 19, "{differ} {agree}");
+    }
+}
